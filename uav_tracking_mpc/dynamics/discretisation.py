@@ -1,0 +1,78 @@
+"""Discrete-time models: forward Euler (10), Runge-Kutta 4, and the linearisation (12)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.dynamics.relative import NU, NX, rates_function, steady_inputs
+
+
+def euler(rates: ca.Function, state: ca.SX, inputs: ca.SX, step: float) -> ca.SX:
+    """One forward Euler step, as in (10)."""
+    return state + step * rates(state, inputs)
+
+
+def runge_kutta4(rates: ca.Function, state: ca.SX, inputs: ca.SX, step: float) -> ca.SX:
+    """One classical Runge-Kutta step with the inputs held."""
+    k1 = rates(state, inputs)
+    k2 = rates(state + 0.5 * step * k1, inputs)
+    k3 = rates(state + 0.5 * step * k2, inputs)
+    k4 = rates(state + step * k3, inputs)
+    return state + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+
+
+SCHEMES: dict[str, Callable[[ca.Function, ca.SX, ca.SX, float], ca.SX]] = {
+    "euler": euler,
+    "rk4": runge_kutta4,
+}
+
+
+def error_dynamics(model: str, orbit: Orbit, step: float, scheme: str = "euler") -> ca.Function:
+    """Tracking-error form f(x, u) of a model, (10)-(11): x+ = f(x, u), f(0, 0) = 0.
+
+    Args:
+        model: Name in :data:`uav_tracking_mpc.dynamics.relative.MODELS`.
+        orbit: Reference; x and u are deviations from its steady state and steady inputs.
+        step: T_s in [s].
+        scheme: Name in :data:`SCHEMES`.
+
+    Returns:
+        CasADi function (x (5,), u (3,)) -> x+ (5,).
+
+    Raises:
+        ValueError: Unknown model or scheme, or a step that is not positive.
+    """
+    if scheme not in SCHEMES:
+        raise ValueError(f"scheme is {scheme!r}, must be one of {', '.join(SCHEMES)}")
+    if not step > 0.0:
+        raise ValueError(f"step is {step} s, must be positive")
+    rates = rates_function(model)
+    x, u = ca.SX.sym("x", NX), ca.SX.sym("u", NU)
+    x_ss, u_ss = ca.DM(orbit.steady_state), ca.DM(steady_inputs(model, orbit))
+    following = SCHEMES[scheme](rates, x + x_ss, u + u_ss, step) - x_ss
+    return ca.Function(f"{model}_{scheme}", [x, u], [following], ["x", "u"], ["x_next"])
+
+
+def linearise(
+    dynamics: ca.Function, state: NDArray | None = None, inputs: NDArray | None = None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A and B of (12): Jacobians of f by automatic differentiation.
+
+    Args:
+        dynamics: CasADi function (x, u) -> x+.
+        state: Where to linearise, shape (nx,); the origin by default.
+        inputs: Shape (nu,); the origin by default.
+
+    Returns:
+        A, shape (nx, nx), and B, shape (nx, nu).
+    """
+    x, u = ca.SX.sym("x", dynamics.size1_in(0)), ca.SX.sym("u", dynamics.size1_in(1))
+    following = dynamics(x, u)
+    jacobians = ca.Function("AB", [x, u], [ca.jacobian(following, x), ca.jacobian(following, u)])
+    a, b = jacobians(0 if state is None else state, 0 if inputs is None else inputs)
+    return np.array(a), np.array(b)

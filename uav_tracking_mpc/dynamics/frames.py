@@ -1,0 +1,86 @@
+"""Frames and signs (REP-103): the only module that knows them.
+
+World ``map`` is East-North-Up, body ``base_link`` is Forward-Left-Up. The heading psi turns
+counter-clockwise from East; the path angle chi is positive when climbing. FLU pitch is positive
+nose *down*, hence
+
+.. math:: R = R_z(\\psi) R_y(-\\chi)
+
+and the pitch rate on the wire is minus the rate of chi. There is no roll: the vehicle is a point
+that moves along its own x axis.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+def quaternion_from_course(heading: float, path_angle: float) -> tuple[float, float, float, float]:
+    """Attitude of ``base_link`` in ``map``.
+
+    Args:
+        heading: psi in [rad].
+        path_angle: chi in [rad].
+
+    Returns:
+        Unit quaternion (x, y, z, w), the order of geometry_msgs.
+    """
+    sin_psi, cos_psi = math.sin(heading / 2.0), math.cos(heading / 2.0)
+    sin_chi, cos_chi = math.sin(path_angle / 2.0), math.cos(path_angle / 2.0)
+    return (sin_psi * sin_chi, -cos_psi * sin_chi, sin_psi * cos_chi, cos_psi * cos_chi)
+
+
+def course_from_quaternion(x: float, y: float, z: float, w: float) -> tuple[float, float]:
+    """Heading psi and path angle chi of the body's forward axis; roll plays no part.
+
+    Args:
+        x, y, z, w: Unit quaternion of ``base_link`` in ``map``.
+
+    Returns:
+        (psi, chi) in [rad]; psi is 0 where the nose points straight up or down.
+
+    Raises:
+        ValueError: The quaternion is not finite or its norm is not 1 within 1e-3.
+    """
+    norm = math.sqrt(x * x + y * y + z * z + w * w)
+    if not abs(norm - 1.0) <= 1e-3:
+        raise ValueError(f"quaternion (x={x}, y={y}, z={z}, w={w}) has norm {norm:.6g}, must be 1")
+    east = 1.0 - 2.0 * (y * y + z * z) / norm**2
+    north = 2.0 * (x * y + w * z) / norm**2
+    up = 2.0 * (x * z - w * y) / norm**2
+    return math.atan2(north, east), math.asin(max(-1.0, min(1.0, up)))
+
+
+def rotation_from_course(heading: float, path_angle: float) -> NDArray[np.float64]:
+    """Rotation matrix, (3, 3), that takes vectors from ``base_link`` to ``map``."""
+    sin_psi, cos_psi = math.sin(heading), math.cos(heading)
+    sin_chi, cos_chi = math.sin(path_angle), math.cos(path_angle)
+    return np.array(
+        [
+            [cos_psi * cos_chi, -sin_psi, -cos_psi * sin_chi],
+            [sin_psi * cos_chi, cos_psi, -sin_psi * sin_chi],
+            [sin_chi, 0.0, cos_chi],
+        ]
+    )
+
+
+def body_rates(path_angle: float, inputs: ArrayLike) -> tuple[float, float, float]:
+    """Angular velocity of ``base_link`` in its own axes.
+
+    Args:
+        path_angle: chi in [rad].
+        inputs: (u_psi, u_chi, u_v), rates in [rad/s] and acceleration in [m/s^2].
+
+    Returns:
+        Roll, pitch and yaw rate about the body axes in [rad/s].
+    """
+    turn_rate, path_angle_rate = (float(rate) for rate in np.asarray(inputs)[:2])
+    return (turn_rate * math.sin(path_angle), -path_angle_rate, turn_rate * math.cos(path_angle))
+
+
+def pitch_rate_from_path_angle_rate(rate: float) -> float:
+    """FLU pitch rate on the wire for a path-angle rate, and back: its own inverse [rad/s]."""
+    return -rate

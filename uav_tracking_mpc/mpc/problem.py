@@ -1,0 +1,145 @@
+"""An optimal control problem over a finite horizon, as data.
+
+.. math::
+
+    \\min_{u_0..u_{N-1},\\,a} \\; \\sum_{i=0}^{N-1} l(x_i, u_i, p_i, a) + V_f(x_N, p_N, a)
+
+subject to x_0 given, x_{i+1} = f(x_i, u_i, p_i, a), u_i in a box, h(x_i, u_i, p_i, a) <= 0 at the
+stages, h_N(x_N, p_N, a) <= 0 and e_N(x_N, p_N, a) = 0 at the end. p_i are parameters known in
+advance that may differ from stage to stage; a are a few decisions that are constant over the
+horizon. An inequality is hard, or soft with an exact (L1) penalty. (14)-(16) of the paper is the
+case without p, a and h.
+
+All expressions are CasADi SX in the problem's own symbols, so solvers derive what they need.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Inequality:
+    """``expression <= 0``, elementwise.
+
+    Attributes:
+        expression: SX column in the symbols of the problem.
+        penalty: None for a hard constraint; for a soft one the weight of the violation in the
+            cost, ``penalty * sum(max(0, expression))``: exact once it exceeds the multipliers.
+        name: What a message calls it.
+    """
+
+    expression: ca.SX
+    penalty: float | None = None
+    name: str = "constraint"
+
+    def __post_init__(self) -> None:
+        """Refuse a penalty that penalises nothing."""
+        if self.penalty is not None and not (np.isfinite(self.penalty) and self.penalty > 0.0):
+            raise ValueError(
+                f"penalty of {self.name!r} is {self.penalty}, must be positive and finite, "
+                "or None for a hard constraint"
+            )
+
+
+def _no_symbols() -> ca.SX:
+    return ca.SX.zeros(0, 1)
+
+
+@dataclass(frozen=True)
+class OptimalControlProblem:
+    """The problem of the module's docstring.
+
+    Attributes:
+        state: x, SX symbol (nx, 1).
+        inputs: u, SX symbol (nu, 1).
+        next_state: f, SX (nx, 1).
+        stage_cost: l, SX (1, 1).
+        terminal_cost: V_f, SX (1, 1), free of u.
+        horizon: N, number of stages.
+        step: T_s, time from stage to stage in [s]; solvers use it to shift warm starts.
+        input_lower: Lower bounds of u, shape (nu,).
+        input_upper: Upper bounds of u, shape (nu,).
+        parameter: p, SX symbol (np, 1), values given per stage 0..N at each solve.
+        decision: a, SX symbol (na, 1), free but constant over the horizon.
+        decision_lower: Lower bounds of a, shape (na,).
+        decision_upper: Upper bounds of a, shape (na,).
+        decision_guess: Where a cold start places a, shape (na,).
+        state_goal: Where the cost wants the state, shape (nx,), the origin by default; a cold
+            start also tries a plan that rests there.
+        stage_inequalities: h, at stages 0..N-1.
+        terminal_inequalities: h_N, free of u.
+        terminal_equality: e_N, SX (ne, 1), free of u.
+    """
+
+    state: ca.SX
+    inputs: ca.SX
+    next_state: ca.SX
+    stage_cost: ca.SX
+    terminal_cost: ca.SX
+    horizon: int
+    step: float
+    input_lower: NDArray[np.float64]
+    input_upper: NDArray[np.float64]
+    parameter: ca.SX = field(default_factory=_no_symbols)
+    decision: ca.SX = field(default_factory=_no_symbols)
+    decision_lower: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    decision_upper: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    decision_guess: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    state_goal: NDArray[np.float64] | None = None
+    stage_inequalities: tuple[Inequality, ...] = ()
+    terminal_inequalities: tuple[Inequality, ...] = ()
+    terminal_equality: ca.SX = field(default_factory=_no_symbols)
+
+    def __post_init__(self) -> None:
+        """Check sizes and bounds once, where the problem is built."""
+        if self.horizon < 1:
+            raise ValueError(f"horizon is {self.horizon}, must be at least 1")
+        if not (np.isfinite(self.step) and self.step > 0.0):
+            raise ValueError(f"step is {self.step} s, must be positive and finite")
+        if self.next_state.shape != self.state.shape:
+            raise ValueError(
+                f"next_state has shape {self.next_state.shape}, must be {self.state.shape}"
+            )
+        for name, size in (("input", self.nu), ("decision", self.na)):
+            lower = np.asarray(getattr(self, f"{name}_lower"), dtype=float)
+            upper = np.asarray(getattr(self, f"{name}_upper"), dtype=float)
+            if lower.shape != (size,) or upper.shape != (size,):
+                raise ValueError(
+                    f"{name} bounds have shapes {lower.shape} and {upper.shape}, must be ({size},)"
+                )
+            if not np.all(lower < upper):
+                raise ValueError(f"{name} bounds are {lower} and {upper}: lower must be below upper")
+        if np.shape(self.decision_guess) != (self.na,):
+            raise ValueError(
+                f"decision_guess has shape {np.shape(self.decision_guess)}, must be ({self.na},)"
+            )
+        terminal = ca.vertcat(
+            self.terminal_cost, self.terminal_equality, *(h.expression for h in self.terminal_inequalities)
+        )
+        if ca.depends_on(terminal, self.inputs):
+            raise ValueError("terminal cost and constraints must not depend on the inputs")
+
+    @property
+    def nx(self) -> int:
+        """Number of states."""
+        return self.state.numel()
+
+    @property
+    def nu(self) -> int:
+        """Number of inputs."""
+        return self.inputs.numel()
+
+    @property
+    def np(self) -> int:
+        """Number of parameters per stage."""
+        return self.parameter.numel()
+
+    @property
+    def na(self) -> int:
+        """Number of decisions constant over the horizon."""
+        return self.decision.numel()

@@ -1,0 +1,52 @@
+"""What a solver gives back: a status in words, and a plan that is always finite and in the box."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Status(Enum):
+    """How a solve ended; the value is what people read."""
+
+    CONVERGED = "converged"
+    ITERATION_LIMIT = "iteration limit"
+    TIME_LIMIT = "time limit"
+    INFEASIBLE = "infeasible"
+    FAILED = "failed"
+    REFUSED = "refused"
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Result of one solve.
+
+    Attributes:
+        status: How it ended.
+        message: The status with its reason, for people.
+        cost: V_N at the plan, nan if it could not be evaluated.
+        iterations: Iterations of the solver.
+        solve_time: Wall time in [s].
+        states: x_0..x_N, shape (N + 1, nx), as (19).
+        inputs: u_0..u_{N-1}, shape (N, nu), as (18): finite and inside the box whatever the status.
+        decision: a, shape (na,).
+        violation: Largest violation of a hard constraint at the plan.
+    """
+
+    status: Status
+    message: str
+    cost: float
+    iterations: int
+    solve_time: float
+    states: NDArray[np.float64]
+    inputs: NDArray[np.float64]
+    decision: NDArray[np.float64]
+    violation: float
+
+    @property
+    def converged(self) -> bool:
+        """Whether the plan is a solution to the stated tolerance."""
+        return self.status is Status.CONVERGED

@@ -1,0 +1,62 @@
+"""The interface that every solver shares."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from numpy.typing import ArrayLike, NDArray
+
+import numpy as np
+
+from uav_tracking_mpc.mpc.problem import OptimalControlProblem
+from uav_tracking_mpc.mpc.solution import Solution
+
+
+class Solver(Protocol):
+    """Solves one problem again and again, from one state after the other.
+
+    A solver keeps its last converged plan and starts from it, moved on by the time that has passed.
+    It never raises on data and never returns an input that is not finite or outside the box: bad
+    data gives :attr:`Status.REFUSED` and leaves everything that the solver holds as it was.
+    """
+
+    name: str
+    problem: OptimalControlProblem
+
+    def solve(
+        self,
+        initial_state: ArrayLike,
+        parameters: ArrayLike | None = None,
+        elapsed: float | None = None,
+    ) -> Solution:
+        """Solve P_N(x_0), (16).
+
+        Args:
+            initial_state: x_0, shape (nx,).
+            parameters: p_0..p_N, shape (N + 1, np), or (np,) where they do not change.
+            elapsed: Time in [s] since the state of the last solve, for the warm start; None for a
+                cold start.
+        """
+        ...
+
+    def reset(self) -> None:
+        """Forget the last plan: the next solve starts cold."""
+        ...
+
+
+def shift(samples: NDArray[np.float64], stages: float) -> NDArray[np.float64]:
+    """Move a sequence forward in time by linear interpolation; the last sample is held.
+
+    Args:
+        samples: Values at stages 0..n-1, shape (n, m).
+        stages: Elapsed time over T_s, any number >= 0.
+
+    Returns:
+        Values at stages 0..n-1 from then on, shape (n, m).
+    """
+    count = len(samples)
+    where = np.minimum(np.arange(count) + stages, count - 1.0)
+    below = where.astype(int)
+    above = np.minimum(below + 1, count - 1)
+    weight = (where - below)[:, np.newaxis]
+    return (1.0 - weight) * samples[below] + weight * samples[above]
