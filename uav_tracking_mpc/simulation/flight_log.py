@@ -1,0 +1,98 @@
+"""What a flight leaves behind: the record from which metrics, figures and the report are made."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.dynamics.relative import relative_state, tracking_error
+
+
+@dataclass(frozen=True)
+class CommandCounts:
+    """What the command link saw.
+
+    Attributes:
+        sent: Commands published by the controller.
+        late: Control steps that took longer than the control period.
+        plan_reused: Commands taken from an earlier plan because no new one was available.
+        failsafe: Times the vehicle ran out of plan and held wings level.
+    """
+
+    sent: int = 0
+    late: int = 0
+    plan_reused: int = 0
+    failsafe: int = 0
+
+
+@dataclass(frozen=True)
+class Latency:
+    """State stamp to command publish, wall time, in [us]; nan without a measurement."""
+
+    median: float
+    p99: float
+    max: float
+
+
+@dataclass(frozen=True)
+class FlightLog:
+    """Record of one flight.
+
+    Attributes:
+        config: Name of the configuration flown.
+        duration: Length of the mission in [s].
+        speed: Simulated over wall time; 0 where the flight was not tied to wall time.
+        model: Prediction model of the controller.
+        plant: What was flown: ``vehicle`` (exact kinematics) or ``euler`` (the model itself).
+        orbit: Reference.
+        input_lower: Lower bounds of (u_psi, u_chi, u_v), shape (3,).
+        input_upper: Upper bounds, shape (3,).
+        steady_inputs: u_ss of the prediction model, shape (3,).
+        time: Times of the states in [s] from the start, shape (n,).
+        vehicle: (x, y, z, psi, chi, v) at these times, shape (n, 6).
+        target: True target position at these times, shape (n, 3).
+        command_time: Times of the commands in [s] from the start, shape (m,).
+        inputs: (u_psi, u_chi, u_v) commanded, shape (m, 3).
+        cost: Optimal cost V_N at each command, nan where there was none, shape (m,).
+        solve_time: Wall time of each solve in [s], shape (m,).
+        solver: Name of the solver.
+        failures: Solves that did not converge.
+        commands: Counts of the command link.
+        latency: Set for flights with real nodes only.
+    """
+
+    config: str
+    duration: float
+    speed: float
+    model: str
+    plant: str
+    orbit: Orbit
+    input_lower: NDArray[np.float64]
+    input_upper: NDArray[np.float64]
+    steady_inputs: NDArray[np.float64]
+    time: NDArray[np.float64]
+    vehicle: NDArray[np.float64]
+    target: NDArray[np.float64]
+    command_time: NDArray[np.float64]
+    inputs: NDArray[np.float64]
+    cost: NDArray[np.float64]
+    solve_time: NDArray[np.float64]
+    solver: str
+    failures: int = 0
+    commands: CommandCounts = CommandCounts()
+    latency: Latency | None = None
+
+    @property
+    def relative(self) -> NDArray[np.float64]:
+        """(r, theta, z, chi, v) at the times of the states, shape (n, 5)."""
+        return np.array(
+            [relative_state(vehicle, target) for vehicle, target in zip(self.vehicle, self.target, strict=True)]
+        ).reshape(-1, 5)
+
+    @property
+    def error(self) -> NDArray[np.float64]:
+        """Tracking error x = xbar - x_ss at the times of the states, shape (n, 5)."""
+        return tracking_error(self.relative, self.orbit)
