@@ -1,0 +1,69 @@
+"""Package metadata. It stays here: a [project] table in pyproject.toml breaks the colcon build."""
+
+from glob import glob
+from pathlib import Path
+
+from setuptools import find_packages, setup
+
+NAME = "uav_tracking_mpc"
+
+setup(
+    name=NAME,
+    version="0.1.0",
+    description="Nonlinear MPC of a fixed-wing UAV that circles a ground target in 3-D",
+    long_description=Path(__file__).with_name("README.md").read_text(encoding="utf-8"),
+    long_description_content_type="text/markdown",
+    author="uav_tracking_mpc maintainers",
+    author_email="maintainers@uav-tracking-mpc.org",
+    maintainer="uav_tracking_mpc maintainers",
+    maintainer_email="maintainers@uav-tracking-mpc.org",
+    license="Apache-2.0",
+    python_requires=">=3.10",
+    # The configurations lie in config/, where ROS users look, and travel inside the package, where
+    # they are found however it was installed.
+    packages=[*find_packages(include=[NAME, f"{NAME}.*"]), f"{NAME}.config"],
+    package_dir={f"{NAME}.config": "config"},
+    package_data={f"{NAME}.config": ["*.yaml"], f"{NAME}.report": ["*.j2"], NAME: ["py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
+        (f"share/{NAME}", ["package.xml"]),
+        (f"share/{NAME}/config", glob("config/*.yaml")),
+    ],
+    zip_safe=False,
+    install_requires=[
+        "casadi>=3.7",
+        "jinja2>=3.0",
+        "matplotlib>=3.6",
+        "numpy>=1.24",
+        "pyyaml>=6.0",
+        "rich>=13.0",
+        "rosbags>=0.10",
+        "scipy>=1.10",
+    ],
+    extras_require={
+        # Never for machines with ROS 2 from apt: the two must not mix. The prefix names the
+        # distribution; without it a later one is taken.
+        "ros": [
+            "ros-jazzy-rclpy[fastrtps]==7.1.6",
+            "ros-jazzy-common-interfaces==5.3.6",
+        ],
+        "test": [
+            "colcon-common-extensions",
+            "hypothesis",
+            "mypy",
+            "pytest",
+            "ruff",
+            "types-PyYAML",
+        ],
+    },
+    entry_points={
+        "console_scripts": [
+            f"uav_simulator = {NAME}.nodes.uav_simulator:main",
+            f"target_publisher = {NAME}.nodes.target_publisher:main",
+            f"nmpc_controller = {NAME}.nodes.nmpc_controller:main",
+            f"monitor = {NAME}.nodes.monitor:main",
+            f"launch_tracking = {NAME}.launch:main",
+            f"uav_tracking = {NAME}.cli:main",
+        ],
+    },
+)

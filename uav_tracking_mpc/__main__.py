@@ -1,0 +1,7 @@
+"""``python -m uav_tracking_mpc`` is the ``uav_tracking`` command."""
+
+import sys
+
+from uav_tracking_mpc.cli import main
+
+sys.exit(main())

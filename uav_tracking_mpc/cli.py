@@ -1,0 +1,150 @@
+"""The ``uav_tracking`` command."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import Progress
+
+from uav_tracking_mpc import __version__
+from uav_tracking_mpc.launch import (
+    LaunchError,
+    add_launch_arguments,
+    add_mission_arguments,
+    launch,
+    mission_configuration,
+)
+from uav_tracking_mpc.parameters import ParameterError
+from uav_tracking_mpc.report.mission_report import write_report
+from uav_tracking_mpc.simulation.closed_loop import simulate
+
+EPILOG = """\
+examples:
+  uav_tracking simulate --config paper          the paper's simulation, no ROS needed
+  uav_tracking fly --config paper               the same mission with three ROS 2 nodes
+  uav_tracking fly --set nmpc_controller.model=paper
+                                                the paper's model on the true vehicle
+  uav_tracking monitor --domain-id 7            watch a flight from another terminal
+"""
+BAG = "mission.mcap"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Entry point: 0 done, 1 failed, 2 asked for something that is not allowed."""
+    parsed = _parser().parse_args(arguments)
+    try:
+        return int(parsed.run(parsed))
+    except ParameterError as error:
+        return _fail(str(error), 2)
+    except ModuleNotFoundError as error:
+        if error.name is None or error.name.startswith("uav_tracking_mpc"):
+            raise
+        return _fail(
+            f"{error.name} is not installed; flying needs ROS 2 Jazzy: source its setup file, or "
+            "`pip install 'uav_tracking_mpc[ros]'`",
+            1,
+        )
+    except (LaunchError, OSError) as error:
+        return _fail(str(error), 1)
+    except KeyboardInterrupt:
+        return _fail("interrupted", 130)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="uav_tracking",
+        description="Nonlinear MPC of a fixed-wing UAV that circles a ground target.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=__version__)
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    fly = commands.add_parser("fly", help="fly a mission with real ROS 2 nodes, record and report")
+    add_mission_arguments(fly)
+    add_launch_arguments(fly)
+    _add_output_arguments(fly)
+    fly.set_defaults(run=_fly)
+
+    simulated = commands.add_parser("simulate", help="the same mission without ROS, deterministic")
+    add_mission_arguments(simulated)
+    _add_output_arguments(simulated)
+    simulated.set_defaults(run=_simulate)
+
+    monitor = commands.add_parser("monitor", help="a live table of a flight in the terminal")
+    add_launch_arguments(monitor)
+    monitor.set_defaults(run=_monitor)
+    return parser
+
+
+def _add_output_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--output",
+        type=Path,
+        default=Path("output"),
+        metavar="DIR",
+        help="folder for metrics.json, figures and report.html (default: output)",
+    )
+    parser.add_argument(
+        "--json", action="store_true", help="print the metrics as one JSON object, nothing else"
+    )
+
+
+def _simulate(arguments: argparse.Namespace) -> int:
+    configuration = mission_configuration(arguments)
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("simulating", total=configuration.mission.duration)
+        log = simulate(configuration, lambda time: progress.update(task, completed=time))
+    _finish(write_report(log, arguments.output), arguments)
+    return 0
+
+
+def _fly(arguments: argparse.Namespace) -> int:
+    configuration = mission_configuration(arguments)
+    bag = arguments.output / BAG
+    launch(configuration, domain=arguments.domain_id, bag=bag)
+    from uav_tracking_mpc.nodes.flight_bag import flight_log
+
+    _finish(write_report(flight_log(bag, configuration), arguments.output), arguments)
+    return 0
+
+
+def _monitor(arguments: argparse.Namespace) -> int:
+    if arguments.domain_id is not None:
+        os.environ["ROS_DOMAIN_ID"] = str(arguments.domain_id)
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    from uav_tracking_mpc.nodes.monitor import Monitor
+    from uav_tracking_mpc.nodes.run import run
+
+    return run("monitor", Monitor, [])
+
+
+def _finish(metrics: dict, arguments: argparse.Namespace) -> None:
+    if arguments.json:
+        print(json.dumps(metrics))
+        return
+    settling, steady = metrics["settling_s"], metrics["steady_state"]
+    words = ", ".join(
+        f"{name} {'never' if time is None else f'{time:.1f} s'}" for name, time in settling.items()
+    )
+    print(f"settled: {words}")
+    print(
+        f"last third: range rms {steady['range_rms_m']:.4f} m, "
+        f"altitude rms {steady['altitude_rms_m']:.4f} m"
+    )
+    print(f"report: {arguments.output / 'report.html'}")
+
+
+def _fail(message: str, code: int) -> int:
+    print(f"uav_tracking: {message}", file=sys.stderr)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

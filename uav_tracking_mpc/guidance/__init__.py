@@ -1,0 +1,9 @@
+"""State in, command out.
+
+=======================  =============================================================
+``tracking_parameters``  orbit, model, horizon, weights, limits
+``tracking_problem``     these put together as an optimal control problem
+``controller``           the control law, and what flies when a solve fails
+``target_filter``        position and velocity of the target from its measured positions
+=======================  =============================================================
+"""

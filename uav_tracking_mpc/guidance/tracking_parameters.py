@@ -1,0 +1,147 @@
+"""Parameters of the tracking controller: orbit, model, horizon, weights and limits (Table 1)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.dynamics.discretisation import SCHEMES
+from uav_tracking_mpc.dynamics.orbit import DIRECTIONS, Orbit
+from uav_tracking_mpc.dynamics.relative import MODELS, steady_inputs
+from uav_tracking_mpc.mpc.casadi_solver import PLUGINS
+from uav_tracking_mpc.mpc.quadratic import TERMINAL_CONSTRAINTS
+from uav_tracking_mpc.parameters import ParameterError, parameter
+
+
+@dataclass(frozen=True)
+class TrackingParameters:
+    """What the controller is asked to do. The defaults are those of the paper's Table 1 and (59).
+
+    Raises:
+        ParameterError: The values do not fit together: no such orbit, or inputs that cannot hold
+            it.
+    """
+
+    range: float = parameter(
+        150.0, "Distance to the target to hold, r_d.", unit="m", lower=1.0, upper=1e5
+    )
+    altitude: float = parameter(
+        50.0, "Height above the target to hold, z_d.", unit="m", lower=-1e4, upper=1e4
+    )
+    airspeed: float = parameter(4.0, "Speed to hold, v_d.", unit="m/s", lower=0.1, upper=300.0)
+    direction: str = parameter(
+        "clockwise", "Sense of the orbit seen from above.", choices=DIRECTIONS
+    )
+    model: str = parameter(
+        "exact", "Prediction model: exact, or the paper's (11) or (9).", choices=tuple(MODELS)
+    )
+    scheme: str = parameter("euler", "Discretisation of the model.", choices=tuple(SCHEMES))
+    horizon: int = parameter(10, "Stages of the horizon, N.", lower=1, upper=200)
+    horizon_step: float = parameter(
+        1.0, "Time from stage to stage, T_s.", unit="s", lower=0.001, upper=10.0
+    )
+    control_rate: float = parameter(
+        10.0, "How often a new command is computed.", unit="Hz", lower=0.1, upper=1000.0
+    )
+    state_weights: tuple[float, ...] = parameter(
+        (0.008, 0.09, 0.05, 0.04, 0.9),
+        "Diagonal of Q: range, bearing, altitude, path angle, speed.",
+        size=5,
+        lower=1e-9,
+        upper=1e9,
+    )
+    input_weights: tuple[float, ...] = parameter(
+        (1.0, 1.0, 1.0),
+        "Diagonal of R: yaw rate, pitch rate, acceleration.",
+        size=3,
+        lower=1e-9,
+        upper=1e9,
+    )
+    terminal_scaling: float = parameter(
+        2.5, "rho: terminal weight P_rho = rho P.", lower=1.0, upper=1e3
+    )
+    terminal_constraint: str = parameter(
+        "none",
+        "Terminal set (16e): left out, penalised exactly, or enforced.",
+        choices=TERMINAL_CONSTRAINTS,
+    )
+    terminal_penalty: float = parameter(
+        100.0, "Weight of a violation of the soft terminal set.", lower=1e-3, upper=1e6
+    )
+    yaw_rate_max: float = parameter(
+        math.pi / 4, "Bound of |u_psi|.", unit="rad/s", lower=1e-3, upper=10.0
+    )
+    pitch_rate_max: float = parameter(
+        math.pi / 4, "Bound of |u_chi|.", unit="rad/s", lower=1e-3, upper=10.0
+    )
+    acceleration_min: float = parameter(
+        -1.0, "Lower bound of u_v.", unit="m/s^2", lower=-100.0, upper=-1e-3
+    )
+    acceleration_max: float = parameter(
+        1.0, "Upper bound of u_v.", unit="m/s^2", lower=1e-3, upper=100.0
+    )
+    solver: str = parameter("fatrop", "Solver of the optimal control problem.", choices=PLUGINS)
+    plan_age_max: float = parameter(
+        2.0,
+        "How long an earlier plan may stand in for a solve that failed.",
+        unit="s",
+        lower=0.0,
+        upper=60.0,
+    )
+    state_timeout: float = parameter(
+        0.5, "Age at which the vehicle's state counts as lost.", unit="s", lower=0.01, upper=60.0
+    )
+    target_timeout: float = parameter(
+        5.0, "Age at which the target's position counts as lost.", unit="s", lower=0.01, upper=600.0
+    )
+    target_noise: float = parameter(
+        0.1,
+        "Standard deviation of the target's measured position, for the filter.",
+        unit="m",
+        lower=1e-3,
+        upper=1e3,
+    )
+    target_agility: float = parameter(
+        0.5,
+        "How hard the target may accelerate, for the filter.",
+        unit="m/s^2",
+        lower=1e-3,
+        upper=100.0,
+    )
+
+    def __post_init__(self) -> None:
+        """Check what no single range can: the orbit exists and the inputs can hold it."""
+        try:
+            orbit = self.orbit
+        except ValueError as error:
+            raise ParameterError(f"parameters 'range', 'altitude', 'airspeed': {error}") from error
+        turn_rate = abs(self.steady_inputs[0])
+        if turn_rate >= self.yaw_rate_max:
+            raise ParameterError(
+                f"parameter 'yaw_rate_max' is {self.yaw_rate_max:.6g}, must exceed "
+                f"{turn_rate:.6g} rad/s, the steady turn rate of an orbit of radius "
+                f"{orbit.radius:.6g} m at {self.airspeed:.6g} m/s"
+            )
+
+    @property
+    def orbit(self) -> Orbit:
+        """The reference."""
+        return Orbit(self.range, self.altitude, self.airspeed, self.direction)
+
+    @property
+    def steady_inputs(self) -> NDArray[np.float64]:
+        """u_ss of the prediction model, shape (3,), in [rad/s, rad/s, m/s^2]."""
+        return steady_inputs(self.model, self.orbit)
+
+    @property
+    def input_lower(self) -> NDArray[np.float64]:
+        """Lower bounds of (u_psi, u_chi, u_v), shape (3,)."""
+        return np.array([-self.yaw_rate_max, -self.pitch_rate_max, self.acceleration_min])
+
+    @property
+    def input_upper(self) -> NDArray[np.float64]:
+        """Upper bounds of (u_psi, u_chi, u_v), shape (3,)."""
+        return np.array([self.yaw_rate_max, self.pitch_rate_max, self.acceleration_max])

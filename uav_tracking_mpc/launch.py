@@ -1,0 +1,361 @@
+"""The nodes as processes, started by plain Python: ``launch_tracking`` and ``uav_tracking fly``.
+
+Discovery stays on this machine and each launch has a domain of its own, so that two do not mix.
+Transport is UDP: Fast DDS would leave shared-memory files behind whenever a process is killed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ctypes
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn
+
+from uav_tracking_mpc.parameters import ParameterError, specifications
+from uav_tracking_mpc.simulation.configuration import (
+    Configuration,
+    MissionParameters,
+    load_configuration,
+)
+
+NODES = ("uav_simulator", "target_publisher", "nmpc_controller")
+START_LIMIT = 60.0  # s of wall time for the first command
+STOP_LIMIT = 5.0  # s of wall time for a node to end after a signal
+DRAIN_TIME = 0.3  # s of wall time for the nodes' last messages
+REPORT_PERIOD = 5.0  # s of wall time between lines where there is no terminal
+FIRST_DOMAIN, LAST_DOMAIN = 1, 101  # what Linux's ephemeral ports leave free
+
+
+class LaunchError(RuntimeError):
+    """The flight could not be flown; the message says why."""
+
+
+class NodeProcess:
+    """One node as a process; its output is printed line by line behind its name."""
+
+    def __init__(self, name: str, arguments: Sequence[str], console: Console) -> None:
+        self.name = name
+        self._process = subprocess.Popen(
+            [sys.executable, "-u", "-m", f"uav_tracking_mpc.nodes.{name}", *arguments],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            # A session of its own: Ctrl-C reaches the launcher alone, which passes it on.
+            start_new_session=True,
+            preexec_fn=_end_with_parent,
+        )
+        self._reader = threading.Thread(target=self._print, args=(console,), daemon=True)
+        self._reader.start()
+
+    def _print(self, console: Console) -> None:
+        assert self._process.stdout is not None
+        for line in self._process.stdout:
+            console.print(
+                f"[{self.name}] {line.rstrip()}", markup=False, highlight=False, soft_wrap=True
+            )
+
+    @property
+    def exit_code(self) -> int | None:
+        """None while it runs."""
+        return self._process.poll()
+
+    def send_signal(self, number: int) -> None:
+        """Pass a signal on, if it still runs."""
+        if self.exit_code is None:
+            self._process.send_signal(number)
+
+    def stop(self, number: int) -> None:
+        """End it: by the signal, and by force if that takes too long."""
+        self.send_signal(number)
+        try:
+            self._process.wait(STOP_LIMIT)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._reader.join(STOP_LIMIT)
+
+
+def _end_with_parent() -> None:
+    """In the child: ask Linux for SIGTERM when the launcher dies, however it dies."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG
+
+
+@contextmanager
+def own_domain(domain: int | None) -> Iterator[int]:
+    """A ROS domain that no other launch on this machine uses.
+
+    A TCP port stands for the domain while it is in use; it carries no traffic.
+
+    Args:
+        domain: Take this one instead, whoever else is on it.
+
+    Raises:
+        LaunchError: All domains are in use.
+    """
+    if domain is not None:
+        yield domain
+        return
+    count = LAST_DOMAIN - FIRST_DOMAIN + 1
+    for offset in range(count):
+        candidate = FIRST_DOMAIN + (os.getpid() + offset) % count
+        with socket.socket() as claim:
+            try:
+                claim.bind(("127.0.0.1", 7400 + 250 * candidate))  # where DDS puts its domains
+            except OSError:
+                continue
+            yield candidate
+            return
+    raise LaunchError(f"all ROS domains from {FIRST_DOMAIN} to {LAST_DOMAIN} are in use")
+
+
+def launch(
+    configuration: Configuration,
+    *,
+    domain: int | None = None,
+    bag: Path | None = None,
+    console: Console | None = None,
+) -> None:
+    """Fly a configuration with real nodes until its duration is over or a signal comes.
+
+    Args:
+        configuration: What to fly.
+        domain: ROS_DOMAIN_ID; by default one of its own.
+        bag: MCAP file to record every topic to.
+        console: Where output and progress go, stderr by default.
+
+    Raises:
+        LaunchError: A node died, or nothing flew.
+        ModuleNotFoundError: There is no rclpy.
+    """
+    console = console or Console(stderr=True)
+    with own_domain(domain) as claimed:
+        os.environ.update(
+            ROS_DOMAIN_ID=str(claimed),
+            ROS_AUTOMATIC_DISCOVERY_RANGE=os.environ.get(
+                "ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"
+            ),
+            FASTDDS_BUILTIN_TRANSPORTS=os.environ.get("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4"),
+            RCUTILS_COLORIZED_OUTPUT="0",
+        )
+        # rclpy reads the environment when it is loaded.
+        import rclpy
+        from rclpy.signals import SignalHandlerOptions
+
+        console.print(
+            f"domain {claimed}: watch with `uav_tracking monitor --domain-id {claimed}`",
+            highlight=False,
+        )
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+        try:
+            _fly(configuration, bag, console)
+        finally:
+            rclpy.try_shutdown()
+
+
+def _fly(configuration: Configuration, bag_path: Path | None, console: Console) -> None:
+    from rclpy.experimental.events_executor import EventsExecutor
+
+    from uav_tracking_mpc.nodes.flight_bag import FlightBag
+    from uav_tracking_mpc.nodes.flight_recorder import FlightRecorder
+
+    bag = None if bag_path is None else FlightBag(bag_path)
+    processes: list[NodeProcess] = []
+    try:
+        recorder = FlightRecorder(bag)
+        executor = EventsExecutor()
+        executor.add_node(recorder)
+        with _signals() as received, tempfile.TemporaryDirectory() as folder:
+            parameters = Path(folder) / "parameters.yaml"
+            parameters.write_text(configuration.yaml(), encoding="utf-8")
+            try:
+                for name in NODES:
+                    arguments = _node_arguments(name, parameters, configuration)
+                    processes.append(NodeProcess(name, arguments, console))
+                _watch(configuration, recorder, executor, processes, received, console)
+            finally:
+                number = received[0] if received else signal.SIGINT
+                for process in processes:
+                    process.send_signal(number)
+                _drain(executor, processes)  # their last diagnostics
+                for process in processes:
+                    process.stop(number)
+        recorder.destroy_node()
+        if bag is not None:
+            bag.close()
+    except BaseException:
+        if bag is not None:
+            bag.discard()
+        raise
+
+
+def _node_arguments(name: str, parameters: Path, configuration: Configuration) -> list[str]:
+    arguments = ["--ros-args", "--params-file", str(parameters)]
+    if name == "uav_simulator":
+        speed = configuration.mission.speed
+        # Time starts when controller and recorder listen, the vehicle when it is commanded.
+        extra = [
+            "publish_clock:=true",
+            "wait_for_subscribers:=2",
+            "start_on_command:=true",
+            f"speed:={speed!r}",
+        ]
+    else:
+        extra = ["use_sim_time:=true"]
+    for assignment in extra:
+        arguments += ["-p", assignment]
+    return arguments
+
+
+def _watch(
+    configuration: Configuration,
+    recorder: object,
+    executor: object,
+    processes: list[NodeProcess],
+    received: list[int],
+    console: Console,
+) -> None:
+    """Spin the recorder and show progress until the mission ends, a signal comes or a node dies."""
+    duration = configuration.mission.duration
+    begin = shown = time.monotonic()
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:3.0f}%"))
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("starting", total=duration)
+        while not received:
+            executor.spin_once(timeout_sec=0.05)  # type: ignore[attr-defined]
+            for process in processes:
+                if process.exit_code is not None:
+                    raise LaunchError(f"{process.name} died with exit code {process.exit_code}")
+            now = time.monotonic()
+            period = 0.2 if console.is_terminal else REPORT_PERIOD
+            progress = recorder.progress() if now - shown > 0.2 else None  # type: ignore[attr-defined]
+            if progress is None:
+                continue
+            if progress.time is None:
+                if now - begin > START_LIMIT:
+                    raise LaunchError(f"no command within {START_LIMIT:g} s")
+                continue
+            if progress.time >= duration:
+                return
+            if now - shown > period:
+                shown = now
+                line = (
+                    f"t {progress.time:6.1f} s   range {progress.range:7.2f} m   "
+                    f"altitude {progress.altitude:6.2f} m   speed {progress.speed:5.2f} m/s   "
+                    f"solve {progress.solve_time * 1e6:6.0f} us"
+                )
+                bar.update(task, completed=progress.time, description=line)
+                if not console.is_terminal:
+                    console.print(line, highlight=False)
+
+
+def _drain(executor: object, processes: list[NodeProcess]) -> None:
+    deadline = time.monotonic() + STOP_LIMIT
+    while time.monotonic() < deadline and any(p.exit_code is None for p in processes):
+        executor.spin_once(timeout_sec=0.05)  # type: ignore[attr-defined]
+    deadline = time.monotonic() + DRAIN_TIME
+    while time.monotonic() < deadline:
+        executor.spin_once(timeout_sec=0.05)  # type: ignore[attr-defined]
+
+
+@contextmanager
+def _signals() -> Iterator[list[int]]:
+    """SIGINT and SIGTERM as a list that fills, instead of exceptions."""
+    received: list[int] = []
+
+    def remember(number: int, frame: FrameType | None) -> None:
+        received.append(number)
+
+    previous = {number: signal.signal(number, remember) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield received
+    finally:
+        for number, handler in previous.items():
+            signal.signal(number, handler)
+
+
+def add_mission_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options that every command flying a configuration has."""
+    parser.add_argument(
+        "--config", default="paper", metavar="NAME|FILE", help="configuration (default: paper)"
+    )
+    parser.add_argument(
+        "--set",
+        dest="overrides",
+        action="append",
+        default=[],
+        metavar="SECTION.PARAMETER=VALUE",
+        help="override a parameter, e.g. nmpc_controller.model=paper; may be repeated",
+    )
+    for specification in specifications(MissionParameters):
+        if isinstance(specification.default, float):
+            parser.add_argument(
+                f"--{specification.name}",
+                type=float,
+                metavar="NUMBER",
+                help=f"{specification.description} ({specification.allowed})",
+            )
+
+
+def mission_configuration(arguments: argparse.Namespace) -> Configuration:
+    """Configuration asked for on a command line.
+
+    Raises:
+        ParameterError: It does not exist or is not allowed.
+    """
+    overrides = list(arguments.overrides)
+    for name in ("duration", "speed"):
+        value = getattr(arguments, name)
+        if value is not None:
+            overrides.append(f"mission.{name}={value!r}")
+    return load_configuration(arguments.config, overrides)
+
+
+def add_launch_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of commands that start nodes."""
+    parser.add_argument(
+        "--domain-id",
+        type=int,
+        metavar="N",
+        help="ROS domain to fly in (default: one that no other launch uses)",
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Entry point of the executable ``launch_tracking``."""
+    parser = argparse.ArgumentParser(
+        prog="launch_tracking",
+        description="Start simulator, target and controller as processes and watch over them. "
+        "Ctrl-C ends them all.",
+    )
+    add_mission_arguments(parser)
+    add_launch_arguments(parser)
+    parsed = parser.parse_args(arguments)
+    try:
+        launch(mission_configuration(parsed), domain=parsed.domain_id)
+    except ParameterError as error:
+        print(f"launch_tracking: {error}", file=sys.stderr)
+        return 2
+    except LaunchError as error:
+        print(f"launch_tracking: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,266 @@
+"""Messages to arrays and back: the one place that knows both.
+
+Jazzy's Python messages do not check what is put into a float field, hence ``float()`` on every
+scalar; NaN would pass, hence the checks on everything that comes in.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import (
+    Point,
+    PointStamped,
+    PoseStamped,
+    Quaternion,
+    Twist,
+    TwistStamped,
+    Vector3,
+)
+from nav_msgs.msg import Odometry, Path
+from numpy.typing import NDArray
+from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
+from visualization_msgs.msg import Marker, MarkerArray
+
+from uav_tracking_mpc.dynamics.frames import (
+    body_rates,
+    course_from_quaternion,
+    pitch_rate_from_path_angle_rate,
+    quaternion_from_course,
+)
+from uav_tracking_mpc.dynamics.orbit import Orbit
+
+MAP, BASE_LINK = "map", "base_link"
+POSITION_LIMIT = 1e7  # m; what lies beyond is no position on this earth
+SPEED_LIMIT = 1e3  # m/s
+
+
+class MessageError(ValueError):
+    """A message cannot be used; the text names topic, field and value."""
+
+
+def nanoseconds(stamp: Time) -> int:
+    """A stamp as one integer."""
+    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
+
+
+def set_stamp(stamp: Time, value: int) -> None:
+    """Write nanoseconds into a stamp."""
+    stamp.sec, stamp.nanosec = divmod(int(value), 1_000_000_000)
+
+
+def set_odometry(
+    message: Odometry, stamp: int, state: NDArray[np.float64], inputs: NDArray[np.float64]
+) -> None:
+    """Fill an Odometry message.
+
+    Args:
+        message: Changed in place.
+        stamp: Time of the state in [ns].
+        state: (x, y, z, psi, chi, v), shape (6,).
+        inputs: (u_psi, u_chi, u_v) at the time, shape (3,).
+    """
+    set_stamp(message.header.stamp, stamp)
+    message.header.frame_id, message.child_frame_id = MAP, BASE_LINK
+    _set_vector(message.pose.pose.position, state[:3])
+    _set_orientation(message.pose.pose.orientation, state[3], state[4])
+    _set_vector(message.twist.twist.linear, (state[5], 0.0, 0.0))
+    _set_vector(message.twist.twist.angular, body_rates(float(state[4]), inputs))
+
+
+def set_air_velocity(message: TwistStamped, stamp: int, speed: float) -> None:
+    """Fill the velocity through the air: along the body's x axis."""
+    set_stamp(message.header.stamp, stamp)
+    message.header.frame_id = BASE_LINK
+    _set_vector(message.twist.linear, (speed, 0.0, 0.0))
+
+
+def set_point(message: PointStamped, stamp: int, position: Sequence[float]) -> None:
+    """Fill a stamped point in ``map``."""
+    set_stamp(message.header.stamp, stamp)
+    message.header.frame_id = MAP
+    _set_vector(message.point, position)
+
+
+def vehicle_from_odometry(message: Odometry) -> NDArray[np.float64]:
+    """State (x, y, z, psi, chi, v), shape (6,), of an Odometry message.
+
+    Raises:
+        MessageError: Wrong frame, not finite, absurd, or no unit quaternion.
+    """
+    _check_frame("uav/odometry", "header.frame_id", message.header.frame_id, MAP)
+    _check_frame("uav/odometry", "child_frame_id", message.child_frame_id, BASE_LINK)
+    pose, twist = message.pose.pose, message.twist.twist
+    position = _vector("uav/odometry", "pose.position", pose.position, POSITION_LIMIT)
+    ground = _vector("uav/odometry", "twist.linear", twist.linear, SPEED_LIMIT)
+    q = pose.orientation
+    try:
+        heading, path_angle = course_from_quaternion(q.x, q.y, q.z, q.w)
+    except (ValueError, OverflowError) as error:
+        raise MessageError(f"uav/odometry: pose.orientation: {error}") from error
+    return np.array([*position, heading, path_angle, math.hypot(*ground)])
+
+
+def position_from_point(message: PointStamped) -> NDArray[np.float64]:
+    """Position, shape (3,), in [m].
+
+    Raises:
+        MessageError: Wrong frame, not finite, or absurd.
+    """
+    _check_frame("target/position", "header.frame_id", message.header.frame_id, MAP)
+    return _vector("target/position", "point", message.point, POSITION_LIMIT)
+
+
+def set_command(
+    message: MultiDOFJointTrajectory, stamp: int, plan: NDArray[np.float64], step: float
+) -> None:
+    """Fill a command: the inputs now and the plan after them.
+
+    Args:
+        message: Changed in place; its points are reused.
+        stamp: Time at which the plan begins in [ns].
+        plan: (u_psi, u_chi, u_v) at 0, step, 2 step, ..., shape (n, 3).
+        step: T_s in [s].
+    """
+    set_stamp(message.header.stamp, stamp)
+    message.header.frame_id = MAP
+    message.joint_names = [BASE_LINK]
+    while len(message.points) < len(plan):
+        point = MultiDOFJointTrajectoryPoint()
+        point.velocities, point.accelerations = [Twist()], [Twist()]
+        message.points.append(point)
+    del message.points[len(plan) :]
+    for index, (point, inputs) in enumerate(zip(message.points, plan, strict=True)):
+        angular = point.velocities[0].angular
+        angular.y = pitch_rate_from_path_angle_rate(float(inputs[1]))
+        angular.z = float(inputs[0])
+        point.accelerations[0].linear.x = float(inputs[2])
+        set_stamp(point.time_from_start, round(index * step * 1e9))
+
+
+def plan_from_command(
+    message: MultiDOFJointTrajectory,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Plan of a command.
+
+    Returns:
+        Inputs (u_psi, u_chi, u_v), shape (n, 3), and the times from the stamp at which each
+        begins, shape (n,), in [s].
+
+    Raises:
+        MessageError: Wrong frame or joint, no points, a point without rates or accelerations,
+            values that are not finite.
+    """
+    _check_frame("uav/command", "header.frame_id", message.header.frame_id, MAP)
+    if list(message.joint_names) != [BASE_LINK]:
+        raise MessageError(
+            f"uav/command: joint_names is {list(message.joint_names)}, must be ['{BASE_LINK}']"
+        )
+    if not message.points:
+        raise MessageError("uav/command: points is empty, must hold at least the command now")
+    plan, starts = np.empty((len(message.points), 3)), np.empty(len(message.points))
+    for index, point in enumerate(message.points):
+        if not (point.velocities and point.accelerations):
+            raise MessageError(
+                f"uav/command: points[{index}] lacks velocities[0] or accelerations[0]"
+            )
+        angular = point.velocities[0].angular
+        path_angle_rate = pitch_rate_from_path_angle_rate(angular.y)
+        plan[index] = angular.z, path_angle_rate, point.accelerations[0].linear.x
+        starts[index] = nanoseconds(point.time_from_start) * 1e-9
+    if not np.all(np.isfinite(plan)):
+        raise MessageError(f"uav/command: plan is {plan.tolist()}, must be finite")
+    return plan, starts
+
+
+def path_message(stamp: int, states: NDArray[np.float64]) -> Path:
+    """Path through vehicle states, shape (n, 6), in ``map``."""
+    message = Path()
+    set_stamp(message.header.stamp, stamp)
+    message.header.frame_id = MAP
+    for state in states:
+        pose = PoseStamped()
+        pose.header = message.header
+        _set_vector(pose.pose.position, state[:3])
+        _set_orientation(pose.pose.orientation, state[3], state[4])
+        message.poses.append(pose)
+    return message
+
+
+def markers_message(
+    stamp: int,
+    states: NDArray[np.float64],
+    target: NDArray[np.float64],
+    orbit: Orbit,
+) -> MarkerArray:
+    """Markers of target, desired orbit, plan (vehicle states, shape (n, 6)) and aircraft."""
+    angles = np.linspace(0.0, 2.0 * np.pi, 73)
+    circle = target + np.column_stack(
+        [
+            orbit.radius * np.cos(angles),
+            orbit.radius * np.sin(angles),
+            np.full(len(angles), orbit.altitude),
+        ]
+    )
+    markers = [
+        _marker(stamp, 0, Marker.SPHERE, (0.84, 0.37, 0.0), 6.0),
+        _marker(stamp, 1, Marker.LINE_STRIP, (0.5, 0.5, 0.5), 0.8, circle),
+        _marker(stamp, 2, Marker.LINE_STRIP, (0.0, 0.45, 0.7), 1.2, states[:, :3]),
+        _marker(stamp, 3, Marker.ARROW, (0.0, 0.6, 0.5), 3.0),
+    ]
+    _set_vector(markers[0].pose.position, target)
+    _set_vector(markers[3].pose.position, states[0, :3])
+    _set_orientation(markers[3].pose.orientation, states[0, 3], states[0, 4])
+    markers[3].scale.x = 12.0
+    return MarkerArray(markers=markers)
+
+
+def _marker(
+    stamp: int,
+    identity: int,
+    kind: int,
+    colour: tuple[float, float, float],
+    size: float,
+    points: NDArray[np.float64] | None = None,
+) -> Marker:
+    marker = Marker()
+    set_stamp(marker.header.stamp, stamp)
+    marker.header.frame_id = MAP
+    marker.ns, marker.id, marker.type = "uav_tracking", identity, kind
+    marker.scale.x = marker.scale.y = marker.scale.z = size
+    marker.color.r, marker.color.g, marker.color.b, marker.color.a = *colour, 1.0
+    for position in () if points is None else points:
+        point = Point()
+        _set_vector(point, position)
+        marker.points.append(point)
+    return marker
+
+
+def _set_vector(message: Point | Vector3, values: Sequence[float] | NDArray[np.float64]) -> None:
+    message.x, message.y, message.z = float(values[0]), float(values[1]), float(values[2])
+
+
+def _set_orientation(message: Quaternion, heading: float, path_angle: float) -> None:
+    message.x, message.y, message.z, message.w = quaternion_from_course(
+        float(heading), float(path_angle)
+    )
+
+
+def _vector(
+    topic: str, name: str, message: Point | Vector3, limit: float
+) -> NDArray[np.float64]:
+    values = np.array([message.x, message.y, message.z], dtype=float)
+    for axis, value in zip("xyz", values, strict=True):
+        if not abs(value) <= limit:
+            raise MessageError(
+                f"{topic}: {name}.{axis} is {value}, must be finite and within {limit:g}"
+            )
+    return values
+
+
+def _check_frame(topic: str, name: str, frame: str, expected: str) -> None:
+    if frame != expected:
+        raise MessageError(f"{topic}: {name} is '{frame}', must be '{expected}'")

@@ -1,0 +1,87 @@
+"""Parameter dataclasses as ROS parameters: described, ranged, checked as a whole."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, TypeVar
+
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.node import Node
+
+from uav_tracking_mpc.parameters import ParameterError, Specification, from_mapping, specifications
+
+T = TypeVar("T")
+
+# Known to every rclpy node; an override of one of these is no misspelling.
+_BUILT_IN = ("use_sim_time", "start_type_description_service", "qos_overrides.")
+
+
+def declare_parameters(node: Node, parameters: type[T]) -> T:
+    """Declare every parameter of a dataclass on a node and build it from the values.
+
+    An integer may stand for a number (``range:=150``). Overrides that no parameter has are warned
+    of. The parameters are read once, at the start.
+
+    Raises:
+        ParameterError: A value of the wrong type, out of range, or at odds with another.
+    """
+    known = specifications(parameters)
+    overrides: dict[str, Any] = getattr(node, "_parameter_overrides", {})
+    for specification in known:
+        override = overrides.get(specification.name)
+        if override is not None:
+            specification.check(_plain(override.value))  # before rclpy does, with a better message
+    values = {
+        specification.name: _plain(
+            node.declare_parameter(
+                specification.name,
+                _ros_value(specification.default),
+                _descriptor(specification),
+            ).value
+        )
+        for specification in known
+    }
+    names = {specification.name for specification in known}
+    for name in overrides:
+        if name not in names and not name.startswith(_BUILT_IN):
+            node.get_logger().warning(
+                f"parameter '{name}' is unknown and has no effect; known are: "
+                f"{', '.join(sorted(names))}"
+            )
+    return from_mapping(parameters, values)
+
+
+def _descriptor(specification: Specification) -> ParameterDescriptor:
+    unit = f" [{specification.unit}]" if specification.unit else ""
+    descriptor = ParameterDescriptor(
+        description=specification.description + unit,
+        additional_constraints=f"must be {specification.allowed}",
+        read_only=True,
+        dynamic_typing=True,
+    )
+    lower, upper = specification.lower, specification.upper
+    if isinstance(specification.default, float):
+        descriptor.floating_point_range = [
+            FloatingPointRange(
+                from_value=-math.inf if lower is None else float(lower),
+                to_value=math.inf if upper is None else float(upper),
+                step=0.0,
+            )
+        ]
+    elif isinstance(specification.default, int) and not isinstance(specification.default, bool):
+        if lower is None or upper is None:
+            raise ParameterError(f"integer parameter '{specification.name}' needs both limits")
+        descriptor.integer_range = [
+            IntegerRange(from_value=int(lower), to_value=int(upper), step=1)
+        ]
+    return descriptor
+
+
+def _ros_value(value: Any) -> Any:
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _plain(value: Any) -> Any:
+    if value is None:
+        return []  # how rclpy hands over an empty list
+    return list(value) if hasattr(value, "tolist") else value

@@ -1,0 +1,58 @@
+"""Node ``target_publisher``: publishes the target's measured position."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import numpy as np
+from rclpy.node import Node
+
+from uav_tracking_mpc.nodes import diagnostics
+from uav_tracking_mpc.nodes.conversions import set_point
+from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
+from uav_tracking_mpc.nodes.run import run
+from uav_tracking_mpc.nodes.topics import TARGET
+from uav_tracking_mpc.simulation.target_motion import TargetParameters, target_position
+
+
+class TargetPublisher(Node):
+    """Moves the target as its parameters say; with simulated time, by that time."""
+
+    def __init__(self, **options: Any) -> None:
+        """Declare parameters and start; options as those of rclpy's Node."""
+        super().__init__("target_publisher", **options)
+        self.parameters = declare_parameters(self, TargetParameters)
+        self._noise = np.random.default_rng(self.parameters.seed)
+        simulated = bool(self.get_parameter("use_sim_time").value)
+        self._start = 0 if simulated else self.get_clock().now().nanoseconds
+        self._message = TARGET.type()
+        self._position = np.array(self.parameters.position)
+        self._publisher = self.create_publisher(TARGET.type, TARGET.name, TARGET.qos)
+        self._diagnostics = diagnostics.Diagnostics(self, self._values)
+        self._timer = self.create_timer(1.0 / self.parameters.rate, self._publish)
+
+    def _publish(self) -> None:
+        now = self.get_clock().now().nanoseconds
+        self._position = target_position(self.parameters, (now - self._start) * 1e-9)
+        noise = self.parameters.noise * self._noise.standard_normal(3)
+        set_point(self._message, now, self._position + noise)
+        self._publisher.publish(self._message)
+        self._diagnostics.report(diagnostics.OK, f"target is {self.parameters.motion}")
+
+    def _values(self) -> dict[str, object]:
+        x, y, z = (float(value) for value in self._position)
+        return {"x [m]": x, "y [m]": y, "z [m]": z, "rate [Hz]": self.parameters.rate}
+
+    def finish(self) -> None:
+        """Publish the last diagnostics."""
+        self._diagnostics.publish()
+
+
+def main() -> int:
+    """Entry point of the executable."""
+    return run("target_publisher", TargetPublisher)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

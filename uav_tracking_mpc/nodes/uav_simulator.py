@@ -1,0 +1,146 @@
+"""Node ``uav_simulator``: flies the vehicle (3) on the commands and publishes its state."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+
+from uav_tracking_mpc.nodes import diagnostics
+from uav_tracking_mpc.nodes.conversions import (
+    MessageError,
+    nanoseconds,
+    plan_from_command,
+    set_air_velocity,
+    set_odometry,
+    set_stamp,
+)
+from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
+from uav_tracking_mpc.nodes.run import run
+from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY
+from uav_tracking_mpc.simulation.plant import Plant, SimulatorParameters
+
+LONGEST_STEP = 0.5  # s; a jump of the clock beyond this is not flown through
+WARNING_PERIOD = 5.0  # s
+
+
+class UavSimulator(Node):
+    """Vehicle and autopilot in simulated or real time."""
+
+    def __init__(self, **options: Any) -> None:
+        """Declare parameters and start; options as those of rclpy's Node."""
+        super().__init__("uav_simulator", **options)
+        self.parameters = declare_parameters(self, SimulatorParameters)
+        self._plant = Plant(self.parameters)
+        self._tick = round(1e9 / self.parameters.state_rate)
+        self._now = 0 if self.parameters.publish_clock else self.get_clock().now().nanoseconds
+        self._start = self._now
+        self._received = self._rejected = 0
+        self._started = False
+        self._odometry, self._air_velocity = ODOMETRY.type(), AIR_VELOCITY.type()
+        self._clock_message = CLOCK.type()
+        self._odometry_publisher = self.create_publisher(
+            ODOMETRY.type, ODOMETRY.name, ODOMETRY.qos
+        )
+        self._air_publisher = self.create_publisher(
+            AIR_VELOCITY.type, AIR_VELOCITY.name, AIR_VELOCITY.qos
+        )
+        self._clock_publisher = None
+        if self.parameters.publish_clock:
+            self._clock_publisher = self.create_publisher(CLOCK.type, CLOCK.name, CLOCK.qos)
+        self.create_subscription(COMMAND.type, COMMAND.name, self._on_command, COMMAND.qos)
+        self._diagnostics = diagnostics.Diagnostics(self, self._values)
+        period = self._tick * 1e-9
+        if self.parameters.publish_clock:
+            steady = Clock(clock_type=ClockType.STEADY_TIME)
+            self._timer = self.create_timer(period / self.parameters.speed, self._step, clock=steady)
+        else:
+            self._timer = self.create_timer(period, self._step)
+
+    def _on_command(self, message: Any) -> None:
+        try:
+            plan, starts = plan_from_command(message)
+            begin = (nanoseconds(message.header.stamp) - self._start) * 1e-9
+            self._plant.accept(plan, begin + starts)
+            self._received += 1
+        except (MessageError, ValueError) as error:
+            self._rejected += 1
+            self.get_logger().warning(
+                f"command refused: {error}", throttle_duration_sec=WARNING_PERIOD
+            )
+
+    def _step(self) -> None:
+        if not self._started:
+            listeners = self._odometry_publisher.get_subscription_count()
+            self._started = listeners >= self.parameters.wait_for_subscribers
+            if not self._started:
+                self._diagnostics.report(diagnostics.WARN, "time waits for subscribers")
+                return
+        self._advance(self._elapsed())
+        if self._clock_publisher is not None:
+            set_stamp(self._clock_message.clock, self._now)
+            self._clock_publisher.publish(self._clock_message)
+        state = self._plant.state
+        set_odometry(self._odometry, self._now, state, self._plant.inputs())
+        set_air_velocity(self._air_velocity, self._now, state[5])
+        self._odometry_publisher.publish(self._odometry)
+        self._air_publisher.publish(self._air_velocity)
+
+    def _elapsed(self) -> int:
+        """Time since the last step in [ns], by the clock that this node drives or follows."""
+        if self._clock_publisher is not None:
+            return self._tick
+        return self.get_clock().now().nanoseconds - self._now
+
+    def _advance(self, elapsed: int) -> None:
+        # One integer clock: sums of floats would drift away from the stamps.
+        self._plant.time = (self._now - self._start) * 1e-9
+        self._now += elapsed
+        if not 0 <= elapsed <= LONGEST_STEP * 1e9:
+            self.get_logger().warning(
+                f"clock moved by {elapsed * 1e-9:.3f} s, vehicle held",
+                throttle_duration_sec=WARNING_PERIOD,
+            )
+            held = True
+        else:
+            held = self.parameters.start_on_command and not self._plant.commanded
+        if not held:
+            self._plant.advance(elapsed * 1e-9)
+        self._plant.time = (self._now - self._start) * 1e-9
+        if self._plant.commanded and self._plant.holding:
+            self._diagnostics.report(
+                diagnostics.WARN, "no plan left to fly: holding wings level until a command comes"
+            )
+        elif self._plant.commanded:
+            self._diagnostics.report(diagnostics.OK, "flying on commands")
+        else:
+            self._diagnostics.report(diagnostics.WARN, "waiting for the first command")
+
+    def _values(self) -> dict[str, object]:
+        x, y, z, psi, chi, v = (float(value) for value in self._plant.state)
+        return {
+            "x [m]": x,
+            "y [m]": y,
+            "z [m]": z,
+            "heading [rad]": psi,
+            "path angle [rad]": chi,
+            "speed [m/s]": v,
+            "commands received": self._received,
+            "commands refused": self._rejected,
+            "failsafe": self._plant.failsafes,
+        }
+
+    def finish(self) -> None:
+        """Publish the last diagnostics."""
+        self._diagnostics.publish()
+
+
+def main() -> int:
+    """Entry point of the executable."""
+    return run("uav_simulator", UavSimulator)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
