@@ -10,7 +10,7 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 Value = bool | int | float | str | tuple[float, ...]
 T = TypeVar("T")
@@ -126,9 +126,9 @@ def parameter(default: Any, description: str, **limits: Any) -> Any:
 
 def specifications(parameters: type) -> tuple[Specification, ...]:
     """Specifications of a parameter dataclass, in the order of its fields."""
+    fields: tuple[dataclasses.Field[Any], ...] = dataclasses.fields(parameters)
     return tuple(
-        Specification(name=field.name, default=field.default, **field.metadata)
-        for field in dataclasses.fields(parameters)
+        Specification(field.name, cast(Value, field.default), **field.metadata) for field in fields
     )
 
 

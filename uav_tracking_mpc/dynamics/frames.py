@@ -1,10 +1,10 @@
-"""Frames and signs (REP-103): the only module that knows them.
+r"""Frames and signs (REP-103): the only module that knows them.
 
 World ``map`` is East-North-Up, body ``base_link`` is Forward-Left-Up. The heading psi turns
 counter-clockwise from East; the path angle chi is positive when climbing. FLU pitch is positive
 nose *down*, hence
 
-.. math:: R = R_z(\\psi) R_y(-\\chi)
+.. math:: R = R_z(\psi) R_y(-\chi)
 
 and the pitch rate on the wire is minus the rate of chi. There is no roll: the vehicle is a point
 that moves along its own x axis.
@@ -37,7 +37,10 @@ def course_from_quaternion(x: float, y: float, z: float, w: float) -> tuple[floa
     """Heading psi and path angle chi of the body's forward axis; roll plays no part.
 
     Args:
-        x, y, z, w: Unit quaternion of ``base_link`` in ``map``.
+        x: First component of the unit quaternion of ``base_link`` in ``map``.
+        y: Second.
+        z: Third.
+        w: Its scalar part.
 
     Returns:
         (psi, chi) in [rad]; psi is 0 where the nose points straight up or down.

@@ -135,7 +135,7 @@ def vehicle_state(relative: ArrayLike, azimuth: float, target: ArrayLike) -> NDA
 
 
 def tracking_error(relative: ArrayLike, orbit: Orbit) -> NDArray[np.float64]:
-    """x = xbar - x_ss (Section 3.1), shape (5,), with the bearing error wrapped to (-pi, pi]."""
+    """X = xbar - x_ss (Section 3.1), shape (5,), with the bearing error wrapped to (-pi, pi]."""
     error = np.asarray(relative, dtype=float) - orbit.steady_state
     error[..., 1] = wrap_angle(error[..., 1])
     return error

@@ -19,10 +19,10 @@ INPUT_NAMES = ("u_psi", "u_chi", "u_v")
 
 
 def advance(state: ArrayLike, inputs: ArrayLike, duration: float) -> NDArray[np.float64]:
-    """State of (3) after ``duration`` under held inputs, exact to rounding.
+    r"""State of (3) after ``duration`` under held inputs, exact to rounding.
 
-    With :math:`\\cos\\chi\\cos\\psi = (\\cos(\\psi+\\chi) + \\cos(\\psi-\\chi))/2` and the like, each
-    coordinate is a sum of integrals :math:`\\int (v + u_v t) e^{i(\\alpha + \\omega t)} dt`.
+    With :math:`\cos\chi\cos\psi = (\cos(\psi+\chi) + \cos(\psi-\chi))/2` and the like, each
+    coordinate is a sum of integrals :math:`\int (v + u_v t) e^{i(\alpha + \omega t)} dt`.
 
     Args:
         state: (x, y, z, psi, chi, v), shape (6,).

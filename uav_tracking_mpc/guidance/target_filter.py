@@ -7,13 +7,13 @@ from numpy.typing import ArrayLike, NDArray
 
 
 class TargetFilter:
-    """Position and velocity of a target from positions that come noisy and at any rate.
+    r"""Position and velocity of a target from positions that come noisy and at any rate.
 
     Each axis follows p' = v, v' = w with w white noise of spectral density q, measured with noise
     of variance r. The axes share their covariance, which does not depend on the data.
 
-    .. math:: F = \\begin{bmatrix}1&dt\\\\0&1\\end{bmatrix},\\quad
-              Q = q\\begin{bmatrix}dt^3/3&dt^2/2\\\\dt^2/2&dt\\end{bmatrix}
+    .. math:: F = \begin{bmatrix}1&dt\\0&1\end{bmatrix},\quad
+              Q = q\begin{bmatrix}dt^3/3&dt^2/2\\dt^2/2&dt\end{bmatrix}
 
     Args:
         noise: Standard deviation of a measured position in [m].
@@ -53,7 +53,7 @@ class TargetFilter:
         """
         measured = np.asarray(position, dtype=float)
         if measured.shape != (3,) or not np.all(np.isfinite(measured)):
-            raise ValueError(f"target position is {position}, must be three finite numbers")
+            raise ValueError(f"target position is {position!r}, must be three finite numbers")
         if self._time is None:
             self._time = time
             self._state[0] = measured

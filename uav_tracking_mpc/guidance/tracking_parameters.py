@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.dynamics.discretisation import SCHEMES
 from uav_tracking_mpc.dynamics.orbit import DIRECTIONS, Orbit
 from uav_tracking_mpc.dynamics.relative import MODELS, steady_inputs
-from uav_tracking_mpc.mpc.casadi_solver import PLUGINS
 from uav_tracking_mpc.mpc.quadratic import TERMINAL_CONSTRAINTS
 from uav_tracking_mpc.parameters import ParameterError, parameter
+
+SOLVERS = ("ipopt",)  # fatrop may never return, see CasadiSolver
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,7 @@ class TrackingParameters:
     acceleration_max: float = parameter(
         1.0, "Upper bound of u_v.", unit="m/s^2", lower=1e-3, upper=100.0
     )
-    solver: str = parameter("fatrop", "Solver of the optimal control problem.", choices=PLUGINS)
+    solver: str = parameter("ipopt", "Solver of the optimal control problem.", choices=SOLVERS)
     plan_age_max: float = parameter(
         2.0,
         "How long an earlier plan may stand in for a solve that failed.",

@@ -18,7 +18,7 @@ from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
 from uav_tracking_mpc.mpc.solution import Solution, Status
 from uav_tracking_mpc.mpc.solver import shift
 
-PLUGINS = ("fatrop", "ipopt")
+PLUGINS = ("ipopt", "fatrop")
 FEASIBILITY_TOLERANCE = 1e-5
 
 
@@ -27,9 +27,11 @@ class CasadiSolver:
 
     Args:
         problem: What to solve.
-        plugin: ``fatrop`` (structure-exploiting interior point) or ``ipopt`` (general).
+        plugin: ``ipopt`` or ``fatrop``. fatrop is four times as fast, but has been seen never to
+            return where the model has no value (a state outside its domain): not for flight.
         tolerance: Of the plugin's scaled optimality conditions.
         iteration_limit: Per solve.
+        time_limit: Wall time per solve in [s], IPOPT only.
 
     Raises:
         ValueError: Unknown plugin.
@@ -38,9 +40,10 @@ class CasadiSolver:
     def __init__(
         self,
         problem: OptimalControlProblem,
-        plugin: str = "fatrop",
+        plugin: str = "ipopt",
         tolerance: float = 1e-8,
         iteration_limit: int = 200,
+        time_limit: float = 1.0,
     ) -> None:
         if plugin not in PLUGINS:
             raise ValueError(f"plugin is {plugin!r}, must be one of {', '.join(PLUGINS)}")
@@ -49,18 +52,20 @@ class CasadiSolver:
         self._iteration_limit = iteration_limit
         self._program = _Program(problem)
         self._nlpsol = ca.nlpsol(
-            "tracking", plugin, self._program.nlp, self._options(plugin, tolerance)
+            "tracking", plugin, self._program.nlp, self._options(plugin, tolerance, time_limit)
         )
         self._last: Solution | None = None
 
-    def _options(self, plugin: str, tolerance: float) -> dict[str, Any]:
+    def _options(self, plugin: str, tolerance: float, time_limit: float) -> dict[str, Any]:
         options: dict[str, Any] = {"print_time": False, "expand": True, "error_on_fail": False}
+        options["show_eval_warnings"] = False
         if plugin == "ipopt":
             options["ipopt"] = {
                 "print_level": 0,
                 "sb": "yes",
                 "tol": tolerance,
                 "max_iter": self._iteration_limit,
+                "max_wall_time": time_limit,
             }
             return options
         structure = self._program
@@ -116,8 +121,9 @@ class CasadiSolver:
             return [(states, shift(last.inputs, stages), last.decision)]
         inputs = self._resting_inputs()
         goal = np.zeros(problem.nx) if problem.state_goal is None else problem.state_goal
+        later = (problem.horizon, 1)
         return [
-            (np.tile(rest, (problem.horizon + 1, 1)), inputs, problem.decision_guess)
+            (np.vstack([x_0, np.tile(rest, later)]), inputs, problem.decision_guess)
             for rest in (goal, x_0)
         ]
 
@@ -171,6 +177,8 @@ class CasadiSolver:
         reason = str(statistics["return_status"])
         if statistics["success"]:
             return Status.CONVERGED, Status.CONVERGED.value
+        if reason == "Maximum_WallTime_Exceeded":
+            return Status.TIME_LIMIT, f"time limit reached after {statistics['iter_count']} iterations"
         if violation > FEASIBILITY_TOLERANCE:
             text = f"infeasible: constraints violated by {violation:.3g} where {self.name} stopped"
             return Status.INFEASIBLE, text
@@ -227,8 +235,18 @@ class _Program:
         for i in range(n):
             ui, si = ca.SX.sym(f"u{i}", nu), ca.SX.sym(f"s{i}", soft)
             variables += [xs[i], decisions[i], ui, si]
-            lower += [-np.inf * np.ones(nx), problem.decision_lower, problem.input_lower, np.zeros(soft)]
-            upper += [np.inf * np.ones(nx), problem.decision_upper, problem.input_upper, np.inf * np.ones(soft)]
+            lower += [
+                -np.inf * np.ones(nx),
+                problem.decision_lower,
+                problem.input_lower,
+                np.zeros(soft),
+            ]
+            upper += [
+                np.inf * np.ones(nx),
+                problem.decision_upper,
+                problem.input_upper,
+                np.inf * np.ones(soft),
+            ]
             following, stage_cost, hard, soft_value = stage(xs[i], ui, values[:, i], decisions[i])
             cost += stage_cost + ca.dot(stage_penalty, si)
             constrain(xs[i + 1] - following, True)  # (16b)
@@ -260,7 +278,10 @@ class _Program:
         self._stage_size = nx + na + nu + soft
 
     def pack(
-        self, states: NDArray[np.float64], inputs: NDArray[np.float64], decision: NDArray[np.float64]
+        self,
+        states: NDArray[np.float64],
+        inputs: NDArray[np.float64],
+        decision: NDArray[np.float64],
     ) -> NDArray[np.float64]:
         """Variables of the program from a plan; slacks start at 0."""
         nx, nu, na, n = self.problem.nx, self.problem.nu, self.problem.na, self.problem.horizon

@@ -1,8 +1,8 @@
-"""An optimal control problem over a finite horizon, as data.
+r"""An optimal control problem over a finite horizon, as data.
 
 .. math::
 
-    \\min_{u_0..u_{N-1},\\,a} \\; \\sum_{i=0}^{N-1} l(x_i, u_i, p_i, a) + V_f(x_N, p_N, a)
+    \min_{u_0..u_{N-1},\,a} \; \sum_{i=0}^{N-1} l(x_i, u_i, p_i, a) + V_f(x_N, p_N, a)
 
 subject to x_0 given, x_{i+1} = f(x_i, u_i, p_i, a), u_i in a box, h(x_i, u_i, p_i, a) <= 0 at the
 stages, h_N(x_N, p_N, a) <= 0 and e_N(x_N, p_N, a) = 0 at the end. p_i are parameters known in
@@ -113,13 +113,17 @@ class OptimalControlProblem:
                     f"{name} bounds have shapes {lower.shape} and {upper.shape}, must be ({size},)"
                 )
             if not np.all(lower < upper):
-                raise ValueError(f"{name} bounds are {lower} and {upper}: lower must be below upper")
+                raise ValueError(
+                    f"{name} bounds are {lower} and {upper}: lower must be below upper"
+                )
         if np.shape(self.decision_guess) != (self.na,):
             raise ValueError(
                 f"decision_guess has shape {np.shape(self.decision_guess)}, must be ({self.na},)"
             )
         terminal = ca.vertcat(
-            self.terminal_cost, self.terminal_equality, *(h.expression for h in self.terminal_inequalities)
+            self.terminal_cost,
+            self.terminal_equality,
+            *(h.expression for h in self.terminal_inequalities),
         )
         if ca.depends_on(terminal, self.inputs):
             raise ValueError("terminal cost and constraints must not depend on the inputs")

@@ -1,4 +1,4 @@
-"""Problem (14)-(16) of the paper: quadratic costs in the tracking error, an ellipsoid at the end."""
+"""Problem (14)-(16) of the paper: quadratic costs in the tracking error, a terminal ellipsoid."""
 
 from __future__ import annotations
 

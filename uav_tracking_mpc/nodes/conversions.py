@@ -78,7 +78,7 @@ def set_air_velocity(message: TwistStamped, stamp: int, speed: float) -> None:
     _set_vector(message.twist.linear, (speed, 0.0, 0.0))
 
 
-def set_point(message: PointStamped, stamp: int, position: Sequence[float]) -> None:
+def set_point(message: PointStamped, stamp: int, position: NDArray[np.float64]) -> None:
     """Fill a stamped point in ``map``."""
     set_stamp(message.header.stamp, stamp)
     message.header.frame_id = MAP
@@ -249,9 +249,7 @@ def _set_orientation(message: Quaternion, heading: float, path_angle: float) -> 
     )
 
 
-def _vector(
-    topic: str, name: str, message: Point | Vector3, limit: float
-) -> NDArray[np.float64]:
+def _vector(topic: str, name: str, message: Point | Vector3, limit: float) -> NDArray[np.float64]:
     values = np.array([message.x, message.y, message.z], dtype=float)
     for axis, value in zip("xyz", values, strict=True):
         if not abs(value) <= limit:

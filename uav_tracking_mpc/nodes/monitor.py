@@ -1,4 +1,4 @@
-"""Node ``monitor``: a live table of the flight in the terminal, for people without ``ros2 topic``."""
+"""Node ``monitor``: a live table of the flight, for terminals without ``ros2 topic``."""
 
 from __future__ import annotations
 

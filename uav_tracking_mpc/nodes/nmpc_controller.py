@@ -176,9 +176,7 @@ class NmpcController(Node):
 
     def _refuse(self, error: MessageError) -> None:
         self._counts["refused"] += 1
-        self.get_logger().warning(
-            f"message refused: {error}", throttle_duration_sec=WARNING_PERIOD
-        )
+        self.get_logger().warning(f"message refused: {error}", throttle_duration_sec=WARNING_PERIOD)
 
     def _values(self) -> dict[str, object]:
         solve, response, counts = self._solve_times, self._response_times, self._counts

@@ -41,9 +41,7 @@ class UavSimulator(Node):
         self._started = False
         self._odometry, self._air_velocity = ODOMETRY.type(), AIR_VELOCITY.type()
         self._clock_message = CLOCK.type()
-        self._odometry_publisher = self.create_publisher(
-            ODOMETRY.type, ODOMETRY.name, ODOMETRY.qos
-        )
+        self._odometry_publisher = self.create_publisher(ODOMETRY.type, ODOMETRY.name, ODOMETRY.qos)
         self._air_publisher = self.create_publisher(
             AIR_VELOCITY.type, AIR_VELOCITY.name, AIR_VELOCITY.qos
         )
@@ -55,7 +53,9 @@ class UavSimulator(Node):
         period = self._tick * 1e-9
         if self.parameters.publish_clock:
             steady = Clock(clock_type=ClockType.STEADY_TIME)
-            self._timer = self.create_timer(period / self.parameters.speed, self._step, clock=steady)
+            self._timer = self.create_timer(
+                period / self.parameters.speed, self._step, clock=steady
+            )
         else:
             self._timer = self.create_timer(period, self._step)
 

@@ -7,11 +7,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.simulation.configuration import Configuration
 from uav_tracking_mpc.dynamics.angles import wrap_angle
 from uav_tracking_mpc.dynamics.relative import rates_function, relative_state, vehicle_state
 from uav_tracking_mpc.guidance.controller import Command, Source, TrackingController
 from uav_tracking_mpc.guidance.target_filter import TargetFilter
+from uav_tracking_mpc.simulation.configuration import Configuration
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog
 from uav_tracking_mpc.simulation.plant import Plant
 from uav_tracking_mpc.simulation.target_motion import target_position
@@ -26,7 +26,9 @@ class _Recorder:
         self.states: list[tuple[float, NDArray[np.float64], NDArray[np.float64]]] = []
         self.commands: list[tuple[float, Command]] = []
 
-    def log(self, configuration: Configuration, plant: str, solver: str, failsafes: int) -> FlightLog:
+    def log(
+        self, configuration: Configuration, plant: str, solver: str, failsafes: int
+    ) -> FlightLog:
         tracking = configuration.controller
         times, vehicles, targets = zip(*self.states, strict=True)
         stamps, commands = zip(*self.commands, strict=True)
@@ -51,9 +53,7 @@ class _Recorder:
             solve_time=np.array([command.solution.solve_time for command in commands]),
             solver=solver,
             failures=len(optimal) - sum(optimal),
-            commands=CommandCounts(
-                sent=len(commands), plan_reused=sum(reused), failsafe=failsafes
-            ),
+            commands=CommandCounts(sent=len(commands), plan_reused=sum(reused), failsafe=failsafes),
         )
 
 

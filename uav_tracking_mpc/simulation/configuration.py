@@ -105,7 +105,7 @@ def load_configuration(name_or_file: str, overrides: Iterable[str] = ()) -> Conf
         raise ParameterError(f"configuration {path} cannot be read: {error}") from error
     for override in overrides:
         _override(sections, override)
-    built = {}
+    built: dict[str, Any] = {}
     for section, parameters in SECTIONS.items():
         values = {k: v for k, v in sections[section].items() if k != "use_sim_time"}
         try:

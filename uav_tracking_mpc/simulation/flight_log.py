@@ -89,7 +89,10 @@ class FlightLog:
     def relative(self) -> NDArray[np.float64]:
         """(r, theta, z, chi, v) at the times of the states, shape (n, 5)."""
         return np.array(
-            [relative_state(vehicle, target) for vehicle, target in zip(self.vehicle, self.target, strict=True)]
+            [
+                relative_state(vehicle, target)
+                for vehicle, target in zip(self.vehicle, self.target, strict=True)
+            ]
         ).reshape(-1, 5)
 
     @property

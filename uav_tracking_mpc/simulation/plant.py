@@ -43,18 +43,14 @@ class SimulatorParameters:
     initial_path_angle: float = parameter(
         0.0, "Path angle at the start, positive up.", unit="rad", lower=-1.5, upper=1.5
     )
-    initial_speed: float = parameter(
-        0.0, "Speed at the start.", unit="m/s", lower=0.0, upper=400.0
-    )
+    initial_speed: float = parameter(0.0, "Speed at the start.", unit="m/s", lower=0.0, upper=400.0)
     state_rate: float = parameter(
         20.0, "How often the state is published.", unit="Hz", lower=1.0, upper=1000.0
     )
     speed: float = parameter(
         1.0, "Simulated over wall time, when /clock is driven.", lower=0.01, upper=1000.0
     )
-    publish_clock: bool = parameter(
-        False, "Drive /clock; the other nodes then need use_sim_time."
-    )
+    publish_clock: bool = parameter(False, "Drive /clock; the other nodes then need use_sim_time.")
     wait_for_subscribers: int = parameter(
         0, "Time stands still until so many listen to the state.", lower=0, upper=100
     )

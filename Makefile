@@ -1,0 +1,37 @@
+# make demo   fly the paper's mission with three ROS 2 nodes and write output/report.html
+# make test   lint, type-check and test
+# Both keep their environment in .venv; PYTHON chooses the interpreter (3.10 to 3.13).
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+# An apt ROS 2 that is sourced in this shell must not mix with the wheels in .venv.
+CLEAN := env -u PYTHONPATH -u LD_LIBRARY_PATH -u AMENT_PREFIX_PATH -u _ROS_WHEELS_BOOTSTRAP_COMPLETE
+CHECKED := ROS_PYTHON_CHECK_FIELDS=1
+
+.PHONY: demo test lint clean
+
+demo: $(VENV)/demo
+	$(CLEAN) $(BIN)/uav_tracking fly --config paper --output output/demo
+
+test: lint
+	$(CLEAN) $(CHECKED) $(BIN)/python -m pytest
+
+lint: $(VENV)/test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(CLEAN) $(BIN)/mypy
+
+clean:
+	rm -rf $(VENV) build install log output *.egg-info
+
+$(VENV)/bin/python:
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/demo: $(VENV)/bin/python setup.py
+	$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros]'
+	touch $@
+
+$(VENV)/test: $(VENV)/bin/python setup.py
+	$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,test]'
+	touch $@ $(VENV)/demo

@@ -1,0 +1,53 @@
+import casadi as ca
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
+
+
+def integrator(**changes):
+    """A double integrator to the origin."""
+    x, u = ca.SX.sym("x", 2), ca.SX.sym("u", 1)
+    data = {
+        "state": x,
+        "inputs": u,
+        "next_state": ca.vertcat(x[0] + 0.1 * x[1], x[1] + 0.1 * u),
+        "stage_cost": ca.sumsqr(x) + ca.sumsqr(u),
+        "terminal_cost": ca.sumsqr(x),
+        "horizon": 10,
+        "step": 0.1,
+        "input_lower": np.array([-1.0]),
+        "input_upper": np.array([1.0]),
+    }
+    data.update({key: value(x, u) if callable(value) else value for key, value in changes.items()})
+    return OptimalControlProblem(**data)
+
+
+def test_sizes_are_those_of_the_symbols():
+    problem = integrator()
+    assert (problem.nx, problem.nu, problem.np, problem.na) == (2, 1, 0, 0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"horizon": 0}, "horizon is 0"),
+        ({"step": 0.0}, "step is 0.0"),
+        ({"step": np.nan}, "step is nan"),
+        ({"input_lower": np.array([1.0])}, "lower must be below upper"),
+        ({"input_lower": np.array([-1.0, -1.0])}, "shapes"),
+        ({"input_upper": np.array([np.nan])}, "lower must be below upper"),
+        ({"next_state": lambda x, u: x[0]}, "next_state has shape"),
+        ({"terminal_cost": lambda x, u: ca.sumsqr(u)}, "must not depend on the inputs"),
+        ({"decision_guess": np.zeros(1)}, "decision_guess"),
+    ],
+)
+def test_what_does_not_fit_is_refused_by_name(changes, message):
+    with pytest.raises(ValueError, match=message):
+        integrator(**changes)
+
+
+@pytest.mark.parametrize("penalty", [0.0, -1.0, np.inf, np.nan])
+def test_soft_inequality_needs_a_penalty_that_penalises(penalty):
+    with pytest.raises(ValueError, match="penalty of 'speed'"):
+        Inequality(ca.SX.sym("h"), penalty, "speed")
