@@ -1,0 +1,119 @@
+"""Flights for the tests of the report: closed forms, and the paper's mission flown once."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.dynamics.discretisation import error_dynamics, linearise
+from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.dynamics.relative import (
+    relative_state,
+    steady_inputs,
+    tracking_error,
+    vehicle_state,
+)
+from uav_tracking_mpc.dynamics.vehicle import advance
+from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
+from uav_tracking_mpc.mpc.quadratic import quadratic_problem
+from uav_tracking_mpc.simulation.flight_log import FlightLog
+from uav_tracking_mpc.stability.terminal import terminal_ingredients
+
+ORBIT = Orbit(range=150.0, altitude=50.0, speed=4.0)  # Table 1
+INPUT_UPPER = np.array([np.pi / 4.0, np.pi / 4.0, 1.0])
+START = np.array([212.83, -np.pi / 4.0, 20.0, 0.0, 0.0])  # x_o of Section 6
+STEPS = 150
+
+
+def log_of(relative: NDArray[np.float64], orbit: Orbit = ORBIT, step: float = 1.0) -> FlightLog:
+    """A flight through the given relative states, (n, 5), about a target at the origin."""
+    turn = orbit.bearing / abs(orbit.bearing) * orbit.speed / orbit.radius
+    time = step * np.arange(len(relative))
+    vehicle = [
+        vehicle_state(state, -turn * t, np.zeros(3))
+        for state, t in zip(relative, time, strict=True)
+    ]
+    count = max(len(relative) - 1, 0)
+    u_ss = steady_inputs("exact", orbit)
+    return FlightLog(
+        config="example",
+        duration=float(time[-1]) if len(time) else 0.0,
+        speed=0.0,
+        model="exact",
+        plant="vehicle",
+        orbit=orbit,
+        input_lower=-INPUT_UPPER,
+        input_upper=INPUT_UPPER,
+        steady_inputs=u_ss,
+        time=time,
+        vehicle=np.array(vehicle).reshape(-1, 6),
+        target=np.zeros((len(relative), 3)),
+        command_time=time[:count],
+        inputs=np.tile(u_ss, (count, 1)),
+        cost=np.geomspace(100.0, 1e-6, count) if count else np.zeros(0),
+        solve_time=np.linspace(400e-6, 600e-6, count),
+        solver="fatrop",
+    )
+
+
+def orbiting(count: int = 151, orbit: Orbit = ORBIT, step: float = 1.0, **changes) -> FlightLog:
+    """A perfect orbit, with fields of the record changed afterwards."""
+    return replace(log_of(np.tile(orbit.steady_state, (count, 1)), orbit, step), **changes)
+
+
+@cache
+def paper_flight(model: str = "exact", plant: str = "euler") -> FlightLog:
+    """The mission of Section 6 and Table 1, N = 10, no terminal constraint."""
+    dynamics = error_dynamics(model, ORBIT, 1.0)
+    u_ss = steady_inputs(model, ORBIT)
+    weights = np.diag([0.008, 0.09, 0.05, 0.04, 0.9]), np.eye(3)  # (59)
+    solver = CasadiSolver(
+        quadratic_problem(
+            dynamics,
+            horizon=10,
+            step=1.0,
+            state_weight=weights[0],
+            input_weight=weights[1],
+            terminal_weight=terminal_ingredients(*linearise(dynamics), *weights, 2.5).weight,
+            input_lower=-INPUT_UPPER - u_ss,
+            input_upper=INPUT_UPPER - u_ss,
+        )
+    )
+    relative, azimuth, target = START, 0.0, np.zeros(3)
+    vehicles, inputs, solutions = [vehicle_state(START, azimuth, target)], [], []
+    for k in range(STEPS):
+        solution = solver.solve(tracking_error(relative, ORBIT), elapsed=1.0 if k else None)
+        command = solution.inputs[0] + u_ss
+        if plant == "euler":
+            error = dynamics(tracking_error(relative, ORBIT), solution.inputs[0])
+            following = np.array(error).ravel() + ORBIT.steady_state
+            azimuth += command[0] - (following[1] - relative[1])  # phi' = psi' - theta'
+            vehicles.append(vehicle_state(following, azimuth, target))
+        else:
+            vehicles.append(advance(vehicles[-1], command, 1.0))
+        relative = relative_state(vehicles[-1], target)
+        inputs.append(command)
+        solutions.append(solution)
+    return FlightLog(
+        config="paper",
+        duration=float(STEPS),
+        speed=0.0,
+        model=model,
+        plant=plant,
+        orbit=ORBIT,
+        input_lower=-INPUT_UPPER,
+        input_upper=INPUT_UPPER,
+        steady_inputs=u_ss,
+        time=np.arange(STEPS + 1.0),
+        vehicle=np.array(vehicles),
+        target=np.zeros((STEPS + 1, 3)),
+        command_time=np.arange(float(STEPS)),
+        inputs=np.array(inputs),
+        cost=np.array([solution.cost for solution in solutions]),
+        solve_time=np.array([solution.solve_time for solution in solutions]),
+        solver=solver.name,
+        failures=sum(not solution.converged for solution in solutions),
+    )

@@ -1,0 +1,198 @@
+"""Numbers of a flight against closed forms, and against the published simulation."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from example_flights import ORBIT, log_of, orbiting, paper_flight
+
+from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
+from uav_tracking_mpc.report.metrics import metrics, range_offset, settling_time
+from uav_tracking_mpc.simulation.flight_log import CommandCounts, Latency
+
+KEYS = {
+    "config": None,
+    "duration_s": None,
+    "speed": None,
+    "settling_s": {"range", "altitude", "speed", "bearing"},
+    "steady_state": {
+        "range_rms_m",
+        "range_max_m",
+        "altitude_rms_m",
+        "speed_rms_mps",
+        "horizontal_rms_m",
+    },
+    "final": {
+        "range_error_m",
+        "bearing_error_rad",
+        "altitude_error_m",
+        "pitch_error_rad",
+        "speed_error_mps",
+    },
+    "solver": {"name", "median_us", "p99_us", "max_us", "solves", "failures"},
+    "commands": {"sent", "late", "plan_reused", "failsafe"},
+}
+
+
+def states(count: int) -> np.ndarray:
+    """Relative states of a perfect orbit, for tests to disturb, shape (count, 5)."""
+    return np.tile(ORBIT.steady_state, (count, 1))
+
+
+def assert_plain(value: object) -> None:
+    """Only what JSON can hold: no NumPy types, no NaN."""
+    if isinstance(value, dict):
+        for inner in value.values():
+            assert_plain(inner)
+    else:
+        assert value is None or type(value) in (str, int, float)
+
+
+def test_the_keys_are_the_contract():
+    """metrics.json is read by other programs: its keys are fixed."""
+    numbers = metrics(orbiting())
+    assert numbers.keys() == KEYS.keys()
+    for key, inner in KEYS.items():
+        assert inner is None or numbers[key].keys() == inner
+
+
+def test_latency_only_where_it_was_measured():
+    """A simulation has no messages, hence no latency."""
+    assert "latency_us" not in metrics(orbiting())
+    flown = metrics(orbiting(latency=Latency(median=700.0, p99=900.0, max=float("nan"))))
+    assert flown["latency_us"] == {"median": 700.0, "p99": 900.0, "max": None}
+
+
+@pytest.mark.parametrize("orbit", [ORBIT, Orbit(300.0, 120.0, 22.0, COUNTER_CLOCKWISE)])
+def test_a_perfect_orbit_has_no_error(orbit):
+    """In either direction, whatever the heading does meanwhile."""
+    numbers = metrics(orbiting(400, orbit))
+    assert numbers["settling_s"] == {"range": 0.0, "altitude": 0.0, "speed": 0.0, "bearing": 0.0}
+    for value in [*numbers["steady_state"].values(), *numbers["final"].values()]:
+        assert value == pytest.approx(0.0, abs=1e-9)
+
+
+def test_constant_offsets_are_their_own_rms():
+    """2 m of range at the right altitude, 0.05 m/s of speed."""
+    relative = states(90) + np.array([2.0, 0.0, 0.0, 0.0, -0.05])
+    log = log_of(relative)
+    numbers = metrics(log)
+    steady = numbers["steady_state"]
+    assert steady["range_rms_m"] == pytest.approx(2.0)
+    assert steady["range_max_m"] == pytest.approx(2.0)
+    assert steady["altitude_rms_m"] == pytest.approx(0.0, abs=1e-9)
+    assert steady["speed_rms_mps"] == pytest.approx(0.05)
+    assert steady["horizontal_rms_m"] == pytest.approx(np.sqrt(152.0**2 - 50.0**2) - ORBIT.radius)
+    assert range_offset(log) == pytest.approx(2.0)
+    assert numbers["settling_s"]["range"] is None
+    assert numbers["settling_s"]["speed"] == 0.0
+
+
+def test_only_the_last_third_is_steady_state():
+    """Errors before it do not count; an oscillation of amplitude a there has RMS a / sqrt(2)."""
+    relative = states(301)
+    relative[:200, 0] += 100.0
+    relative[200:, 2] += 3.0 * np.sin(2.0 * np.pi * np.arange(101) / 20.0)
+    steady = metrics(log_of(relative))["steady_state"]
+    assert steady["range_max_m"] == pytest.approx(0.0, abs=1e-9)
+    assert steady["altitude_rms_m"] == pytest.approx(3.0 / np.sqrt(2.0), rel=0.01)
+
+
+def test_settling_counts_from_the_last_exit():
+    """Inside at 10 s, out again at 20 s, inside for good from 31 s on."""
+    relative = states(60)
+    relative[:10, 0] += 5.0
+    relative[20:31, 0] -= 1.5
+    assert metrics(log_of(relative))["settling_s"]["range"] == 31.0
+    assert metrics(log_of(relative, step=0.5))["settling_s"]["range"] == 15.5
+
+
+def test_settling_needs_a_last_sample_inside():
+    """A flight that leaves at its end has not settled; the band's edge is outside."""
+    time = np.arange(4.0)
+    assert settling_time(time, np.array([0.0, 0.0, 0.0, 1.1]), 1.0) is None
+    assert settling_time(time, np.array([0.0, 0.0, 0.0, 1.0]), 1.0) is None
+    assert settling_time(time, np.array([0.0, np.nan, 0.0, 0.9]), 1.0) == 2.0
+    assert settling_time(np.zeros(0), np.zeros(0), 1.0) is None
+
+
+def test_bearing_error_is_an_angle():
+    """A bearing just past -pi is 0.02 rad, not 2 pi, from one just before pi."""
+    orbit = Orbit(150.0, 50.0, 4.0, COUNTER_CLOCKWISE)  # theta_ss = -pi/2
+    past = np.array([0.0, 2.0 * np.pi + 0.01, 0.0, 0.0, 0.0])
+    relative = np.tile(orbit.steady_state + past, (9, 1))
+    numbers = metrics(log_of(relative, orbit))
+    assert numbers["final"]["bearing_error_rad"] == pytest.approx(0.01)
+    assert numbers["settling_s"]["bearing"] == 0.0
+
+
+def test_final_errors_are_signed():
+    """Flown minus desired."""
+    relative = states(3)
+    relative[-1] += [-4.0, 0.1, -3.0, 0.2, 0.5]
+    final = metrics(log_of(relative))["final"]
+    assert list(final.values()) == pytest.approx([-4.0, 0.1, -3.0, 0.2, 0.5])
+
+
+def test_solver_and_commands():
+    """Wall times in microseconds; counts pass through."""
+    numbers = metrics(
+        orbiting(
+            solve_time=np.array([1e-3, 2e-3, 3e-3, np.nan]),
+            failures=1,
+            commands=CommandCounts(sent=4, late=3, plan_reused=2, failsafe=1),
+        )
+    )
+    solver = numbers["solver"]
+    assert solver["median_us"] == pytest.approx(2000.0)
+    assert solver["p99_us"] == pytest.approx(2980.0)
+    assert solver["max_us"] == pytest.approx(3000.0)
+    assert (solver["solves"], solver["failures"]) == (4, 1)
+    assert numbers["commands"] == {"sent": 4, "late": 3, "plan_reused": 2, "failsafe": 1}
+
+
+@pytest.mark.parametrize("count", [0, 1, 2])
+def test_short_records(count):
+    """No sample, one, two; no command."""
+    log = orbiting(count)
+    numbers = metrics(log)
+    assert_plain(numbers)
+    assert (numbers["final"]["range_error_m"] is None) == (count == 0)
+    assert (range_offset(log) is None) == (count == 0)
+    json.dumps(numbers, allow_nan=False)
+
+
+def test_values_that_are_not_finite_become_null():
+    """A record with holes still makes valid JSON."""
+    log = orbiting(30)
+    vehicle = log.vehicle.copy()
+    vehicle[-1, 0] = np.nan
+    log = replace(log, vehicle=vehicle, speed=float("inf"), solve_time=np.full(29, np.nan))
+    numbers = metrics(log)
+    assert_plain(numbers)
+    assert numbers["final"]["range_error_m"] is None
+    assert numbers["settling_s"]["range"] is None
+    assert numbers["speed"] is None
+    json.dumps(numbers, allow_nan=False)
+
+
+def test_the_published_simulation():
+    """Euler steps, N = 10: when altitude and range settle, by model."""
+    exact = metrics(paper_flight("exact", "euler"))
+    paper = metrics(paper_flight("paper", "euler"))
+    assert exact["settling_s"]["altitude"] == 16.0
+    assert exact["settling_s"]["range"] == 20.0
+    assert paper["settling_s"]["altitude"] == 18.0
+    assert paper["settling_s"]["range"] == 21.0
+    assert exact["steady_state"]["range_rms_m"] < 1e-6
+    assert exact["solver"]["failures"] == paper["solver"]["failures"] == 0
+    assert_plain(exact)
+
+
+def test_the_papers_model_leaves_an_offset_on_the_vehicle():
+    """The exact model leaves none."""
+    assert range_offset(paper_flight("paper", "vehicle")) == pytest.approx(0.028, abs=0.002)
+    assert range_offset(paper_flight("exact", "vehicle")) == pytest.approx(0.0, abs=1e-6)

@@ -1,0 +1,29 @@
+"""Files that are whole or absent: a reader never meets half of one."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from pathlib import Path
+
+
+def write_atomically(path: Path, content: bytes) -> None:
+    """Write a file beside its place, then move it there.
+
+    A symbolic link in that place is replaced, not followed, so nothing is written elsewhere.
+
+    Args:
+        path: Where the file shall be; its folder exists.
+        content: What it shall hold.
+
+    Raises:
+        OSError: The folder cannot be written to; no temporary file is left behind.
+    """
+    # Not tempfile: its files are private to their owner, reports are for sharing (umask decides).
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
+    try:
+        with open(temporary, "xb") as file:
+            file.write(content)
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)

@@ -1,0 +1,146 @@
+"""What the numbers of a flight say: a verdict in one sentence, and where a range offset is from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from uav_tracking_mpc.dynamics.relative import MODELS, steady_inputs
+from uav_tracking_mpc.report.metrics import SETTLING_BANDS, range_errors
+from uav_tracking_mpc.simulation.flight_log import FlightLog
+
+UNITS = {"range": "m", "altitude": "m", "speed": "m/s", "bearing": "rad"}
+NOTABLE_OFFSET = 0.01  # mean range error that the report speaks of, [m]
+
+
+def quantity(value: float | None, unit: str, digits: int = 4) -> str:
+    """A number with its unit, for people.
+
+    Args:
+        value: None and what is not finite become a dash; what is smaller than people can use is
+            said to be so.
+        unit: Appended after a no-break space.
+        digits: Significant digits, at most this many decimals.
+    """
+    if value is None or not np.isfinite(value):
+        return "\u2013"
+    least = 10.0**-digits
+    if 0.0 < abs(value) < least:
+        return f"< {least:.{digits}f}\u00a0{unit}"
+    decimals = digits if value == 0.0 else digits - 1 - int(np.floor(np.log10(abs(value))))
+    text = f"{value:.{min(max(decimals, 0), digits)}f}"
+    if "." in text:
+        text = text.rstrip("0").rstrip(".")
+    return f"{text}\u00a0{unit}".replace("-", "\u2212", 1)
+
+
+def settled(numbers: dict[str, Any]) -> bool:
+    """Whether range, altitude, speed and bearing all came to stay inside their bands."""
+    return all(time is not None for time in numbers["settling_s"].values())
+
+
+def verdict(numbers: dict[str, Any]) -> str:
+    """One sentence: settled or not, and how well; a second one where something failed.
+
+    Args:
+        numbers: What :func:`uav_tracking_mpc.report.metrics.metrics` returned.
+    """
+    times, steady, final = numbers["settling_s"], numbers["steady_state"], numbers["final"]
+    if final["range_error_m"] is None:
+        return "No usable record: the last sample of the flight is missing or not finite."
+    if settled(numbers):
+        text = (
+            f"Settled: altitude within {quantity(SETTLING_BANDS['altitude'], 'm')} from "
+            f"{quantity(times['altitude'], 's')} on, "
+            f"range from {quantity(times['range'], 's')} on; over the last third of the flight "
+            f"the range held to {quantity(steady['range_rms_m'], 'm')} RMS and the altitude to "
+            f"{quantity(steady['altitude_rms_m'], 'm')} RMS."
+        )
+    else:
+        never = " and ".join(
+            f"{name} never came to stay within {quantity(SETTLING_BANDS[name], UNITS[name])}"
+            for name, time in times.items()
+            if time is None
+        )
+        text = (
+            f"Not settled: {never} of the reference; over the last third of the flight the range "
+            f"error was {quantity(steady['range_rms_m'], 'm')} RMS, and at the end the UAV was "
+            f"{quantity(abs(final['range_error_m']), 'm')} too "
+            f"{'far out' if final['range_error_m'] > 0.0 else 'close'}."
+        )
+    return " ".join([text.replace("< ", "less than "), *_failures(numbers)])
+
+
+def _failures(numbers: dict[str, Any]) -> list[str]:
+    sentences = []
+    solver, commands = numbers["solver"], numbers["commands"]
+    if solver["failures"]:
+        sentences.append(f"{solver['failures']} of {solver['solves']} solves did not converge.")
+    if commands["failsafe"]:
+        times = "once" if commands["failsafe"] == 1 else f"{commands['failsafe']} times"
+        sentences.append(f"The vehicle ran out of plan {times} and held wings level.")
+    return sentences
+
+
+@dataclass(frozen=True)
+class RangeOffset:
+    """A standing range error and the turn rates that explain it, or do not.
+
+    Attributes:
+        mean: Mean range error over the last third of the flight in [m].
+        spread: Half of its peak-to-peak value there in [m].
+        from_model: Whether the controller predicted with a steady turn that is not the vehicle's.
+        model_turn_rate: u_psi that holds the orbit in the prediction model, in [rad/s].
+        exact_turn_rate: u_psi that holds it on the vehicle, in [rad/s].
+        model_formula: The first in symbols, empty where there is none to print.
+        exact_formula: The second in symbols.
+    """
+
+    mean: float
+    spread: float
+    from_model: bool
+    model_turn_rate: float
+    exact_turn_rate: float
+    model_formula: str
+    exact_formula: str
+
+
+# Section 3.1's steady turns for a clockwise orbit, in symbols.
+FORMULAS = {"exact": "v_d / d_d", "paper": "v_d / r_d", "paper9": "v_d r_d / d_d²"}
+
+
+def range_offset_finding(log: FlightLog) -> RangeOffset | None:
+    """The range offset, where there is something to say about it.
+
+    (9) and (11) replace d/r by cos(chi) and z/r by sin(chi), d = sqrt(r^2 - z^2). On the level
+    orbit this shifts the turn rate that the controller takes for steady; the feedback makes up for
+    the difference, and needs a standing error to do so.
+
+    Args:
+        log: Record of the flight.
+
+    Returns:
+        None if the model's turn is the plant's and the mean error is at most
+        :data:`NOTABLE_OFFSET`, or if nothing was recorded.
+    """
+    errors = range_errors(log)
+    from_model = log.plant == "vehicle" and log.model != "exact" and log.model in MODELS
+    if not (len(errors) and np.all(np.isfinite(errors))):
+        return None
+    mean = float(np.mean(errors))
+    if not (from_model or abs(mean) > NOTABLE_OFFSET):
+        return None
+    exact = float(steady_inputs("exact", log.orbit)[0])
+    sign = "\u2212" if exact < 0.0 else ""
+    formula = FORMULAS.get(log.model, "")
+    return RangeOffset(
+        mean=mean,
+        spread=0.5 * float(np.ptp(errors)),
+        from_model=from_model,
+        model_turn_rate=float(steady_inputs(log.model, log.orbit)[0]) if from_model else exact,
+        exact_turn_rate=exact,
+        model_formula=sign + formula if formula else "",
+        exact_formula=sign + FORMULAS["exact"],
+    )

@@ -1,0 +1,156 @@
+"""The numbers of a flight: ``metrics.json``.
+
+Errors are those of :attr:`uav_tracking_mpc.simulation.flight_log.FlightLog.error`. A value that
+cannot be given (nothing recorded, never settled, not finite) is None: JSON knows no NaN.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.simulation.flight_log import FlightLog
+
+# Half widths of the bands that count as settled, [m], [m], [m/s], [rad].
+SETTLING_BANDS = {"range": 1.0, "altitude": 1.0, "speed": 0.1, "bearing": 0.05}
+
+# Columns of FlightLog.error.
+COLUMNS = {"range": 0, "bearing": 1, "altitude": 2, "pitch": 3, "speed": 4}
+
+
+def metrics(log: FlightLog) -> dict[str, Any]:
+    """Everything that ``metrics.json`` holds.
+
+    Args:
+        log: Record of the flight.
+
+    Returns:
+        Plain floats, ints, strings, None and dictionaries of these, never NaN:
+
+        - ``config``, ``duration_s``, ``speed``
+        - ``settling_s``: per quantity of :data:`SETTLING_BANDS` see :func:`settling_time`
+        - ``steady_state``: errors over the last third of the flight; ``horizontal_rms_m`` is that
+          of sqrt(r^2 - z^2) against the radius of the orbit
+        - ``final``: signed errors of the last sample
+        - ``solver``: wall time of the solves, their number and how many did not converge
+        - ``latency_us``: only where the flight measured it
+        - ``commands``: what the command link saw
+    """
+    error = log.error
+    steady = error[_last_third(log)]
+    final = error[-1] if len(error) else np.full(5, np.nan)
+    numbers: dict[str, Any] = {
+        "config": log.config,
+        "duration_s": _plain(log.duration),
+        "speed": _plain(log.speed),
+        "settling_s": {
+            name: settling_time(log.time, error[:, COLUMNS[name]], band)
+            for name, band in SETTLING_BANDS.items()
+        },
+        "steady_state": {
+            "range_rms_m": _rms(steady[:, COLUMNS["range"]]),
+            "range_max_m": _plain(np.max(np.abs(steady[:, COLUMNS["range"]]), initial=-np.inf)),
+            "altitude_rms_m": _rms(steady[:, COLUMNS["altitude"]]),
+            "speed_rms_mps": _rms(steady[:, COLUMNS["speed"]]),
+            "horizontal_rms_m": _rms(_horizontal_error(log)[_last_third(log)]),
+        },
+        "final": {
+            "range_error_m": _plain(final[COLUMNS["range"]]),
+            "bearing_error_rad": _plain(final[COLUMNS["bearing"]]),
+            "altitude_error_m": _plain(final[COLUMNS["altitude"]]),
+            "pitch_error_rad": _plain(final[COLUMNS["pitch"]]),
+            "speed_error_mps": _plain(final[COLUMNS["speed"]]),
+        },
+        "solver": {
+            "name": log.solver,
+            **_microseconds(log.solve_time),
+            "solves": len(log.solve_time),
+            "failures": int(log.failures),
+        },
+        "commands": {
+            "sent": int(log.commands.sent),
+            "late": int(log.commands.late),
+            "plan_reused": int(log.commands.plan_reused),
+            "failsafe": int(log.commands.failsafe),
+        },
+    }
+    if log.latency is not None:
+        numbers["latency_us"] = {
+            "median": _plain(log.latency.median),
+            "p99": _plain(log.latency.p99),
+            "max": _plain(log.latency.max),
+        }
+    return numbers
+
+
+def settling_time(
+    time: NDArray[np.float64], error: NDArray[np.float64], band: float
+) -> float | None:
+    """First time from which on ``abs(error) < band`` at every sample.
+
+    Args:
+        time: Times of the samples in [s], shape (n,).
+        error: Shape (n,); a sample that is not finite counts as outside.
+        band: Half width of the band, in the unit of the error.
+
+    Returns:
+        Time in [s], or None if the last sample is outside or there is none.
+    """
+    outside = np.flatnonzero(~(np.abs(error) < band))
+    first_inside = int(outside[-1]) + 1 if len(outside) else 0
+    return _plain(time[first_inside]) if first_inside < len(time) else None
+
+
+def range_offset(log: FlightLog) -> float | None:
+    """Mean error in range over the last third of the flight in [m], None without samples.
+
+    A controller whose model does not share the vehicle's steady turn leaves an offset that no
+    feedback on the error removes; noise and transients leave little of a mean.
+    """
+    steady = range_errors(log)
+    return _plain(np.mean(steady)) if len(steady) else None
+
+
+def range_errors(log: FlightLog) -> NDArray[np.float64]:
+    """Errors in range over the last third of the flight, shape (k,), in [m]."""
+    return log.error[_last_third(log), COLUMNS["range"]]
+
+
+def _last_third(log: FlightLog) -> NDArray[np.bool_]:
+    """Which samples belong to the last third of the recorded time, shape (n,)."""
+    if not len(log.time):
+        return np.zeros(0, dtype=bool)
+    begin, end = log.time[0], log.time[-1]
+    # The last sample always belongs, whatever rounding does to a record of one instant.
+    return np.asarray(log.time >= min(begin + 2.0 / 3.0 * (end - begin), end))
+
+
+def _horizontal_error(log: FlightLog) -> NDArray[np.float64]:
+    """Horizontal distance to the target minus the radius of the orbit, shape (n,), in [m]."""
+    offset = log.vehicle[:, :2] - log.target[:, :2]
+    return np.hypot(offset[:, 0], offset[:, 1]) - log.orbit.radius
+
+
+def _rms(values: NDArray[np.float64]) -> float | None:
+    return _plain(np.sqrt(np.mean(values**2))) if len(values) else None
+
+
+def _microseconds(seconds: NDArray[np.float64]) -> dict[str, float | None]:
+    """Median, 99th percentile and maximum of the finite durations, in [us]."""
+    measured = 1e6 * seconds[np.isfinite(seconds)]
+    if not len(measured):
+        return {"median_us": None, "p99_us": None, "max_us": None}
+    return {
+        "median_us": _plain(np.median(measured)),
+        "p99_us": _plain(np.percentile(measured, 99.0)),
+        "max_us": _plain(np.max(measured)),
+    }
+
+
+def _plain(value: Any) -> float | None:
+    """A Python float, or None where JSON has no number for it."""
+    number = float(value)
+    return number if math.isfinite(number) else None

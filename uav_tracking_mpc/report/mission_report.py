@@ -1,0 +1,87 @@
+"""One folder that tells a flight: ``metrics.json``, two figures and a page that needs no other."""
+
+from __future__ import annotations
+
+import base64
+import json
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, StrictUndefined
+
+from uav_tracking_mpc.report.atomic_write import write_atomically
+from uav_tracking_mpc.report.figures import save_states, save_trajectory
+from uav_tracking_mpc.report.findings import (
+    UNITS,
+    quantity,
+    range_offset_finding,
+    settled,
+    verdict,
+)
+from uav_tracking_mpc.report.metrics import SETTLING_BANDS, metrics
+from uav_tracking_mpc.report.states import DECADES
+from uav_tracking_mpc.simulation.flight_log import FlightLog
+
+TEMPLATE = "mission_report.html.j2"
+
+
+def write_report(log: FlightLog, output: Path) -> dict[str, Any]:
+    """Write ``metrics.json``, ``trajectory.png``, ``states.png`` and ``report.html``.
+
+    The numbers come first, so that they stand even where a figure cannot be drawn. Each file
+    replaces an older one as a whole; nothing is written outside the folder.
+
+    Args:
+        log: Record of the flight.
+        output: Folder, made if it is not there.
+
+    Returns:
+        The content of ``metrics.json``.
+
+    Raises:
+        OSError: The folder cannot be made or written to; the message names it and says why.
+    """
+    output = Path(output)
+    numbers = metrics(log)
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+        text = json.dumps(numbers, indent=2, allow_nan=False) + "\n"
+        write_atomically(output / "metrics.json", text.encode())
+        trajectory = save_trajectory(log, output / "trajectory.png")
+        states = save_states(log, output / "states.png")
+        page = render_page(log, numbers, trajectory, states)
+        write_atomically(output / "report.html", page.encode())
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise OSError(error.errno, f"cannot write the report: {reason}", str(output)) from error
+    return numbers
+
+
+def render_page(log: FlightLog, numbers: dict[str, Any], trajectory: bytes, states: bytes) -> str:
+    """The page as HTML, with style and pictures inside.
+
+    Args:
+        log: Record of the flight.
+        numbers: Its metrics.
+        trajectory: PNG file of the flight in space.
+        states: PNG file of states and inputs over time.
+    """
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters["quantity"] = quantity
+    source = resources.files("uav_tracking_mpc.report").joinpath(TEMPLATE).read_text("utf-8")
+    return environment.from_string(source).render(
+        log=log,
+        numbers=numbers,
+        numbers_json=json.dumps(numbers, indent=2, allow_nan=False),
+        bands=SETTLING_BANDS,
+        units=UNITS,
+        decades=DECADES,
+        settled=settled(numbers),
+        verdict=verdict(numbers),
+        offset=range_offset_finding(log),
+        trajectory=base64.b64encode(trajectory).decode(),
+        states=base64.b64encode(states).decode(),
+    )
