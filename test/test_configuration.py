@@ -1,0 +1,76 @@
+import pytest
+import yaml
+
+from uav_tracking_mpc.parameters import ParameterError
+from uav_tracking_mpc.simulation.configuration import (
+    configuration_names,
+    load_configuration,
+)
+
+
+@pytest.mark.parametrize("name", configuration_names())
+def test_every_configuration_that_comes_along_is_allowed(name):
+    assert load_configuration(name).name == name
+
+
+def test_paper_is_table_1(paper_start):
+    from uav_tracking_mpc.dynamics.relative import relative_state
+
+    paper = load_configuration("paper")
+    assert (paper.controller.range, paper.controller.altitude) == (150.0, 50.0)
+    assert (paper.controller.airspeed, paper.controller.horizon) == (4.0, 10)
+    assert paper.mission.duration == 150.0
+    start = relative_state(paper.simulator.initial_state, paper.target.position)
+    assert start == pytest.approx(paper_start)
+
+
+def test_overrides_win():
+    configuration = load_configuration(
+        "paper", ["nmpc_controller.model=paper", "mission.duration=20"]
+    )
+    assert configuration.controller.model == "paper"
+    assert configuration.mission.duration == 20.0
+
+
+def test_yaml_is_a_ros_parameter_file_that_loads_again(tmp_path):
+    configuration = load_configuration("paper", ["target_publisher.rate=7.0"])
+    file = tmp_path / "again.yaml"
+    file.write_text(configuration.yaml())
+    document = yaml.safe_load(file.read_text())
+    assert document["/**/target_publisher"]["ros__parameters"]["rate"] == 7.0
+    again = load_configuration(str(file))
+    assert again.controller == configuration.controller
+    assert again.target == configuration.target
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[1, 2", "cannot be read"),
+        ("just text", "holds no sections"),
+        ("pilot: {ros__parameters: {}}", "section 'pilot' is unknown"),
+        ("nmpc_controller: {range: 1}", "has no ros__parameters"),
+        ("nmpc_controller: {ros__parameters: {rnage: 1.0}}", "'rnage' is unknown"),
+        ("/**/nmpc_controller: {ros__parameters: {range: far}}", "section 'nmpc_controller': .*far"),
+        ("a: !!python/object/apply:os.system ['true']", "cannot be read"),
+    ],
+)
+def test_bad_files_are_refused_with_the_reason(tmp_path, text, message):
+    file = tmp_path / "bad.yaml"
+    file.write_text(text)
+    with pytest.raises(ParameterError, match=message):
+        load_configuration(str(file))
+
+
+@pytest.mark.parametrize("name", ["nowhere", "../paper", "paper.yaml", ""])
+def test_unknown_configuration_lists_the_known(name):
+    with pytest.raises(ParameterError, match="must be a file or one of .*paper"):
+        load_configuration(name)
+
+
+@pytest.mark.parametrize(
+    "override", ["range=1", "nmpc_controller.range", "pilot.range=1", "nmpc_controller.=1"]
+)
+def test_bad_overrides_say_what_they_must_be(override):
+    with pytest.raises(ParameterError, match="SECTION.PARAMETER=VALUE"):
+        load_configuration("paper", [override])

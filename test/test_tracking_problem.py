@@ -1,0 +1,28 @@
+import casadi as ca
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
+from uav_tracking_mpc.guidance.tracking_problem import tracking_problem
+
+
+def test_box_is_taken_about_the_steady_inputs():
+    parameters = TrackingParameters()
+    problem = tracking_problem(parameters)
+    np.testing.assert_allclose(
+        problem.input_upper + parameters.steady_inputs, parameters.input_upper
+    )
+    assert problem.input_upper[0] > -problem.input_lower[0]
+
+
+@pytest.mark.parametrize(("kind", "penalty"), [("soft", 100.0), ("hard", None)])
+def test_terminal_set_is_as_large_as_the_inputs_allow(kind, penalty):
+    problem = tracking_problem(TrackingParameters(terminal_constraint=kind))
+    (terminal,) = problem.terminal_inequalities
+    level = -float(ca.Function("h", [problem.state], [terminal.expression])(0))
+    assert terminal.penalty == penalty
+    assert level == pytest.approx(2.878, abs=5e-4)
+
+
+def test_no_terminal_set_by_default():
+    assert tracking_problem(TrackingParameters()).terminal_inequalities == ()
