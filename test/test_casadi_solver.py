@@ -36,9 +36,7 @@ def test_paper_start_costs_what_was_verified(plugin, model, cost, first, paper_s
     solution = solver.solve(tracking_error(paper_start, parameters.orbit))
     assert solution.converged
     assert solution.cost == pytest.approx(cost, abs=6e-4)
-    np.testing.assert_allclose(
-        solution.inputs[0] + parameters.steady_inputs, first, atol=6e-5
-    )
+    np.testing.assert_allclose(solution.inputs[0] + parameters.steady_inputs, first, atol=6e-5)
 
 
 def test_plan_obeys_the_model(paper_solver, paper_start):

@@ -138,7 +138,7 @@ def test_time_marks_do_not_hide_each_other():
         assert len(boxes) >= 5
         for index, box in enumerate(boxes):
             assert not any(box.overlaps(other) for other in boxes[:index])
-            assert 0.0 < box.x0 and box.x1 < figure.bbox.width
+            assert box.x0 > 0.0 and box.x1 < figure.bbox.width
 
 
 def test_everything_drawn_lies_inside_the_figure():
@@ -149,8 +149,8 @@ def test_everything_drawn_lies_inside_the_figure():
     for log in (paper_flight(), moving_target(), replace(tall, vehicle=vehicle)):
         figure = trajectory.trajectory_figure(log)
         box = trajectory._scene_box(figure, figure.axes[0])
-        assert 0.0 <= box.x0 and box.x1 <= 1.0
-        assert 0.0 <= box.y0 and box.y1 <= 0.95
+        assert box.x0 >= 0.0 and box.x1 <= 1.0
+        assert box.y0 >= 0.0 and box.y1 <= 0.95
 
 
 def test_a_missing_folder_is_an_oserror(tmp_path):

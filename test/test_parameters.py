@@ -64,10 +64,9 @@ SCALARS = st.one_of(
 def test_any_value_is_either_taken_in_its_own_type_or_refused(specification, value):
     try:
         checked = specification.check(value)
-    except ParameterError as error:
-        assert specification.name in str(error)
-    else:
-        assert type(checked) is type(specification.default)
+    except ParameterError:
+        return
+    assert type(checked) is type(specification.default)
 
 
 def test_every_parameter_of_the_package_is_described_and_its_default_allowed():

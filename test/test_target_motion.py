@@ -36,7 +36,8 @@ def test_circle_keeps_its_radius():
 
 
 @pytest.mark.parametrize(
-    ("time", "corner"), [(0.0, [0, 0, 0]), (6.0, [30, 0, 0]), (14.0, [30, 40, 0]), (24.0, [0, 0, 0])]
+    ("time", "corner"),
+    [(0.0, [0, 0, 0]), (6.0, [30, 0, 0]), (14.0, [30, 40, 0]), (24.0, [0, 0, 0])],
 )
 def test_waypoints_are_visited_in_turn_and_again(time, corner):
     np.testing.assert_allclose(target_position(moving("waypoints"), time), corner, atol=1e-12)

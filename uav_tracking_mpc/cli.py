@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from uav_tracking_mpc import __version__
+from uav_tracking_mpc.domain import DomainError
 from uav_tracking_mpc.launch import (
     LaunchError,
     add_launch_arguments,
@@ -50,7 +51,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             "`pip install 'uav_tracking_mpc[ros]'`",
             1,
         )
-    except (LaunchError, OSError) as error:
+    except (LaunchError, DomainError, OSError) as error:
         return _fail(str(error), 1)
     except KeyboardInterrupt:
         return _fail("interrupted", 130)

@@ -1,20 +1,15 @@
 """The nodes as processes, started by plain Python: ``launch_tracking`` and ``uav_tracking fly``.
 
 Discovery stays on this machine and each launch has a domain of its own, so that two do not mix.
-Transport is UDP: Fast DDS would leave shared-memory files behind whenever a process is killed.
 """
 
 from __future__ import annotations
 
 import argparse
-import ctypes
 import os
 import signal
-import socket
-import subprocess
 import sys
 import tempfile
-import threading
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -24,7 +19,10 @@ from types import FrameType
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
+from uav_tracking_mpc.domain import DomainError, own_domain
+from uav_tracking_mpc.node_process import STOP_LIMIT, NodeProcess
 from uav_tracking_mpc.parameters import ParameterError, specifications
+from uav_tracking_mpc.shared_memory import SharedMemoryFiles
 from uav_tracking_mpc.simulation.configuration import (
     Configuration,
     MissionParameters,
@@ -33,95 +31,13 @@ from uav_tracking_mpc.simulation.configuration import (
 
 NODES = ("uav_simulator", "target_publisher", "nmpc_controller")
 START_LIMIT = 60.0  # s of wall time for the first command
-STOP_LIMIT = 5.0  # s of wall time for a node to end after a signal
 DRAIN_TIME = 0.3  # s of wall time for the nodes' last messages
+NOTE_PERIOD = 0.5  # s of wall time between looks at the nodes' shared-memory files
 REPORT_PERIOD = 5.0  # s of wall time between lines where there is no terminal
-FIRST_DOMAIN, LAST_DOMAIN = 1, 101  # what Linux's ephemeral ports leave free
 
 
 class LaunchError(RuntimeError):
     """The flight could not be flown; the message says why."""
-
-
-class NodeProcess:
-    """One node as a process; its output is printed line by line behind its name."""
-
-    def __init__(self, name: str, arguments: Sequence[str], console: Console) -> None:
-        self.name = name
-        self._process = subprocess.Popen(
-            [sys.executable, "-u", "-m", f"uav_tracking_mpc.nodes.{name}", *arguments],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            errors="replace",
-            # A session of its own: Ctrl-C reaches the launcher alone, which passes it on.
-            start_new_session=True,
-            preexec_fn=_end_with_parent,
-        )
-        self._reader = threading.Thread(target=self._print, args=(console,), daemon=True)
-        self._reader.start()
-
-    def _print(self, console: Console) -> None:
-        assert self._process.stdout is not None
-        for line in self._process.stdout:
-            console.print(
-                f"[{self.name}] {line.rstrip()}", markup=False, highlight=False, soft_wrap=True
-            )
-
-    @property
-    def exit_code(self) -> int | None:
-        """None while it runs."""
-        return self._process.poll()
-
-    def send_signal(self, number: int) -> None:
-        """Pass a signal on, if it still runs."""
-        if self.exit_code is None:
-            self._process.send_signal(number)
-
-    def stop(self, number: int) -> None:
-        """End it: by the signal, and by force if that takes too long."""
-        self.send_signal(number)
-        try:
-            self._process.wait(STOP_LIMIT)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
-        self._reader.join(STOP_LIMIT)
-
-
-def _end_with_parent() -> None:
-    """In the child: ask Linux for SIGTERM when the launcher dies, however it dies."""
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG
-
-
-@contextmanager
-def own_domain(domain: int | None) -> Iterator[int]:
-    """A ROS domain that no other launch on this machine uses.
-
-    A TCP port stands for the domain while it is in use; it carries no traffic.
-
-    Args:
-        domain: Take this one instead, whoever else is on it.
-
-    Raises:
-        LaunchError: All domains are in use.
-    """
-    if domain is not None:
-        yield domain
-        return
-    count = LAST_DOMAIN - FIRST_DOMAIN + 1
-    for offset in range(count):
-        candidate = FIRST_DOMAIN + (os.getpid() + offset) % count
-        with socket.socket() as claim:
-            try:
-                claim.bind(("127.0.0.1", 7400 + 250 * candidate))  # where DDS puts its domains
-            except OSError:
-                continue
-            yield candidate
-            return
-    raise LaunchError(f"all ROS domains from {FIRST_DOMAIN} to {LAST_DOMAIN} are in use")
 
 
 def launch(
@@ -150,7 +66,6 @@ def launch(
             ROS_AUTOMATIC_DISCOVERY_RANGE=os.environ.get(
                 "ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"
             ),
-            FASTDDS_BUILTIN_TRANSPORTS=os.environ.get("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4"),
             RCUTILS_COLORIZED_OUTPUT="0",
         )
         # rclpy reads the environment when it is loaded.
@@ -162,13 +77,20 @@ def launch(
             highlight=False,
         )
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+        files = SharedMemoryFiles()
         try:
-            _fly(configuration, bag, console)
+            _fly(configuration, bag, files, console)
         finally:
             rclpy.try_shutdown()
+            files.remove_orphans()
 
 
-def _fly(configuration: Configuration, bag_path: Path | None, console: Console) -> None:
+def _fly(
+    configuration: Configuration,
+    bag_path: Path | None,
+    files: SharedMemoryFiles,
+    console: Console,
+) -> None:
     from rclpy.experimental.events_executor import EventsExecutor
 
     from uav_tracking_mpc.nodes.flight_bag import FlightBag
@@ -187,9 +109,10 @@ def _fly(configuration: Configuration, bag_path: Path | None, console: Console) 
                 for name in NODES:
                     arguments = _node_arguments(name, parameters, configuration)
                     processes.append(NodeProcess(name, arguments, console))
-                _watch(configuration, recorder, executor, processes, received, console)
+                _watch(configuration, recorder, executor, processes, files, received, console)
             finally:
                 number = received[0] if received else signal.SIGINT
+                files.note(process.identity for process in processes)
                 for process in processes:
                     process.send_signal(number)
                 _drain(executor, processes)  # their last diagnostics
@@ -227,12 +150,14 @@ def _watch(
     recorder: object,
     executor: object,
     processes: list[NodeProcess],
+    files: SharedMemoryFiles,
     received: list[int],
     console: Console,
 ) -> None:
     """Spin the recorder and show progress until the mission ends, a signal comes or a node dies."""
     duration = configuration.mission.duration
     begin = shown = time.monotonic()
+    noted = 0.0
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:3.0f}%"))
     with Progress(
         *columns, console=console, transient=True, disable=not console.is_terminal
@@ -244,6 +169,9 @@ def _watch(
                 if process.exit_code is not None:
                     raise LaunchError(f"{process.name} died with exit code {process.exit_code}")
             now = time.monotonic()
+            if now - noted > NOTE_PERIOD:
+                noted = now
+                files.note([os.getpid(), *(process.identity for process in processes)])
             period = 0.2 if console.is_terminal else REPORT_PERIOD
             progress = recorder.progress() if now - shown > 0.2 else None  # type: ignore[attr-defined]
             if progress is None:
@@ -355,7 +283,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ParameterError as error:
         print(f"launch_tracking: {error}", file=sys.stderr)
         return 2
-    except LaunchError as error:
+    except (LaunchError, DomainError) as error:
         print(f"launch_tracking: {error}", file=sys.stderr)
         return 1
     return 0

@@ -178,7 +178,7 @@ class CasadiSolver:
         if statistics["success"]:
             return Status.CONVERGED, Status.CONVERGED.value
         if reason == "Maximum_WallTime_Exceeded":
-            return Status.TIME_LIMIT, f"time limit reached after {statistics['iter_count']} iterations"
+            return Status.TIME_LIMIT, f"time limit after {statistics['iter_count']} iterations"
         if violation > FEASIBILITY_TOLERANCE:
             text = f"infeasible: constraints violated by {violation:.3g} where {self.name} stopped"
             return Status.INFEASIBLE, text

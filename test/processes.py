@@ -1,0 +1,82 @@
+"""Nodes as real processes, for tests."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import time
+
+DOMAIN = str(10 + os.getpid() % 90)
+
+
+def command(module, *arguments):
+    return [sys.executable, "-m", f"uav_tracking_mpc.{module}", *arguments]
+
+
+def environment():
+    return {
+        **os.environ,
+        "ROS_PYTHON_CHECK_FIELDS": "1",
+        "ROS_DOMAIN_ID": DOMAIN,
+    }
+
+
+def run_node(name, *arguments, stop=None, after="", limit=30.0):
+    """Run a node; send ``stop`` once its output holds ``after``. Returns exit code and output."""
+    process = subprocess.Popen(
+        command(f"nodes.{name}", *arguments),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        env=environment(),
+    )
+    output = ""
+    try:
+        if stop is not None:
+            assert process.stdout is not None
+            for line in process.stdout:
+                output += line
+                if after in line:
+                    break
+            process.send_signal(stop)
+        output += process.communicate(timeout=limit)[0]
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            process.kill()
+    return process.returncode, output
+
+
+def nodes_of(launcher):
+    """Process ids of a launcher's nodes, by name."""
+    children = subprocess.run(
+        ["ps", "-o", "pid=,args=", "--ppid", str(launcher)], capture_output=True, text=True
+    ).stdout
+    found = {}
+    for line in children.splitlines():
+        identity, _, words = line.strip().partition(" ")
+        if "uav_tracking_mpc.nodes." in words:
+            found[words.split("uav_tracking_mpc.nodes.")[1].split()[0]] = int(identity)
+    return found
+
+
+def alive(identity):
+    try:
+        os.kill(identity, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def wait_for(condition, limit):
+    deadline = time.monotonic() + limit
+    while time.monotonic() < deadline:
+        if condition():
+            return True
+        time.sleep(0.05)
+    return False
+
+
+INTERRUPT, TERMINATE, KILL = signal.SIGINT, signal.SIGTERM, signal.SIGKILL

@@ -1,0 +1,140 @@
+"""The launcher and its processes, for real."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from processes import INTERRUPT, KILL, TERMINATE, alive, command, environment, nodes_of, wait_for
+
+from uav_tracking_mpc.domain import LAST_DOMAIN, own_domain
+from uav_tracking_mpc.nodes.conversions import plan_from_command, vehicle_from_odometry
+from uav_tracking_mpc.nodes.flight_bag import flight_log, messages
+from uav_tracking_mpc.nodes.topics import ALL, COMMAND, DIAGNOSTICS, ODOMETRY
+from uav_tracking_mpc.simulation.configuration import load_configuration
+
+
+def shared_memory():
+    folder = Path("/dev/shm")
+    return {path.name for path in folder.glob("*fastrtps*")} if folder.is_dir() else set()
+
+
+@pytest.fixture
+def launcher():
+    before = shared_memory()
+    env = {key: value for key, value in environment().items() if key != "ROS_DOMAIN_ID"}
+    process = subprocess.Popen(
+        command("launch", "--config", "paper"),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        env=env,
+    )
+    assert process.stdout is not None
+    for line in process.stdout:
+        if "flying on commands" in line:
+            break
+    process.nodes = nodes_of(process.pid)
+    assert set(process.nodes) == {"uav_simulator", "target_publisher", "nmpc_controller"}
+    process.shared_memory = before
+    yield process
+    process.kill()
+    process.wait()
+    assert wait_for(lambda: not any(alive(node) for node in process.nodes.values()), 10.0)
+
+
+@pytest.mark.timeout(90)
+@pytest.mark.parametrize("number", [INTERRUPT, TERMINATE])
+def test_signals_are_passed_on_and_nothing_stays_behind(launcher, number):
+    launcher.send_signal(number)
+    output = launcher.communicate(timeout=20)[0]
+    assert launcher.returncode == 0, output
+    assert not any(alive(node) for node in launcher.nodes.values())
+    assert "Traceback" not in output
+    assert shared_memory() <= launcher.shared_memory
+
+
+@pytest.mark.timeout(90)
+@pytest.mark.parametrize("victim", ["uav_simulator", "nmpc_controller"])
+def test_a_node_that_dies_is_named_and_the_rest_is_stopped(launcher, victim):
+    os.kill(launcher.nodes[victim], KILL)
+    output = launcher.communicate(timeout=20)[0]
+    assert launcher.returncode == 1
+    assert f"{victim} died with exit code -9" in output
+    assert not any(alive(node) for node in launcher.nodes.values())
+    assert shared_memory() <= launcher.shared_memory
+
+
+@pytest.mark.timeout(90)
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells children of the death")
+def test_nodes_do_not_outlive_a_killed_launcher(launcher):
+    launcher.kill()
+    assert wait_for(lambda: not any(alive(node) for node in launcher.nodes.values()), 10.0)
+
+
+def test_two_launches_get_two_domains():
+    with own_domain(None) as first, own_domain(None) as second:
+        assert first != second
+        assert 1 <= min(first, second) <= max(first, second) <= LAST_DOMAIN
+    with own_domain(7) as asked:
+        assert asked == 7
+
+
+@pytest.fixture(scope="module")
+def flight(tmp_path_factory):
+    """A mission with real processes through the command, as a user runs it."""
+    output = tmp_path_factory.mktemp("flight")
+    env = {key: value for key, value in environment().items() if key != "ROS_DOMAIN_ID"}
+    finished = subprocess.run(
+        command("cli", "fly", "--duration", "90", "--output", output, "--json"),
+        capture_output=True,
+        text=True,
+        env=env,
+        timeout=110,
+    )
+    assert finished.returncode == 0, finished.stderr
+    return output, json.loads(finished.stdout)
+
+
+@pytest.mark.timeout(150)
+def test_the_mission_is_flown_recorded_and_reported(flight):
+    output, metrics = flight
+    files = {"metrics.json", "trajectory.png", "states.png", "report.html", "mission.mcap"}
+    assert {path.name for path in output.iterdir()} == files
+    assert json.loads((output / "metrics.json").read_text()) == metrics
+    assert metrics["settling_s"]["altitude"] <= 20.0
+    assert metrics["settling_s"]["range"] <= 25.0
+    assert metrics["steady_state"]["range_rms_m"] <= 0.05
+    assert metrics["steady_state"]["altitude_rms_m"] <= 0.05
+    assert metrics["solver"]["failures"] == 0
+    assert metrics["commands"]["sent"] > 500
+    assert metrics["latency_us"]["median"] > 0.0
+
+
+@pytest.mark.timeout(150)
+def test_the_bag_holds_every_topic_and_reads_back_equal(flight):
+    output, _ = flight
+    counts = dict.fromkeys((topic.name for topic in ALL), 0)
+    times = []
+    for topic, time, _ in messages(output / "mission.mcap", *ALL):
+        counts[topic.name] += 1
+        times.append(time)
+    assert all(counts.values()), counts
+    assert times == sorted(times)
+    log = flight_log(output / "mission.mcap", load_configuration("paper"))
+    states = [
+        vehicle_from_odometry(message)
+        for _, _, message in messages(output / "mission.mcap", ODOMETRY)
+    ]
+    np.testing.assert_array_equal(log.vehicle, states[-len(log.vehicle) :])
+    first = next(messages(output / "mission.mcap", COMMAND))[2]
+    np.testing.assert_array_equal(plan_from_command(first)[0][0], log.inputs[0])
+    levels = {
+        status.level
+        for _, _, message in messages(output / "mission.mcap", DIAGNOSTICS)
+        for status in message.status
+    }
+    assert b"\x00" in levels

@@ -1,0 +1,177 @@
+"""All nodes in one process: they connect by their defaults and fly."""
+
+from __future__ import annotations
+
+import os
+import time
+
+import numpy as np
+import pytest
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import Parameter
+
+from uav_tracking_mpc.dynamics.relative import relative_state
+from uav_tracking_mpc.nodes.conversions import (
+    nanoseconds,
+    plan_from_command,
+    set_odometry,
+    vehicle_from_odometry,
+)
+from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
+from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
+from uav_tracking_mpc.nodes.topics import (
+    COMMAND,
+    DIAGNOSTICS,
+    MARKERS,
+    ODOMETRY,
+    PREDICTED_PATH,
+    TARGET,
+    TRACKING,
+)
+from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
+from uav_tracking_mpc.parameters import ParameterError
+
+
+@pytest.fixture
+def executor():
+    context = rclpy.Context()
+    context.init(args=[], domain_id=110 + os.getpid() % 90)
+    executor = SingleThreadedExecutor(context=context)
+    executor.context_of_nodes = context
+    yield executor
+    for node in executor.get_nodes():
+        node.destroy_node()
+    executor.shutdown()
+    context.try_shutdown()
+
+
+def add(executor, node_class, **parameters):
+    node = node_class(
+        context=executor.context_of_nodes,
+        parameter_overrides=[Parameter(name, value=value) for name, value in parameters.items()],
+    )
+    executor.add_node(node)
+    return node
+
+
+def listen(executor, *topics):
+    node = rclpy.create_node("listener", context=executor.context_of_nodes)
+    heard = {topic.name: [] for topic in topics}
+    for topic in topics:
+        node.create_subscription(topic.type, topic.name, heard[topic.name].append, 100)
+    executor.add_node(node)
+    return heard
+
+
+def spin(executor, until, limit):
+    deadline = time.monotonic() + limit
+    while time.monotonic() < deadline:
+        executor.spin_once(timeout_sec=0.05)
+        if until():
+            return True
+    return False
+
+
+@pytest.mark.timeout(120)
+def test_all_nodes_fly_onto_the_orbit(executor):
+    views = (PREDICTED_PATH, MARKERS, DIAGNOSTICS, *TRACKING.values())
+    heard = listen(executor, ODOMETRY, COMMAND, TARGET, *views)
+    add(executor, TargetPublisher, use_sim_time=True)
+    controller = add(executor, NmpcController, use_sim_time=True)
+    add(executor, UavSimulator, publish_clock=True, speed=10.0, start_on_command=True)
+
+    def errors():
+        if not heard[ODOMETRY.name]:
+            return np.full(5, np.inf)
+        state = vehicle_from_odometry(heard[ODOMETRY.name][-1])
+        return relative_state(state, np.zeros(3)) - controller.parameters.orbit.steady_state
+
+    assert spin(executor, lambda: np.all(np.abs(errors()[[0, 2, 4]]) < [1.0, 1.0, 0.1]), 60.0)
+    assert all(heard[topic.name] for topic in (TARGET, PREDICTED_PATH, MARKERS, DIAGNOSTICS))
+    commands = np.array([plan_from_command(message)[0][0] for message in heard[COMMAND.name]])
+    assert np.all(np.isfinite(commands))
+    assert np.all(np.abs(commands) <= [np.pi / 4, np.pi / 4, 1.0])
+    states = {nanoseconds(message.header.stamp) for message in heard[ODOMETRY.name]}
+    stamps = [nanoseconds(message.header.stamp) for message in heard[COMMAND.name]]
+    assert len(states.intersection(stamps)) > 0.9 * len(stamps)  # each bears its state's stamp
+    costs = [message.data for message in heard[TRACKING["cost"].name]]
+    assert costs[-1] < 1e-2 * costs[0]
+    names = {status.name for message in heard[DIAGNOSTICS.name] for status in message.status}
+    assert names == {
+        "uav_simulator: status",
+        "target_publisher: status",
+        "nmpc_controller: status",
+    }
+
+
+@pytest.mark.timeout(60)
+def test_controller_is_silent_without_a_target(executor):
+    heard = listen(executor, COMMAND, ODOMETRY, DIAGNOSTICS)
+    add(executor, NmpcController)
+    add(executor, UavSimulator)
+    assert spin(executor, lambda: len(heard[ODOMETRY.name]) > 30, 20.0)
+    assert not heard[COMMAND.name]
+    words = [s.message for message in heard[DIAGNOSTICS.name] for s in message.status]
+    assert "no target position: no command is sent" in words
+
+
+@pytest.mark.timeout(60)
+def test_bad_messages_are_refused_and_flight_goes_on(executor):
+    heard = listen(executor, COMMAND, DIAGNOSTICS)
+    add(executor, TargetPublisher)
+    controller = add(executor, NmpcController)
+    sender = rclpy.create_node("sender", context=executor.context_of_nodes)
+    executor.add_node(sender)
+    publisher = sender.create_publisher(ODOMETRY.type, ODOMETRY.name, ODOMETRY.qos)
+    state = np.array([180.0, 0.0, 40.0, 2.0, 0.0, 4.0])
+
+    def send():
+        send.count += 1
+        message = ODOMETRY.type()
+        set_odometry(message, send.count * 100_000_000, state, np.zeros(3))
+        if send.count % 2:
+            message.pose.pose.position.x = float("nan")
+        publisher.publish(message)
+
+    send.count = sender.get_clock().now().nanoseconds // 100_000_000
+    sender.create_timer(0.05, send)
+    assert spin(executor, lambda: len(heard[COMMAND.name]) > 20, 20.0)
+    assert controller._values()["messages refused"] > 10
+    for message in heard[COMMAND.name]:
+        assert np.all(np.isfinite(plan_from_command(message)[0]))
+
+
+@pytest.mark.parametrize(
+    ("node_class", "parameters", "words"),
+    [
+        (NmpcController, {"range": 40.0}, "range is 40.0 m"),
+        (NmpcController, {"horizon": 0}, "'horizon' is 0, must be an integer from 1 to 200"),
+        (NmpcController, {"state_weights": [1.0]}, "a list of 5 numbers"),
+        (NmpcController, {"airspeed": float("nan")}, "'airspeed' is nan"),
+        (UavSimulator, {"initial_speed": 50.0}, "'initial_speed' is 50.0"),
+        (TargetPublisher, {"motion": "jump"}, "must be one of stationary, line"),
+        (TargetPublisher, {"noise": "much"}, "'noise' is 'much'"),
+    ],
+)
+def test_bad_parameters_are_refused_with_name_value_and_range(
+    executor, node_class, parameters, words
+):
+    with pytest.raises(ParameterError, match=words):
+        add(executor, node_class, **parameters)
+
+
+def test_integers_may_stand_for_numbers(executor):
+    assert add(executor, NmpcController, range=160).parameters.range == 160.0
+
+
+@pytest.mark.parametrize("node_class", [UavSimulator, TargetPublisher, NmpcController])
+def test_every_parameter_is_described_and_read_only(executor, node_class):
+    node = add(executor, node_class)
+    from uav_tracking_mpc.parameters import specifications
+
+    for specification in specifications(type(node.parameters)):
+        descriptor = node.describe_parameter(specification.name)
+        assert specification.description in descriptor.description
+        assert specification.allowed in descriptor.additional_constraints
+        assert descriptor.read_only
