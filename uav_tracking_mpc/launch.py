@@ -98,10 +98,10 @@ def _fly(
 
     bag = None if bag_path is None else FlightBag(bag_path)
     processes: list[NodeProcess] = []
+    recorder = FlightRecorder(bag)
+    executor = EventsExecutor()
+    executor.add_node(recorder)
     try:
-        recorder = FlightRecorder(bag)
-        executor = EventsExecutor()
-        executor.add_node(recorder)
         with _signals() as received, tempfile.TemporaryDirectory() as folder:
             parameters = Path(folder) / "parameters.yaml"
             parameters.write_text(configuration.yaml(), encoding="utf-8")
@@ -118,13 +118,15 @@ def _fly(
                 _drain(executor, processes)  # their last diagnostics
                 for process in processes:
                     process.stop(number)
-        recorder.destroy_node()
-        if bag is not None:
-            bag.close()
     except BaseException:
         if bag is not None:
             bag.discard()
         raise
+    finally:
+        executor.shutdown()
+        recorder.destroy_node()
+    if bag is not None:
+        bag.close()
 
 
 def _node_arguments(name: str, parameters: Path, configuration: Configuration) -> list[str]:

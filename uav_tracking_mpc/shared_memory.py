@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -24,14 +25,18 @@ class SharedMemoryFiles:
             self._seen |= _mapped(Path(f"/proc/{process}"))
 
     def remove_orphans(self) -> None:
-        """Remove every remembered file that no living process maps."""
+        """Remove every remembered file that no other living process maps.
+
+        This process itself is done with them, though Fast DDS keeps some open until it ends.
+        """
         for process in Path("/proc").glob("[0-9]*"):
-            self._seen -= _mapped(process)
+            if process.name != str(os.getpid()):
+                self._seen -= _mapped(process)
         for file in self._seen:
-            # An exclusive lock is never mapped: it goes with the file that it guards.
-            for orphan in (file, file.with_name(f"{file.name}_el")):
+            # Its lock and its semaphore are never mapped: they go with the file that they guard.
+            for name in (file.name, f"{file.name}_el", f"sem.{file.name}_mutex"):
                 with contextlib.suppress(OSError):
-                    orphan.unlink()
+                    (FOLDER / name).unlink()
         self._seen.clear()
 
 
