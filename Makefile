@@ -1,6 +1,7 @@
 # make demo   fly the paper's mission with three ROS 2 nodes and write output/report.html
 # make test   lint, type-check and test
-# Both keep their environment in .venv; PYTHON chooses the interpreter (3.10 to 3.13).
+# make docs   write the tables of the README from the code
+# All keep their environment in .venv; PYTHON chooses the interpreter (3.10 to 3.13).
 
 PYTHON ?= python3
 VENV := .venv
@@ -9,7 +10,7 @@ BIN := $(VENV)/bin
 CLEAN := env -u PYTHONPATH -u LD_LIBRARY_PATH -u AMENT_PREFIX_PATH -u _ROS_WHEELS_BOOTSTRAP_COMPLETE
 CHECKED := ROS_PYTHON_CHECK_FIELDS=1
 
-.PHONY: demo test lint clean
+.PHONY: demo test lint docs clean
 
 demo: $(VENV)/demo
 	$(CLEAN) $(BIN)/uav_tracking fly --config paper --output output/demo
@@ -35,3 +36,6 @@ $(VENV)/demo: $(VENV)/bin/python setup.py
 $(VENV)/test: $(VENV)/bin/python setup.py
 	$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,test]'
 	touch $@ $(VENV)/demo
+
+docs: $(VENV)/test
+	$(CLEAN) $(BIN)/python -m uav_tracking_mpc.nodes.reference_tables README.md

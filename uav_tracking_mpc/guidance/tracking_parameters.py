@@ -73,16 +73,16 @@ class TrackingParameters:
         100.0, "Weight of a violation of the soft terminal set.", lower=1e-3, upper=1e6
     )
     yaw_rate_max: float = parameter(
-        math.pi / 4, "Bound of |u_psi|.", unit="rad/s", lower=1e-3, upper=10.0
+        math.pi / 4, "Greatest yaw rate u_psi, either way.", unit="rad/s", lower=1e-3, upper=10.0
     )
     pitch_rate_max: float = parameter(
-        math.pi / 4, "Bound of |u_chi|.", unit="rad/s", lower=1e-3, upper=10.0
+        math.pi / 4, "Greatest path-angle rate u_chi, either way.", unit="rad/s", lower=1e-3, upper=10.0
     )
     acceleration_min: float = parameter(
-        -1.0, "Lower bound of u_v.", unit="m/s^2", lower=-100.0, upper=-1e-3
+        -1.0, "Least acceleration u_v.", unit="m/s^2", lower=-100.0, upper=-1e-3
     )
     acceleration_max: float = parameter(
-        1.0, "Upper bound of u_v.", unit="m/s^2", lower=1e-3, upper=100.0
+        1.0, "Greatest acceleration u_v.", unit="m/s^2", lower=1e-3, upper=100.0
     )
     solver: str = parameter("ipopt", "Solver of the optimal control problem.", choices=SOLVERS)
     plan_age_max: float = parameter(

@@ -5,11 +5,14 @@
 ``target_publisher``     where the target is
 ``nmpc_controller``      the control law
 ``monitor``              a live table in the terminal
-``flight_recorder``      every topic of a flight into an MCAP bag
+``flight_recorder``      every topic of a flight
+``flight_bag``           an MCAP bag: written, and read back as a flight log
 ``topics``               names, types and qualities of service
 ``conversions``          messages to arrays and back, the only module that knows both
 ``declared_parameters``  parameter dataclasses as ROS parameters
 ``diagnostics``          /diagnostics
+``sample_window``        median, percentile and maximum of the latest samples
+``reference_tables``     the tables of the README, written from the code
 ``run``                  start, spin, stop, exit codes
 =======================  =============================================================
 """

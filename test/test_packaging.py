@@ -1,0 +1,111 @@
+"""The package builds with colcon, installs with pip, and finds its configurations both ways."""
+
+import os
+import subprocess
+import sys
+import sysconfig
+import venv
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+
+from uav_tracking_mpc import __version__
+
+ROOT = Path(__file__).parents[1]
+EXECUTABLES = {
+    "uav_simulator",
+    "target_publisher",
+    "nmpc_controller",
+    "monitor",
+    "launch_tracking",
+    "uav_tracking",
+}
+
+
+@pytest.fixture(scope="module")
+def checkout(tmp_path_factory):
+    """A clean copy of the sources, as a clone has them."""
+    folder = tmp_path_factory.mktemp("checkout") / "uav_tracking_mpc"
+    folder.mkdir()
+    files = subprocess.run(
+        ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout.split()
+    for name in files:
+        if (ROOT / name).is_file():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_bytes((ROOT / name).read_bytes())
+    return folder
+
+
+def run(*arguments, cwd, **environment):
+    finished = subprocess.run(
+        [str(argument) for argument in arguments],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        env={**os.environ, **environment},
+        timeout=120,
+    )
+    assert finished.returncode == 0, finished.stdout + finished.stderr
+    return finished.stdout
+
+
+@pytest.mark.timeout(180)
+def test_colcon_builds_an_ament_python_package(checkout):
+    colcon = Path(sysconfig.get_path("scripts")) / "colcon"
+    assert "(ros.ament_python)" in run(colcon, "list", cwd=checkout)
+    run(colcon, "build", "--event-handlers", "console_direct+", cwd=checkout)
+    installed = checkout / "install" / "uav_tracking_mpc"
+    names = {path.name for path in (installed / "lib" / "uav_tracking_mpc").iterdir()}
+    assert names >= EXECUTABLES
+    share = installed / "share"
+    assert (share / "ament_index/resource_index/packages/uav_tracking_mpc").is_file()
+    assert (share / "uav_tracking_mpc" / "package.xml").is_file()
+    assert (share / "uav_tracking_mpc" / "config" / "paper.yaml").is_file()
+    (library,) = installed.glob("lib/python*/site-packages")
+    program = "from uav_tracking_mpc.simulation.configuration import load_configuration as load;"
+    program += "import uav_tracking_mpc; print(uav_tracking_mpc.__file__, load('paper').name)"
+    printed = run(sys.executable, "-c", program, cwd=checkout.parent, PYTHONPATH=str(library))
+    assert str(library) in printed
+    assert printed.split()[-1] == "paper"
+
+
+@pytest.mark.timeout(180)
+def test_pip_installs_commands_marker_and_configurations(checkout, tmp_path):
+    """Into an environment of its own that borrows the dependencies of this one."""
+    venv.create(tmp_path / "env", with_pip=True)
+    python = tmp_path / "env" / "bin" / "python"
+    borrowed = next((tmp_path / "env").glob("lib/python*/site-packages")) / "borrowed.pth"
+    run(python, "-m", "pip", "install", "--quiet", "setuptools", "wheel", cwd=tmp_path)
+    borrowed.write_text(sysconfig.get_path("purelib") + "\n")
+    run(
+        python, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation",
+        "--ignore-installed", checkout, cwd=tmp_path,
+    )  # fmt: skip
+    scripts = {path.name for path in (tmp_path / "env" / "bin").iterdir()}
+    assert scripts >= EXECUTABLES
+    marker = tmp_path / "env/share/ament_index/resource_index/packages/uav_tracking_mpc"
+    assert marker.is_file()
+    command = tmp_path / "env" / "bin" / "uav_tracking"
+    output = tmp_path / "output"
+    run(command, "simulate", "--duration", "5", "--output", output, cwd=tmp_path, PYTHONPATH="")
+    assert (output / "report.html").is_file()
+
+
+def test_ros_wheels_are_an_extra_and_no_requirement():
+    text = (ROOT / "setup.py").read_text()
+    requirements = text[text.index("install_requires") : text.index("extras_require")]
+    assert "ros-" not in requirements
+    assert "ros-jazzy-rclpy[fastrtps]==" in text
+
+
+def test_versions_agree():
+    version = ElementTree.parse(ROOT / "package.xml").findtext("version")
+    assert version == __version__
+    assert f'version="{__version__}"' in (ROOT / "setup.py").read_text()
+    assert f"## {__version__}" in (ROOT / "CHANGELOG.md").read_text()

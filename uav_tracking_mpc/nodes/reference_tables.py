@@ -1,0 +1,65 @@
+"""The tables of topics and parameters in the README, written from the code (``make docs``)."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+from uav_tracking_mpc.nodes.topics import ALL
+from uav_tracking_mpc.parameters import Specification, specifications
+from uav_tracking_mpc.simulation.configuration import SECTIONS
+
+
+def topic_table() -> str:
+    """Markdown table of every topic."""
+    lines = ["| topic | type | from | meaning |", "|---|---|---|---|"]
+    lines += [
+        f"| `{topic.name}` | {topic.type_name} | {topic.sender} | {topic.meaning} |"
+        for topic in ALL
+    ]
+    return "\n".join(lines)
+
+
+def parameter_table(section: str) -> str:
+    """Markdown table of a section's parameters."""
+    lines = ["| parameter | default | allowed | effect |", "|---|---|---|---|"]
+    lines += [
+        f"| `{item.name}` | {_default(item)} | {item.allowed} | {item.description} |"
+        for item in specifications(SECTIONS[section])
+    ]
+    return "\n".join(lines)
+
+
+def tables() -> dict[str, str]:
+    """Every table by the name of its place in the README."""
+    return {"topics": topic_table(), **{section: parameter_table(section) for section in SECTIONS}}
+
+
+def with_tables(text: str) -> str:
+    """The text with each table put between its ``<!-- table NAME -->`` and ``<!-- end -->``.
+
+    Raises:
+        ValueError: A table has no place in the text.
+    """
+    for name, table in tables().items():
+        place = re.compile(rf"(<!-- table {name} -->\n).*?(<!-- end -->)", re.DOTALL)
+        if not place.search(text):
+            raise ValueError(f"the text has no place for the table {name!r}")
+        text = place.sub(lambda found, table=table: found[1] + table + "\n" + found[2], text)
+    return text
+
+
+def _default(item: Specification) -> str:
+    value = item.default
+    if isinstance(value, tuple):
+        return ", ".join(f"{number:.6g}" for number in value)
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+if __name__ == "__main__":
+    for name in sys.argv[1:]:
+        path = Path(name)
+        path.write_text(with_tables(path.read_text(encoding="utf-8")), encoding="utf-8")
