@@ -13,7 +13,7 @@ CHECKED := ROS_PYTHON_CHECK_FIELDS=1
 .PHONY: demo test lint docs clean
 
 demo: $(VENV)/demo
-	$(CLEAN) $(BIN)/uav_tracking fly --config paper --output output/demo
+	@$(CLEAN) $(BIN)/uav_tracking fly --config paper --output output/demo
 
 test: lint
 	$(CLEAN) $(CHECKED) $(BIN)/python -m pytest
@@ -27,15 +27,16 @@ clean:
 	rm -rf $(VENV) build install log output *.egg-info
 
 $(VENV)/bin/python:
-	$(PYTHON) -m venv $(VENV)
+	@echo "Setting up $(VENV), once: about two minutes."
+	@$(PYTHON) -m venv $(VENV)
 
 $(VENV)/demo: $(VENV)/bin/python setup.py
-	$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros]'
-	touch $@
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros]'
+	@touch $@
 
 $(VENV)/test: $(VENV)/bin/python setup.py
-	$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,test]'
-	touch $@ $(VENV)/demo
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,test]'
+	@touch $@ $(VENV)/demo
 
 docs: $(VENV)/test
 	$(CLEAN) $(BIN)/python -m uav_tracking_mpc.nodes.reference_tables README.md

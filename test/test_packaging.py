@@ -73,6 +73,16 @@ def test_colcon_builds_an_ament_python_package(checkout):
     printed = run(sys.executable, "-c", program, cwd=checkout.parent, PYTHONPATH=str(library))
     assert str(library) in printed
     assert printed.split()[-1] == "paper"
+    # What `ros2 run` starts: the executable itself.
+    node = subprocess.run(
+        [installed / "lib/uav_tracking_mpc/nmpc_controller", "--ros-args", "-p", "range:=far"],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(library)},
+        timeout=60,
+    )
+    assert node.returncode == 2
+    assert "[FATAL] [nmpc_controller]: parameter 'range' is 'far'" in node.stderr
 
 
 @pytest.mark.timeout(180)

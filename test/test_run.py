@@ -45,3 +45,14 @@ def test_misspelt_parameters_are_warned_of():
     )
     assert code == 0
     assert "parameter 'raet' is unknown and has no effect" in output
+
+
+def test_a_configuration_serves_nodes_in_any_namespace(tmp_path):
+    file = tmp_path / "configuration.yaml"
+    file.write_text("/**/nmpc_controller: {ros__parameters: {range: 160.0}}")
+    arguments = ["--params-file", str(file), "-r", "__ns:=/red"]
+    code, output = run_node(
+        "nmpc_controller", "--ros-args", *arguments, stop=INTERRUPT, after="orbit of 160 m"
+    )
+    assert code == 0
+    assert "red.nmpc_controller" in output

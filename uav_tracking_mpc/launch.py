@@ -193,7 +193,7 @@ def _watch(
                 )
                 bar.update(task, completed=progress.time, description=line)
                 if not console.is_terminal:
-                    console.print(line, highlight=False)
+                    console.print(line, highlight=False, soft_wrap=True)
 
 
 def _drain(executor: object, processes: list[NodeProcess]) -> None:

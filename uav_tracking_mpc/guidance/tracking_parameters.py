@@ -76,7 +76,11 @@ class TrackingParameters:
         math.pi / 4, "Greatest yaw rate u_psi, either way.", unit="rad/s", lower=1e-3, upper=10.0
     )
     pitch_rate_max: float = parameter(
-        math.pi / 4, "Greatest path-angle rate u_chi, either way.", unit="rad/s", lower=1e-3, upper=10.0
+        math.pi / 4,
+        "Greatest path-angle rate u_chi, either way.",
+        unit="rad/s",
+        lower=1e-3,
+        upper=10.0,
     )
     acceleration_min: float = parameter(
         -1.0, "Least acceleration u_v.", unit="m/s^2", lower=-100.0, upper=-1e-3

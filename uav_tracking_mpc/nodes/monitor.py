@@ -109,7 +109,12 @@ class Monitor(Node):
                 )
         except MessageError as error:
             return f"[red]{error}[/]"
-        return f"{message.data:.6g}"
+        unit = topic.meaning.partition("[")[2].partition("]")[0]
+        return (
+            f"{message.data:+.4f} {unit}"
+            if unit in ("m", "rad", "m/s")
+            else f"{message.data:.3g} {unit}"
+        )
 
     def finish(self) -> None:
         """Leave the last table on the screen."""

@@ -127,8 +127,8 @@ class NmpcController(Node):
         set_command(self._command_message, stamp, command.inputs, command.step)
         self._outputs[COMMAND.name].publish(self._command_message)
         self._response_times.add((time.monotonic() - arrival) * 1e6)
-        self._control_stamp = stamp
         self._count(stamp, command)
+        self._control_stamp = stamp
         self._publish_tracking(command)
         self._publish_view(stamp, state, target, command)
         if command.source is Source.OPTIMAL:
@@ -141,7 +141,8 @@ class NmpcController(Node):
         self._counts["sent"] += 1
         self._counts["plan reused"] += command.source is Source.EARLIER_PLAN
         self._counts["wings level"] += command.source is Source.WINGS_LEVEL
-        self._counts["late"] += self.get_clock().now().nanoseconds - stamp > self._period
+        if self._control_stamp is not None:
+            self._counts["late"] += stamp - self._control_stamp > 1.5 * self._period
         self._solve_times.add(command.solution.solve_time * 1e6)
 
     def _publish_tracking(self, command: Command) -> None:

@@ -17,7 +17,7 @@ class CommandCounts:
 
     Attributes:
         sent: Commands published by the controller.
-        late: Control steps that took longer than the control period.
+        late: Commands that came more than half a control period after they were due.
         plan_reused: Commands taken from an earlier plan because no new one was available.
         failsafe: Times the vehicle ran out of plan and held wings level.
     """
