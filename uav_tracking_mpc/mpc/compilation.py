@@ -23,6 +23,8 @@ from importlib import resources
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
+
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.mpc.stage_code import stage_module
 
@@ -49,7 +51,11 @@ def compile_method(problem: OptimalControlProblem) -> ModuleType:
     if fresh:
         logger.info("compiling the solver for this problem, once; kept in %s", folder)
     package = _import_package(name, folder)
-    importlib.import_module(f"{name}.solve").compile_entry()
+    for module in ("workspace", "solve"):
+        importlib.import_module(f"{name}.{module}")
+    workspace = np.zeros(1, package.workspace.WORKSPACE)
+    workspace["x_0"] = np.nan  # refused at once: the call only compiles
+    package.solve.solve(workspace, -1.0, 1e-6, 1, 1.0)
     if fresh:
         (folder / FINISHED).touch()
         logger.info("solver compiled in %.1f s", time.perf_counter() - begin)
@@ -84,10 +90,9 @@ def _method_sources() -> dict[str, str]:
 def _digest(sources: dict[str, str]) -> str:
     import llvmlite
     import numba
-    import numpy
 
     digest = hashlib.sha256()
-    versions = (sys.version, numba.__version__, llvmlite.__version__, numpy.__version__)
+    versions = (sys.version, numba.__version__, llvmlite.__version__, np.__version__)
     for text in (*versions, platform.machine()):
         digest.update(text.encode() + b"\\0")
     for name in sorted(sources):

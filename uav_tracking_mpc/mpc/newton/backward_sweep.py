@@ -42,6 +42,7 @@ def backward_sweep(w, now, curvature, damping):
         predicted: Change of the merit that the quadratic model predicts, <= 0.
     """
     w.curvature[0] = curvature
+    w.shifts[0] = 0.0
     residual = terminal_multipliers(w, now)
     terminal_quadratic((w.x[now, N], w.a[now], w.p[N], w.m_e, w.d_e), (w.V, w.v))
     for r in range(NS):

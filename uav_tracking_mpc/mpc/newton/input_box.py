@@ -14,7 +14,7 @@ import math
 from .compilation import compiled
 
 ATTEMPTS = 20
-PIVOT = 1e-9  # smallest accepted pivot, relative to the largest diagonal element
+PIVOT = 1e-4  # smallest accepted pivot, relative to the largest diagonal element
 
 
 @compiled
@@ -42,6 +42,7 @@ def minimise_over_box(w, size, damping):
                 break
             increase = max(10.0 * damping, 1e-3 * largest_diagonal(w, size))
             damping += increase
+            w.shifts[0] += 1.0
             for j in range(size):
                 w.hessian[j, j] += increase
         newton_step(w, size)

@@ -19,7 +19,8 @@ SUFFICIENT = 1e-4  # Armijo: share of the predicted change that a step must brin
 SHORTEST = 1e-4  # of the step lengths tried
 ROUNDING = 1e-13  # relative rounding error of the merit
 INNER = 0.1  # gradient, against the constraint residual, at which multipliers move
-DAMPING_START, DAMPING_LIMIT, DAMPING_GROWTH = 1e-3, 1e8, 10.0
+SHORT = 0.3
+DAMPING_START, DAMPING_LIMIT, DAMPING_GROWTH = 1e-2, 1e8, 10.0
 
 
 @compiled
@@ -78,7 +79,10 @@ def minimise(w, tolerance, iteration_limit, deadline):
             if better(w, now, BEST, tolerance):
                 copy_plan(w, now, BEST)
             curvature = 1.0
-            damping = damping / DAMPING_GROWTH if damping > DAMPING_START else 0.0
+            if length < SHORT:
+                damping = max(DAMPING_GROWTH * damping, DAMPING_START)
+            elif length == 1.0:
+                damping = damping / DAMPING_GROWTH if damping > DAMPING_START else 0.0
         elif curvature > 0.0:
             curvature = 0.0
         else:

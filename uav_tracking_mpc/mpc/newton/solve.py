@@ -2,10 +2,8 @@
 
 import math
 
-from numba import njit
-
 from .clock import now as clock
-from .compilation import compiled
+from .compilation import compiled, entry
 from .guesses import COLD_GUESSES, cold_guess, warm_guess
 from .minimise import CONVERGED, TIME_LIMIT, better, copy_multipliers, copy_plan, minimise
 from .stage import N, NP, NX
@@ -14,7 +12,7 @@ from .workspace import CHOSEN, KEPT, WORKING
 REFUSED, NO_START = 5, 6
 
 
-@njit(error_model="numpy", cache=True, nogil=True)
+@entry
 def solve(workspace, elapsed_stages, tolerance, iteration_limit, time_limit):
     """Solve from x_0 and p in the workspace; the plan is left in row CHOSEN.
 

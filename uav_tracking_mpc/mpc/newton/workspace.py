@@ -11,9 +11,10 @@ from .stage import N, NA, NE, NH, NP, NS, NU, NW, NX
 
 # Plans: the iterate and the trial of the line search (they take turns), the best feasible iterate,
 # the best plan over all guesses, and the plan that the next warm start begins from.
-FIRST, SECOND, BEST, CHOSEN, KEPT = range(5)
+# (NumPy integers, because numba compiles a function once more for every literal argument.)
+FIRST, SECOND, BEST, CHOSEN, KEPT = (np.int64(row) for row in range(5))
 PLANS = 5
-WORKING = 0  # multipliers of the iteration; rows CHOSEN and KEPT belong to the plans of that name
+WORKING = FIRST  # multipliers of the iteration; rows CHOSEN and KEPT belong to the plans of that name
 
 FIELDS = {
     # data of the solve
@@ -71,6 +72,7 @@ FIELDS = {
     # small things
     "l": (1,),
     "feedback": (NS,),
+    "shifts": (1,),  # stages whose Hessian had to be made positive definite
     "outcome": (8,),
 }
 WORKSPACE = np.dtype(
@@ -78,5 +80,6 @@ WORKSPACE = np.dtype(
         (name, np.float64, tuple(max(1, size) for size in shape))
         for name, shape in FIELDS.items()
     ]
-    + [("instant", np.int64, (2,))]
+    + [("instant", np.int64, (2,))],
+    align=True,
 )
