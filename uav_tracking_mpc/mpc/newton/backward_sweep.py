@@ -22,7 +22,7 @@ step also measures the KKT residual of the plan.
 from .compilation import compiled
 from .input_box import minimise_over_box, solve_factor
 from .multipliers import stage_multipliers, terminal_multipliers
-from .stage import N, NA, NS, NU, NW, NX, stage_quadratic, terminal_quadratic
+from .stage import NA, NS, NU, NW, NX, stage_quadratic, terminal_quadratic
 
 
 @compiled
@@ -43,12 +43,13 @@ def backward_sweep(w, now, curvature, damping):
     """
     w.curvature[0] = curvature
     w.shifts[0] = 0.0
+    end = w.horizon[0]
     residual = terminal_multipliers(w, now)
-    terminal_quadratic((w.x[now, N], w.a[now], w.p[N], w.m_e, w.d_e), (w.V, w.v))
+    terminal_quadratic((w.x[now, end], w.a[now], w.p[end], w.m_e, w.d_e), (w.V, w.v))
     for r in range(NS):
         w.costate[r] = w.v[r]
     stationarity = scale = predicted = 0.0
-    for i in range(N - 1, -1, -1):
+    for i in range(end - 1, -1, -1):
         residual = max(residual, stage_multipliers(w, now, i))
         stage_quadratic(
             (

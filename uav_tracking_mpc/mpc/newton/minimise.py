@@ -10,7 +10,7 @@ from .clock import now as clock
 from .compilation import compiled
 from .multipliers import exact_cost, merit, update_multipliers
 from .rollout import rollout
-from .stage import N, NA, NE, NH, NU, NX
+from .stage import NA, NE, NH, NU, NX
 from .workspace import BEST, FIRST, SECOND
 
 CONVERGED, ITERATION_LIMIT, TIME_LIMIT, INFEASIBLE, STALLED = range(5)
@@ -43,6 +43,7 @@ def minimise(w, tolerance, iteration_limit, deadline):
     exact_cost(w, now)
     copy_plan(w, now, BEST)
     value = merit(w, now)
+    w.outcome[4]=value
     damping, curvature = 0.0, 1.0
     relative = 1.0
     status = ITERATION_LIMIT
@@ -106,10 +107,10 @@ def better(w, new, old, tolerance):
 @compiled
 def copy_plan(w, source, target):
     """Plan ``target`` <- plan ``source``."""
-    for i in range(N + 1):
+    for i in range(w.horizon[0] + 1):
         for r in range(NX):
             w.x[target, i, r] = w.x[source, i, r]
-    for i in range(N):
+    for i in range(w.horizon[0]):
         for j in range(NU):
             w.u[target, i, j] = w.u[source, i, j]
         for j in range(NH):
@@ -126,7 +127,7 @@ def copy_plan(w, source, target):
 def copy_multipliers(w, source, target):
     """Multipliers and weights of row ``target`` <- those of row ``source``."""
     for j in range(NH):
-        for i in range(N):
+        for i in range(w.horizon[0]):
             w.mu_h[target, i, j] = w.mu_h[source, i, j]
         w.rho_h[target, j] = w.rho_h[source, j]
     for j in range(NE):

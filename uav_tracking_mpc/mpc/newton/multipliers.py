@@ -17,7 +17,7 @@ feasibility and complementarity together, in the units of c.
 import numpy as np
 
 from .compilation import compiled
-from .stage import N, NE, NH
+from .stage import NE, NH
 from .workspace import WORKING
 
 WEIGHT_START, WEIGHT_LIMIT, WEIGHT_GROWTH = 10.0, 1e10, 10.0
@@ -84,7 +84,7 @@ def terminal_multipliers(w, now):
 def merit(w, now):
     """Augmented Lagrangian of a plan: its smooth cost and psi of every constraint."""
     total = w.value[now, 0]
-    for i in range(N):
+    for i in range(w.horizon[0]):
         for j in range(NH):
             total += augmented_term(
                 w.h[now, i, j],
@@ -108,7 +108,7 @@ def merit(w, now):
 def exact_cost(w, now):
     """Cost with exact penalties and largest hard violation of a plan, into its value."""
     cost, violation = w.value[now, 0], 0.0
-    for i in range(N):
+    for i in range(w.horizon[0]):
         for j in range(NH):
             cost += exact_term(w.h[now, i, j], w.m_h_lower[j], w.m_h_upper[j])
             violation = max(
@@ -127,7 +127,7 @@ def start_multipliers(w):
     for j in range(NH):
         w.rho_h[WORKING, j] = WEIGHT_START
         w.residual_h[j] = np.inf
-        for i in range(N):
+        for i in range(w.horizon[0]):
             w.mu_h[WORKING, i, j] = 0.0
     for j in range(NE):
         w.rho_e[WORKING, j] = WEIGHT_START
@@ -145,7 +145,7 @@ def update_multipliers(w, now):
     room = True
     for j in range(NH):
         rho, residual = w.rho_h[WORKING, j], 0.0
-        for i in range(N):
+        for i in range(w.horizon[0]):
             mu = w.mu_h[WORKING, i, j]
             m = multiplier(w.h[now, i, j], mu, rho, w.m_h_lower[j], w.m_h_upper[j])
             residual = max(residual, abs(m - mu) / rho)

@@ -8,12 +8,13 @@
 """
 
 from .compilation import compiled
-from .stage import N, NA, NS, NU, NX, stage_values, terminal_values
+from .stage import NA, NS, NU, NX, stage_values, terminal_values
 
 
 @compiled
 def rollout(w, now, trial, length):
     """Fill plan ``trial`` by following the step from plan ``now`` for a fraction of its length."""
+    end = w.horizon[0]
     for j in range(NA):
         a = w.a[now, j] + length * w.k_a[j]
         w.a[trial, j] = min(max(a, w.a_lower[j]), w.a_upper[j])
@@ -21,7 +22,7 @@ def rollout(w, now, trial, length):
     for r in range(NX):
         w.x[trial, 0, r] = w.x_0[r]
     cost = 0.0
-    for i in range(N):
+    for i in range(end):
         for r in range(NX):
             w.feedback[r] = w.x[trial, i, r] - w.x[now, i, r]
         for j in range(NU):
@@ -34,5 +35,5 @@ def rollout(w, now, trial, length):
             (w.x[trial, i + 1], w.l, w.h[trial, i]),
         )
         cost += w.l[0]
-    terminal_values((w.x[trial, N], w.a[trial], w.p[N]), (w.l, w.e[trial]))
+    terminal_values((w.x[trial, end], w.a[trial], w.p[end]), (w.l, w.e[trial]))
     w.value[trial, 0] = cost + w.l[0]

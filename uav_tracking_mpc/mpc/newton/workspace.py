@@ -10,10 +10,11 @@ import numpy as np
 from .stage import N, NA, NE, NH, NP, NS, NU, NW, NX
 
 # Plans: the iterate and the trial of the line search (they take turns), the best feasible iterate,
-# the best plan over all guesses, and the plan that the next warm start begins from.
+# the best plan over all guesses, the plan that the next warm start begins from, and the two best
+# of a shorter horizon.
 # (NumPy integers, because numba compiles a function once more for every literal argument.)
-FIRST, SECOND, BEST, CHOSEN, KEPT = (np.int64(row) for row in range(5))
-PLANS = 5
+FIRST, SECOND, BEST, CHOSEN, KEPT, SHORT, RUNNER_UP = (np.int64(row) for row in range(7))
+PLANS = 7
 WORKING = FIRST  # multipliers of the iteration; rows CHOSEN and KEPT belong to the plans of that name
 
 FIELDS = {
@@ -50,6 +51,7 @@ FIELDS = {
     "k": (N, NU),
     "K": (N, NU, NS),
     "k_a": (NA,),
+    "policy": (NU, NS),  # gains of the feedback to the goal
     # the quadratic program of one stage
     "hessian": (max(NU, NA), max(NU, NA)),
     "factor": (max(NU, NA), max(NU, NA)),
@@ -80,6 +82,6 @@ WORKSPACE = np.dtype(
         (name, np.float64, tuple(max(1, size) for size in shape))
         for name, shape in FIELDS.items()
     ]
-    + [("instant", np.int64, (2,))],
+    + [("horizon", np.int64, (1,)), ("instant", np.int64, (2,))],
     align=True,
 )
