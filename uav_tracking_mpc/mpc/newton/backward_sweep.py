@@ -36,7 +36,7 @@ def backward_sweep(w, now, curvature, damping):
         damping: Levenberg-Marquardt term on the inputs.
 
     Returns:
-        stationarity: Largest component of the gradient, projected on the box.
+        stationarity: Largest component of the gradient that no bound holds.
         scale: What it is relative to: 1 + the largest gradient before projection.
         residual: max |m - mu| / rho of the constraints.
         predicted: Change of the merit that the quadratic model predicts, <= 0.
@@ -61,19 +61,25 @@ def backward_sweep(w, now, curvature, damping):
         for r in range(NS):
             w.costate[r] = w.gradient[r]  # lambda_i = L_s
         for j in range(NU):
-            slope, u = w.gradient[NS + j], w.u[now, i, j]
+            slope = w.gradient[NS + j]
             scale = max(scale, abs(slope))
-            projected = u - min(max(u - slope, w.u_lower[j]), w.u_upper[j])
-            stationarity = max(stationarity, abs(projected))
+            if not held(slope, w.u[now, i, j], w.u_lower[j], w.u_upper[j]):
+                stationarity = max(stationarity, abs(slope))
         predicted += minimise_stage(w, now, i, damping)
         value_function(w, i)
     for j in range(NA):
-        slope, a = w.costate[NX + j], w.a[now, j]
+        slope = w.costate[NX + j]
         scale = max(scale, abs(slope))
-        projected = a - min(max(a - slope, w.a_lower[j]), w.a_upper[j])
-        stationarity = max(stationarity, abs(projected))
+        if not held(slope, w.a[now, j], w.a_lower[j], w.a_upper[j]):
+            stationarity = max(stationarity, abs(slope))
     predicted += minimise_decision(w, now, damping)
     return stationarity, 1.0 + scale, residual, predicted
+
+
+@compiled
+def held(slope, value, lower, upper):
+    """Whether a component is at a bound that its slope pushes it against."""
+    return (slope >= 0.0 and value <= lower) or (slope <= 0.0 and value >= upper)
 
 
 @compiled

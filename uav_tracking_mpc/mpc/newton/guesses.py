@@ -15,8 +15,8 @@ from .rollout import rollout
 from .stage import N, NA, NE, NH, NS, NU, NX
 from .workspace import FIRST, KEPT, SECOND, WORKING
 
-SHORT_HORIZON = 15
-OPENING_STAGES = 3
+SHORT_HORIZON = 20
+OPENING_STAGES = 6
 OPENING_SHARE = 0.9  # of the way from the middle of the box to its bound
 OPENINGS = 2 + 2 * NU + 2 ** min(NU, 3)
 

@@ -40,6 +40,7 @@ def minimise(w, tolerance, iteration_limit, deadline):
         stationarity: Relative gradient of the Lagrangian, projected on the box.
     """
     now, trial = FIRST, SECOND
+    w.trace[:]=0.0
     exact_cost(w, now)
     copy_plan(w, now, BEST)
     value = merit(w, now)
@@ -51,6 +52,8 @@ def minimise(w, tolerance, iteration_limit, deadline):
     while iteration < iteration_limit:
         stationarity, scale, residual, predicted = backward_sweep(w, now, curvature, damping)
         relative = stationarity / scale
+        if iteration < 300:
+            w.trace[iteration, 0] = value; w.trace[iteration, 1] = stationarity; w.trace[iteration, 2] = scale; w.trace[iteration, 3] = residual; w.trace[iteration, 4] = predicted; w.trace[iteration, 5] = damping; w.trace[iteration, 6] = w.shifts[0]; w.trace[iteration, 7] = w.rho_e[0,0]; w.trace[iteration,8]=w.mu_e[0,0]; w.trace[iteration,9]=0
         if relative <= tolerance and residual <= tolerance:
             status = CONVERGED
             break
@@ -73,6 +76,7 @@ def minimise(w, tolerance, iteration_limit, deadline):
                 accepted = True
                 break
             length *= 0.5
+            w.trace[iteration-1,9] += 1
         if accepted:
             now, trial = trial, now
             value = new

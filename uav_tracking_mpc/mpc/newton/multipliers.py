@@ -70,7 +70,7 @@ def stage_multipliers(w, now, i):
 def terminal_multipliers(w, now):
     """m and psi'' of the terminal constraints, into m_e and d_e; returns max |m - mu| / rho."""
     residual = 0.0
-    for j in range(NE):
+    for j in range(w.ends[0]):
         rho, mu = w.rho_e[WORKING, j], w.mu_e[WORKING, j]
         estimate = mu + rho * w.e[now, j]
         m = min(max(estimate, w.m_e_lower[j]), w.m_e_upper[j])
@@ -93,7 +93,7 @@ def merit(w, now):
                 w.m_h_lower[j],
                 w.m_h_upper[j],
             )
-    for j in range(NE):
+    for j in range(w.ends[0]):
         total += augmented_term(
             w.e[now, j],
             w.mu_e[WORKING, j],
@@ -114,7 +114,7 @@ def exact_cost(w, now):
             violation = max(
                 violation, hard_violation(w.h[now, i, j], w.m_h_lower[j], w.m_h_upper[j])
             )
-    for j in range(NE):
+    for j in range(w.ends[0]):
         cost += exact_term(w.e[now, j], w.m_e_lower[j], w.m_e_upper[j])
         violation = max(violation, hard_violation(w.e[now, j], w.m_e_lower[j], w.m_e_upper[j]))
     w.value[now, 1] = cost
@@ -124,12 +124,14 @@ def exact_cost(w, now):
 @compiled
 def start_multipliers(w):
     """No multipliers, first weights: the augmented Lagrangian of a cold start."""
+    for j in range(NE):
+        w.m_e[j] = w.d_e[j] = 0.0
     for j in range(NH):
         w.rho_h[WORKING, j] = WEIGHT_START
         w.residual_h[j] = np.inf
         for i in range(w.horizon[0]):
             w.mu_h[WORKING, i, j] = 0.0
-    for j in range(NE):
+    for j in range(w.ends[0]):
         w.rho_e[WORKING, j] = WEIGHT_START
         w.residual_e[j] = np.inf
         w.mu_e[WORKING, j] = 0.0
@@ -154,7 +156,7 @@ def update_multipliers(w, now):
             room = room and rho < WEIGHT_LIMIT
             w.rho_h[WORKING, j] = min(rho * WEIGHT_GROWTH, WEIGHT_LIMIT)
         w.residual_h[j] = residual
-    for j in range(NE):
+    for j in range(w.ends[0]):
         rho, mu = w.rho_e[WORKING, j], w.mu_e[WORKING, j]
         m = multiplier(w.e[now, j], mu, rho, w.m_e_lower[j], w.m_e_upper[j])
         residual = abs(m - mu) / rho

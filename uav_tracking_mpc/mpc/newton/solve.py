@@ -7,7 +7,7 @@ from .compilation import compiled, entry
 from .guesses import OPENINGS, SHORT_HORIZON, extension, feedback_to_goal, opening, warm_guess
 from .minimise import CONVERGED, TIME_LIMIT, better, copy_multipliers, copy_plan, minimise
 from .multipliers import start_multipliers
-from .stage import N, NP, NX
+from .stage import N, NE, NP, NX
 from .workspace import CHOSEN, KEPT, RUNNER_UP, SHORT, WORKING
 
 REFUSED, NO_START = 5, 6
@@ -34,7 +34,7 @@ def solve(workspace, elapsed_stages, tolerance, iteration_limit, time_limit):
     if not data_finite(w):
         return REFUSED
     deadline = clock(w.instant) + time_limit
-    w.horizon[0] = N
+    w.horizon[0], w.ends[0] = N, NE
     w.outcome[0] = 0.0
     w.outcome[1] = math.nan
     status = NO_START
@@ -57,7 +57,7 @@ def cold_start(w, status, tolerance, iteration_limit, deadline):
     openings = OPENINGS
     if N > SHORT_HORIZON:
         found = shorter_horizon(w, deadline)
-        w.horizon[0] = N
+        w.horizon[0], w.ends[0] = N, NE
         if found > 0 and extension(w, SHORT, SHORT_HORIZON):
             status = refine_cold(w, status, tolerance, iteration_limit, deadline)
         if found > 1 and extension(w, RUNNER_UP, SHORT_HORIZON):
@@ -73,8 +73,11 @@ def cold_start(w, status, tolerance, iteration_limit, deadline):
 
 @compiled
 def shorter_horizon(w, deadline):
-    """Two best distinct plans of a shorter horizon, in SHORT and RUNNER_UP; returns how many."""
-    w.horizon[0] = SHORT_HORIZON
+    """Two best distinct plans of a shorter horizon, in SHORT and RUNNER_UP; returns how many.
+
+    Terminal constraints belong to the end of the whole horizon: there are none here.
+    """
+    w.horizon[0], w.ends[0] = SHORT_HORIZON, 0
     found = 0
     for number in range(OPENINGS):
         if not opening(w, number):

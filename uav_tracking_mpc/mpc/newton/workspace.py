@@ -76,12 +76,13 @@ FIELDS = {
     "feedback": (NS,),
     "shifts": (1,),  # stages whose Hessian had to be made positive definite
     "outcome": (8,),
+    "trace": (300,10),
 }
 WORKSPACE = np.dtype(
     [
         (name, np.float64, tuple(max(1, size) for size in shape))
         for name, shape in FIELDS.items()
     ]
-    + [("horizon", np.int64, (1,)), ("instant", np.int64, (2,))],
+    + [("horizon", np.int64, (1,)), ("ends", np.int64, (1,)), ("instant", np.int64, (2,))],
     align=True,
 )
