@@ -51,11 +51,11 @@ def compile_method(problem: OptimalControlProblem) -> ModuleType:
     if fresh:
         logger.info("compiling the solver for this problem, once; kept in %s", folder)
     package = _import_package(name, folder)
-    for module in ("workspace", "solve"):
+    for module in ("workspace", "minimise"):
         importlib.import_module(f"{name}.{module}")
     workspace = np.zeros(1, package.workspace.WORKSPACE)
     workspace["x_0"] = np.nan  # refused at once: the call only compiles
-    package.solve.solve(workspace, -1.0, 1e-6, 1, 1.0)
+    package.minimise.minimise(workspace, package.minimise.WARM, 0.0, 1e-6, 1, 1.0)
     if fresh:
         (folder / FINISHED).touch()
         logger.info("solver compiled in %.1f s", time.perf_counter() - begin)

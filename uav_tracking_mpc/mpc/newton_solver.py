@@ -12,12 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from uav_tracking_mpc.mpc.cold_start import ColdStart
 from uav_tracking_mpc.mpc.compilation import compile_method
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.mpc.solution import Solution, Status
 from uav_tracking_mpc.mpc.stage_code import multiplier_intervals
 
-STATUSES = (  # in the order of the codes in newton/minimise.py and newton/solve.py
+STATUSES = (  # in the order of the codes in newton/minimise.py
     Status.CONVERGED,
     Status.ITERATION_LIMIT,
     Status.TIME_LIMIT,
@@ -27,7 +28,7 @@ STATUSES = (  # in the order of the codes in newton/minimise.py and newton/solve
     Status.FAILED,
 )
 CONVERGED, ITERATION_LIMIT, TIME_LIMIT, INFEASIBLE, STALLED, REFUSED, NO_START = range(7)
-COLD = -1.0  # elapsed stages of a solve without warm start
+WARM = 0  # start code of newton/minimise.py
 
 
 class NewtonSolver:
@@ -69,9 +70,10 @@ class NewtonSolver:
         self.iteration_limit = int(iteration_limit)
         self.time_limit = float(time_limit)
         method = compile_method(problem)
-        self._run = method.solve.solve
+        self._run = method.minimise.minimise
         self._workspace = np.zeros(1, method.workspace.WORKSPACE)
-        self._fill(method.workspace.CHOSEN)
+        self._fill(int(method.workspace.KEPT))
+        self._cold_start = ColdStart(problem, method, self._workspace[0])
         self._warm = False
 
     def _fill(self, row: int) -> None:
@@ -96,7 +98,9 @@ class NewtonSolver:
         self._states = record["x"][row]
         self._inputs = record["u"][row]
         self._decision = record["a"][row][: problem.na]
+        self._value = record["value"][row]
         self._outcome = record["outcome"]
+        record["horizon"][0], record["ends"][0] = problem.horizon, e_lower.size
 
     def reset(self) -> None:
         """Forget the last plan: the next solve starts cold."""
@@ -113,25 +117,31 @@ class NewtonSolver:
         try:
             self._x_0[:] = initial_state
             self._p[:] = 0.0 if parameters is None else parameters
-            stages = COLD
-            if self._warm and elapsed is not None:
-                stages = max(0.0, elapsed / self.problem.step)
+            warm = self._warm and elapsed is not None
+            stages = max(0.0, elapsed / self.problem.step) if warm else 0.0
         except (TypeError, ValueError) as error:
             return self._refused(str(error), begin)
-        code = self._run(
-            self._workspace, stages, self.tolerance, self.iteration_limit, self.time_limit
-        )
+        deadline = begin + self.time_limit
+        code = iterations = 0
+        if warm:
+            code = self._run(
+                self._workspace, WARM, stages, self.tolerance, self.iteration_limit, deadline
+            )
+            iterations = int(self._outcome[0])
+        if not warm or code not in (CONVERGED, TIME_LIMIT, REFUSED):
+            code, count = self._cold(deadline)
+            iterations += count
         if code == REFUSED:
             return self._refused("initial state or a parameter is not finite", begin)
         # A plan that ran out of time obeys the dynamics and is worth going on from; any other
         # that has not converged is not.
         self._warm = code in (CONVERGED, TIME_LIMIT)
-        iterations, _, cost, violation = self._outcome[:4].tolist()
+        _, cost, violation = self._value.tolist()
         return Solution(
             STATUSES[code],
             "converged" if code == CONVERGED else self._reason(code),
             cost,
-            int(iterations),
+            iterations,
             time.perf_counter() - begin,
             self._states.copy(),
             self._inputs.copy(),
@@ -139,8 +149,17 @@ class NewtonSolver:
             violation,
         )
 
+    def _cold(self, deadline: float) -> tuple[int, int]:
+        def attempt(start: int, tolerance: float, limit: int) -> int:
+            return self._run(self._workspace, start, 0.0, tolerance, limit, deadline)
+
+        # Before anything of the last plan is overwritten.
+        if not (np.isfinite(self._x_0).all() and np.isfinite(self._p).all()):
+            return REFUSED, 0
+        return self._cold_start(attempt, self.tolerance, self.iteration_limit)
+
     def _reason(self, code: int) -> str:
-        gradient, violation = self._outcome[1], self._outcome[3]
+        gradient, violation = self._outcome[1], self._value[2]
         if code == ITERATION_LIMIT:
             return f"iteration limit {self.iteration_limit} reached, gradient {gradient:.3g}"
         if code == TIME_LIMIT:

@@ -10,10 +10,10 @@ The algorithm, one idea a file, in the order in which an iteration runs through 
 ``backward_sweep``     costates and Riccati recursion: gradient, Newton step and gains, stage N to 0
 ``input_box``          the small quadratic program over the inputs of one stage
 ``rollout``            forward simulation under the step: the dynamics hold exactly at every iterate
-``minimise``           the iteration: sweep, line search, multiplier update, stopping
-``guesses``            where cold and warm starts begin
-``solve``              the entry: refuse bad data, start, minimise, keep the better plan
+``warm_start``         the kept plan moved on in time
+``minimise``           one attempt from a guess: sweep, line search, multiplier update, stopping
 ``clock``              wall time inside compiled code
+``compilation``        how each function is compiled
 =====================  =============================================================================
 
 The files import each other relatively because they are compiled as a copy: a folder in the user's

@@ -1,19 +1,27 @@
-"""The iteration: sweep, line search on the rollout, multiplier update, stopping.
+"""One attempt: a guess, then sweep, line search on the rollout, multiplier update, until it stops.
 
 Inside, Newton's method on the augmented Lagrangian; once its gradient is small against the
 constraint residual, the multipliers move and the next Newton step sees the new merit. Near a
 solution both happen in every iteration.
 """
 
+import math
+
 from .backward_sweep import backward_sweep
 from .clock import now as clock
-from .compilation import compiled
+from .compilation import compiled, entry
 from .multipliers import exact_cost, merit, update_multipliers
 from .rollout import rollout
-from .stage import NA, NE, NH, NU, NX
-from .workspace import BEST, FIRST, SECOND
+from .stage import N, NA, NE, NH, NP, NU, NX
+from .warm_start import move_on
+from .workspace import BEST, FIRST, KEPT, SECOND, WORKING
 
-CONVERGED, ITERATION_LIMIT, TIME_LIMIT, INFEASIBLE, STALLED = range(5)
+# How an attempt begins: from the kept plan moved on, or from what the caller put into row SECOND and
+# the gains; or only a sweep about that row, for its gains.
+WARM, PREPARED, SWEEP = range(3)
+
+# How it ends.
+CONVERGED, ITERATION_LIMIT, TIME_LIMIT, INFEASIBLE, STALLED, REFUSED, NO_START = range(7)
 
 SUFFICIENT = 1e-4  # Armijo: share of the predicted change that a step must bring
 SHORTEST = 1e-4  # of the step lengths tried
@@ -23,28 +31,40 @@ SHORT = 0.3
 DAMPING_START, DAMPING_LIMIT, DAMPING_GROWTH = 1e-2, 1e8, 10.0
 
 
-@compiled
-def minimise(w, tolerance, iteration_limit, deadline):
-    """Minimise from the plan in FIRST, which a rollout has filled.
+@entry
+def minimise(workspace, start, stages, tolerance, iteration_limit, deadline):
+    """Minimise from a guess; the plan is left in row KEPT.
 
     Args:
-        w: Workspace.
-        tolerance: Of the KKT residual, relative.
+        workspace: Array of one record, see ``workspace``: x_0, p, horizon and ends are set.
+        start: One of the codes above.
+        stages: WARM: elapsed time over T_s.
+        tolerance: Of the relative KKT residual.
         iteration_limit: Newton iterations.
         deadline: On the monotonic clock, in [s].
 
     Returns:
-        status: One of the codes above.
-        plan: Where the final plan lies.
-        iterations: Newton iterations.
-        stationarity: Relative gradient of the Lagrangian, projected on the box.
+        One of the codes above; ``outcome`` holds Newton iterations and the relative gradient, the
+        plan's value its cost and violation.
     """
+    w = workspace[0]
+    if not data_finite(w):
+        return REFUSED
+    w.outcome[0] = 0.0
+    w.outcome[1] = math.nan
+    if start == SWEEP:
+        backward_sweep(w, SECOND, 0.0, 0.0)
+        return CONVERGED
+    if start == WARM:
+        move_on(w, stages)
+    rollout(w, SECOND, FIRST, 0.0)
+    if not math.isfinite(w.value[FIRST, 0]):
+        return NO_START
+
     now, trial = FIRST, SECOND
-    w.trace[:]=0.0
     exact_cost(w, now)
     copy_plan(w, now, BEST)
     value = merit(w, now)
-    w.outcome[4]=value
     damping, curvature = 0.0, 1.0
     relative = 1.0
     status = ITERATION_LIMIT
@@ -52,8 +72,6 @@ def minimise(w, tolerance, iteration_limit, deadline):
     while iteration < iteration_limit:
         stationarity, scale, residual, predicted = backward_sweep(w, now, curvature, damping)
         relative = stationarity / scale
-        if iteration < 300:
-            w.trace[iteration, 0] = value; w.trace[iteration, 1] = stationarity; w.trace[iteration, 2] = scale; w.trace[iteration, 3] = residual; w.trace[iteration, 4] = predicted; w.trace[iteration, 5] = damping; w.trace[iteration, 6] = w.shifts[0]; w.trace[iteration, 7] = w.rho_e[0,0]; w.trace[iteration,8]=w.mu_e[0,0]; w.trace[iteration,9]=0
         if relative <= tolerance and residual <= tolerance:
             status = CONVERGED
             break
@@ -76,7 +94,6 @@ def minimise(w, tolerance, iteration_limit, deadline):
                 accepted = True
                 break
             length *= 0.5
-            w.trace[iteration-1,9] += 1
         if accepted:
             now, trial = trial, now
             value = new
@@ -95,9 +112,24 @@ def minimise(w, tolerance, iteration_limit, deadline):
             if damping > DAMPING_LIMIT:
                 status = STALLED
                 break
-    if status != CONVERGED:
-        now = BEST
-    return status, now, iteration, relative
+    copy_plan(w, now if status == CONVERGED else BEST, KEPT)
+    copy_multipliers(w, WORKING, KEPT)
+    w.outcome[0] = iteration
+    w.outcome[1] = relative
+    return status
+
+
+@compiled
+def data_finite(w):
+    """Whether x_0 and p hold numbers only."""
+    for r in range(NX):
+        if not math.isfinite(w.x_0[r]):
+            return False
+    for i in range(N + 1):
+        for r in range(NP):
+            if not math.isfinite(w.p[i, r]):
+                return False
+    return True
 
 
 @compiled

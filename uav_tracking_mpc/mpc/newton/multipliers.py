@@ -14,13 +14,11 @@ complementary if hard; mu = penalty exactly where a soft one is violated. So |m 
 feasibility and complementarity together, in the units of c.
 """
 
-import numpy as np
-
 from .compilation import compiled
-from .stage import NE, NH
+from .stage import NH
 from .workspace import WORKING
 
-WEIGHT_START, WEIGHT_LIMIT, WEIGHT_GROWTH = 10.0, 1e10, 10.0
+WEIGHT_LIMIT, WEIGHT_GROWTH = 1e10, 10.0
 SMALL = 1e-7  # residuals below are met: their weights stay
 PROGRESS = 0.25  # a residual that falls by less than this makes its weight grow
 
@@ -119,22 +117,6 @@ def exact_cost(w, now):
         violation = max(violation, hard_violation(w.e[now, j], w.m_e_lower[j], w.m_e_upper[j]))
     w.value[now, 1] = cost
     w.value[now, 2] = violation
-
-
-@compiled
-def start_multipliers(w):
-    """No multipliers, first weights: the augmented Lagrangian of a cold start."""
-    for j in range(NE):
-        w.m_e[j] = w.d_e[j] = 0.0
-    for j in range(NH):
-        w.rho_h[WORKING, j] = WEIGHT_START
-        w.residual_h[j] = np.inf
-        for i in range(w.horizon[0]):
-            w.mu_h[WORKING, i, j] = 0.0
-    for j in range(w.ends[0]):
-        w.rho_e[WORKING, j] = WEIGHT_START
-        w.residual_e[j] = np.inf
-        w.mu_e[WORKING, j] = 0.0
 
 
 @compiled

@@ -10,12 +10,13 @@ import numpy as np
 from .stage import N, NA, NE, NH, NP, NS, NU, NW, NX
 
 # Plans: the iterate and the trial of the line search (they take turns), the best feasible iterate,
-# the best plan over all guesses, the plan that the next warm start begins from, and the two best
-# of a shorter horizon.
+# and what the last attempt ended with, from which the next warm start begins. The other rows are
+# for the caller to put plans aside.
 # (NumPy integers, because numba compiles a function once more for every literal argument.)
-FIRST, SECOND, BEST, CHOSEN, KEPT, SHORT, RUNNER_UP = (np.int64(row) for row in range(7))
+FIRST, SECOND, BEST, KEPT = (np.int64(row) for row in range(4))
+SPARE = 4  # first row of the caller
 PLANS = 7
-WORKING = FIRST  # multipliers of the iteration; rows CHOSEN and KEPT belong to the plans of that name
+WORKING = FIRST  # multipliers of the iteration; those of row KEPT belong to the plan of that name
 
 FIELDS = {
     # data of the solve
@@ -51,7 +52,6 @@ FIELDS = {
     "k": (N, NU),
     "K": (N, NU, NS),
     "k_a": (NA,),
-    "policy": (NU, NS),  # gains of the feedback to the goal
     # the quadratic program of one stage
     "hessian": (max(NU, NA), max(NU, NA)),
     "factor": (max(NU, NA), max(NU, NA)),
@@ -76,7 +76,6 @@ FIELDS = {
     "feedback": (NS,),
     "shifts": (1,),  # stages whose Hessian had to be made positive definite
     "outcome": (8,),
-    "trace": (300,10),
 }
 WORKSPACE = np.dtype(
     [
