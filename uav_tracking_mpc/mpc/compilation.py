@@ -55,7 +55,7 @@ def compile_method(problem: OptimalControlProblem) -> ModuleType:
         importlib.import_module(f"{name}.{module}")
     workspace = np.zeros(1, package.workspace.WORKSPACE)
     workspace["x_0"] = np.nan  # refused at once: the call only compiles
-    package.minimise.minimise(workspace, package.minimise.WARM, 0.0, 1e-6, 1, 1.0)
+    package.minimise.minimise(workspace.ctypes.data, package.minimise.WARM, 0.0, 1e-6, 1, 1.0)
     if fresh:
         (folder / FINISHED).touch()
         logger.info("solver compiled in %.1f s", time.perf_counter() - begin)

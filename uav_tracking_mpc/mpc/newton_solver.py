@@ -72,6 +72,7 @@ class NewtonSolver:
         method = compile_method(problem)
         self._run = method.minimise.minimise
         self._workspace = np.zeros(1, method.workspace.WORKSPACE)
+        self._address = self._workspace.ctypes.data
         self._fill(int(method.workspace.KEPT))
         self._cold_start = ColdStart(problem, method, self._workspace[0])
         self._warm = False
@@ -116,7 +117,8 @@ class NewtonSolver:
         begin = time.perf_counter()
         try:
             self._x_0[:] = initial_state
-            self._p[:] = 0.0 if parameters is None else parameters
+            if self._p.size:
+                self._p[:] = 0.0 if parameters is None else parameters
             warm = self._warm and elapsed is not None
             stages = max(0.0, elapsed / self.problem.step) if warm else 0.0
         except (TypeError, ValueError) as error:
@@ -125,7 +127,7 @@ class NewtonSolver:
         code = iterations = 0
         if warm:
             code = self._run(
-                self._workspace, WARM, stages, self.tolerance, self.iteration_limit, deadline
+                self._address, WARM, stages, self.tolerance, self.iteration_limit, deadline
             )
             iterations = int(self._outcome[0])
         if not warm or code not in (CONVERGED, TIME_LIMIT, REFUSED):
@@ -151,7 +153,7 @@ class NewtonSolver:
 
     def _cold(self, deadline: float) -> tuple[int, int]:
         def attempt(start: int, tolerance: float, limit: int) -> int:
-            return self._run(self._workspace, start, 0.0, tolerance, limit, deadline)
+            return self._run(self._address, start, 0.0, tolerance, limit, deadline)
 
         # Before anything of the last plan is overwritten.
         if not (np.isfinite(self._x_0).all() and np.isfinite(self._p).all()):

@@ -14,7 +14,7 @@ from .multipliers import exact_cost, merit, update_multipliers
 from .rollout import rollout
 from .stage import N, NA, NE, NH, NP, NU, NX
 from .warm_start import move_on
-from .workspace import BEST, FIRST, KEPT, SECOND, WORKING
+from .workspace import BEST, FIRST, KEPT, SECOND, WORKING, record_at
 
 # How an attempt begins: from the kept plan moved on, or from what the caller put into row SECOND and
 # the gains; or only a sweep about that row, for its gains.
@@ -32,11 +32,11 @@ DAMPING_START, DAMPING_LIMIT, DAMPING_GROWTH = 1e-2, 1e8, 10.0
 
 
 @entry
-def minimise(workspace, start, stages, tolerance, iteration_limit, deadline):
+def minimise(address, start, stages, tolerance, iteration_limit, deadline):
     """Minimise from a guess; the plan is left in row KEPT.
 
     Args:
-        workspace: Array of one record, see ``workspace``: x_0, p, horizon and ends are set.
+        address: Of the workspace in memory; x_0, p, horizon and ends are set.
         start: One of the codes above.
         stages: WARM: elapsed time over T_s.
         tolerance: Of the relative KKT residual.
@@ -47,7 +47,7 @@ def minimise(workspace, start, stages, tolerance, iteration_limit, deadline):
         One of the codes above; ``outcome`` holds Newton iterations and the relative gradient, the
         plan's value its cost and violation.
     """
-    w = workspace[0]
+    w = record_at(address)
     if not data_finite(w):
         return REFUSED
     w.outcome[0] = 0.0

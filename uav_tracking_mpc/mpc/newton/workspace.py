@@ -6,6 +6,8 @@ as 1 element that nothing reads.
 """
 
 import numpy as np
+from numba import from_dtype
+from numba.extending import intrinsic
 
 from .stage import N, NA, NE, NH, NP, NS, NU, NW, NX
 
@@ -85,3 +87,19 @@ WORKSPACE = np.dtype(
     + [("horizon", np.int64, (1,)), ("ends", np.int64, (1,)), ("instant", np.int64, (2,))],
     align=True,
 )
+
+_RECORD = from_dtype(WORKSPACE)
+
+
+@intrinsic
+def record_at(typing_context, address):
+    """The record at a memory address.
+
+    Compiled code is given the address, because looking up the type of a structured array at every
+    call can cost more than the solve.
+    """
+
+    def generate(context, builder, signature, arguments):
+        return builder.inttoptr(arguments[0], context.get_value_type(_RECORD))
+
+    return _RECORD(address), generate
