@@ -45,7 +45,8 @@ class ColdStart:
         self, problem: OptimalControlProblem, method: ModuleType, record: np.void
     ) -> None:
         self._codes = method.minimise
-        self._record = record
+        self._record = {field: record[field] for field in record.dtype.names}  # views
+        self._plan = [record[field] for field in PLAN_FIELDS]
         self._horizon, self._ends = method.stage.N, method.stage.NE
         rows = method.workspace
         self._kept, self._reference = int(rows.KEPT), int(rows.SECOND)
@@ -156,8 +157,8 @@ class ColdStart:
         record["residual_h"][:] = record["residual_e"][:] = np.inf
 
     def _copy(self, source: int, target: int) -> None:
-        for field in PLAN_FIELDS:
-            self._record[field][target] = self._record[field][source]
+        for values in self._plan:
+            values[target] = values[source]
 
 
 def openings(
