@@ -30,10 +30,15 @@ def with_penalty(problem: OptimalControlProblem, penalty: float | None, level: f
     return dataclasses.replace(problem, terminal_inequalities=(terminal,))
 
 
-def assert_same_plan(ours: Solution, oracle: Solution, tolerance: float = 1e-6) -> None:
+def assert_same_plan(ours: Solution, oracle: Solution, slack: float = 0.0) -> None:
+    """The same plan and cost.
+
+    IPOPT relaxes every bound by 1e-8, those of its slack variables too, so it reports a cost that is
+    too low by 1e-8 times the sum of all penalties: ``slack``.
+    """
     assert ours.converged, ours.message
     assert oracle.converged, oracle.message
-    assert ours.cost == pytest.approx(oracle.cost, rel=tolerance)
+    assert ours.cost == pytest.approx(oracle.cost + slack, rel=1e-6, abs=0.1 * slack)
     np.testing.assert_allclose(ours.inputs, oracle.inputs, atol=2e-5)
     np.testing.assert_allclose(ours.states, oracle.states, rtol=1e-5, atol=1e-4)
     np.testing.assert_allclose(ours.decision, oracle.decision, atol=1e-5)
@@ -113,7 +118,8 @@ def test_problem_with_everything_agrees_with_ipopt(speed_penalty, push):
     state = np.array([-0.3, 0.0])
     p = np.full((problem.horizon + 1, 1), push)
     ours = NewtonSolver(problem).solve(state, p)
-    assert_same_plan(ours, CasadiSolver(problem, "ipopt").solve(state, p))
+    slack = 1e-8 * problem.horizon * 2 * (speed_penalty or 0.0)
+    assert_same_plan(ours, CasadiSolver(problem, "ipopt").solve(state, p), slack)
     assert ours.violation < 2e-6
     assert kkt_residual(problem, ours, state, np.array([push])) < 1e-5
 
@@ -122,9 +128,10 @@ def test_parameters_may_change_from_stage_to_stage():
     problem = pendulum(speed_penalty=50.0)
     p = 0.3 * np.sin(np.arange(problem.horizon + 1.0))[:, np.newaxis]
     state = np.array([0.2, 0.1])
-    assert_same_plan(
-        NewtonSolver(problem).solve(state, p), CasadiSolver(problem, "ipopt").solve(state, p)
+    ours, oracle = (
+        solver.solve(state, p) for solver in (NewtonSolver(problem), CasadiSolver(problem, "ipopt"))
     )
+    assert_same_plan(ours, oracle, slack=1e-8 * problem.horizon * 2 * 50.0)
 
 
 def test_closed_loop_flight_is_that_of_ipopt(solver):

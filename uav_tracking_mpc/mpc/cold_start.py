@@ -23,7 +23,7 @@ from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 SHORT_HORIZON = 20
 COARSE_TOLERANCE, COARSE_ITERATIONS = 1e-3, 40  # of the attempts on the short horizon
 DISTINCT = 1e-3  # relative difference in cost between two local minima
-OPENING_STAGES = 6
+OPENING_STAGES = 4
 OPENING_SHARE = 0.9  # of the way from the middle of the box to its bound
 COMBINED_INPUTS = 3  # so many inputs are held at their bounds together, in every combination
 MULTIPLIER_WEIGHT = 10.0  # rho to begin with
