@@ -15,8 +15,8 @@ def kkt_residual(
 ) -> float:
     """Smallest stationarity residual over all multipliers that the active constraints allow.
 
-    The plan is condensed onto z = (u, a) by rolling out the dynamics; soft constraints have their L1
-    subgradient. Multipliers come from non-negative least squares, not from the solver.
+    The plan is condensed onto z = (u, a) by rolling out the dynamics; soft constraints have their
+    L1 subgradient. Multipliers come from non-negative least squares, not from the solver.
     """
     n, nu, na = problem.horizon, problem.nu, problem.na
     z = ca.SX.sym("z", n * nu + na)
@@ -45,7 +45,9 @@ def kkt_residual(
     gradient, c, jacobian, equal = (np.array(part) for part in evaluate(point))
     gradient, c = gradient.ravel().copy(), c.ravel()
     stage_penalty = _penalties(problem.stage_inequalities)
-    penalties = np.concatenate([np.tile(stage_penalty, n), _penalties(problem.terminal_inequalities)])
+    penalties = np.concatenate(
+        [np.tile(stage_penalty, n), _penalties(problem.terminal_inequalities)]
+    )
     columns = [equal.T, -equal.T]
     for value, row, penalty in zip(c, jacobian, penalties, strict=True):
         if np.isfinite(penalty) and value > 1e-5:

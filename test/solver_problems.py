@@ -20,9 +20,9 @@ def pendulum(
 ) -> OptimalControlProblem:
     """A driven pendulum with everything that a problem may have.
 
-    x = (angle, rate), u = torque; p pushes the rate; a is the angle at which it is to rest, paid for
-    by its distance to ``reach``; the rate is limited at the stages (hard or soft), as is u - 2 angle;
-    at the end it rests at a, and a is inside a disc.
+    x = (angle, rate), u = torque; p pushes the rate; a is the angle at which it is to rest, paid
+    for by its distance to ``reach``; the rate is limited at the stages (hard or soft), as is
+    u - 2 angle; at the end it rests at a, and a is inside a disc.
     """
     x, u = ca.SX.sym("x", 2), ca.SX.sym("u", 1)
     p, a = ca.SX.sym("p", 1), ca.SX.sym("a", 1)

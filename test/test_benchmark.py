@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 from solver_problems import paper_solver
+
 from uav_tracking_mpc.benchmark.cases import cases, paper_case
 from uav_tracking_mpc.benchmark.measure import OURS, measure, peers, summary
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from solver_problems import PAPER_START, paper
+
 from uav_tracking_mpc.mpc import compilation
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
 from kkt import kkt_residual
 from solver_problems import PAPER_START, paper, paper_solver, pendulum
+
 from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
 from uav_tracking_mpc.mpc.closed_loop import closed_loop
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
@@ -33,8 +33,8 @@ def with_penalty(problem: OptimalControlProblem, penalty: float | None, level: f
 def assert_same_plan(ours: Solution, oracle: Solution, slack: float = 0.0) -> None:
     """The same plan and cost.
 
-    IPOPT relaxes every bound by 1e-8, those of its slack variables too, so it reports a cost that is
-    too low by 1e-8 times the sum of all penalties: ``slack``.
+    IPOPT relaxes every bound by 1e-8, those of its slack variables too, so it reports a cost that
+    is too low by 1e-8 times the sum of all penalties: ``slack``.
     """
     assert ours.converged, ours.message
     assert oracle.converged, oracle.message

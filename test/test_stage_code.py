@@ -3,8 +3,8 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 import pytest
-
 from solver_problems import pendulum
+
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.mpc.stage_code import (
     multiplier_intervals,
@@ -125,7 +125,9 @@ def test_value_function_and_constraints_enter_as_in_the_recursion():
     h = ca.vertcat(*(c.expression for c in problem.stage_inequalities))
     symbols = ca.vertcat(problem.state, problem.decision, problem.inputs)
     jacobians = ca.Function(
-        "F", [symbols, problem.parameter], [ca.jacobian(following, symbols), ca.jacobian(h, symbols)]
+        "F",
+        [symbols, problem.parameter],
+        [ca.jacobian(following, symbols), ca.jacobian(h, symbols)],
     )
     f_w, h_w = (np.array(part) for part in jacobians(w, p))
     plain, plain_q = call(np.zeros(nh), np.zeros((ns, ns)), costate)

@@ -33,7 +33,9 @@ def add_parser(subparsers: Any) -> argparse.ArgumentParser:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     parser.add_argument("--output", type=Path, metavar="DIR", help="where the figure and JSON go")
-    parser.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+    parser.add_argument(
+        "--json", action="store_true", help="print one JSON object and nothing else"
+    )
     parser.add_argument("--cold", type=int, default=2000, help="random cold starts for ours")
     parser.add_argument(
         "--peers-cold", type=int, default=25, help="how many of them the peers solve as well"
@@ -156,8 +158,8 @@ def _print_table(results: dict[str, Any]) -> None:
         for name, figures in solvers.items():
             ratio = results["ratios"][case].get(name)
             words = (
-                case, name, _number(figures["transient_median_us"], 1), _number(figures["p99_us"], 1),
-                _number(figures["max_us"], 1), _number(figures["iterations_median"], 0),
+                case, name, _number(figures["transient_median_us"], 1),
+                _number(figures["p99_us"], 1), _number(figures["max_us"], 1), _number(figures["iterations_median"], 0),
                 _number(ratio, 1), _number(figures["cold_median_us"], 0),
                 str(figures["cold_solves"]), _percent(figures["converged_share"]),
                 _percent(figures["best_cost_share"]),

@@ -1,14 +1,16 @@
 """A flight problem with everything in it: drift, envelope, and an artificial orbit.
 
 State (x, y, z, psi, chi, v): position relative to the target in the axes of ``map``, heading, path
-angle, airspeed. Inputs are those of the vehicle (3). The relative velocity is w = v_air + c with the
-drift c = wind - v_target, a parameter of every stage. Position is Cartesian because range and bearing
-are singular above the target and their rates depend on where round the orbit the drift comes from.
+angle, airspeed. Inputs are those of the vehicle (3). The relative velocity is w = v_air + c with
+the drift c = wind - v_target, a parameter of every stage. Position is Cartesian because range and
+bearing are singular above the target, and because their rates depend on where round the orbit the
+drift comes from.
 
-The optimiser chooses an artificial orbit a = (r_a, z_a, v_a), tracks it, pays for its distance to the
-wanted orbit, and must end on it: range r_a, relative velocity along the tangent, height z_a, level,
-airspeed v_a. Under drift that is the point where the plan touches the periodic orbit, and the orbit
-must be flyable all the way round: the sharpest turn is where the relative speed is v_a + |c|.
+The optimiser chooses an artificial orbit a = (r_a, z_a, v_a), tracks it, pays for its distance to
+the wanted orbit, and must end on it: range r_a, relative velocity along the tangent, height z_a,
+level, airspeed v_a. Under drift that is the point where the plan touches the periodic orbit, and
+the orbit must be flyable all the way round: the sharpest turn is where the relative speed is
+v_a + |c|.
 """
 
 from __future__ import annotations
@@ -72,7 +74,9 @@ def flight_problem(
         + inputs[1] ** 2
         + inputs[2] ** 2
     )
-    offset = 0.06 * (r_a - orbit[0]) ** 2 + 0.5 * (z_a - orbit[1]) ** 2 + 10.0 * (v_a - orbit[2]) ** 2
+    offset = (
+        0.06 * (r_a - orbit[0]) ** 2 + 0.5 * (z_a - orbit[1]) ** 2 + 10.0 * (v_a - orbit[2]) ** 2
+    )
     lateral = GRAVITY * math.tan(BANK_LIMIT)
     limits = np.array(input_limits)
     return OptimalControlProblem(
@@ -90,14 +94,20 @@ def flight_problem(
         decision_lower=np.array([100.0, 5.0, SPEED_LIMITS[0]]),
         decision_upper=np.array([450.0, 95.0, SPEED_LIMITS[1]]),
         decision_guess=np.array(orbit),
-        state_goal=np.array([0.0, math.sqrt(orbit[0] ** 2 - orbit[1] ** 2), orbit[1], 0.0, 0.0, orbit[2]]),
+        state_goal=np.array(
+            [0.0, math.sqrt(orbit[0] ** 2 - orbit[1] ** 2), orbit[1], 0.0, 0.0, orbit[2]]
+        ),
         stage_inequalities=(
             Inequality(ca.vertcat(SPEED_LIMITS[0] - v, v - SPEED_LIMITS[1]), PENALTY, "speed"),
-            Inequality(ca.vertcat(-PATH_ANGLE_LIMIT - chi, chi - PATH_ANGLE_LIMIT), PENALTY, "path angle"),
+            Inequality(
+                ca.vertcat(-PATH_ANGLE_LIMIT - chi, chi - PATH_ANGLE_LIMIT), PENALTY, "path angle"
+            ),
             Inequality(ca.vertcat(-inputs[0] * v - lateral, inputs[0] * v - lateral), None, "bank"),
         ),
         terminal_inequalities=(
-            Inequality(((v_a + ca.norm_2(drift)) ** 2 - lateral * d_a) / 10.0, None, "sharpest turn"),
+            Inequality(
+                ((v_a + ca.norm_2(drift)) ** 2 - lateral * d_a) / 10.0, None, "sharpest turn"
+            ),
         ),
         terminal_equality=ca.vertcat((r - r_a) / 10.0, outward, (z - z_a) / 10.0, chi, v - v_a),
     )
@@ -109,4 +119,6 @@ def flight_state(
     """State of the flight problem from (r, theta, z, chi, v) and the azimuth phi of the vehicle."""
     r, theta, z, chi, v = relative
     d = math.sqrt(r**2 - z**2)
-    return np.array([d * math.cos(azimuth), d * math.sin(azimuth), z, theta + azimuth + math.pi, chi, v])
+    return np.array(
+        [d * math.cos(azimuth), d * math.sin(azimuth), z, theta + azimuth + math.pi, chi, v]
+    )

@@ -41,9 +41,7 @@ class ColdStart:
         record: Its workspace.
     """
 
-    def __init__(
-        self, problem: OptimalControlProblem, method: ModuleType, record: np.void
-    ) -> None:
+    def __init__(self, problem: OptimalControlProblem, method: ModuleType, record: np.void) -> None:
         self._codes = method.minimise
         self._record = {field: record[field] for field in record.dtype.names}  # views
         self._plan = [record[field] for field in PLAN_FIELDS]

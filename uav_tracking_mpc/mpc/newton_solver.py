@@ -1,16 +1,15 @@
 """The problem solved by a stagewise Newton method, compiled for it on first use.
 
-The method stands in :mod:`uav_tracking_mpc.mpc.newton`; here it gets its data and its results leave.
+The method stands in :mod:`uav_tracking_mpc.mpc.newton`; here its data enter and its results leave.
 """
 
 from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from uav_tracking_mpc.mpc.cold_start import ColdStart
 from uav_tracking_mpc.mpc.compilation import compile_method

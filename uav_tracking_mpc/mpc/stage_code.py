@@ -1,11 +1,11 @@
-"""The equations of a problem and their derivatives as straight-line code, made from its symbols.
+r"""The equations of a problem and their derivatives as straight-line code, made from its symbols.
 
 Four programs are all that the Newton method needs. With s = (x, a) the state extended by the
 constant decisions, w = (s, u), F = d(x+, a)/dw, and the Lagrangian of a stage
 
 .. math::
 
-    L(w, \\lambda, m) = l(w) + \\lambda^T f(w) + m^T h(w)
+    L(w, \lambda, m) = l(w) + \lambda^T f(w) + m^T h(w)
 
 ``stage_values``        f, l, h
 ``stage_quadratic``     gradient L_w, and the quadratic model that the Riccati recursion minimises,
@@ -210,7 +210,7 @@ def _column(expressions) -> ca.SX:
 
 
 def _symmetric(name: str, size: int) -> tuple[ca.SX, ca.SX]:
-    """Dense symbol (read by its upper triangle, row by row) and the symmetric matrix it stands for."""
+    """Dense symbol, read by its upper triangle row by row, and the symmetric matrix it means."""
     symbol = ca.SX.sym(name, size, size)  # element [column, row]: CasADi is column-major
     rows = [[symbol[max(i, j), min(i, j)] for j in range(size)] for i in range(size)]
     return symbol, ca.vertcat(*(ca.horzcat(*row) for row in rows)) if size else symbol

@@ -1,28 +1,28 @@
-"""From the last stage to the first: costates, Riccati recursion, Newton step.
+r"""From the last stage to the first: costates, Riccati recursion, Newton step.
 
 With the quadratic model of the value function of stage i + 1, V, v, the model of stage i in
 w = (s, u) is
 
 .. math::
 
-    Q = L_{ww} + h_w^T D h_w + F^T V F, \\qquad q = L_w + F^T (v - \\lambda)
+    Q = L_{ww} + h_w^T D h_w + F^T V F, \qquad q = L_w + F^T (v - \lambda)
 
 (one call of generated code). Minimised over the inputs of the stage, within their box, it gives
 du = k + K ds and the model of stage i,
 
 .. math::
 
-    V = Q_{ss} + Q_{su} K, \\qquad v = q_s + Q_{su} k.
+    V = Q_{ss} + Q_{su} K, \qquad v = q_s + Q_{su} k.
 
-L_ww holds the curvature of the dynamics along the costate, lambda_i = L_s: the step is Newton's, not
-Gauss-Newton's. The u-part of L_w is the gradient of the whole problem, so the sweep that makes the
+L_ww holds the curvature of the dynamics along the costate, lambda_i = L_s: the step is Newton's,
+not Gauss-Newton's. The u-part of L_w is the gradient of the whole problem, so the sweep that makes the
 step also measures the KKT residual of the plan.
 """
 
 from .compilation import compiled
 from .input_box import minimise_over_box, solve_factor
 from .multipliers import stage_multipliers, terminal_multipliers
-from .stage import NA, NS, NU, NW, NX, stage_quadratic, terminal_quadratic
+from .stage import NA, NS, NU, NX, stage_quadratic, terminal_quadratic
 
 
 @compiled
@@ -84,7 +84,7 @@ def held(slope, value, lower, upper):
 
 @compiled
 def minimise_stage(w, now, i, damping):
-    """k and K of stage i from Q, q; returns the predicted change."""
+    """K and K of stage i from Q, q; returns the predicted change."""
     for r in range(NU):
         for c in range(r, NU):
             w.hessian[r, c] = w.hessian[c, r] = w.Q[NS + r, NS + c]

@@ -2,7 +2,7 @@
 
 from numba import njit
 
-# Sums may be reordered and fused; NaN and infinity keep their meaning: the line search relies on it.
+# Sums may be reordered and fused; NaN and infinity keep their meaning, for the line search.
 # _nrt=False: no reference counting, so code that would allocate does not compile.
 OPTIONS = {
     "error_model": "numpy",

@@ -1,12 +1,12 @@
-"""The quadratic program of one stage: a small model minimised over a box.
+r"""The quadratic program of one stage: a small model minimised over a box.
 
 .. math::
 
-    \\min_{y} \\; \\tfrac12 y^T H y + g^T y, \\qquad lower \\le y \\le upper
+    \min_{y} \; \tfrac12 y^T H y + g^T y, \qquad lower \le y \le upper
 
 by an active set: solve over the free components, clamp those that leave the box, free again a
-clamped one whose slope points inside. A Hessian that is not positive definite on the free components
-is made so by tau I (Levenberg-Marquardt), tau growing until its Cholesky factorisation exists.
+clamped one whose slope points inside. A Hessian that is not positive definite on the free
+components is made so by tau I (Levenberg-Marquardt), tau growing until its Cholesky factorisation exists.
 """
 
 import math
@@ -54,7 +54,7 @@ def minimise_over_box(w, size, damping):
 
 @compiled
 def largest_diagonal(w, size):
-    """max |H_jj|, at least 1e-6."""
+    """Max |H_jj|, at least 1e-6."""
     largest = 1e-6
     for j in range(size):
         largest = max(largest, abs(w.hessian[j, j]))
@@ -83,7 +83,7 @@ def factorise(w, size):
 
 @compiled
 def solve_factor(w, size, y):
-    """y <- (L L')^-1 y."""
+    """Y <- (L L')^-1 y."""
     for r in range(size):
         for j in range(r):
             y[r] -= w.factor[r, j] * y[j]

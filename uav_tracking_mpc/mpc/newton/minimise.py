@@ -12,12 +12,12 @@ from .clock import now as clock
 from .compilation import compiled, entry
 from .multipliers import exact_cost, merit, update_multipliers
 from .rollout import rollout
-from .stage import N, NA, NE, NH, NP, NU, NX
+from .stage import NA, NE, NH, NP, NU, NX, N
 from .warm_start import move_on
 from .workspace import BEST, FIRST, KEPT, SECOND, WORKING, record_at
 
-# How an attempt begins: from the kept plan moved on, or from what the caller put into row SECOND and
-# the gains; or only a sweep about that row, for its gains.
+# How an attempt begins: from the kept plan moved on, or from what the caller put into row SECOND
+# and the gains; or only a sweep about that row, for its gains.
 WARM, PREPARED, SWEEP = range(3)
 
 # How it ends.

@@ -1,4 +1,4 @@
-"""Augmented Lagrangian: a constraint c as a term of the merit.
+r"""Augmented Lagrangian: a constraint c as a term of the merit.
 
 Every constraint is an interval of its multiplier: [0, inf) for a hard inequality c <= 0,
 [0, penalty] for a soft one with exact L1 penalty, (-inf, inf) for an equality. With estimate mu and
@@ -6,7 +6,7 @@ weight rho the term is
 
 .. math::
 
-    \\psi(c) = \\max_{m \\in [m_{lo}, m_{up}]} \\; m c - (m - \\mu)^2 / (2 \\rho),
+    \psi(c) = \max_{m \in [m_{lo}, m_{up}]} \; m c - (m - \mu)^2 / (2 \rho),
 
 attained at m = clip(mu + rho c). It is once differentiable with psi' = m and psi'' = rho where m is
 inside its interval, else 0. At a fixed point m = mu the interval says all: feasible and
@@ -25,7 +25,7 @@ PROGRESS = 0.25  # a residual that falls by less than this makes its weight grow
 
 @compiled
 def multiplier(c, mu, rho, lower, upper):
-    """m = clip(mu + rho c, lower, upper)."""
+    """M = clip(mu + rho c, lower, upper)."""
     return min(max(mu + rho * c, lower), upper)
 
 
@@ -39,7 +39,7 @@ def augmented_term(c, mu, rho, lower, upper):
 @compiled
 def exact_term(c, lower, upper):
     """What c adds to the cost itself: the L1 penalty of a soft constraint, else 0."""
-    return upper * c if 0.0 == lower and upper < 1e300 and c > 0.0 else 0.0
+    return upper * c if lower == 0.0 and upper < 1e300 and c > 0.0 else 0.0
 
 
 @compiled
@@ -52,7 +52,7 @@ def hard_violation(c, lower, upper):
 
 @compiled
 def stage_multipliers(w, now, i):
-    """m and psi'' of the inequalities of stage i, into m_h and d_h; returns max |m - mu| / rho."""
+    """M and psi'' of the inequalities of stage i, into m_h and d_h; returns max |m - mu| / rho."""
     residual = 0.0
     for j in range(NH):
         rho, mu = w.rho_h[WORKING, j], w.mu_h[WORKING, i, j]
@@ -66,7 +66,7 @@ def stage_multipliers(w, now, i):
 
 @compiled
 def terminal_multipliers(w, now):
-    """m and psi'' of the terminal constraints, into m_e and d_e; returns max |m - mu| / rho."""
+    """M and psi'' of the terminal constraints, into m_e and d_e; returns max |m - mu| / rho."""
     residual = 0.0
     for j in range(w.ends[0]):
         rho, mu = w.rho_e[WORKING, j], w.mu_e[WORKING, j]
@@ -121,7 +121,7 @@ def exact_cost(w, now):
 
 @compiled
 def update_multipliers(w, now):
-    """mu <- m for every constraint; weights of those that progress slowly grow.
+    """Mu <- m for every constraint; weights of those that progress slowly grow.
 
     Returns:
         Whether all weights were below their limit.

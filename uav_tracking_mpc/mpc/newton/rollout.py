@@ -1,9 +1,9 @@
-"""Forward simulation under a step: the dynamics hold exactly at every iterate.
+r"""Forward simulation under a step: the dynamics hold exactly at every iterate.
 
 .. math::
 
-    s_0^+ = (x_0, a + \\alpha k_a), \\quad
-    u_i^+ = \\mathrm{clip}(u_i + \\alpha k_i + K_i (s_i^+ - s_i)), \\quad
+    s_0^+ = (x_0, a + \alpha k_a), \quad
+    u_i^+ = \mathrm{clip}(u_i + \alpha k_i + K_i (s_i^+ - s_i)), \quad
     x_{i+1}^+ = f(x_i^+, u_i^+, p_i, a^+)
 """
 

@@ -39,9 +39,24 @@ FUNCTIONS = {  # name in a program: LLVM intrinsic or function of the C library
     "fmax": "llvm.maxnum.f64",
     **{
         name: name
-        for name in (
-            "tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh erf log1p expm1 hypot fmod"
-        ).split()
+        for name in [
+            "tan",
+            "asin",
+            "acos",
+            "atan",
+            "atan2",
+            "sinh",
+            "cosh",
+            "tanh",
+            "asinh",
+            "acosh",
+            "atanh",
+            "erf",
+            "log1p",
+            "expm1",
+            "hypot",
+            "fmod",
+        ]
     },
 }
 COMPARISONS = {"lt": "<", "le": "<=", "eq": "==", "ne": "!="}

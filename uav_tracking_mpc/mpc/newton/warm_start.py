@@ -3,7 +3,7 @@
 import math
 
 from .compilation import compiled
-from .stage import N, NA, NE, NH, NS, NU
+from .stage import NA, NE, NH, NS, NU, N
 from .workspace import KEPT, SECOND, WORKING
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numba import from_dtype
 from numba.extending import intrinsic
 
-from .stage import N, NA, NE, NH, NP, NS, NU, NW, NX
+from .stage import NA, NE, NH, NP, NS, NU, NW, NX, N
 
 # Plans: the iterate and the trial of the line search (they take turns), the best feasible iterate,
 # and what the last attempt ended with, from which the next warm start begins. The other rows are
@@ -80,10 +80,7 @@ FIELDS = {
     "outcome": (8,),
 }
 WORKSPACE = np.dtype(
-    [
-        (name, np.float64, tuple(max(1, size) for size in shape))
-        for name, shape in FIELDS.items()
-    ]
+    [(name, np.float64, tuple(max(1, size) for size in shape)) for name, shape in FIELDS.items()]
     + [("horizon", np.int64, (1,)), ("ends", np.int64, (1,)), ("instant", np.int64, (2,))],
     align=True,
 )
