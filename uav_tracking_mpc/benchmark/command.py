@@ -106,10 +106,11 @@ def run(
                 )
             )
             results["cases"][case.name] = figures
+            medians = {
+                name: float(row["transient_median_us"] or 0) for name, row in figures.items()
+            }
             results["ratios"][case.name] = {
-                name: figures[name]["transient_median_us"] / figures[OURS]["transient_median_us"]
-                for name in figures
-                if name != OURS
+                name: medians[name] / medians[OURS] for name in medians if name != OURS
             }
         if not quick:
             results["horizons"] = HORIZONS
@@ -159,8 +160,8 @@ def _print_table(results: dict[str, Any]) -> None:
             ratio = results["ratios"][case].get(name)
             words = (
                 case, name, _number(figures["transient_median_us"], 1),
-                _number(figures["p99_us"], 1), _number(figures["max_us"], 1), _number(figures["iterations_median"], 0),
-                _number(ratio, 1), _number(figures["cold_median_us"], 0),
+                _number(figures["p99_us"], 1), _number(figures["max_us"], 1),
+                _number(figures["iterations_median"], 0), _number(ratio, 1), _number(figures["cold_median_us"], 0),
                 str(figures["cold_solves"]), _percent(figures["converged_share"]),
                 _percent(figures["best_cost_share"]),
             )  # fmt: skip

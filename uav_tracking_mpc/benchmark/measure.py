@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from uav_tracking_mpc.benchmark.cases import Case
 from uav_tracking_mpc.mpc.casadi_solver import PLUGINS, CasadiSolver
@@ -23,6 +24,7 @@ TRANSIENT_STEPS = 30
 COST_MARGIN = 1e-3  # a cost this close to the best found counts as the best
 
 Progress = Callable[[str], None]
+Plant = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
 
 @dataclass
@@ -83,7 +85,9 @@ def measure(
     return records
 
 
-def _transient(case: Case, solvers: dict[str, Solver], records: dict[str, Record], plant) -> None:
+def _transient(
+    case: Case, solvers: dict[str, Solver], records: dict[str, Record], plant: Plant
+) -> None:
     for solver in solvers.values():
         solver.reset()
     state = case.start
@@ -101,7 +105,9 @@ def _transient(case: Case, solvers: dict[str, Solver], records: dict[str, Record
         state = following
 
 
-def _timed(solver: Solver, state, case: Case, elapsed: float | None) -> tuple[Solution, float]:
+def _timed(
+    solver: Solver, state: NDArray[np.float64], case: Case, elapsed: float | None
+) -> tuple[Solution, float]:
     begin = time.perf_counter()
     solution = solver.solve(state, case.parameters, elapsed)
     return solution, time.perf_counter() - begin

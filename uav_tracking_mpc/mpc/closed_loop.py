@@ -25,8 +25,8 @@ def closed_loop(
     """Apply u_0 of each plan to x+ = f(x, u), the model of the problem, from a cold start.
 
     A plan obeys the dynamics exactly where its solver rolls them out, so x_1 of the plan is the
-    next state and nothing is simulated twice. With a solver that meets the dynamics to a tolerance (an
-    interior point), so is the flight.
+    next state and nothing is simulated twice. With a solver that meets the dynamics to a
+    tolerance (an interior point), so does the flight.
 
     Args:
         solver: Solves the problem; forgets what it knew.

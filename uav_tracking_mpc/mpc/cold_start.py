@@ -43,7 +43,7 @@ class ColdStart:
 
     def __init__(self, problem: OptimalControlProblem, method: ModuleType, record: np.void) -> None:
         self._codes = method.minimise
-        self._record = {field: record[field] for field in record.dtype.names}  # views
+        self._record = {field: record[field] for field in record.dtype.names or ()}  # views
         self._plan = [record[field] for field in PLAN_FIELDS]
         self._horizon, self._ends = method.stage.N, method.stage.NE
         rows = method.workspace

@@ -2,9 +2,9 @@
 
 The method's source files are copied, beside the ``stage.py`` generated for the problem, into a
 folder of their own under the cache directory and imported from there; numba keeps the machine code
-next to them. The folder's name is a digest of every source line and of the versions that made it, so a
-change of any makes a new one. It is written under another name and moved into place, so processes
-that start together cannot read half a folder.
+next to them. The folder's name is a digest of every source line and of the versions that made it,
+so a change of any makes a new one. It is written under another name and moved into place, so
+processes that start together cannot read half a folder.
 """
 
 from __future__ import annotations

@@ -20,10 +20,12 @@ Each function is listed operation by operation in the form of
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import casadi as ca
 import numpy as np
 
-from uav_tracking_mpc.mpc.problem import OptimalControlProblem
+from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
 
 BINARY = {
     ca.OP_ADD: "add", ca.OP_SUB: "sub", ca.OP_MUL: "mul", ca.OP_DIV: "div", ca.OP_POW: "pow",
@@ -196,7 +198,7 @@ def multiplier_intervals(problem: OptimalControlProblem) -> tuple[np.ndarray, np
     return _intervals(problem.stage_inequalities), ends
 
 
-def _intervals(inequalities: tuple) -> np.ndarray:
+def _intervals(inequalities: tuple[Inequality, ...]) -> np.ndarray:
     upper = [
         np.inf if h.penalty is None else h.penalty
         for h in inequalities
@@ -205,7 +207,7 @@ def _intervals(inequalities: tuple) -> np.ndarray:
     return np.array([np.zeros(len(upper)), upper])
 
 
-def _column(expressions) -> ca.SX:
+def _column(expressions: Iterable[ca.SX]) -> ca.SX:
     return ca.vertcat(ca.SX.zeros(0, 1), *(ca.vec(ca.densify(part)) for part in expressions))
 
 

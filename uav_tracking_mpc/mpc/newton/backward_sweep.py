@@ -15,8 +15,8 @@ du = k + K ds and the model of stage i,
     V = Q_{ss} + Q_{su} K, \qquad v = q_s + Q_{su} k.
 
 L_ww holds the curvature of the dynamics along the costate, lambda_i = L_s: the step is Newton's,
-not Gauss-Newton's. The u-part of L_w is the gradient of the whole problem, so the sweep that makes the
-step also measures the KKT residual of the plan.
+not Gauss-Newton's. The u-part of L_w is the gradient of the whole problem, so the sweep that
+makes the step also measures the KKT residual of the plan.
 """
 
 from .compilation import compiled

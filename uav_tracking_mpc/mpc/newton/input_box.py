@@ -6,7 +6,8 @@ r"""The quadratic program of one stage: a small model minimised over a box.
 
 by an active set: solve over the free components, clamp those that leave the box, free again a
 clamped one whose slope points inside. A Hessian that is not positive definite on the free
-components is made so by tau I (Levenberg-Marquardt), tau growing until its Cholesky factorisation exists.
+components is made so by tau I (Levenberg-Marquardt), tau growing until its Cholesky
+factorisation exists.
 """
 
 import math
