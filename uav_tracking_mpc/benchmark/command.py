@@ -161,7 +161,8 @@ def _print_table(results: dict[str, Any]) -> None:
             words = (
                 case, name, _number(figures["transient_median_us"], 1),
                 _number(figures["p99_us"], 1), _number(figures["max_us"], 1),
-                _number(figures["iterations_median"], 0), _number(ratio, 1), _number(figures["cold_median_us"], 0),
+                _number(figures["iterations_median"], 0), _number(ratio, 1),
+                _number(figures["cold_median_us"], 0),
                 str(figures["cold_solves"]), _percent(figures["converged_share"]),
                 _percent(figures["best_cost_share"]),
             )  # fmt: skip
