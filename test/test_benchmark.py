@@ -26,9 +26,7 @@ def test_random_states_are_repeatable_and_inside_the_model(case):
 def test_summary_has_the_figures_of_every_solver():
     case = paper_case(10)
     solvers = {OURS: paper_solver(), **peers(case, ("fatrop",))}
-    records = measure(
-        case, solvers, repetitions=2, peer_repetitions=1, cold=4, peers_cold=2, seed=0
-    )
+    records = measure(case, solvers, repetitions=2, cold=4, peers_cold=2, seed=0)
     figures = summary(records)
     assert figures[OURS]["cold_solves"] == 4
     assert figures["fatrop"]["cold_solves"] == 2

@@ -97,8 +97,7 @@ def run(
                 measure(
                     case,
                     solvers,
-                    repetitions=2 if quick else 20,
-                    peer_repetitions=1 if quick else 3,
+                    repetitions=2 if quick else 6,
                     cold=cold,
                     peers_cold=min(cold, peers_cold),
                     seed=seed,

@@ -49,7 +49,6 @@ def measure(
     solvers: dict[str, Solver],
     *,
     repetitions: int,
-    peer_repetitions: int,
     cold: int,
     peers_cold: int,
     seed: int,
@@ -60,8 +59,7 @@ def measure(
     Args:
         case: Problem and starts.
         solvers: By name, :data:`OURS` among them.
-        repetitions: Transients that ours flies.
-        peer_repetitions: Transients in which the peers take part.
+        repetitions: Transients, flown by all solvers in turn.
         cold: Random states for ours.
         peers_cold: How many of them the peers solve as well.
         seed: Of the random states.
@@ -71,8 +69,7 @@ def measure(
     plant = case.plant()
     for repetition in range(repetitions):
         progress(f"{case.name}: transient {repetition + 1} of {repetitions}")
-        taking_part = list(solvers) if repetition < peer_repetitions else [OURS]
-        _transient(case, {name: solvers[name] for name in taking_part}, records, plant)
+        _transient(case, solvers, records, plant)
     for index, state in enumerate(case.cold_states(cold, seed)):
         if index % 50 == 0:
             progress(f"{case.name}: cold start {index} of {cold}")
