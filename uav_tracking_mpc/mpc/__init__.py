@@ -6,5 +6,11 @@
 ``solution``          what comes back: a status in words, cost, plan, time
 ``solver``            the interface that every solver shares
 ``casadi_solver``     the problem handed to fatrop or IPOPT through CasADi
+``newton_solver``     the problem solved by a stagewise Newton method, compiled for it
+``newton``            that method, one idea a file
+``cold_start``        the guesses from which a cold solve tries it
+``stage_code``        the problem's equations and derivatives as straight-line code
+``compilation``       compile the method for a problem, or load it from the cache
+``closed_loop``       a flight on the prediction model, for campaigns
 ====================  ================================================================
 """

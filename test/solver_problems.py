@@ -1,0 +1,63 @@
+"""Problems for the solver's tests: one of each kind, small enough to compile in seconds."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from uav_tracking_mpc.benchmark.cases import ORBIT, START, paper_problem
+from uav_tracking_mpc.dynamics.relative import tracking_error
+from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
+from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
+
+PAPER_START = tracking_error(START, ORBIT)
+
+
+def pendulum(
+    *, horizon: int = 12, speed_penalty: float | None = None, reach: float = 0.4
+) -> OptimalControlProblem:
+    """A driven pendulum with everything that a problem may have.
+
+    x = (angle, rate), u = torque; p pushes the rate; a is the angle at which it is to rest, paid
+    for by its distance to ``reach``; the rate is limited at the stages (hard or soft), as is
+    u - 2 angle; at the end it rests at a, and a is inside a disc.
+    """
+    x, u = ca.SX.sym("x", 2), ca.SX.sym("u", 1)
+    p, a = ca.SX.sym("p", 1), ca.SX.sym("a", 1)
+    step = 0.2
+    rate = x[1] + step * (u - ca.sin(x[0]) - 0.1 * x[1] + p)
+    return OptimalControlProblem(
+        state=x,
+        inputs=u,
+        next_state=ca.vertcat(x[0] + step * x[1], rate),
+        stage_cost=(x[0] - a) ** 2 + 0.1 * x[1] ** 2 + 0.05 * u**2,
+        terminal_cost=5.0 * (a - reach) ** 2,
+        horizon=horizon,
+        step=step,
+        input_lower=np.array([-2.0]),
+        input_upper=np.array([1.5]),
+        parameter=p,
+        decision=a,
+        decision_lower=np.array([-1.0]),
+        decision_upper=np.array([1.0]),
+        decision_guess=np.array([0.0]),
+        stage_inequalities=(
+            Inequality(ca.vertcat(x[1] - 0.5, -0.9 - x[1]), speed_penalty, "rate"),
+            Inequality(u - 2.0 * x[0] - 2.2, None, "coupled"),
+        ),
+        terminal_inequalities=(Inequality(a**2 - 0.09, None, "disc"),),
+        terminal_equality=ca.vertcat(x[0] - a, x[1]),
+    )
+
+
+@lru_cache
+def paper(horizon: int = 10, ellipsoid: bool = False) -> OptimalControlProblem:
+    return paper_problem(horizon, ellipsoid)
+
+
+@lru_cache
+def paper_solver() -> NewtonSolver:
+    """One solver for all tests that only read the plain problem; reset it first."""
+    return NewtonSolver(paper())

@@ -1,0 +1,181 @@
+"""A cold start: several attempts, the best of which is kept.
+
+The problem has local minima. So a cold start tries inputs at rest, feedback to the goal, and that
+feedback after a few stages with inputs held near a bound ("openings").
+
+A long horizon has many local minima and a short one few. So beyond :data:`SHORT_HORIZON` every
+opening is tried on a horizon of that length, without terminal constraints, which belong to the end
+of the whole one; the two best plans, extended by the feedback, are then the guesses for the whole
+horizon, next to inputs at rest and plain feedback.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from types import ModuleType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.mpc.problem import OptimalControlProblem
+
+SHORT_HORIZON = 20
+COARSE_TOLERANCE, COARSE_ITERATIONS = 1e-3, 40  # of the attempts on the short horizon
+DISTINCT = 1e-3  # relative difference in cost between two local minima
+OPENING_STAGES = 4
+OPENING_SHARE = 0.9  # of the way from the middle of the box to its bound
+COMBINED_INPUTS = 3  # so many inputs are held at their bounds together, in every combination
+MULTIPLIER_WEIGHT = 10.0  # rho to begin with
+PLAN_FIELDS = ("x", "u", "a", "h", "e", "value", "mu_h", "mu_e", "rho_h", "rho_e")
+
+Attempt = Callable[[int, float, int], int]
+
+
+class ColdStart:
+    """Attempts at one compiled problem.
+
+    Args:
+        problem: What is solved.
+        method: The method compiled for it.
+        record: Its workspace.
+    """
+
+    def __init__(self, problem: OptimalControlProblem, method: ModuleType, record: np.void) -> None:
+        self._codes = method.minimise
+        self._record = {field: record[field] for field in record.dtype.names or ()}  # views
+        self._plan = [record[field] for field in PLAN_FIELDS]
+        self._horizon, self._ends = method.stage.N, method.stage.NE
+        rows = method.workspace
+        self._kept, self._reference = int(rows.KEPT), int(rows.SECOND)
+        self._working, spare = int(rows.WORKING), int(rows.SPARE)
+        self._best, self._short = spare, (spare + 1, spare + 2)
+        self._rest = np.clip(np.zeros(problem.nu), problem.input_lower, problem.input_upper)
+        self._openings = list(openings(problem, self._rest))
+        self._goal = record["goal"]
+        self._policy = np.zeros((problem.nu, method.stage.NS))
+
+    def __call__(self, attempt: Attempt, tolerance: float, iteration_limit: int) -> tuple[int, int]:
+        """Run the attempts and leave the best plan in row KEPT.
+
+        Args:
+            attempt: (start, tolerance, iteration limit) -> how it ended.
+            tolerance: Of the attempts on the whole horizon.
+            iteration_limit: Of each of them.
+
+        Returns:
+            How the best attempt ended, and the Newton iterations of all together.
+        """
+        codes, record = self._codes, self._record
+        self._set_horizon(self._horizon)
+        self._feedback_to_goal(attempt)
+        iterations = 0
+        best: tuple[bool, float, float] | None = None
+        best_end, best_gradient = codes.NO_START, np.nan
+        if self._horizon > SHORT_HORIZON:
+            found, iterations = self._shorter_horizon(attempt)
+            self._set_horizon(self._horizon)
+            plans = [(record["u"][row, :SHORT_HORIZON].copy(), row) for row in found]
+            guesses = [(inputs, record["a"][row].copy()) for inputs, row in plans]
+            guesses += [(inputs, record["a_guess"]) for inputs in self._openings[:2]]
+        else:
+            guesses = [(inputs, record["a_guess"]) for inputs in self._openings]
+        for inputs, decision in guesses:
+            self._prepare(inputs, decision)
+            end = attempt(codes.PREPARED, tolerance, iteration_limit)
+            if end == codes.NO_START:
+                continue
+            iterations += int(record["outcome"][0])
+            _, cost, violation = record["value"][self._kept]
+            rank = (end != codes.CONVERGED, max(violation, tolerance), cost)
+            if best is None or rank < best:
+                best, best_end, best_gradient = rank, end, record["outcome"][1]
+                self._copy(self._kept, self._best)
+            if end == codes.TIME_LIMIT:
+                break
+        if best is not None:
+            self._copy(self._best, self._kept)
+        record["outcome"][1] = best_gradient
+        return best_end, iterations
+
+    def _shorter_horizon(self, attempt: Attempt) -> tuple[list[int], int]:
+        """Rows of the best distinct plans of a shorter horizon, at most two; iterations spent."""
+        record, cost = self._record, self._record["value"][:, 1]
+        found: list[int] = []
+        free = list(self._short)
+        iterations = 0
+        self._set_horizon(SHORT_HORIZON)
+        for inputs in self._openings:
+            self._prepare(inputs, record["a_guess"])
+            end = attempt(self._codes.PREPARED, COARSE_TOLERANCE, COARSE_ITERATIONS)
+            if end == self._codes.NO_START:
+                continue
+            iterations += int(record["outcome"][0])
+            new = cost[self._kept]
+            if any(abs(new - cost[row]) <= DISTINCT * abs(new) for row in found):
+                continue
+            if not free and new < cost[found[-1]]:
+                free.append(found.pop())
+            if free:
+                row = free.pop()
+                self._copy(self._kept, row)
+                found = sorted([*found, row], key=lambda r: cost[r])
+            if end == self._codes.TIME_LIMIT:
+                break
+        return found, iterations
+
+    def _set_horizon(self, stages: int) -> None:
+        """Stages of the next attempts; a shorter horizon has no terminal constraints."""
+        self._record["horizon"][0] = stages
+        self._record["ends"][0] = self._ends if stages == self._horizon else 0
+        self._record["m_e"][:] = self._record["d_e"][:] = 0.0
+
+    def _feedback_to_goal(self, attempt: Attempt) -> None:
+        """Gains at stage 0 of a Riccati recursion about the plan that rests at the goal."""
+        record, row = self._record, self._reference
+        self._prepare(self._openings[0], record["a_guess"])
+        record["h"][row] = -1e6  # far inside: the sweep sees no inequality
+        record["e"][row] = 0.0
+        attempt(self._codes.SWEEP, 1.0, 1)
+        gains = record["K"][0]
+        self._policy[:] = gains if np.all(np.isfinite(gains)) else 0.0
+
+    def _prepare(self, inputs: NDArray[np.float64], decision: NDArray[np.float64]) -> None:
+        """Reference of a rollout: given inputs at the first stages, then feedback to the goal."""
+        record, row, held = self._record, self._reference, len(inputs)
+        record["x"][row] = self._goal
+        record["u"][row] = self._rest
+        record["u"][row, :held] = inputs
+        record["a"][row] = decision
+        record["k"][:] = record["k_a"][:] = 0.0
+        record["K"][:held] = 0.0
+        record["K"][held:] = self._policy
+        record["mu_h"][self._working] = record["mu_e"][self._working] = 0.0
+        record["rho_h"][self._working] = record["rho_e"][self._working] = MULTIPLIER_WEIGHT
+        record["residual_h"][:] = record["residual_e"][:] = np.inf
+
+    def _copy(self, source: int, target: int) -> None:
+        for values in self._plan:
+            values[target] = values[source]
+
+
+def openings(
+    problem: OptimalControlProblem, rest: NDArray[np.float64]
+) -> list[NDArray[np.float64]]:
+    """Inputs of the first stages, shape (stages, nu), of each opening.
+
+    At rest throughout; none (feedback from the start); each input alone at either end of its box;
+    the first inputs together in every combination of ends.
+    """
+    lower, upper = problem.input_lower, problem.input_upper
+    bounded = np.isfinite(lower) & np.isfinite(upper)
+    middle = np.where(bounded, 0.5 * (lower + upper), rest)
+    reach = np.where(bounded, 0.5 * OPENING_SHARE * (upper - lower), 0.0)
+    signs = [sign * unit for unit in np.eye(problem.nu) for sign in (1.0, -1.0)]
+    together = min(problem.nu, COMBINED_INPUTS)
+    for corner in itertools.product((1.0, -1.0), repeat=together):
+        signs.append(np.array([*corner, *np.zeros(problem.nu - together)]))
+    held = [np.where(sign == 0.0, rest, middle + sign * reach) for sign in signs]
+    whole = np.tile(rest, (min(problem.horizon, SHORT_HORIZON), 1))
+    stages = min(OPENING_STAGES, problem.horizon)
+    return [whole, whole[:0], *(np.tile(inputs, (stages, 1)) for inputs in held)]

@@ -1,0 +1,22 @@
+"""Stagewise Newton method for :class:`~uav_tracking_mpc.mpc.problem.OptimalControlProblem`.
+
+The algorithm, one idea a file, in the order in which an iteration runs through them:
+
+=====================  =============================================================================
+``stage``              the problem: sizes, and the straight-line code of its equations (generated)
+``straight_line``      turns that code into machine code
+``workspace``          every array of the method, cut once from one buffer
+``multipliers``        augmented Lagrangian: constraints become part of the merit
+``backward_sweep``     costates and Riccati recursion: gradient, Newton step and gains, stage N to 0
+``input_box``          the small quadratic program over the inputs of one stage
+``rollout``            forward simulation under the step: the dynamics hold exactly at every iterate
+``warm_start``         the kept plan moved on in time
+``minimise``           one attempt from a guess: sweep, line search, multiplier update, stopping
+``clock``              wall time inside compiled code
+``compilation``        how each function is compiled
+=====================  =============================================================================
+
+The files import each other relatively because they are compiled as a copy: a folder in the user's
+cache that holds them beside the ``stage.py`` of the problem at hand. The ``stage.py`` kept here is
+that of a double integrator, so that everything can be read, type-checked and run in place.
+"""

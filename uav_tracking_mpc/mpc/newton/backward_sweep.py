@@ -1,0 +1,148 @@
+r"""From the last stage to the first: costates, Riccati recursion, Newton step.
+
+With the quadratic model of the value function of stage i + 1, V, v, the model of stage i in
+w = (s, u) is
+
+.. math::
+
+    Q = L_{ww} + h_w^T D h_w + F^T V F, \qquad q = L_w + F^T (v - \lambda)
+
+(one call of generated code). Minimised over the inputs of the stage, within their box, it gives
+du = k + K ds and the model of stage i,
+
+.. math::
+
+    V = Q_{ss} + Q_{su} K, \qquad v = q_s + Q_{su} k.
+
+L_ww holds the curvature of the dynamics along the costate, lambda_i = L_s: the step is Newton's,
+not Gauss-Newton's. The u-part of L_w is the gradient of the whole problem, so the sweep that
+makes the step also measures the KKT residual of the plan.
+"""
+
+from .compilation import compiled
+from .input_box import minimise_over_box, solve_factor
+from .multipliers import stage_multipliers, terminal_multipliers
+from .stage import NA, NS, NU, NX, stage_quadratic, terminal_quadratic
+
+
+@compiled
+def backward_sweep(w, now, curvature, damping):
+    """Newton step k, K, k_a at a plan.
+
+    Args:
+        w: Workspace.
+        now: Which plan.
+        curvature: 1 for the exact Hessian of the dynamics, 0 for Gauss-Newton.
+        damping: Levenberg-Marquardt term on the inputs.
+
+    Returns:
+        stationarity: Largest component of the gradient that no bound holds.
+        scale: What it is relative to: 1 + the largest gradient before projection.
+        residual: max |m - mu| / rho of the constraints.
+        predicted: Change of the merit that the quadratic model predicts, <= 0.
+    """
+    w.curvature[0] = curvature
+    w.shifts[0] = 0.0
+    end = w.horizon[0]
+    residual = terminal_multipliers(w, now)
+    terminal_quadratic((w.x[now, end], w.a[now], w.p[end], w.m_e, w.d_e), (w.V, w.v))
+    for r in range(NS):
+        w.costate[r] = w.v[r]
+    stationarity = scale = predicted = 0.0
+    for i in range(end - 1, -1, -1):
+        residual = max(residual, stage_multipliers(w, now, i))
+        stage_quadratic(
+            (
+                w.x[now, i], w.u[now, i], w.a[now], w.p[i],
+                w.costate, w.curvature, w.m_h, w.d_h, w.V, w.v,
+            ),
+            (w.Q, w.q, w.gradient),
+        )  # fmt: skip
+        for r in range(NS):
+            w.costate[r] = w.gradient[r]  # lambda_i = L_s
+        for j in range(NU):
+            slope = w.gradient[NS + j]
+            scale = max(scale, abs(slope))
+            if not held(slope, w.u[now, i, j], w.u_lower[j], w.u_upper[j]):
+                stationarity = max(stationarity, abs(slope))
+        predicted += minimise_stage(w, now, i, damping)
+        value_function(w, i)
+    for j in range(NA):
+        slope = w.costate[NX + j]
+        scale = max(scale, abs(slope))
+        if not held(slope, w.a[now, j], w.a_lower[j], w.a_upper[j]):
+            stationarity = max(stationarity, abs(slope))
+    predicted += minimise_decision(w, now, damping)
+    return stationarity, 1.0 + scale, residual, predicted
+
+
+@compiled
+def held(slope, value, lower, upper):
+    """Whether a component is at a bound that its slope pushes it against."""
+    return (slope >= 0.0 and value <= lower) or (slope <= 0.0 and value >= upper)
+
+
+@compiled
+def minimise_stage(w, now, i, damping):
+    """K and K of stage i from Q, q; returns the predicted change."""
+    for r in range(NU):
+        for c in range(r, NU):
+            w.hessian[r, c] = w.hessian[c, r] = w.Q[NS + r, NS + c]
+        w.slope[r] = w.q[NS + r]
+        w.lower[r] = w.u_lower[r] - w.u[now, i, r]
+        w.upper[r] = w.u_upper[r] - w.u[now, i, r]
+    minimise_over_box(w, NU, damping)
+    change = 0.0
+    for r in range(NU):
+        w.k[i, r] = w.step[r]
+        change += predicted_change(w, NU, r)
+    for c in range(NS):  # K = -Q_uu^-1 Q_us on the free inputs, 0 on the others
+        for r in range(NU):
+            w.step[r] = -w.Q[c, NS + r] * w.free[r]
+        solve_factor(w, NU, w.step)
+        for r in range(NU):
+            w.K[i, r, c] = w.step[r]
+    return change
+
+
+@compiled
+def value_function(w, i):
+    """V = Q_ss + Q_su K, v = q_s + Q_su k."""
+    for r in range(NS):
+        for c in range(r, NS):
+            entry = w.Q[r, c]
+            for j in range(NU):
+                entry += w.Q[r, NS + j] * w.K[i, j, c]
+            w.V[r, c] = entry
+        entry = w.q[r]
+        for j in range(NU):
+            entry += w.Q[r, NS + j] * w.k[i, j]
+        w.v[r] = entry
+
+
+@compiled
+def minimise_decision(w, now, damping):
+    """Step k_a of the decisions: the first state is given, so they minimise V of stage 0 alone."""
+    if NA == 0:
+        return 0.0
+    for r in range(NA):
+        for c in range(r, NA):
+            w.hessian[r, c] = w.hessian[c, r] = w.V[NX + r, NX + c]
+        w.slope[r] = w.v[NX + r]
+        w.lower[r] = w.a_lower[r] - w.a[now, r]
+        w.upper[r] = w.a_upper[r] - w.a[now, r]
+    minimise_over_box(w, NA, damping)
+    change = 0.0
+    for r in range(NA):
+        w.k_a[r] = w.step[r]
+        change += predicted_change(w, NA, r)
+    return change
+
+
+@compiled
+def predicted_change(w, size, r):
+    """y_r (g + H y / 2)_r: the share of component r in the change of the model."""
+    slope = w.slope[r]
+    for c in range(size):
+        slope += 0.5 * w.hessian[r, c] * w.step[c]
+    return w.step[r] * slope

@@ -1,0 +1,39 @@
+r"""Forward simulation under a step: the dynamics hold exactly at every iterate.
+
+.. math::
+
+    s_0^+ = (x_0, a + \alpha k_a), \quad
+    u_i^+ = \mathrm{clip}(u_i + \alpha k_i + K_i (s_i^+ - s_i)), \quad
+    x_{i+1}^+ = f(x_i^+, u_i^+, p_i, a^+)
+"""
+
+from .compilation import compiled
+from .stage import NA, NS, NU, NX, stage_values, terminal_values
+
+
+@compiled
+def rollout(w, now, trial, length):
+    """Fill plan ``trial`` by following the step from plan ``now`` for a fraction of its length."""
+    end = w.horizon[0]
+    for j in range(NA):
+        a = w.a[now, j] + length * w.k_a[j]
+        w.a[trial, j] = min(max(a, w.a_lower[j]), w.a_upper[j])
+        w.feedback[NX + j] = w.a[trial, j] - w.a[now, j]
+    for r in range(NX):
+        w.x[trial, 0, r] = w.x_0[r]
+    cost = 0.0
+    for i in range(end):
+        for r in range(NX):
+            w.feedback[r] = w.x[trial, i, r] - w.x[now, i, r]
+        for j in range(NU):
+            u = w.u[now, i, j] + length * w.k[i, j]
+            for r in range(NS):
+                u += w.K[i, j, r] * w.feedback[r]
+            w.u[trial, i, j] = min(max(u, w.u_lower[j]), w.u_upper[j])
+        stage_values(
+            (w.x[trial, i], w.u[trial, i], w.a[trial], w.p[i]),
+            (w.x[trial, i + 1], w.l, w.h[trial, i]),
+        )
+        cost += w.l[0]
+    terminal_values((w.x[trial, end], w.a[trial], w.p[end]), (w.l, w.e[trial]))
+    w.value[trial, 0] = cost + w.l[0]

@@ -1,0 +1,143 @@
+"""Straight-line code, one operation a line, turned directly into machine code.
+
+A program is text such as ::
+
+    x = input 0 5
+    t0 = load x 1
+    t1 = sin t0
+    store 0 3 t1
+
+numba could compile the same lines written as Python, but its type inference takes 2 ms a line and
+the derivatives of a Runge-Kutta step have thousands. Everything here is a float64, so nothing needs
+inferring: each line becomes one LLVM instruction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+DOUBLE = ir.DoubleType()
+FAST = ("contract", "reassoc", "nsz", "arcp")  # not nnan, ninf: rejected steps rely on NaN
+FUNCTIONS = {  # name in a program: LLVM intrinsic or function of the C library
+    "sqrt": "llvm.sqrt.f64",
+    "sin": "llvm.sin.f64",
+    "cos": "llvm.cos.f64",
+    "exp": "llvm.exp.f64",
+    "log": "llvm.log.f64",
+    "fabs": "llvm.fabs.f64",
+    "floor": "llvm.floor.f64",
+    "ceil": "llvm.ceil.f64",
+    "pow": "llvm.pow.f64",
+    "copysign": "llvm.copysign.f64",
+    "fmin": "llvm.minnum.f64",
+    "fmax": "llvm.maxnum.f64",
+    **{
+        name: name
+        for name in [
+            "tan",
+            "asin",
+            "acos",
+            "atan",
+            "atan2",
+            "sinh",
+            "cosh",
+            "tanh",
+            "asinh",
+            "acosh",
+            "atanh",
+            "erf",
+            "log1p",
+            "expm1",
+            "hypot",
+            "fmod",
+        ]
+    },
+}
+COMPARISONS = {"lt": "<", "le": "<=", "eq": "==", "ne": "!="}
+
+
+def straight_line(program: str) -> Callable[..., None]:
+    """Function for compiled code that runs a program.
+
+    Args:
+        program: Lines ``target = operation operands`` and ``store output element value``.
+
+    Returns:
+        ``run((inputs...), (outputs...))``: two tuples of contiguous float64 arrays; the program
+        addresses their elements by flat index.
+    """
+
+    @intrinsic
+    def run(typing_context: Any, inputs: Any, outputs: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            pointers = [
+                [
+                    context.make_array(array)(
+                        context, builder, builder.extract_value(value, index)
+                    ).data
+                    for index, array in enumerate(tuple_type)
+                ]
+                for tuple_type, value in zip(signature.args, arguments, strict=True)
+            ]
+            _Translation(builder, *pointers).translate(program)
+            return context.get_dummy_value()
+
+        return types.void(inputs, outputs), generate
+
+    return run
+
+
+class _Translation:
+    """LLVM instructions for the lines of one program."""
+
+    def __init__(self, builder: Any, inputs: list[Any], outputs: list[Any]) -> None:
+        self._builder = builder
+        self._inputs = inputs
+        self._outputs = outputs
+        self._values: dict[str, Any] = {}
+
+    def translate(self, program: str) -> None:
+        for line in program.splitlines():
+            words = line.split("#")[0].split()
+            if not words:
+                continue
+            if words[0] == "store":
+                output, element, value = words[1:]
+                self._builder.store(
+                    self._value(value), self._element(self._outputs[int(output)], int(element))
+                )
+            else:
+                target, _, operation, *operands = words
+                self._values[target] = self._operation(operation, operands)
+
+    def _element(self, pointer: Any, index: int) -> Any:
+        return cgutils.gep_inbounds(self._builder, pointer, index)
+
+    def _value(self, word: str) -> Any:
+        return self._values[word] if word in self._values else ir.Constant(DOUBLE, float(word))
+
+    def _operation(self, operation: str, operands: list[str]) -> Any:
+        builder = self._builder
+        if operation == "load":
+            source, element = (int(word) for word in operands)
+            return builder.load(self._element(self._inputs[source], element))
+        values = [self._value(word) for word in operands]
+        if operation in ("add", "sub", "mul", "div"):
+            return getattr(builder, f"f{operation}")(*values, flags=FAST)
+        if operation == "neg":
+            return builder.fneg(values[0], flags=FAST)
+        if operation in COMPARISONS:
+            truth = builder.fcmp_ordered(COMPARISONS[operation], *values)
+            return builder.uitofp(truth, DOUBLE)
+        if operation == "choose":  # choose condition value: value where condition, else 0
+            nonzero = builder.fcmp_unordered("!=", values[0], ir.Constant(DOUBLE, 0.0))
+            return builder.select(nonzero, values[1], ir.Constant(DOUBLE, 0.0))
+        kind = ir.FunctionType(DOUBLE, [DOUBLE] * len(values))
+        function = cgutils.get_or_insert_function(builder.module, kind, FUNCTIONS[operation])
+        return builder.call(function, values)

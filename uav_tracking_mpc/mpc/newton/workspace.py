@@ -1,0 +1,102 @@
+"""Every array of the method, in one record that is allocated once.
+
+One record, because passing thirty arrays from Python costs more than a Newton iteration. Its fields
+have sizes known at compile time, so that indices into them fold into constants. A size of 0 is kept
+as 1 element that nothing reads.
+"""
+
+import numpy as np
+from numba import from_dtype
+from numba.extending import intrinsic
+
+from .stage import NA, NE, NH, NP, NS, NU, NW, NX, N
+
+# Plans: the iterate and the trial of the line search (they take turns), the best feasible iterate,
+# and what the last attempt ended with, from which the next warm start begins. The other rows are
+# for the caller to put plans aside.
+# (NumPy integers, because numba compiles a function once more for every literal argument.)
+FIRST, SECOND, BEST, KEPT = (np.int64(row) for row in range(4))
+SPARE = 4  # first row of the caller
+PLANS = 7
+WORKING = FIRST  # multipliers of the iteration; those of row KEPT belong to the plan of that name
+
+FIELDS = {
+    # data of the solve
+    "x_0": (NX,),
+    "p": (N + 1, NP),
+    # plans
+    "x": (PLANS, N + 1, NX),
+    "u": (PLANS, N, NU),
+    "a": (PLANS, NA),
+    "h": (PLANS, N, NH),
+    "e": (PLANS, NE),
+    "value": (PLANS, 3),  # cost without constraints, cost with exact penalties, violation
+    # multipliers mu and penalty weights rho of the augmented Lagrangian
+    "mu_h": (PLANS, N, NH),
+    "mu_e": (PLANS, NE),
+    "rho_h": (PLANS, NH),
+    "rho_e": (PLANS, NE),
+    "residual_h": (NH,),  # largest |m - mu| / rho at the last multiplier update
+    "residual_e": (NE,),
+    # backward sweep
+    "m_h": (NH,),
+    "d_h": (NH,),
+    "m_e": (NE,),
+    "d_e": (NE,),
+    "curvature": (1,),
+    "costate": (NS,),
+    "gradient": (NW,),
+    "Q": (NW, NW),  # upper triangle
+    "q": (NW,),
+    "V": (NS, NS),  # upper triangle
+    "v": (NS,),
+    # Newton step: u + k + K (s - s_now), a + k_a
+    "k": (N, NU),
+    "K": (N, NU, NS),
+    "k_a": (NA,),
+    # the quadratic program of one stage
+    "hessian": (max(NU, NA), max(NU, NA)),
+    "factor": (max(NU, NA), max(NU, NA)),
+    "slope": (max(NU, NA),),
+    "lower": (max(NU, NA),),
+    "upper": (max(NU, NA),),
+    "step": (max(NU, NA),),
+    "free": (max(NU, NA),),
+    # the problem's numbers
+    "goal": (NX,),
+    "a_guess": (NA,),
+    "u_lower": (NU,),
+    "u_upper": (NU,),
+    "a_lower": (NA,),
+    "a_upper": (NA,),
+    "m_h_lower": (NH,),
+    "m_h_upper": (NH,),
+    "m_e_lower": (NE,),
+    "m_e_upper": (NE,),
+    # small things
+    "l": (1,),
+    "feedback": (NS,),
+    "shifts": (1,),  # stages whose Hessian had to be made positive definite
+    "outcome": (8,),
+}
+WORKSPACE = np.dtype(
+    [(name, np.float64, tuple(max(1, size) for size in shape)) for name, shape in FIELDS.items()]
+    + [("horizon", np.int64, (1,)), ("ends", np.int64, (1,)), ("instant", np.int64, (2,))],
+    align=True,
+)
+
+_RECORD = from_dtype(WORKSPACE)
+
+
+@intrinsic
+def record_at(typing_context, address):
+    """The record at a memory address.
+
+    Compiled code is given the address, because looking up the type of a structured array at every
+    call can cost more than the solve.
+    """
+
+    def generate(context, builder, signature, arguments):
+        return builder.inttoptr(arguments[0], context.get_value_type(_RECORD))
+
+    return _RECORD(address), generate

@@ -1,0 +1,223 @@
+r"""The equations of a problem and their derivatives as straight-line code, made from its symbols.
+
+Four programs are all that the Newton method needs. With s = (x, a) the state extended by the
+constant decisions, w = (s, u), F = d(x+, a)/dw, and the Lagrangian of a stage
+
+.. math::
+
+    L(w, \lambda, m) = l(w) + \lambda^T f(w) + m^T h(w)
+
+``stage_values``        f, l, h
+``stage_quadratic``     gradient L_w, and the quadratic model that the Riccati recursion minimises,
+                        Q = L_ww + h_w^T D h_w + F^T V F,  q = L_w + F^T (v - lambda)
+``terminal_values``     V_f and the terminal constraints e
+``terminal_quadratic``  V = V_f,ss + (m^T e)_ss + e_s^T D e_s,  v = (V_f + m^T e)_s
+
+F^T V F is formed symbolically as well, so the zeros and constants of F cost nothing at run time.
+Each function is listed operation by operation in the form of
+:mod:`uav_tracking_mpc.mpc.newton.straight_line`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import casadi as ca
+import numpy as np
+
+from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
+
+BINARY = {
+    ca.OP_ADD: "add", ca.OP_SUB: "sub", ca.OP_MUL: "mul", ca.OP_DIV: "div", ca.OP_POW: "pow",
+    ca.OP_CONSTPOW: "pow", ca.OP_LT: "lt", ca.OP_LE: "le", ca.OP_EQ: "eq", ca.OP_NE: "ne",
+    ca.OP_AND: "mul", ca.OP_FMIN: "fmin", ca.OP_FMAX: "fmax", ca.OP_ATAN2: "atan2",
+    ca.OP_COPYSIGN: "copysign", ca.OP_IF_ELSE_ZERO: "choose", ca.OP_HYPOT: "hypot",
+    ca.OP_FMOD: "fmod", ca.OP_OR: "fmax",
+}  # fmt: skip
+UNARY = {
+    ca.OP_NEG: "neg", ca.OP_SQRT: "sqrt", ca.OP_SIN: "sin", ca.OP_COS: "cos", ca.OP_TAN: "tan",
+    ca.OP_ASIN: "asin", ca.OP_ACOS: "acos", ca.OP_ATAN: "atan", ca.OP_EXP: "exp",
+    ca.OP_LOG: "log", ca.OP_SINH: "sinh", ca.OP_COSH: "cosh", ca.OP_TANH: "tanh",
+    ca.OP_ASINH: "asinh", ca.OP_ACOSH: "acosh", ca.OP_ATANH: "atanh", ca.OP_FABS: "fabs",
+    ca.OP_FLOOR: "floor", ca.OP_CEIL: "ceil", ca.OP_ERF: "erf", ca.OP_LOG1P: "log1p",
+    ca.OP_EXPM1: "expm1",
+}  # fmt: skip
+
+
+def stage_module(problem: OptimalControlProblem) -> str:
+    """Source of ``stage.py`` for a problem: its sizes and the four programs.
+
+    Raises:
+        NotImplementedError: An expression uses an operation that has no translation.
+    """
+    stage, terminal = multiplier_intervals(problem)
+    lines = [
+        '"""Sizes and equations of one problem; written by ``mpc/stage_code.py``."""',
+        "",
+        "from .straight_line import straight_line",
+        "",
+        f"N = {problem.horizon}  # stages",
+        f"NX = {problem.nx}  # states x",
+        f"NU = {problem.nu}  # inputs u",
+        f"NA = {problem.na}  # decisions a, constant over the horizon",
+        f"NP = {problem.np}  # parameters p of a stage",
+        f"NH = {stage.shape[1]}  # stage inequalities h",
+        f"NE = {terminal.shape[1]}  # terminal constraints e",
+        "NS = NX + NA  # extended state s = (x, a)",
+        "NW = NS + NU  # w = (s, u)",
+    ]
+    for name, function in stage_functions(problem).items():
+        inputs = ", ".join(function.name_in())
+        outputs = ", ".join(function.name_out())
+        lines += ["", f"# ({inputs}) -> ({outputs})", f'{name} = straight_line("""']
+        lines += [*straight_line_code(function), '""")']
+    return "\n".join(lines) + "\n"
+
+
+def stage_functions(problem: OptimalControlProblem) -> dict[str, ca.Function]:
+    """The four functions of the module's docstring, as CasADi functions."""
+    x, u, a, p = problem.state, problem.inputs, problem.decision, problem.parameter
+    s = ca.vertcat(x, a)
+    w = ca.vertcat(s, u)
+    h = _column(h.expression for h in problem.stage_inequalities)
+    e = ca.vertcat(
+        problem.terminal_equality, _column(h.expression for h in problem.terminal_inequalities)
+    )
+    ns = s.numel()
+    costate, following = ca.SX.sym("lambda", ns), ca.vertcat(problem.next_state, a)
+    curvature = ca.SX.sym("curvature")  # 1: exact Hessian; 0: Gauss-Newton in the dynamics
+    m, d = ca.SX.sym("m", h.numel()), ca.SX.sym("d", h.numel())
+    value, value_symmetric = _symmetric("V", ns)
+    value_gradient = ca.SX.sym("v", ns)
+
+    lagrangian = problem.stage_cost + ca.dot(costate, following) + ca.dot(m, h)
+    curved = problem.stage_cost + curvature * ca.dot(costate, following) + ca.dot(m, h)
+    gradient = ca.gradient(lagrangian, w)
+    dynamics, constraint = ca.jacobian(following, w), ca.jacobian(h, w)
+    quadratic = (
+        ca.hessian(curved, w)[0]
+        + constraint.T @ ca.diag(d) @ constraint
+        + dynamics.T @ value_symmetric @ dynamics
+    )
+    linear = gradient + dynamics.T @ (value_gradient - costate)
+
+    m_end, d_end = ca.SX.sym("m", e.numel()), ca.SX.sym("d", e.numel())
+    end = problem.terminal_cost + ca.dot(m_end, e)
+    end_constraint = ca.jacobian(e, s)
+    end_quadratic = ca.hessian(end, s)[0] + end_constraint.T @ ca.diag(d_end) @ end_constraint
+    return {
+        "stage_values": ca.Function(
+            "stage_values",
+            [x, u, a, p],
+            ca.cse([ca.densify(part) for part in (problem.next_state, problem.stage_cost, h)]),
+            ["x", "u", "a", "p"],
+            ["f", "l", "h"],
+        ),
+        "stage_quadratic": ca.Function(
+            "stage_quadratic",
+            [x, u, a, p, costate, curvature, m, d, ca.vec(value), value_gradient],
+            ca.cse([_upper(quadratic), ca.densify(linear), ca.densify(gradient)]),
+            ["x", "u", "a", "p", "costate", "curvature", "m", "d", "V", "v"],
+            ["Q", "q", "gradient"],
+        ),
+        "terminal_values": ca.Function(
+            "terminal_values",
+            [x, a, p],
+            ca.cse([ca.densify(problem.terminal_cost), ca.densify(e)]),
+            ["x", "a", "p"],
+            ["l", "e"],
+        ),
+        "terminal_quadratic": ca.Function(
+            "terminal_quadratic",
+            [x, a, p, m_end, d_end],
+            ca.cse([_upper(end_quadratic), ca.densify(ca.gradient(end, s))]),
+            ["x", "a", "p", "m", "d"],
+            ["V", "v"],
+        ),
+    }
+
+
+def straight_line_code(function: ca.Function) -> list[str]:
+    """Lines of a program that evaluates a CasADi SX function."""
+    values: dict[int, str] = {}  # what CasADi's work vector holds
+    elements = [function.sparsity_out(k).find() for k in range(function.n_out())]
+    lines: list[str] = []
+
+    def assign(work: int, operation: str) -> None:
+        lines.append(f"t{len(lines)} = {operation}")
+        values[work] = f"t{len(lines) - 1}"
+
+    for index in range(function.n_instructions()):
+        operation = function.instruction_id(index)
+        source, target = function.instruction_input(index), function.instruction_output(index)
+        if operation == ca.OP_OUTPUT:
+            element = elements[target[0]][target[1]]
+            lines.append(f"store {target[0]} {element} {values[source[0]]}")
+        elif operation == ca.OP_INPUT:
+            assign(target[0], f"load {source[0]} {source[1]}")
+        elif operation == ca.OP_CONST:
+            values[target[0]] = repr(float(function.instruction_constant(index)))
+        else:
+            operands = [values[element] for element in source]
+            if operation == ca.OP_ASSIGN:
+                values[target[0]] = operands[0]
+            else:
+                assign(target[0], _operation(operation, operands, lines))
+    return lines
+
+
+def _operation(operation: int, operands: list[str], lines: list[str]) -> str:
+    x = operands[0]
+    if operation in BINARY:
+        return f"{BINARY[operation]} {' '.join(operands)}"
+    if operation in UNARY:
+        return f"{UNARY[operation]} {x}"
+    composed = {
+        ca.OP_SQ: f"mul {x} {x}",
+        ca.OP_TWICE: f"mul 2.0 {x}",
+        ca.OP_INV: f"div 1.0 {x}",
+        ca.OP_NOT: f"eq {x} 0.0",
+    }
+    if operation in composed:
+        return composed[operation]
+    if operation == ca.OP_SIGN:
+        lines.append(f"t{len(lines)} = lt 0.0 {x}")
+        lines.append(f"t{len(lines)} = lt {x} 0.0")
+        return f"sub t{len(lines) - 2} t{len(lines) - 1}"
+    raise NotImplementedError(f"operation {operation} of CasADi has no straight-line form")
+
+
+def multiplier_intervals(problem: OptimalControlProblem) -> tuple[np.ndarray, np.ndarray]:
+    """Where the multipliers of h and of e may lie, shapes (2, nh) and (2, ne).
+
+    [0, inf) for a hard inequality, [0, penalty] for a soft one; (-inf, inf) for an equality, and e
+    begins with those.
+    """
+    free = np.full((2, problem.terminal_equality.numel()), np.inf) * [[-1.0], [1.0]]
+    ends = np.hstack([free, _intervals(problem.terminal_inequalities)])
+    return _intervals(problem.stage_inequalities), ends
+
+
+def _intervals(inequalities: tuple[Inequality, ...]) -> np.ndarray:
+    upper = [
+        np.inf if h.penalty is None else h.penalty
+        for h in inequalities
+        for _ in range(h.expression.numel())
+    ]
+    return np.array([np.zeros(len(upper)), upper])
+
+
+def _column(expressions: Iterable[ca.SX]) -> ca.SX:
+    return ca.vertcat(ca.SX.zeros(0, 1), *(ca.vec(ca.densify(part)) for part in expressions))
+
+
+def _symmetric(name: str, size: int) -> tuple[ca.SX, ca.SX]:
+    """Dense symbol, read by its upper triangle row by row, and the symmetric matrix it means."""
+    symbol = ca.SX.sym(name, size, size)  # element [column, row]: CasADi is column-major
+    rows = [[symbol[max(i, j), min(i, j)] for j in range(size)] for i in range(size)]
+    return symbol, ca.vertcat(*(ca.horzcat(*row) for row in rows)) if size else symbol
+
+
+def _upper(matrix: ca.SX) -> ca.SX:
+    """Row-major upper triangle of a symmetric matrix, in place within the full square."""
+    return ca.vec(ca.tril(ca.densify(matrix)))
