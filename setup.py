@@ -34,6 +34,7 @@ setup(
         "casadi>=3.7",
         "jinja2>=3.0",
         "matplotlib>=3.6",
+        "numba>=0.59",
         "numpy>=1.24",
         "pyyaml>=6.0",
         "rich>=13.0",

@@ -16,6 +16,7 @@ LAYERS = (
     "guidance",
     "simulation",
     "report",
+    "benchmark",
     "nodes",
     "shared_memory",
     "node_process",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import logging
 import os
 import sys
 from collections.abc import Sequence
@@ -13,6 +14,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from uav_tracking_mpc import __version__
+from uav_tracking_mpc.benchmark.command import add_parser as add_benchmark_parser
 from uav_tracking_mpc.domain import DomainError
 from uav_tracking_mpc.launch import (
     LaunchError,
@@ -39,6 +41,7 @@ BAG = "mission.mcap"
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point: 0 done, 1 failed, 2 asked for something that is not allowed."""
     parsed = _parser().parse_args(arguments)
+    logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr)
     try:
         return int(parsed.run(parsed))
     except ParameterError as error:
@@ -77,6 +80,8 @@ def _parser() -> argparse.ArgumentParser:
     add_mission_arguments(simulated)
     _add_output_arguments(simulated)
     simulated.set_defaults(run=_simulate)
+
+    add_benchmark_parser(commands)
 
     monitor = commands.add_parser("monitor", help="a live table of a flight in the terminal")
     add_launch_arguments(monitor)

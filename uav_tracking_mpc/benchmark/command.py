@@ -19,14 +19,14 @@ HORIZONS = [5, 10, 20, 30, 50, 100]
 
 
 def add_parser(subparsers: Any) -> argparse.ArgumentParser:
-    """Add the command ``benchmark``; its handler is the default ``handler`` of the namespace."""
+    """Add the command ``benchmark``; its handler is ``run`` of the namespace."""
     parser = subparsers.add_parser(
         "benchmark",
         help="time the solver against CasADi with fatrop and IPOPT",
         description="Time the solver against its peers: same problems, same starts, one run.",
     )
     add_arguments(parser)
-    parser.set_defaults(handler=main)
+    parser.set_defaults(run=main)
     return parser
 
 

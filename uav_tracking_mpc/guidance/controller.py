@@ -12,6 +12,7 @@ from uav_tracking_mpc.dynamics.relative import tracking_error
 from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
 from uav_tracking_mpc.guidance.tracking_problem import tracking_problem
 from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
+from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.solution import Solution
 from uav_tracking_mpc.mpc.solver import Solver
 
@@ -45,6 +46,14 @@ class Command:
     solution: Solution
 
 
+def tracking_solver(parameters: TrackingParameters) -> Solver:
+    """Solver that the parameters name, for the problem that they describe."""
+    problem = tracking_problem(parameters)
+    if parameters.solver == "newton":
+        return NewtonSolver(problem, time_limit=parameters.solve_time_max)
+    return CasadiSolver(problem, parameters.solver, time_limit=parameters.solve_time_max)
+
+
 class TrackingController:
     """NMPC of Section 4 about one orbit.
 
@@ -55,9 +64,7 @@ class TrackingController:
 
     def __init__(self, parameters: TrackingParameters, solver: Solver | None = None) -> None:
         self.parameters = parameters
-        self.solver: Solver = solver or CasadiSolver(
-            tracking_problem(parameters), parameters.solver
-        )
+        self.solver = solver or tracking_solver(parameters)
         self.steady_inputs = parameters.steady_inputs
         self._plan: NDArray[np.float64] | None = None
         self._plan_age = 0.0

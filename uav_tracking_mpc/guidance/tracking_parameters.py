@@ -14,7 +14,7 @@ from uav_tracking_mpc.dynamics.relative import MODELS, steady_inputs
 from uav_tracking_mpc.mpc.quadratic import TERMINAL_CONSTRAINTS
 from uav_tracking_mpc.parameters import ParameterError, parameter
 
-SOLVERS = ("ipopt",)  # fatrop may never return, see CasadiSolver
+SOLVERS = ("newton", "ipopt")  # fatrop may never return, see CasadiSolver
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,14 @@ class TrackingParameters:
     acceleration_max: float = parameter(
         1.0, "Greatest acceleration u_v.", unit="m/s^2", lower=1e-3, upper=100.0
     )
-    solver: str = parameter("ipopt", "Solver of the optimal control problem.", choices=SOLVERS)
+    solver: str = parameter("newton", "Solver of the optimal control problem.", choices=SOLVERS)
+    solve_time_max: float = parameter(
+        0.05,
+        "Budget of one solve; past it the earlier plan is flown.",
+        unit="s",
+        lower=1e-4,
+        upper=10.0,
+    )
     plan_age_max: float = parameter(
         2.0,
         "How long an earlier plan may stand in for a solve that failed.",

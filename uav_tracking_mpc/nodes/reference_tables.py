@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from pathlib import Path
 
@@ -43,10 +42,12 @@ def with_tables(text: str) -> str:
         ValueError: A table has no place in the text.
     """
     for name, table in tables().items():
-        place = re.compile(rf"(<!-- table {name} -->\n).*?(<!-- end -->)", re.DOTALL)
-        if not place.search(text):
+        begin, end = f"<!-- table {name} -->\n", "<!-- end -->"
+        before, found, rest = text.partition(begin)
+        _, closed, after = rest.partition(end)
+        if not (found and closed):
             raise ValueError(f"the text has no place for the table {name!r}")
-        text = place.sub(lambda found, table=table: found[1] + table + "\n" + found[2], text)
+        text = f"{before}{begin}{table}\n{end}{after}"
     return text
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import signal
 import sys
 from collections.abc import Callable, Sequence
@@ -38,6 +39,9 @@ def run(name: str, create: Callable[[], Node], arguments: Sequence[str] | None =
 
     previous = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
     node: Node | None = None
+    logging.basicConfig(
+        level=logging.INFO, format=f"[%(levelname)s] [{name}]: %(message)s", stream=sys.stderr
+    )
     try:
         arguments = sys.argv[1:] if arguments is None else arguments
         try:

@@ -4,6 +4,7 @@
 ``metrics``           the numbers of ``metrics.json``
 ``findings``          what the numbers say in sentences: the verdict, the range offset
 ``figure_style``      colours, type and resolution that all figures share
+``time_marks``          labelled dots along a path
 ``trajectory``        the flight in space, as Figure 2 of the paper
 ``states``            states, inputs and cost over time, as Figure 3
 ``figures``           ``save_trajectory`` and ``save_states``
