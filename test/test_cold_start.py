@@ -4,8 +4,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-
 from solver_problems import PAPER_START, paper, paper_solver, pendulum
+
 from uav_tracking_mpc.mpc.cold_start import openings
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 
