@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--cold", type=int, default=2000, help="random cold starts for ours")
     parser.add_argument(
-        "--peers-cold", type=int, default=25, help="how many of them the peers solve as well"
+        "--peers-cold", type=int, default=20, help="how many of them the peers solve as well"
     )
     parser.add_argument("--seed", type=int, default=0, help="of the random states")
     parser.add_argument("--quick", action="store_true", help="few repetitions, no figure")
@@ -66,7 +66,7 @@ def main(arguments: argparse.Namespace) -> int:
 def run(
     *,
     cold: int = 2000,
-    peers_cold: int = 25,
+    peers_cold: int = 20,
     seed: int = 0,
     quick: bool = False,
     output: Path | None = None,

@@ -1,7 +1,8 @@
 """Every solver on one case: a closed-loop transient, warm, and random states, cold.
 
-All solvers get the same state at the same step, one after the other, so that whatever else the
-machine does falls on all of them. Our closed loop makes the states of the transient.
+Our closed loop makes the states of the transient; then the solvers take turns at flying it, so that
+whatever else the machine does falls on all of them. At the cold starts they take turns at every
+state.
 """
 
 from __future__ import annotations
@@ -24,7 +25,6 @@ TRANSIENT_STEPS = 30
 COST_MARGIN = 1e-3  # a cost this close to the best found counts as the best
 
 Progress = Callable[[str], None]
-Plant = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
 
 @dataclass
@@ -66,10 +66,11 @@ def measure(
         progress: Called with a word about what begins.
     """
     records = {name: Record() for name in solvers}
-    plant = case.plant()
+    states = _transient_states(case, solvers[OURS])
     for repetition in range(repetitions):
         progress(f"{case.name}: transient {repetition + 1} of {repetitions}")
-        _transient(case, solvers, records, plant)
+        for name, solver in solvers.items():
+            _transient(case, solver, records[name], states)
     for index, state in enumerate(case.cold_states(cold, seed)):
         if index % 50 == 0:
             progress(f"{case.name}: cold start {index} of {cold}")
@@ -82,24 +83,26 @@ def measure(
     return records
 
 
+def _transient_states(case: Case, solver: Solver) -> list[NDArray[np.float64]]:
+    """States of the first closed-loop steps, flown by one solver."""
+    plant, states = case.plant(), [case.start]
+    solver.reset()
+    for step in range(TRANSIENT_STEPS - 1):
+        solution = solver.solve(states[-1], case.parameters, case.problem.step if step else None)
+        states.append(plant(states[-1], solution.inputs[0]))
+    return states
+
+
 def _transient(
-    case: Case, solvers: dict[str, Solver], records: dict[str, Record], plant: Plant
+    case: Case, solver: Solver, record: Record, states: list[NDArray[np.float64]]
 ) -> None:
-    for solver in solvers.values():
-        solver.reset()
-    state = case.start
-    for step in range(TRANSIENT_STEPS):
-        following = state
-        for name, solver in solvers.items():
-            elapsed = case.problem.step if step else None
-            solution, duration = _timed(solver, state, case, elapsed)
-            if step:  # the first is a cold start
-                records[name].warm.append(duration)
-                records[name].warm_iterations.append(solution.iterations)
-                records[name].warm_converged.append(solution.converged)
-            if name == OURS:
-                following = plant(state, solution.inputs[0])
-        state = following
+    solver.reset()
+    for step, state in enumerate(states):
+        solution, duration = _timed(solver, state, case, case.problem.step if step else None)
+        if step:  # the first is a cold start
+            record.warm.append(duration)
+            record.warm_iterations.append(solution.iterations)
+            record.warm_converged.append(solution.converged)
 
 
 def _timed(
@@ -154,7 +157,9 @@ def horizon_sweep(
         progress(f"horizon {horizon}")
         solvers: dict[str, Solver] = {OURS: NewtonSolver(case.problem), **peers(case)}
         records = {name: Record() for name in solvers}
-        _transient(case, solvers, records, case.plant())
+        states = _transient_states(case, solvers[OURS])
+        for name, solver in solvers.items():
+            _transient(case, solver, records[name], states)
         for name, record in records.items():
             medians.setdefault(name, []).append(float(np.median(record.warm) * 1e6))
     return medians

@@ -169,8 +169,8 @@ def openings(
     """
     lower, upper = problem.input_lower, problem.input_upper
     bounded = np.isfinite(lower) & np.isfinite(upper)
-    middle = np.where(bounded, 0.5 * (lower + upper), rest)
-    reach = np.where(bounded, 0.5 * OPENING_SHARE * (upper - lower), 0.0)
+    lower, upper = np.where(bounded, lower, rest), np.where(bounded, upper, rest)
+    middle, reach = 0.5 * (lower + upper), 0.5 * OPENING_SHARE * (upper - lower)
     signs = [sign * unit for unit in np.eye(problem.nu) for sign in (1.0, -1.0)]
     together = min(problem.nu, COMBINED_INPUTS)
     for corner in itertools.product((1.0, -1.0), repeat=together):

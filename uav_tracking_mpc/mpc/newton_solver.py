@@ -119,7 +119,7 @@ class NewtonSolver:
             if self._p.size:
                 self._p[:] = 0.0 if parameters is None else parameters
             warm = self._warm and elapsed is not None
-            stages = max(0.0, (elapsed or 0.0) / self.problem.step)
+            stages = max(0.0, (elapsed or 0.0) / self.problem.step)  # 0 for nan as well
         except (TypeError, ValueError) as error:
             return self._refused(str(error), begin)
         deadline = begin + self.time_limit
