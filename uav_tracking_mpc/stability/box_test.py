@@ -253,7 +253,7 @@ class _Guess:
             if excess < -1e-12 * (reach**2 + height):
                 break
             # The bound is convex in m with slope varrho - |x|_P^2 at the worst point: follow it.
-            if abs(height - level) < 1e-4 * level or high - low < 1e-4 * low:
+            if abs(height - level) < 1e-4 * level:
                 break
             if height > level:
                 low = multiplier
@@ -266,6 +266,8 @@ class _Guess:
                 break  # the worst point lies inside X_f: the multiplier cannot help
             else:
                 high = multiplier
+            if (high - low) * abs(height - level) < excess:
+                break  # nothing within the bracket can bring it below 0
             multiplier = 0.5 * (low + high)
 
 
@@ -298,19 +300,30 @@ def _maximise(
         newton = start
     if np.all(np.abs(newton) <= half):
         return newton
-    d = np.clip(newton, -half, half).tolist()
     rows, l, h = curved.tolist(), linear.tolist(), half.tolist()
-    for _ in range(40):
-        change = 0.0
-        for i in range(n):
-            row = rows[i]
-            rest = l[i] - sum(row[j] * d[j] for j in range(n)) + row[i] * d[i]
-            new = min(max(rest / row[i], -h[i]), h[i])
-            change = max(change, abs(new - d[i]) / h[i])
-            d[i] = new
-        if change < 1e-6:
+    d = np.clip(newton, -half, half).tolist()
+    for _ in range(8):
+        for _ in range(2):
+            for i in range(n):
+                row = rows[i]
+                rest = l[i] + row[i] * d[i]
+                for entry, value in zip(row, d, strict=True):
+                    rest -= entry * value
+                d[i] = min(max(rest / row[i], -h[i]), h[i])
+        point = np.array(d)
+        free = np.abs(point) < half
+        if free.any():  # Newton step among the coordinates that are not at a bound
+            fixed = linear[free] - curved[np.ix_(free, ~free)] @ point[~free]
+            step = np.linalg.solve(curved[np.ix_(free, free)], fixed)
+            inside = bool(np.all(np.abs(step) <= half[free]))
+            point[free] = np.clip(step, -half[free], half[free])
+        else:
+            inside = True
+        slope = linear - curved @ point
+        if inside and np.all(slope[~free] * point[~free] >= 0.0):
             break
-    return np.array(d)
+        d = point.tolist()
+    return point
 
 
 def is_positive_definite(matrix: Any) -> bool:

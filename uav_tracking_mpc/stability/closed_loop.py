@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.dynamics.discretisation import SCHEMES
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, Orbit
 from uav_tracking_mpc.dynamics.relative import NU, NX, rates_function
-from uav_tracking_mpc.stability.ball import BallFunction, flint
+from uav_tracking_mpc.stability.ball import PRECISION, BallFunction, flint
 
 
 @dataclass(frozen=True)
@@ -70,6 +70,11 @@ def steady_balls(model: str, orbit: Orbit) -> tuple[list[Any], list[Any]]:
         ArithmeticError: The model's other rates do not vanish there: no steady state.
     """
     arb = flint().arb
+    with flint().ctx.workprec(PRECISION):
+        return _steady_balls(model, orbit, arb)
+
+
+def _steady_balls(model: str, orbit: Orbit, arb: Any) -> tuple[list[Any], list[Any]]:
     bearing = arb.pi() / 2 if orbit.direction == CLOCKWISE else -arb.pi() / 2
     x_ss = [arb(orbit.range), bearing, arb(orbit.altitude), arb(0), arb(orbit.speed)]
     (drift,) = BallFunction(rates_function(model))(x_ss, [arb(0)] * NU)
