@@ -84,9 +84,7 @@ class BoxTest:
         They have 24-bit mantissas, so that halving boxes again and again stays exact.
         """
         inverse = self._p.inv()
-        return np.array(
-            [short_upper((self._level * inverse[i, i]).sqrt()) for i in range(self._n)]
-        )
+        return np.array([short_upper((self._level * inverse[i, i]).sqrt()) for i in range(self._n)])
 
     def __call__(
         self, center: NDArray[np.float64], half: NDArray[np.float64], multiplier: float = 0.0
@@ -203,7 +201,7 @@ class BoxTest:
             top += bend * (h[i] * h[i] - point[i] * point[i])
             top += 2 * (slope[i, 0] - bend * point[i]) * (arb(0, 1) * h[i] - point[i])
         if top <= 0:
-            return Verdict(True)
+            return Verdict(True, multiplier=guess.multiplier)
         return Verdict(False, int(np.argmax(influence)), float(top.abs_upper()))
 
 
@@ -224,7 +222,8 @@ class _Guess:
         pj = p @ jacobian
         jpj, jpa = jacobian.T @ pj, pj.T @ value
         norm = float(value @ p @ value)
-        self.excess = np.inf
+        self.excess, self.young, self.multiplier, self.reach = np.inf, 1.0, 0.0, 1.0
+        self.convexifier, self.point = np.zeros(len(center)), np.zeros(len(center))
         tau = min(max(1e-9, np.sqrt(error / max(norm, 1e-300))), 1.0)
         point = np.zeros(len(center))
         low, high = 0.0, np.inf
@@ -269,6 +268,7 @@ class _Guess:
             if (high - low) * abs(height - level) < excess:
                 break  # nothing within the bracket can bring it below 0
             multiplier = 0.5 * (low + high)
+        self.multiplier = float(f"{self.multiplier:.6g}")  # the certificate carries it
 
 
 def _convexifier(curved: NDArray[np.float64], half: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -46,6 +46,7 @@ class Proof:
         proved: The bound holds for every x of X_f.
         half: Half-widths of the root box, length 5.
         tree: The boxes in preorder (empty unless proved).
+        multipliers: m of the test on each leaf, in the order of the tree (empty unless proved).
         boxes: Boxes tested.
         leaves: Boxes on which the bound was proved.
         depth: Largest number of halvings.
@@ -56,6 +57,7 @@ class Proof:
     proved: bool
     half: tuple[float, ...]
     tree: str
+    multipliers: tuple[float, ...]
     boxes: int
     leaves: int
     depth: int
@@ -84,6 +86,7 @@ def prove(
         half = test.root()
         stack = [(np.zeros(len(half)), half, 0, 0.0)]
         tree: list[str] = []
+        multipliers: list[float] = []
         leaves = boxes = depth = 0
         share = 0.0
         stuck = None
@@ -94,6 +97,7 @@ def prove(
             depth = max(depth, level)
             if verdict.proved:
                 tree.append(".")
+                multipliers.append(verdict.multiplier)
                 leaves += 1
                 share += 0.5**level
                 if progress is not None and leaves % 50 == 0:
@@ -101,17 +105,22 @@ def prove(
                 continue
             reason = None
             if level >= DEPTH_LIMIT:
-                reason = f"a box halved {DEPTH_LIMIT} times still fails: the bound is tight or false"
+                reason = (
+                    f"a box halved {DEPTH_LIMIT} times still fails: the bound is tight or false"
+                )
             elif boxes >= box_limit:
                 reason = f"limit of {box_limit} boxes reached, {share:.1%} of the volume proved"
             elif time.perf_counter() - begin > time_limit:
                 reason = f"limit of {time_limit:g} s reached, {share:.1%} of the volume proved"
+            if reason is None:
+                width = width.copy()
+                width[verdict.cut] /= 2.0
+                if not _exact_sum(center[verdict.cut], width[verdict.cut]):
+                    reason = "boxes got too small to be halved exactly: the bound is tight or false"
             if reason is not None:
                 stuck = Stuck(reason, tuple(center.tolist()), tuple(width.tolist()), verdict.excess)
                 break
             tree.append(str(verdict.cut))
-            width = width.copy()
-            width[verdict.cut] /= 2.0
             for side in (1.0, -1.0):
                 child = center.copy()
                 child[verdict.cut] += side * width[verdict.cut]
@@ -120,9 +129,20 @@ def prove(
         proved=stuck is None,
         half=tuple(half.tolist()),
         tree="".join(tree) if stuck is None else "",
+        multipliers=tuple(multipliers) if stuck is None else (),
         boxes=boxes,
         leaves=leaves,
         depth=depth,
         seconds=time.perf_counter() - begin,
         stuck=stuck,
     )
+
+
+def _exact_sum(center: float, width: float) -> bool:
+    """Whether center + width and center - width are doubles: the error of the rounded sum is 0."""
+    for part in (width, -width):
+        total = center + part
+        back = total - center
+        if (center - (total - back)) + (part - back) != 0.0:
+            return False
+    return True
