@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.stability.ball import flint
+from uav_tracking_mpc.stability.ball import PRECISION, flint
 from uav_tracking_mpc.stability.closed_loop import ClosedLoopBalls
 
 
@@ -90,3 +90,25 @@ def lipschitz_bound(
     """
     right = exact(weight) * flint().arb(constant) ** 2
     return QuadraticBound(closed_loop, weight, right, level, linear)
+
+
+def is_violated(bound: QuadraticBound, state: NDArray[np.float64]) -> bool:
+    """Whether a state is surely a counterexample: x'Px <= level and the left side above the right.
+
+    Args:
+        bound: The inequality.
+        state: x, shape (5,), taken as exact doubles.
+    """
+    module = flint()
+    with module.ctx.workprec(PRECISION):
+        x = [module.arb(float(value)) for value in state]
+        column = module.arb_mat([[entry] for entry in x])
+        value, _ = bound.closed_loop.value_and_jacobian(x)
+        image = module.arb_mat([[entry] for entry in value])
+        if bound.subtracted is not None:
+            image = image - exact(bound.subtracted) * column
+        weight = exact(bound.weight)
+        left = (image.transpose() * weight * image)[0, 0]
+        right = (column.transpose() * bound.right * column)[0, 0]
+        height = (column.transpose() * weight * column)[0, 0]
+        return bool(left > right) and bool(height <= module.arb(bound.level))

@@ -317,6 +317,7 @@ def _guess(
     point = np.zeros_like(center)
     bend = np.zeros_like(center)
     t = np.full(len(center), 1e-9)
+    axes = np.arange(NX)
     for _ in range(4):
         image = a + np.einsum("mij,mj->mi", jacobian, point)
         reach = np.sqrt(np.einsum("mi,ij,mj->m", image, p, image))
@@ -329,7 +330,7 @@ def _guess(
         sizes = np.abs(vectors)
         bend = np.einsum("mk,mik,mk->mi", lacking, sizes, sizes.sum(axis=1))
         bend = np.where(lacking.any(axis=1)[:, None], 1.001 * bend + floor, 0.0) / half**2
-        curved[:, *np.diag_indices(NX)] += bend
+        curved[:, axes, axes] += bend
         linear = (1.0 + t)[:, None] * pulled - np.einsum("mij,mj->mi", big, center)
         for _ in range(200):
             for i in _RANGE:
@@ -414,7 +415,7 @@ def _definite(matrix: Matrix) -> NDArray[np.bool_]:
 
 
 def _inverse(p: NDArray[np.float64]) -> Matrix:
-    """Enclosure of P^-1: approximate inverse W, then |P^-1 - W| <= |W| |R| / (1 - |R|), R = I - PW."""
+    """Enclosure of P^-1: W near it and R = I - PW give |P^-1 - W| <= |W| |R| / (1 - |R|)."""
     w = np.linalg.inv(p)
     w = 0.5 * (w + w.T)
     product = _product(_matrix(p), _matrix(w))
@@ -429,7 +430,7 @@ def _inverse(p: NDArray[np.float64]) -> Matrix:
 
 
 def _reach(row: NDArray[np.float64], inverse: Matrix, level: float) -> Interval:
-    """max c'x over x'Px <= level: sqrt(level c'P^-1 c)."""
+    """Largest c'x over x'Px <= level: sqrt(level c'P^-1 c)."""
     return (_quadratic(inverse, [Interval(v) for v in row]) * level).sqrt()
 
 
