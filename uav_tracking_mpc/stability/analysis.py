@@ -40,7 +40,7 @@ from uav_tracking_mpc.stability.violation import (
 )
 
 Say = Callable[[str], None]
-_SHARES = (0.99, 0.97, 0.93, 0.85, 0.7, 0.5, 0.25)  # of the level at which a violation is known
+_SHARES = (0.98, 0.95, 0.9, 0.8, 0.65, 0.45, 0.25)  # of the level at which a violation is known
 
 
 @dataclass(frozen=True)
