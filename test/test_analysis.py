@@ -47,7 +47,9 @@ def test_words_name_what_binds(model_11):
 
 
 def test_orbit_too_tight_for_the_turn_rate_says_so():
-    found = analyse(paper_problem(orbit=Orbit(range=51.0, altitude=50.0, speed=9.0)), time_limit=1.0)
+    found = analyse(
+        paper_problem(orbit=Orbit(range=51.0, altitude=50.0, speed=9.0)), time_limit=0.5
+    )
     assert not found.certified
     assert "steady input" in found.binding
     assert as_json(found)["varrho"]["certified"] == 0.0

@@ -17,9 +17,7 @@ SMALL = Slice(
 
 
 def test_papers_start_is_infeasible_at_10_and_feasible_at_20():
-    answers = {
-        n: attraction_map(PROBLEM, LEVEL, SMALL, n, workers=1, show=False) for n in (10, 20)
-    }
+    answers = {n: attraction_map(PROBLEM, LEVEL, SMALL, n, workers=1, show=False) for n in (10, 20)}
     assert not answers[10].marked_feasible
     assert answers[20].marked_feasible
     assert np.all(answers[20].feasible >= answers[10].feasible)

@@ -50,4 +50,6 @@ def test_division_by_zero_and_negative_root_prove_nothing():
 
 @given(numbers, st.floats(0.0, 10.0), st.floats(0.0, 1.0))
 def test_square_holds_samples(a, width, share):
-    assert inside((a + share * width) ** 2 * (1 + 0.0), Interval(a - 1e-9, a + width + 1e-9).square())
+    assert inside(
+        (a + share * width) ** 2 * (1 + 0.0), Interval(a - 1e-9, a + width + 1e-9).square()
+    )

@@ -1,8 +1,8 @@
 """Linear limits on the ellipsoid: inputs in U, states in the model's domain, proved.
 
-The largest value of c'x over x'Px <= varrho is sqrt(varrho c'P^-1 c), so a limit c'x < room holds on
-all of X_f exactly when varrho c'P^-1 c < room^2. P^-1 is enclosed in ball arithmetic, hence the levels
-below are proved, not estimated.
+The largest value of c'x over x'Px <= varrho is sqrt(varrho c'P^-1 c), so a limit c'x < room holds
+on all of X_f exactly when varrho c'P^-1 c < room^2. P^-1 is enclosed in ball arithmetic, hence
+the levels below are proved, not estimated.
 """
 
 from __future__ import annotations

@@ -196,9 +196,7 @@ def analyse(
     ):
         say(f"Theorem {name}: how far its condition reaches")
         constant = largest_lipschitz(quantities.contraction, allowance)
-        theorems.append(
-            lipschitz_reach(problem, ingredients, constant, ceiling, loop, time_limit)
-        )
+        theorems.append(lipschitz_reach(problem, ingredients, constant, ceiling, loop, time_limit))
     return Analysis(
         problem=problem,
         ingredients=ingredients,
@@ -236,13 +234,17 @@ def lipschitz_constant(
     )
     zero = np.zeros_like(weight)
     best = largest_ratio(Excess(problem.dynamics(), ingredients.gain, weight, zero, linear), level)
-    upper = float("inf")
+    upper, left = float("inf"), 2.0 * time_limit
     for factor in (1.01, 1.03, 1.05, 1.15, 1.5, 2.0):
         constant = factor * best.level
         with flint().ctx.workprec(PRECISION):
             bound = lipschitz_bound(loop, weight, linear, constant, level)
-        if prove(bound, time_limit=time_limit).proved:
+        proof = prove(bound, time_limit=min(time_limit, left))
+        if proof.proved:
             upper = constant
+            break
+        left -= proof.seconds
+        if left <= 0.0:
             break
     return LipschitzBound(level, best.level, upper, tuple(best.state.tolist()))
 
@@ -266,9 +268,7 @@ def lipschitz_reach(
         time_limit: Of each proof in [s].
     """
     weight, linear = ingredients.weight, ingredients.closed_loop
-    excess = Excess(
-        problem.dynamics(), ingredients.gain, weight, constant**2 * weight, linear
-    )
+    excess = Excess(problem.dynamics(), ingredients.gain, weight, constant**2 * weight, linear)
     found = lowest_violation(excess, ceiling) if ceiling > 0.0 and constant > 0.0 else None
 
     def bound(level: float) -> Any:
@@ -285,9 +285,12 @@ def _reach(
     limit = ceiling if found is None else min(found.level, ceiling)
     violation = None if found is None else found.level
     state = None if found is None else tuple(found.state.tolist())
-    if limit > 0.0:
-        for share in _SHARES:
-            proof = prove(bound(share * limit), time_limit=time_limit)
-            if proof.proved:
-                return LevelBound(share * limit, violation, state, proof)
+    left = 2.0 * time_limit
+    for share in _SHARES if limit > 0.0 else ():
+        proof = prove(bound(share * limit), time_limit=min(time_limit, left))
+        if proof.proved:
+            return LevelBound(share * limit, violation, state, proof)
+        left -= proof.seconds
+        if left <= 0.0:
+            break
     return LevelBound(0.0, violation, state, None)

@@ -121,8 +121,6 @@ def as_words(analysis: Analysis) -> str:
 
 def _reach(name: str, bound: LevelBound) -> str:
     known = (
-        "no violation known"
-        if bound.violation is None
-        else f"violated at {bound.violation:.4g}"
+        "no violation known" if bound.violation is None else f"violated at {bound.violation:.4g}"
     )
     return f"  {name}: proved up to varrho = {bound.proved:.4g}, {known}"

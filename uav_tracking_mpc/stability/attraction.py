@@ -1,9 +1,10 @@
 """Domain of attraction X_N (20), mapped: from which states is P_N feasible?
 
-X_N is five-dimensional; a map is a slice through it, two coordinates varied, the others held. At each
-state P_N is solved with the terminal set hard, from several starts. "Feasible" is a fact: a plan was
-found. "Infeasible" is what a local solver says after all its starts, which is no proof; where a bound
-on what can be flown at all excludes the state (see ``paper_report.distance_budget``) it is one.
+X_N is five-dimensional; a map is a slice through it, two coordinates varied, the others held. At
+each state P_N is solved with the terminal set hard, from several starts. "Feasible" is a fact: a
+plan was found. "Infeasible" is what a local solver says after all its starts, which is no proof;
+where a bound on what can be flown at all excludes the state (see
+``paper_report.distance_budget``) it is one.
 """
 
 from __future__ import annotations
@@ -188,7 +189,7 @@ def _cheapest(solver: object, error: NDArray[np.float64], step: float) -> float:
 
 
 def save_maps(maps: list[AttractionMap], path: str) -> None:
-    """Write maps as a NumPy archive: for map k the arrays ``k_feasible``, ``k_cost`` and its axes."""
+    """Write maps as a NumPy archive: map k has ``k_feasible``, ``k_cost`` and its axes."""
     arrays: dict[str, NDArray] = {}
     for k, entry in enumerate(maps):
         where = entry.slice
@@ -201,4 +202,4 @@ def save_maps(maps: list[AttractionMap], path: str) -> None:
         arrays[f"{k}_cost"] = entry.cost
         arrays[f"{k}_marked"] = entry.marked
         arrays[f"{k}_marked_feasible"] = np.array(entry.marked_feasible)
-    np.savez_compressed(path, **arrays)
+    np.savez_compressed(path, **arrays)  # type: ignore[arg-type]

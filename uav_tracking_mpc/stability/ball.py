@@ -1,11 +1,11 @@
-"""CasADi functions in ball arithmetic: a real number is a midpoint and a radius that holds it.
+r"""CasADi functions in ball arithmetic: a real number is a midpoint and a radius that holds it.
 
 The models stand once, as CasADi expressions. A CasADi ``Function`` of SX type is a list of
 elementary instructions; walking that list with Arb's balls (python-flint) instead of floating-point
 numbers gives an enclosure of the function's range over a box, and of its derivatives, which CasADi
 derives. Every operation rounds outwards, so an enclosure is a theorem about real numbers:
 
-.. math:: x \\in X \\;\\Rightarrow\\; \\phi(x) \\in \\Phi(X)
+.. math:: x \in X \;\Rightarrow\; \phi(x) \in \Phi(X)
 
 A division by a ball that holds 0, or the root of one that holds negative numbers, gives a ball of
 infinite radius or ``nan``; every comparison with it is false, so nothing can be concluded from it.

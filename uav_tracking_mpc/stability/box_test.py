@@ -1,15 +1,15 @@
-"""Is the quadratic bound true on one box? Two sufficient tests, both in ball arithmetic.
+r"""Is the quadratic bound true on one box? Two sufficient tests, both in ball arithmetic.
 
 **Away from the origin.** With c the centre of the box and F(x) = f(x, Kx) - C x, Taylor's theorem
 gives F(c + d) = a + J d + e, a = F(c) + mid, J = F'(c), |e_k| <= r_k, where mid and r come from the
 Hessians over the whole box. For any t > 0 and m >= 0, with E^2 = max |e|_P^2,
 
-.. math:: |F|_P^2 - x'Nx \\le q(d) = (1 + t)|a + Jd|_P^2 + (1 + 1/t) E^2 - x'Nx + m(\\varrho - x'Px)
+.. math:: |F|_P^2 - x'Nx \le q(d) = (1 + t)|a + Jd|_P^2 + (1 + 1/t) E^2 - x'Nx + m(\varrho - x'Px)
 
-on X_f, since the last bracket is not negative there. Where q is not concave a diagonal D is added:
-d'Dd <= sum D_ii h_i^2. A concave q lies below its tangent plane at any point, so the largest value of
-the plane on the box bounds it. The numbers t, m, D and the point of tangency are floating-point
-guesses: any choice is sound, a bad one only proves less.
+on X_f, since the last bracket is not negative there. Where q is not concave a diagonal D is
+added: d'Dd <= sum D_ii h_i^2. A concave q lies below its tangent plane at any point, so the
+largest value of the plane on the box bounds it. The numbers t, m, D and the point of tangency are
+floating-point guesses: any choice is sound, a bad one only proves less.
 
 So the quadratic part is handled exactly whatever the size of the box; only variables in which the
 model curves need be cut small.
@@ -17,7 +17,9 @@ model curves need be cut small.
 **At the origin** the inequality is homogeneous. There F(x) = (F'(0) + G(x)) x with rows
 G_k = x'H_k/2, H_k over a box that holds the origin, and the bound follows when
 
-.. math:: N - (F'(0) + G)' P (F'(0) + G) \\succ 0 \\quad \\text{for every } G \\text{ in the box's enclosure.}
+.. math:: N - (F'(0) + G)' P (F'(0) + G) \succ 0
+
+for every G in the enclosure over the box.
 """
 
 from __future__ import annotations
@@ -291,7 +293,7 @@ def _maximise(
     linear: NDArray[np.float64],
     half: NDArray[np.float64],
     start: NDArray[np.float64],
-) -> NDArray[np.float64]:
+) -> Any:
     """Maximise 2 l'd - d'Sd over |d_i| <= h_i: coordinate ascent after a Newton step."""
     n = len(half)
     try:
@@ -300,13 +302,13 @@ def _maximise(
         newton = start
     if np.all(np.abs(newton) <= half):
         return newton
-    rows, l, h = curved.tolist(), linear.tolist(), half.tolist()
+    rows, target, h = curved.tolist(), linear.tolist(), half.tolist()
     d = np.clip(newton, -half, half).tolist()
     for _ in range(8):
         for _ in range(2):
             for i in range(n):
                 row = rows[i]
-                rest = l[i] + row[i] * d[i]
+                rest = target[i] + row[i] * d[i]
                 for entry, value in zip(row, d, strict=True):
                     rest -= entry * value
                 d[i] = min(max(rest / row[i], -h[i]), h[i])

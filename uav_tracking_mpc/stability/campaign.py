@@ -1,9 +1,9 @@
 """Fly many random states of X_f on the discrete model: does what was proved show?
 
-Under kappa_l three things are proved, and counted here: the state stays in X_f, the input in U, V_f
-falls by at least the stage cost. Under the NMPC with the hard terminal set the optimal cost falls and
-inputs stay in U; that x itself stays in X_f is not a theorem (the optimum may leave and return: its
-cost stays below varrho all the same) and is counted as an observation.
+Under kappa_l three things are proved, and counted here: the state stays in X_f, the input in U,
+V_f falls by at least the stage cost. Under the NMPC with the hard terminal set the optimal cost
+falls and inputs stay in U; that x itself stays in X_f is not a theorem (the optimum may leave and
+return: its cost stays below varrho all the same) and is counted as an observation.
 """
 
 from __future__ import annotations
@@ -144,11 +144,11 @@ def fly_nmpc(
     chunks = np.array_split(np.asarray(states, dtype=float), max(1, len(states) // 50))
     pieces = [_Piece(problem, level, chunk, steps, solver) for chunk in chunks]
     parts = parallel_map(_fly_piece, pieces, workers, "NMPC flights", show)
-    return CampaignResult(
-        "nmpc",
-        *(sum(part[i] for part in parts) for i in range(6)),
-        max(part[6] for part in parts),
+    flown, count, left, outside, rose, failures = (
+        int(sum(part[i] for part in parts)) for i in range(6)
     )
+    largest = max(part[6] for part in parts)
+    return CampaignResult("nmpc", flown, count, left, outside, rose, failures, largest)
 
 
 def _fly_piece(piece: _Piece) -> tuple[int, int, int, int, int, int, float]:

@@ -1,9 +1,9 @@
 """The certificate: a proof written down, so that others can check it and a controller can cite it.
 
-It holds the model, every parameter, P, K, varrho, the tree of boxes with the multiplier of each leaf,
-how much work it was, and the versions of the libraries that did it; a digest covers it all. Whether it
-is true is for ``verify`` to say, which knows nothing of how it was found. Whether it speaks of the
-configuration that is flown is for :func:`certificate_status`.
+It holds the model, every parameter, P, K, varrho, the tree of boxes with the multiplier of each
+leaf, how much work it was, and the versions of the libraries that did it; a digest covers it all.
+Whether it is true is for ``verify`` to say, which knows nothing of how it was found. Whether it
+speaks of the configuration that is flown is for :func:`certificate_status`.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """The closed loop f(x, K x) with its derivatives, every number in it left open.
 
-(10) in error form is f(x, u) = Phi(x_ss + x, u_ss + u) - x_ss, Phi one step of the model. Here x_ss,
-u_ss, K and T_s are symbols, so that a proof can put in the exact values: theta_ss is pi/2, not the
-double nearest to it, and u_ss is the turn rate that cancels the drift exactly. Then f(0, 0) = 0 holds
-as an identity: a steady state of the rates is a fixed point of every scheme.
+(10) in error form is f(x, u) = Phi(x_ss + x, u_ss + u) - x_ss, Phi one step of the model. Here
+x_ss, u_ss, K and T_s are symbols, so that a proof can put in the exact values: theta_ss is pi/2,
+not the double nearest to it, and u_ss is the turn rate that cancels the drift exactly. Then f(0,
+0) = 0 holds as an identity: a steady state of the rates is a fixed point of every scheme.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def closed_loop_functions(model: str, scheme: str) -> ClosedLoopFunctions:
     x_ss, u_ss = ca.SX.sym("x_ss", NX), ca.SX.sym("u_ss", NU)
     gain, step = ca.SX.sym("K", NU, NX), ca.SX.sym("T_s")
     numbers = ca.vertcat(x_ss, u_ss, ca.vec(gain), step)
-    following = SCHEMES[scheme](rates_function(model), x_ss + x, u_ss + gain @ x, step) - x_ss
+    following = SCHEMES[scheme](rates_function(model), x_ss + x, u_ss + gain @ x, step) - x_ss  # type: ignore[arg-type]
     jacobian = ca.densify(ca.jacobian(following, x))
     curvature, pattern = [], []
     for row in range(NX):
@@ -55,7 +55,7 @@ def closed_loop_functions(model: str, scheme: str) -> ClosedLoopFunctions:
         upper = ca.sparsify(upper)
         rows, columns = upper.sparsity().get_triplet()
         pattern.append(list(zip(rows, columns, strict=True)))
-        curvature.append(ca.vertcat(ca.SX.zeros(0, 1), *upper.nonzeros()))
+        curvature.append(ca.vertcat(ca.SX.zeros(0, 1), *upper.nonzeros()))  # type: ignore[call-overload]
     return ClosedLoopFunctions(
         first=ca.Function("first", [x, numbers], ca.cse([following, jacobian])),
         second=ca.Function("second", [x, numbers], ca.cse(curvature)),
@@ -110,7 +110,7 @@ class ClosedLoopBalls:
         self._second = BallFunction(functions.second)
 
     def value_and_jacobian(self, x: list[Any]) -> tuple[list[Any], Any]:
-        """f and its Jacobian (an ``arb_mat``) over the box x of balls."""
+        """F and its Jacobian (an ``arb_mat``) over the box x of balls."""
         value, jacobian = self._first(x, self._numbers)
         rows = [jacobian[i::NX] for i in range(NX)]  # CasADi stores by columns
         return value, flint().arb_mat(rows)

@@ -49,7 +49,7 @@ def add_parser(
     parser = subparsers.add_parser(
         "stability",
         help="the paper's stability analysis, and a proof of the terminal set",
-        description="Theorems 2 and 3, the paper beside the truth, and a proof of the terminal set.",
+        description="Theorems 2 and 3, the paper beside the truth, a proof of the terminal set.",
     )
     parser.add_argument("--config", default="paper", metavar="NAME|FILE", help="what to analyse")
     parser.add_argument("--output", type=Path, metavar="DIR", help="write files to this folder")
@@ -67,7 +67,9 @@ def add_parser(
 
 
 def run(
-    arguments: argparse.Namespace, load: Loader = load_builtin, solver: SolverFactory = casadi_solver
+    arguments: argparse.Namespace,
+    load: Loader = load_builtin,
+    solver: SolverFactory = casadi_solver,
 ) -> int:
     """Do what the arguments say.
 
@@ -145,7 +147,9 @@ def _design(arguments: argparse.Namespace, problem: StabilityProblem) -> int:
     return 0 if found.best is not None else 1
 
 
-def _analyse(arguments: argparse.Namespace, problem: StabilityProblem, solver: SolverFactory) -> int:
+def _analyse(
+    arguments: argparse.Namespace, problem: StabilityProblem, solver: SolverFactory
+) -> int:
     from uav_tracking_mpc.stability import analysis_text, paper_report, paper_report_text
     from uav_tracking_mpc.stability.analysis import analyse
     from uav_tracking_mpc.stability.certificate import certificate, write_certificate

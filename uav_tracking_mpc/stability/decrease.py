@@ -1,12 +1,12 @@
-"""Does the optimal cost fall as (54) says? Checked online, step by step.
+r"""Does the optimal cost fall as (54) says? Checked online, step by step.
 
 With a proved terminal set the argument of (49)-(51) gives, for the nominal model,
 
-.. math:: V_N(x_{k+1}) \\le V_N(x_k) - L(x_k, u_k) \\le V_N(x_k) - \\xi |x_k|_{P_\\rho}^2
+.. math:: V_N(x_{k+1}) \le V_N(x_k) - L(x_k, u_k) \le V_N(x_k) - \xi |x_k|_{P_\rho}^2
 
-which is (54) with the constant xi of (52) in the place of c_3: c_3 = xi + (rho - 1) sigma - b is only
-smaller, and negative where (41) fails. What breaks it in flight is not the theorem but one of its
-hypotheses, and which one is usually known.
+which is (54) with the constant xi of (52) in the place of c_3: c_3 = xi + (rho - 1) sigma - b is
+only smaller, and negative where (41) fails. What breaks it in flight is not the theorem but one
+of its hypotheses, and which one is usually known.
 """
 
 from __future__ import annotations

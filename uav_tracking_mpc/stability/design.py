@@ -1,9 +1,9 @@
 """Design help: rho and scalings of Q and R for the largest certified region.
 
-X_f grows in a norm that itself changes with rho, Q and R, so regions are compared by volume: that of
-x'P_rho x <= varrho is proportional to sqrt(varrho^5 / det P_rho). Only the ratio of Q to R matters
-to K, and rho only to the decrease; both move varrho as far as U allows. Against it stands the cost of
-flying: the same flights, scored with the weights that were asked for.
+X_f grows in a norm that itself changes with rho, Q and R, so regions are compared by volume: that
+of x'P_rho x <= varrho is proportional to sqrt(varrho^5 / det P_rho). Only the ratio of Q to R
+matters to K, and rho only to the decrease; both move varrho as far as U allows. Against it stands
+the cost of flying: the same flights, scored with the weights that were asked for.
 """
 
 from __future__ import annotations
@@ -164,8 +164,10 @@ def _words(problem: StabilityProblem, asked: Candidate, best: Candidate | None) 
         for value, unit in zip(best.extents, ("m", "rad", "m", "rad", "m/s"), strict=True)
     )
     return (
-        f"{name}: as asked, varrho = {asked.level:.4g}, limited by {asked.binding}. Largest proved: "
-        f"rho = {best.scaling:g}, R times {best.input_factor:g}, varrho = {best.level:.4g}, "
+        f"{name}: as asked, varrho = {asked.level:.4g}, limited by {asked.binding}. "
+        f"Largest proved: rho = {best.scaling:g}, "
+        f"R times {best.input_factor:g}, "
+        f"varrho = {best.level:.4g}, "
         f"{best.volume:.3g} times the volume, half-widths {spans}, limited by {best.binding}; "
         f"closed-loop cost {best.cost:.3f} times that of the choice asked for."
     )

@@ -7,8 +7,8 @@ For every x of X_f:
 2. K x + u_ss in U, (25);
 3. r > |z|, so d > 0, and |x_2| < pi: the model is defined there.
 
-1 is proved with a slack of a millionth of V_f, so that P and K recomputed on another machine, equal to
-nine digits but not to the last bit, are covered too.
+1 is proved with a slack of a millionth of V_f, so that P and K recomputed on another machine,
+equal to eleven digits but not to the last bit, are covered too.
 """
 
 from __future__ import annotations

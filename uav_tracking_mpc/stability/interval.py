@@ -1,8 +1,8 @@
 """Intervals [lower, upper] of doubles, many at a time, every operation rounded outwards.
 
-The checker's own arithmetic: the proofs use balls (``ball``), so an error in one arithmetic does not
-hide in the other. NumPy's + - * / and sqrt round to nearest, hence one step of ``nextafter`` outwards
-encloses them; sin and cos are trusted to 4 units in the last place.
+The checker's own arithmetic: the proofs use balls (``ball``), so an error in one arithmetic does
+not hide in the other. NumPy's + - * / and sqrt round to nearest, hence one step of ``nextafter``
+outwards encloses them; sin and cos are trusted to 4 units in the last place.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ class Interval:
         return self._wave(np.cos, 0.0)
 
     def _wave(self, function: np.ufunc, crest: float) -> Interval:
-        """A wave of period 2 pi that is 1 at ``crest``: end points, and +-1 where a crest may lie."""
+        """A wave of period 2 pi, 1 at ``crest``: its end points, +-1 where a crest may lie."""
         a, b = function(self.lower), function(self.upper)
         ulps, turn, near = 1e-15, 2.0 * np.pi, 1e-9
         lower, upper = np.minimum(a, b) - ulps, np.maximum(a, b) + ulps

@@ -1,8 +1,9 @@
 """The paper beside the truth: every number it prints, recomputed three times, with a verdict.
 
-Columns: as printed; with the printed A (58) in the place of a linearisation (the plant is (11)); with
-(11) and its own Jacobian; with the exact kinematics. Nothing numerical is typed in except what the
-paper prints (``printed``): verdicts compare numbers and try formulas that might explain a misprint.
+Columns: as printed; with the printed A (58) in the place of a linearisation (the plant is (11));
+with (11) and its own Jacobian; with the exact kinematics. Nothing numerical is typed in except
+what the paper prints (``printed``): verdicts compare numbers and try formulas that might explain
+a misprint.
 """
 
 from __future__ import annotations
@@ -132,8 +133,8 @@ def _linearisation_rows() -> list[Row]:
             turns[0],
             turns[2],
             f"three models, three turns: (9b) gives {turns[1]:.6f}; (11) turns {abs(ratio):.1%} "
-            f"{'slower' if abs(turns[0]) < abs(turns[2]) else 'faster'} than the true circle needs, "
-            "so a controller built on it holds a range offset",
+            f"{'slower' if abs(turns[0]) < abs(turns[2]) else 'faster'} than the true circle "
+            "needs, so a controller built on it holds a range offset",
         )
     )
     return rows
@@ -167,8 +168,10 @@ def _theorem_rows() -> list[Row]:
     ]
     rows = []
 
-    def add(name: str, equation: str, stated: float | None, values: list[float], verdict: str) -> None:
-        rows.append(Row(name, equation, stated, *values, verdict))
+    def add(
+        name: str, equation: str, stated: float | None, values: list[float], verdict: str
+    ) -> None:
+        rows.append(Row(name, equation, stated, values[0], values[1], values[2], verdict))
 
     for name, equation, attribute in (
         ("sigma", "Theorem 2", "sigma"),
@@ -214,7 +217,6 @@ def _theorem_rows() -> list[Row]:
         )
     turn_only = []
     for case in cases:
-        lower, upper = case.problem.deviation_bounds()
         bounds = np.full(3, 1e3)
         bounds[0] = np.pi / 4.0  # taken about the steady input, as a box symmetric in u - u_ss
         turn_only.append(input_limited_level(case.ingredients, -bounds, bounds))
@@ -245,7 +247,7 @@ def _theorem_rows() -> list[Row]:
         "Theorem 2",
         None,
         wrong_upper,
-        f"V_f is |x|^2 in P_rho = rho P, so (2b) needs rho a_2 = {2.5 * wrong_upper[-1]:.4g} (exact)",
+        f"V_f is |x|^2 in P_rho = rho P, so (2b) needs {2.5 * wrong_upper[-1]:.4g} (exact)",
     )
     add(
         "gamma = 1 - a_3 / a_2, L as printed",
@@ -289,7 +291,9 @@ def _reach_rows(cases: list[_Case], left: list[float]) -> list[Row]:
             "varrho where (41) stops holding",
             "(31), (41)",
             printed.PRINTED_LEVEL_60,
-            *theorem3,
+            theorem3[0],
+            theorem3[1],
+            theorem3[2],
             f"the printed set is {printed.PRINTED_LEVEL_60 / float(theorem3[1] or 1.0):.0f} times "
             f"the level at which (41) stops for (11); with the printed A, wrong by up to "
             f"{mismatch:.3g}, g has a linear part and L does not vanish with varrho",
@@ -298,9 +302,11 @@ def _reach_rows(cases: list[_Case], left: list[float]) -> list[Row]:
             "varrho where the decrease stops",
             "(30)",
             printed.PRINTED_LEVEL_60,
-            *decrease,
-            f"checked directly, without L, the decrease reaches {gain:.0f} times further (exact): the "
-            "printed level is a terminal set after all, as far as the decrease goes"
+            decrease[0],
+            decrease[1],
+            decrease[2],
+            f"checked directly, without L, the decrease reaches {gain:.0f} times further (exact): "
+            "the printed level is a terminal set after all, as far as the decrease goes"
             if (decrease[1] or 0.0) > printed.PRINTED_LEVEL_60
             else "the printed level is beyond it",
         ),

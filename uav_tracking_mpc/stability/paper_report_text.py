@@ -22,11 +22,11 @@ For the entries of A, the column "printed A" holds (12) evaluated with the param
 _CLOSING = """
 ## Remarks that are not about one number
 
-- (6), (7) and (9) replace d/r by cos(chi) and z/r by sin(chi): true only where the path angle equals
-  the target's elevation angle. Hence three different steady turns.
-- (29) is exactly L <= 1 - |A_K|_P whatever rho, because |A_K|_P^2 = 1 - rho sigma; (41) tends to it as
-  rho grows.
-- (57) prints c_2/c_3 where the argument needs c_2 over a lower bound of V_N, xi in the norm of P_rho.
+- (6), (7) and (9) replace d/r by cos(chi) and z/r by sin(chi): true only where the path angle
+  equals the target's elevation angle. Hence three different steady turns.
+- (29) is exactly L <= 1 - |A_K|_P whatever rho, because |A_K|_P^2 = 1 - rho sigma; (41) tends to it
+  as rho grows.
+- (57) prints c_2/c_3 where the argument needs c_2 over a lower bound of V_N (xi |x|^2 in P_rho).
 - The levels in the rows "where ... stops" are the lowest at which a state is known that breaks the
   condition. `uav_tracking stability` proves how far each condition holds.
 """

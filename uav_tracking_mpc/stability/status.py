@@ -23,7 +23,7 @@ class CertificateStatus:
 
     Attributes:
         status: ``certified`` (a certificate covers what is flown, and the checker confirms it),
-            ``sampled`` (none does, but no sample of X_f breaks the direct condition) or ``neither``.
+            ``sampled`` (none does, but no sample of X_f breaks the condition) or ``neither``.
         reason: In words.
     """
 

@@ -1,7 +1,7 @@
 """Theorems 2 and 3 of the paper as they are written, quantity by quantity.
 
-Norms: |x|_P^2 = x'Px, so |x|_P is its root; |A_K|_P is the norm that it induces on matrices, and the
-ellipsoid of (25) and (31) is x' P_rho x <= varrho.
+Norms: |x|_P^2 = x'Px, so |x|_P is its root; |A_K|_P is the norm that it induces on matrices, and
+the ellipsoid of (25) and (31) is x' P_rho x <= varrho.
 """
 
 from __future__ import annotations
@@ -45,17 +45,17 @@ def _relative_eigenvalues(
 
 
 def sigma(q_star: NDArray[np.float64], weight: NDArray[np.float64]) -> float:
-    """sigma = lambda_min(Z*), Z* = P_rho^-1/2 Q* P_rho^-1/2, Theorem 2 and (34)."""
+    """Sigma = lambda_min(Z*), Z* = P_rho^-1/2 Q* P_rho^-1/2, Theorem 2 and (34)."""
     return float(_relative_eigenvalues(q_star, weight)[0])
 
 
 def eta(q_star: NDArray[np.float64], weight: NDArray[np.float64]) -> float:
-    """eta = lambda_max(Z*), (44)."""
+    """Eta = lambda_max(Z*), (44)."""
     return float(_relative_eigenvalues(q_star, weight)[-1])
 
 
 def xi(state_weight: NDArray[np.float64], weight: NDArray[np.float64]) -> float:
-    """xi = lambda_min(Z), Z = P_rho^-1/2 Q P_rho^-1/2, Theorem 3 and (52)."""
+    """Xi = lambda_min(Z), Z = P_rho^-1/2 Q P_rho^-1/2, Theorem 3 and (52)."""
     return float(_relative_eigenvalues(state_weight, weight)[0])
 
 
@@ -65,7 +65,7 @@ def induced_norm(matrix: NDArray[np.float64], weight: NDArray[np.float64]) -> fl
 
 
 def b(lipschitz: float, contraction: float) -> float:
-    """b = 2 L |A_K|_P + L^2, Theorem 2."""
+    """B = 2 L |A_K|_P + L^2, Theorem 2."""
     return 2.0 * lipschitz * contraction + lipschitz**2
 
 
@@ -75,12 +75,12 @@ def a_3(scaling: float, sigma: float, b: float) -> float:
 
 
 def gamma(a_2: float, a_3: float) -> float:
-    """gamma = 1 - a_3 / a_2, (38)-(39)."""
+    """Gamma = 1 - a_3 / a_2, (38)-(39)."""
     return 1.0 - a_3 / a_2
 
 
 def tau(b: float, contraction: float) -> float:
-    """tau = b + |A_K|_P^2, (45)."""
+    """Tau = b + |A_K|_P^2, (45)."""
     return b + contraction**2
 
 

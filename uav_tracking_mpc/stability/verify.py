@@ -8,10 +8,11 @@ intervals of doubles here, balls there. In order it checks that
 3. inputs stay in U and states in the model's domain on the ellipsoid;
 4. on every leaf V_f(f(x, Kx)) - V_f(x) + L(x, Kx) <= -slack V_f(x) within the ellipsoid.
 
-4, for a leaf c + d, |d_i| <= h_i: Taylor's f = a + J d + e with |e|_P <= E from the Hessians, so the
-left side minus the right is at most (1 + t)|a + Jd|_P^2 + (1 + 1/t)E^2 - x'Nx + m(varrho - x'Px) with
-m from the certificate. Made concave by a diagonal, it lies below its tangent plane anywhere. A leaf at
-the origin: f = (f'(0) + G)x, and N - (f'(0) + G)'P(f'(0) + G) is positive definite.
+4, for a leaf c + d, |d_i| <= h_i: Taylor's f = a + J d + e with |e|_P <= E from the Hessians, so
+the left side minus the right is at most (1 + t)|a + Jd|_P^2 + (1 + 1/t)E^2 - x'Nx + m(varrho -
+x'Px) with m from the certificate. Made concave by a diagonal, it lies below its tangent plane
+anywhere. A leaf at the origin: f = (f'(0) + G)x, and N - (f'(0) + G)'P(f'(0) + G) is positive
+definite.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ Column = list[Interval]
 Matrix = list[list[Interval]]
 
 
-class Rejected(Exception):
+class RejectedError(Exception):
     """The certificate does not prove what it says; the message says where."""
 
 
@@ -51,7 +52,7 @@ def verify(content: dict[str, Any]) -> str | None:
     """
     try:
         _check(content)
-    except Rejected as rejection:
+    except RejectedError as rejection:
         return str(rejection)
     except (KeyError, TypeError, ValueError, IndexError, AttributeError, OverflowError) as error:
         return f"malformed: {error!r}"
@@ -119,8 +120,8 @@ def _check(content: dict[str, Any]) -> None:
         if not len(rest[0]):
             return
         good, axis = _test_taylor(loop, p, right, level, *rest)
-        rest = _halve(*(part[~good] for part in (*rest, axis)))
-    raise Rejected(f"decrease not confirmed on {len(rest[0])} boxes, first at {rest[0][0]}")
+        rest = _halve(rest[0][~good], rest[1][~good], rest[2][~good], axis[~good])
+    raise RejectedError(f"decrease not confirmed on {len(rest[0])} boxes, first at {rest[0][0]}")
 
 
 def _check_riccati(
@@ -140,7 +141,7 @@ def _halve(
     multiplier: NDArray[np.float64],
     axis: NDArray[np.intp],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Halves of boxes: guesses differ between two programs, so a leaf may need a cut or two more."""
+    """Halves of boxes: guesses differ between two programs, a leaf may need a cut or two."""
     each = np.arange(len(center))
     width = half.copy()
     width[each, axis] /= 2.0
@@ -205,7 +206,7 @@ class _ClosedLoop:
         x, values = ca.SX.sym("x", NX), ca.SX.sym("numbers", len(numbers))
         x_ss, u_ss, step = values[:NX], values[NX : NX + NU], values[-1]
         gain = ca.reshape(values[NX + NU : -1], NU, NX)
-        following = SCHEMES[scheme](rates_function(model), x + x_ss, u_ss + gain @ x, step) - x_ss
+        following = SCHEMES[scheme](rates_function(model), x + x_ss, u_ss + gain @ x, step) - x_ss  # type: ignore[arg-type]
         self.numbers = numbers
         self.slopes = ca.Function("slopes", [x, values], [following, ca.jacobian(following, x)])
         bends = [ca.hessian(following[i], x)[0] for i in _RANGE]
@@ -329,7 +330,10 @@ def _guess(
         lacking = np.where(values <= floor, floor - values, 0.0)
         sizes = np.abs(vectors)
         bend = np.einsum("mk,mik,mk->mi", lacking, sizes, sizes.sum(axis=1))
-        bend = np.where(lacking.any(axis=1)[:, None], 1.001 * bend + floor, 0.0) / half**2
+        bend = (
+            np.where(np.any(lacking > 0.0, axis=1, keepdims=True), 1.001 * bend + floor, 0.0)
+            / half**2
+        )
         curved[:, axes, axes] += bend
         linear = (1.0 + t)[:, None] * pulled - np.einsum("mij,mj->mi", big, center)
         for _ in range(200):
@@ -388,7 +392,7 @@ def _operate(code: int, arguments: Column) -> Interval:
         return a.cos()
     if code == ca.OP_ASSIGN:
         return a
-    raise Rejected(f"operation {code} of the model is not known here")
+    raise RejectedError(f"operation {code} of the model is not known here")
 
 
 def _unpack(function: ca.Function, index: int, entries: Column) -> Matrix:
@@ -402,7 +406,7 @@ def _unpack(function: ca.Function, index: int, entries: Column) -> Matrix:
 def _definite(matrix: Matrix) -> NDArray[np.bool_]:
     """Where every symmetric matrix in the interval matrix is positive definite (LDL')."""
     rows = [list(row) for row in matrix]
-    good = np.asarray(True)
+    good: Any = np.asarray(True)
     with np.errstate(invalid="ignore", over="ignore"):
         for k in _RANGE[: len(rows)]:
             pivot = rows[k][k]
@@ -411,7 +415,7 @@ def _definite(matrix: Matrix) -> NDArray[np.bool_]:
                 factor = rows[i][k] / pivot
                 for j in range(k + 1, i + 1):
                     rows[i][j] = rows[i][j] - factor * rows[j][k]
-    return good
+    return np.asarray(good)
 
 
 def _inverse(p: NDArray[np.float64]) -> Matrix:
@@ -477,4 +481,4 @@ def _numbers(values: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float
 
 def _require(condition: Any, message: str) -> None:
     if not condition:
-        raise Rejected(message)
+        raise RejectedError(message)

@@ -2,8 +2,8 @@
 
 The bound |f(x, Kx) - C x|_P^2 <= x' N x (see ``quadratic_bound``) holds near the origin when it
 holds for the linearisation. Here the lowest level x'Px on which it fails is looked for: many rays
-from the origin, then local descent from the best hits. What is found is a state, so it is a fact; that
-nothing is found below it is only an observation, which the proof turns into a theorem.
+from the origin, then local descent from the best hits. What is found is a state, so it is a fact;
+that nothing is found below it is only an observation, which the proof turns into a theorem.
 """
 
 from __future__ import annotations
