@@ -3,12 +3,15 @@
 import copy
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 pytest.importorskip("flint")
 
 from uav_tracking_mpc.dynamics import relative  # noqa: E402
+from uav_tracking_mpc.stability import interval as interval_module  # noqa: E402
+from uav_tracking_mpc.stability import verify as verify_module  # noqa: E402
 from uav_tracking_mpc.stability.certificate import certificate, digest  # noqa: E402
 from uav_tracking_mpc.stability.direct_condition import prove_direct_condition  # noqa: E402
 from uav_tracking_mpc.stability.stability_problem import paper_problem  # noqa: E402
@@ -48,6 +51,7 @@ def test_accepts_what_the_prover_writes(written):
         (ample("paper", 4.0), 4.6),
         (paper_problem(scaling=5.0), 2.0),
         (paper_problem(step=0.5), 1.0),
+        (paper_problem(scheme="rk4"), 2.3),
     ],
 )
 def test_accepts_every_kind(problem, level):
@@ -110,6 +114,14 @@ def test_rejects_a_corrupted_certificate_even_with_a_fresh_digest(written, name)
 
 def test_rejects_a_wrong_digest(written):
     assert "digest" in verify({**written, "digest": "0" * 64})
+
+
+def test_shares_no_code_with_the_prover():
+    source = Path(verify_module.__file__).read_text() + Path(interval_module.__file__).read_text()
+    imported = {line.split()[1] for line in source.splitlines() if line.startswith("from uav_")}
+    allowed = ("uav_tracking_mpc.dynamics.", "uav_tracking_mpc.stability.interval")
+    assert all(name.startswith(allowed) for name in imported)
+    assert "flint" not in source
 
 
 def test_rejects_content_that_is_no_certificate():

@@ -15,8 +15,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import tracking_error
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
+from uav_tracking_mpc.mpc.solution import Solution
+from uav_tracking_mpc.mpc.solver import Solver
 from uav_tracking_mpc.stability.parallel import parallel_map
 from uav_tracking_mpc.stability.stability_problem import PAPER_INITIAL_STATE, StabilityProblem
 from uav_tracking_mpc.stability.tracking_problem import (
@@ -29,6 +32,7 @@ COORDINATES = {"range": 0, "bearing": 1, "altitude": 2, "path_angle": 3, "speed"
 UNITS = {"range": "m", "bearing": "rad", "altitude": "m", "path_angle": "rad", "speed": "m/s"}
 FEASIBLE_VIOLATION = 1e-5
 ProblemFactory = Callable[[StabilityProblem, float | None], OptimalControlProblem]
+Coordinates = Callable[[NDArray[np.float64], Orbit], NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -114,6 +118,7 @@ class _Row:
     states: NDArray[np.float64]
     solver: SolverFactory
     build: ProblemFactory
+    coordinates: Coordinates
 
 
 def attraction_map(
@@ -123,6 +128,7 @@ def attraction_map(
     horizon: int,
     solver: SolverFactory = casadi_solver,
     build: ProblemFactory = tracking_problem,
+    coordinates: Coordinates = tracking_error,
     workers: int | None = None,
     show: bool = True,
 ) -> AttractionMap:
@@ -134,8 +140,9 @@ def attraction_map(
         where: The slice.
         horizon: N.
         solver: Makes the solver; at module level, so that processes can find it.
-        build: Makes P_N from a configuration and a level: in error coordinates, whatever else it
-            holds, an artificial orbit for instance.
+        build: Makes P_N from a configuration and a level; one with an artificial orbit, for
+            instance. At module level.
+        coordinates: Turns (r, theta, z, chi, v) into the state of that problem. At module level.
         workers: Processes, all cores by default.
         show: Progress bar on stderr.
     """
@@ -148,11 +155,12 @@ def attraction_map(
             np.array([where.state(i, j) for j in range(columns)]),
             solver,
             build,
+            coordinates,
         )
         for i in range(rows)
     ]
     marked = marked_state(problem)
-    pieces.append(_Row(changed, level, marked[None], solver, build))
+    pieces.append(_Row(changed, level, marked[None], solver, build, coordinates))
     label = f"X_{horizon} over {where.first}, {where.second}"
     results = parallel_map(_solve_row, pieces, workers, label, show)
     costs = np.array(results[:-1])
@@ -162,30 +170,36 @@ def attraction_map(
 
 
 def _solve_row(row: _Row) -> list[float]:
+    """Costs along a row, nan where no plan was found: forwards, then backwards over the gaps."""
     solver = row.solver(row.build(row.problem, row.level))
-    costs: list[float] = []
-    for state in row.states:
-        error = tracking_error(state, row.problem.orbit)
-        costs.append(_cheapest(solver, error, row.problem.step))
+    starts = [row.coordinates(state, row.problem.orbit) for state in row.states]
+    costs = [_cheapest(solver, start) for start in starts]
+    for j in reversed(range(len(starts) - 1)):
+        if np.isnan(costs[j]) and np.isfinite(costs[j + 1]):
+            # A feasible neighbour's plan is the best start that there is.
+            solver.solve(starts[j + 1])
+            costs[j] = _cost(solver.solve(starts[j], elapsed=0.0))
     return costs
 
 
-def _cheapest(solver: object, error: NDArray[np.float64], step: float) -> float:
-    """Lowest cost of a feasible plan over several starts, nan if none is found.
+def _cheapest(solver: Solver, start: NDArray[np.float64]) -> float:
+    """Cost of the first plan found, nan if there is none.
 
-    The starts: cold; warm from the neighbour's plan; and cold with the bearing error counted the
-    other way round, which is another way round the target.
+    Tried are: warm from the neighbour's plan; cold; and cold with the bearing counted the other way
+    round, which is another way round the target.
     """
-    turned = error.copy()
-    turned[1] -= np.copysign(2.0 * np.pi, error[1])
-    best = np.nan
-    for start, elapsed in ((error, 0.0), (error, None), (turned, None)):
-        solution = solver.solve(start, elapsed=elapsed)  # type: ignore[attr-defined]
-        if solution.converged and solution.violation <= FEASIBLE_VIOLATION:
-            best = float(np.fmin(best, solution.cost))
-            if elapsed == 0.0:
-                break  # one plan is enough
-    return best
+    turned = start.copy()
+    turned[1] -= np.copysign(2.0 * np.pi, start[1])
+    for state, elapsed in ((start, 0.0), (start, None), (turned, None)):
+        cost = _cost(solver.solve(state, elapsed=elapsed))
+        if np.isfinite(cost):
+            return cost
+    return float("nan")
+
+
+def _cost(solution: Solution) -> float:
+    found = solution.converged and solution.violation <= FEASIBLE_VIOLATION
+    return solution.cost if found else float("nan")
 
 
 def save_maps(maps: list[AttractionMap], path: str) -> None:

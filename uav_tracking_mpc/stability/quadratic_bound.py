@@ -40,6 +40,16 @@ class QuadraticBound:
     level: float
     subtracted: NDArray[np.float64] | None = None
 
+    def __post_init__(self) -> None:
+        """Symmetric matrices: the tests take gradients of x'Px and x'Nx as 2Px and 2Nx."""
+        if not np.array_equal(self.weight, np.transpose(self.weight)):
+            raise ValueError("P must be symmetric to the last bit")
+        if not np.isfinite(self.level) or self.level <= 0.0:
+            raise ValueError(f"level is {self.level}, must be positive and finite")
+        # x'Nx is the same for N and its symmetric part.
+        symmetric = (self.right + self.right.transpose()) / 2
+        object.__setattr__(self, "right", symmetric)
+
 
 def exact(matrix: NDArray[np.float64]) -> Any:
     """``arb_mat`` of a floating-point matrix, taken as exact."""
