@@ -1,6 +1,7 @@
 """Certified, sampled or neither; a changed parameter voids a certificate."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -90,3 +91,11 @@ def test_file_round_trip(written, tmp_path):
     (tmp_path / "list.json").write_text("[]")
     with pytest.raises(ValueError, match="no certificate"):
         read_certificate(tmp_path / "list.json")
+
+
+def test_shipped_certificate_covers_the_papers_configuration():
+    path = Path(__file__).resolve().parent.parent / "config" / "certificates" / "paper.json"
+    content = read_certificate(path)
+    answer = certificate_status(PROBLEM, PARTS, content["level"], content)
+    assert answer.status == "certified"
+    assert content["level"] > 2.85
