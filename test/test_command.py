@@ -8,8 +8,8 @@ import pytest
 
 pytest.importorskip("flint")
 
-from uav_tracking_mpc.stability import command  # noqa: E402
-from uav_tracking_mpc.stability.stability_problem import paper_problem  # noqa: E402
+from uav_tracking_mpc.stability import command
+from uav_tracking_mpc.stability.stability_problem import paper_problem
 
 
 def run(*argv, load=command.load_builtin):

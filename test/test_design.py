@@ -4,9 +4,9 @@ import pytest
 
 pytest.importorskip("flint")
 
-from uav_tracking_mpc.dynamics.orbit import Orbit  # noqa: E402
-from uav_tracking_mpc.stability.design import design  # noqa: E402
-from uav_tracking_mpc.stability.stability_problem import paper_problem  # noqa: E402
+from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.stability.design import design
+from uav_tracking_mpc.stability.stability_problem import paper_problem
 
 
 def test_heavier_input_weight_enlarges_the_region_at_a_cost():

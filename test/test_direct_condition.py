@@ -7,15 +7,15 @@ import pytest
 
 pytest.importorskip("flint")
 
-from uav_tracking_mpc.dynamics import relative  # noqa: E402
-from uav_tracking_mpc.stability.direct_condition import (  # noqa: E402
+from uav_tracking_mpc.dynamics import relative
+from uav_tracking_mpc.stability.direct_condition import (
     decrease,
     prove_direct_condition,
 )
-from uav_tracking_mpc.stability.quadratic_bound import is_violated  # noqa: E402
-from uav_tracking_mpc.stability.stability_problem import paper_problem  # noqa: E402
-from uav_tracking_mpc.stability.theorems import q_star  # noqa: E402
-from uav_tracking_mpc.stability.violation import Excess, directions, lowest_violation  # noqa: E402
+from uav_tracking_mpc.stability.quadratic_bound import is_violated
+from uav_tracking_mpc.stability.stability_problem import paper_problem
+from uav_tracking_mpc.stability.theorems import q_star
+from uav_tracking_mpc.stability.violation import Excess, directions, lowest_violation
 
 
 def attempt(problem, ingredients, level, time_limit=3.0):

@@ -8,14 +8,14 @@ import pytest
 
 pytest.importorskip("flint")
 
-from uav_tracking_mpc.stability.certificate import (  # noqa: E402
+from uav_tracking_mpc.stability.certificate import (
     certificate,
     read_certificate,
     write_certificate,
 )
-from uav_tracking_mpc.stability.direct_condition import prove_direct_condition  # noqa: E402
-from uav_tracking_mpc.stability.stability_problem import paper_problem  # noqa: E402
-from uav_tracking_mpc.stability.status import certificate_status  # noqa: E402
+from uav_tracking_mpc.stability.direct_condition import prove_direct_condition
+from uav_tracking_mpc.stability.stability_problem import paper_problem
+from uav_tracking_mpc.stability.status import certificate_status
 
 PROBLEM = paper_problem()
 PARTS = PROBLEM.ingredients()

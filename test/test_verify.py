@@ -9,13 +9,13 @@ import pytest
 
 pytest.importorskip("flint")
 
-from uav_tracking_mpc.dynamics import relative  # noqa: E402
-from uav_tracking_mpc.stability import interval as interval_module  # noqa: E402
-from uav_tracking_mpc.stability import verify as verify_module  # noqa: E402
-from uav_tracking_mpc.stability.certificate import certificate, digest  # noqa: E402
-from uav_tracking_mpc.stability.direct_condition import prove_direct_condition  # noqa: E402
-from uav_tracking_mpc.stability.stability_problem import paper_problem  # noqa: E402
-from uav_tracking_mpc.stability.verify import verify  # noqa: E402
+from uav_tracking_mpc.dynamics import relative
+from uav_tracking_mpc.stability import interval as interval_module
+from uav_tracking_mpc.stability import verify as verify_module
+from uav_tracking_mpc.stability.certificate import certificate, digest
+from uav_tracking_mpc.stability.direct_condition import prove_direct_condition
+from uav_tracking_mpc.stability.stability_problem import paper_problem
+from uav_tracking_mpc.stability.verify import verify
 
 
 def write(problem, level):

@@ -229,9 +229,9 @@ class _Guess:
         tau = min(max(1e-9, np.sqrt(error / max(norm, 1e-300))), 1.0)
         point = np.zeros(len(center))
         low, high = 0.0, np.inf
-        for _ in range(_MULTIPLIER_STEPS):
+        for attempt in range(_MULTIPLIER_STEPS):
             weight = right + multiplier * p
-            for _ in range(2):
+            for _ in range(2 if attempt == 0 else 1):  # t hardly depends on m
                 curved = weight - (1.0 + tau) * jpj
                 bend = _convexifier(curved, half)
                 linear = (1.0 + tau) * jpa - weight @ center

@@ -82,15 +82,15 @@ def decrease_figure(
     weight = parts.weight
     star = q_star(problem.state_weight, problem.input_weight, parts.gain)
     excess = Excess(problem.dynamics(), parts.gain, weight, weight - star)
-    rays = directions(weight, 20_000, np.random.default_rng(0))
-    levels = np.linspace(0.01, 1.0, 60) * ceiling
+    rays = directions(weight, 6_000, np.random.default_rng(0))
+    levels = np.linspace(0.01, 1.0, 45) * ceiling
     worst, typical = [], []
     for level in levels:
         relative = excess(np.sqrt(level) * rays) / level
         worst.append(np.nanmax(relative))
         typical.append(np.nanmedian(relative))
     figure, axis = _new_figure(figsize=(8, 4.2))
-    axis.plot(levels, worst, label="worst of 20 000 directions")
+    axis.plot(levels, worst, label="worst of 6000 directions")
     axis.plot(levels, typical, label="median", ls="--")
     axis.axhline(0.0, color="k", lw=0.8)
     for index, (name, level) in enumerate(marks.items()):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -50,7 +51,7 @@ def cells(row: Row) -> tuple[str, ...]:
     )
 
 
-def as_table(rows: list[Row]) -> Any:
+def as_table(rows: Sequence[Row]) -> Any:
     """A table for the terminal (rich)."""
     from rich.table import Table
 
@@ -62,12 +63,12 @@ def as_table(rows: list[Row]) -> Any:
     return table
 
 
-def as_json(rows: list[Row]) -> list[dict[str, Any]]:
+def as_json(rows: Sequence[Row]) -> list[dict[str, Any]]:
     """Rows as JSON values."""
     return [asdict(row) for row in rows]
 
 
-def as_markdown(rows: list[Row]) -> str:
+def as_markdown(rows: Sequence[Row]) -> str:
     """The page ``docs/paper_errata.md``."""
     lines = [
         "| " + " | ".join(HEADINGS) + " |",
