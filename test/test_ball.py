@@ -17,12 +17,12 @@ def test_enclosure_holds_samples(model):
     generator = np.random.default_rng(0)
     center = np.array([150.0, 1.5, 50.0, 0.1, 4.0])
     half = np.array([5.0, 0.3, 5.0, 0.3, 0.5])
-    box = [flint.arb(c, h) for c, h in zip(center, half)]
+    box = [flint.arb(c, h) for c, h in zip(center, half, strict=True)]
     (rates,) = enclose(box, [flint.arb(0)] * 3)
     for _ in range(200):
         x = center + half * generator.uniform(-1.0, 1.0, 5)
         sample = np.array(function(x, np.zeros(3))).ravel()
-        for ball, value in zip(rates, sample):
+        for ball, value in zip(rates, sample, strict=True):
             assert float(ball.lower()) - 1e-12 <= value <= float(ball.upper()) + 1e-12
 
 
