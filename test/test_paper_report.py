@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from uav_tracking_mpc.stability.paper_report import distance_budget, paper_as_printed, paper_report
+from uav_tracking_mpc.stability.distance_budget import distance_budget
+from uav_tracking_mpc.stability.paper_report import paper_as_printed, paper_report
 from uav_tracking_mpc.stability.paper_report_text import (
     PAGE,
     as_json,

@@ -11,6 +11,7 @@ pytest.importorskip("flint")
 
 from uav_tracking_mpc.dynamics import relative
 from uav_tracking_mpc.stability import interval as interval_module
+from uav_tracking_mpc.stability import interval_matrix
 from uav_tracking_mpc.stability import verify as verify_module
 from uav_tracking_mpc.stability.certificate import certificate, digest
 from uav_tracking_mpc.stability.direct_condition import prove_direct_condition
@@ -118,6 +119,7 @@ def test_rejects_a_wrong_digest(written):
 
 def test_shares_no_code_with_the_prover():
     source = Path(verify_module.__file__).read_text() + Path(interval_module.__file__).read_text()
+    source += Path(interval_matrix.__file__).read_text()
     imported = {line.split()[1] for line in source.splitlines() if line.startswith("from uav_")}
     allowed = ("uav_tracking_mpc.dynamics.", "uav_tracking_mpc.stability.interval")
     assert all(name.startswith(allowed) for name in imported)

@@ -7,17 +7,18 @@
 ``violation``            search for states that break a condition
 ``analysis``             Section 5 for one configuration; ``analysis_text`` for JSON and words
 ``printed``              what the paper prints
+``distance_budget``      what can be flown at all in N steps
 ``paper_report``         the paper beside the truth; ``paper_report_text`` for table and page
 -----------------------  --------------------------------------------------------------------------
 ``ball``                 CasADi functions in ball arithmetic (python-flint)
 ``closed_loop``          f(x, K x) and derivatives with exact numbers
 ``quadratic_bound``      the one kind of inequality that is proved
-``box_test``             is it true on one box?
+``box_test``             is it true on one box? with the guesses of ``box_guess``
 ``cover``                is it true on all of X_f? halve boxes until it is
 ``admissible``           inputs in U, states in the model's domain, on all of X_f
 ``direct_condition``     the three together: X_f is a terminal set
 ``certificate``          the proof written down
-``interval``, ``verify`` the independent checker
+``verify``               the independent checker, on ``interval`` and ``interval_matrix``
 ``status``               certified, sampled or neither: what a controller may claim
 -----------------------  --------------------------------------------------------------------------
 ``decrease``             online check of (54)

@@ -4,7 +4,7 @@ X_N is five-dimensional; a map is a slice through it, two coordinates varied, th
 each state P_N is solved with the terminal set hard, from several starts. "Feasible" is a fact: a
 plan was found. "Infeasible" is what a local solver says after all its starts, which is no proof;
 where a bound on what can be flown at all excludes the state (see
-``paper_report.distance_budget``) it is one.
+``distance_budget``) it is one.
 """
 
 from __future__ import annotations

@@ -31,9 +31,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.stability.ball import flint
+from uav_tracking_mpc.stability.box_guess import Guess
 from uav_tracking_mpc.stability.quadratic_bound import QuadraticBound, exact
-
-_MULTIPLIER_STEPS = 14
 
 
 @dataclass(frozen=True)
@@ -166,8 +165,10 @@ class BoxTest:
         spread = _column(radius)
         error = (spread.transpose() * self._abs_p * spread)[0, 0]
 
-        guess = _Guess(
-            self,
+        guess = Guess(
+            self._p_float,
+            self._n_float,
+            self.bound.level,
             center,
             half,
             to_float(value)[:, 0],
@@ -205,127 +206,6 @@ class BoxTest:
         if top <= 0:
             return Verdict(True, multiplier=guess.multiplier)
         return Verdict(False, int(np.argmax(influence)), float(top.abs_upper()))
-
-
-class _Guess:
-    """Numbers t, m, D and a point of tangency that make the bound on a box small (not rigorous)."""
-
-    def __init__(
-        self,
-        test: BoxTest,
-        center: NDArray[np.float64],
-        half: NDArray[np.float64],
-        value: NDArray[np.float64],
-        jacobian: NDArray[np.float64],
-        error: float,
-        multiplier: float,
-    ) -> None:
-        p, right, level = test._p_float, test._n_float, test.bound.level
-        pj = p @ jacobian
-        jpj, jpa = jacobian.T @ pj, pj.T @ value
-        norm = float(value @ p @ value)
-        self.excess, self.young, self.multiplier, self.reach = np.inf, 1.0, 0.0, 1.0
-        self.convexifier, self.point = np.zeros(len(center)), np.zeros(len(center))
-        tau = min(max(1e-9, np.sqrt(error / max(norm, 1e-300))), 1.0)
-        point = np.zeros(len(center))
-        low, high = 0.0, np.inf
-        for attempt in range(_MULTIPLIER_STEPS):
-            weight = right + multiplier * p
-            for _ in range(2 if attempt == 0 else 1):  # t hardly depends on m
-                curved = weight - (1.0 + tau) * jpj
-                bend = _convexifier(curved, half)
-                linear = (1.0 + tau) * jpa - weight @ center
-                point = _maximise(curved + np.diag(bend), linear, half, point)
-                image = value + jacobian @ point
-                reach = float(np.sqrt(max(image @ p @ image, 1e-300)))
-                used, tau = tau, min(max(1e-9, np.sqrt(error) / reach), 1.0)
-            x = center + point
-            height = float(x @ p @ x)
-            excess = (
-                (1.0 + used) * reach**2
-                + (1.0 + 1.0 / used) * error
-                - float(x @ weight @ x)
-                + multiplier * level
-                + float(bend @ (half**2 - point**2))
-            )
-            if excess < self.excess:
-                self.excess, self.young, self.multiplier = excess, used, multiplier
-                self.convexifier, self.reach, self.point = bend, reach, point
-            if excess < -1e-12 * (reach**2 + height):
-                break
-            # The bound is convex in m with slope varrho - |x|_P^2 at the worst point: follow it.
-            if abs(height - level) < 1e-4 * level:
-                break
-            if height > level:
-                low = multiplier
-                if not np.isfinite(high):
-                    multiplier = max(0.03, 4.0 * multiplier)
-                    if multiplier > 1e3:
-                        break
-                    continue
-            elif multiplier == 0.0:
-                break  # the worst point lies inside X_f: the multiplier cannot help
-            else:
-                high = multiplier
-            if (high - low) * abs(height - level) < excess:
-                break  # nothing within the bracket can bring it below 0
-            multiplier = 0.5 * (low + high)
-        self.multiplier = float(f"{self.multiplier:.6g}")  # the certificate carries it
-
-
-def _convexifier(curved: NDArray[np.float64], half: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Diagonal D that makes ``curved`` + D positive definite, small in sum D_ii h_i^2."""
-    scaled = curved * np.outer(half, half)
-    values, vectors = np.linalg.eigh(scaled)
-    floor = 1e-7 * abs(values[-1])
-    if values[0] > floor:
-        return np.zeros(len(half))
-    bend = np.zeros(len(half))
-    for value, vector in zip(values, vectors.T, strict=True):
-        if value <= floor:
-            size = np.abs(vector)
-            bend += (floor - value) * size * size.sum()
-    return (bend * 1.001 + floor) / half**2
-
-
-def _maximise(
-    curved: NDArray[np.float64],
-    linear: NDArray[np.float64],
-    half: NDArray[np.float64],
-    start: NDArray[np.float64],
-) -> Any:
-    """Maximise 2 l'd - d'Sd over |d_i| <= h_i: coordinate ascent after a Newton step."""
-    n = len(half)
-    try:
-        newton = np.linalg.solve(curved, linear)
-    except np.linalg.LinAlgError:
-        newton = start
-    if np.all(np.abs(newton) <= half):
-        return newton
-    rows, target, h = curved.tolist(), linear.tolist(), half.tolist()
-    d = np.clip(newton, -half, half).tolist()
-    for _ in range(8):
-        for _ in range(2):
-            for i in range(n):
-                row = rows[i]
-                rest = target[i] + row[i] * d[i]
-                for entry, value in zip(row, d, strict=True):
-                    rest -= entry * value
-                d[i] = min(max(rest / row[i], -h[i]), h[i])
-        point = np.array(d)
-        free = np.abs(point) < half
-        if free.any():  # Newton step among the coordinates that are not at a bound
-            fixed = linear[free] - curved[np.ix_(free, ~free)] @ point[~free]
-            step = np.linalg.solve(curved[np.ix_(free, free)], fixed)
-            inside = bool(np.all(np.abs(step) <= half[free]))
-            point[free] = np.clip(step, -half[free], half[free])
-        else:
-            inside = True
-        slope = linear - curved @ point
-        if inside and np.all(slope[~free] * point[~free] >= 0.0):
-            break
-        d = point.tolist()
-    return point
 
 
 def is_positive_definite(matrix: Any) -> bool:

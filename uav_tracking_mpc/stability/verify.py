@@ -29,12 +29,26 @@ from uav_tracking_mpc.dynamics.discretisation import SCHEMES
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import NU, NX, rates_function
 from uav_tracking_mpc.stability.interval import Interval
+from uav_tracking_mpc.stability.interval_matrix import (
+    Column,
+    Matrix,
+    columns,
+    constant,
+    definite,
+    evaluate,
+    inverse_of,
+    product,
+    quadratic,
+    reach,
+    times,
+    total,
+    transpose,
+    unpack,
+)
 
 KNOWN_FORMAT = "uav_tracking_mpc terminal set certificate 1"
 EXTRA_HALVINGS = 8
 _RANGE = range(NX)
-Column = list[Interval]
-Matrix = list[list[Interval]]
 
 
 class RejectedError(Exception):
@@ -73,7 +87,7 @@ def _check(content: dict[str, Any]) -> None:
     r = _numbers(problem["input_weight"], (NU, NU), "input_weight")
     for name, matrix in (("weight", p), ("state_weight", q), ("input_weight", r)):
         _require(np.array_equal(matrix, matrix.T), f"{name} is not symmetric")
-        _require(bool(np.all(_definite(_matrix(matrix)))), f"{name} is not positive definite")
+        _require(bool(np.all(definite(constant(matrix)))), f"{name} is not positive definite")
     level, slack = float(content["level"]), float(content["slack"])
     _require(np.isfinite(level) and level > 0.0, "level is not positive")
     _require(np.isfinite(slack) and 0.0 <= slack < 1.0, "slack is not in [0, 1)")
@@ -84,23 +98,23 @@ def _check(content: dict[str, Any]) -> None:
     bearing = half_turn * 0.5 if orbit.direction == "clockwise" else half_turn * -0.5
     place = [Interval(orbit.range), bearing, Interval(orbit.altitude), Interval(0.0)]
     place.append(Interval(orbit.speed))
-    drift = _evaluate(rates_function(problem["model"]), [place, [Interval(0.0)] * NU])[0]
+    drift = evaluate(rates_function(problem["model"]), [place, [Interval(0.0)] * NU])[0]
     for i in (0, 2, 3, 4):
         _require(drift[i].magnitude() < 1e-9, f"rate {i} does not vanish on the orbit")
     u_ss = [-drift[1], Interval(0.0), Interval(0.0)]
 
-    inverse = _inverse(p)
+    inverse = inverse_of(p)
     root = _numbers(content["root"], (NX,), "root")
     for i in _RANGE:  # the ellipsoid reaches sqrt(varrho (P^-1)_ii) along x_i
-        _require(_reach(np.eye(NX)[i], inverse, level).upper <= root[i], "root box is too small")
+        _require(reach(np.eye(NX)[i], inverse, level).upper <= root[i], "root box is too small")
     _check_linear_limits(problem, orbit, k, u_ss, inverse, level)
 
     center, half = _leaves(content["tree"], root)
     multipliers = _numbers(content["multipliers"], (len(center),), "multipliers")
     _require(bool(np.all(multipliers >= 0.0)), "a multiplier is negative")
     _require(content["statistics"]["leaves"] == len(center), "number of leaves is wrong")
-    stage = _matrix(q)
-    for i, row in enumerate(_product(_matrix(k.T), _product(_matrix(r), _matrix(k)))):
+    stage = constant(q)
+    for i, row in enumerate(product(constant(k.T), product(constant(r), constant(k)))):
         stage[i] = [a + b for a, b in zip(stage[i], row, strict=True)]
     right = [
         [Interval(p[i, j]) * (Interval(1.0) - slack) - stage[i][j] for j in _RANGE] for i in _RANGE
@@ -162,14 +176,14 @@ def _check_linear_limits(
     lower = _numbers(problem["input_lower"], (NU,), "input_lower")
     upper = _numbers(problem["input_upper"], (NU,), "input_upper")
     for i in range(NU):
-        swing = _reach(gain[i], inverse, level)
+        swing = reach(gain[i], inverse, level)
         _require((u_ss[i] + swing).upper <= upper[i], f"input {i} exceeds its upper bound")
         _require((u_ss[i] - swing).lower >= lower[i], f"input {i} exceeds its lower bound")
     for sign in (-1.0, 1.0):
         room = Interval(orbit.range) + sign * orbit.altitude
-        gap = room - _reach(np.array([1.0, 0.0, sign, 0.0, 0.0]), inverse, level)
+        gap = room - reach(np.array([1.0, 0.0, sign, 0.0, 0.0]), inverse, level)
         _require(gap.lower > 0.0, "range may fall to |height|: outside the model's domain")
-    turn = _reach(np.eye(NX)[1], inverse, level)
+    turn = reach(np.eye(NX)[1], inverse, level)
     _require(turn.upper < np.pi, "bearing error may reach half a turn")
 
 
@@ -213,12 +227,12 @@ class _ClosedLoop:
         self.bends = ca.Function("bends", [x, values], ca.cse(bends))
 
     def value_and_jacobian(self, x: Column) -> tuple[Column, Matrix]:
-        value, jacobian = _evaluate(self.slopes, [x, self.numbers])
-        return value, _unpack(self.slopes, 1, jacobian)
+        value, jacobian = evaluate(self.slopes, [x, self.numbers])
+        return value, unpack(self.slopes, 1, jacobian)
 
     def hessians(self, x: Column) -> list[Matrix]:
-        outputs = _evaluate(self.bends, [x, self.numbers])
-        return [_unpack(self.bends, i, output) for i, output in enumerate(outputs)]
+        outputs = evaluate(self.bends, [x, self.numbers])
+        return [unpack(self.bends, i, output) for i, output in enumerate(outputs)]
 
 
 def _test_origin(
@@ -229,17 +243,17 @@ def _test_origin(
     half: NDArray[np.float64],
 ) -> NDArray[np.bool_]:
     unit = Interval(-1.0, 1.0)
-    box = [c + unit * h for c, h in zip(_columns(center), _columns(half), strict=True)]
+    box = [c + unit * h for c, h in zip(columns(center), columns(half), strict=True)]
     hessians = loop.hessians(box)
     _, slope = loop.value_and_jacobian([Interval(0.0)] * NX)
-    total = [
-        [slope[k][j] + _sum(box[i] * hessians[k][i][j] for i in _RANGE) * 0.5 for j in _RANGE]
+    whole = [
+        [slope[k][j] + total(box[i] * hessians[k][i][j] for i in _RANGE) * 0.5 for j in _RANGE]
         for k in _RANGE
     ]
-    image = _product(_transpose(total), _product(_matrix(p), total))
+    image = product(transpose(whole), product(constant(p), whole))
     gap = [[right[i][j] - image[i][j] for j in _RANGE] for i in _RANGE]
-    scale = _matrix(np.linalg.inv(np.linalg.cholesky(p)))
-    return _definite(_product(scale, _product(gap, _transpose(scale))))
+    scale = constant(np.linalg.inv(np.linalg.cholesky(p)))
+    return definite(product(scale, product(gap, transpose(scale))))
 
 
 def _test_taylor(
@@ -253,7 +267,7 @@ def _test_taylor(
 ) -> tuple[NDArray[np.bool_], NDArray[np.intp]]:
     """Which boxes are confirmed, and for the others the axis along which the model curves most."""
     count, unit = len(center), Interval(-np.ones(len(center)), np.ones(len(center)))
-    c, h = _columns(center), _columns(half)
+    c, h = columns(center), columns(half)
     box = [ci + unit * hi for ci, hi in zip(c, h, strict=True)]
     value, jacobian = loop.value_and_jacobian(c)
     radius = []
@@ -270,7 +284,7 @@ def _test_taylor(
         middle = Interval(remainder.middle())
         value[k] = value[k] + middle
         radius.append(Interval((remainder - middle).magnitude()))
-    error = _quadratic(_matrix(np.abs(p)), radius)
+    error = quadratic(constant(np.abs(p)), radius)
 
     right_float = np.array([[entry.middle() for entry in row] for row in right])
     a = np.stack([entry.middle() for entry in value], axis=-1)
@@ -279,20 +293,20 @@ def _test_taylor(
     )
     t, bend, point = _guess(p, right_float, center, half, a, jf, error.upper, m)
 
-    young, d, diagonal = Interval(t) + 1.0, _columns(point), _columns(bend)
+    young, d, diagonal = Interval(t) + 1.0, columns(point), columns(bend)
     big = [[right[i][j] + Interval(p[i, j]) * Interval(m) for j in _RANGE] for i in _RANGE]
-    squared = _product(_transpose(jacobian), _product(_matrix(p), jacobian))
+    squared = product(transpose(jacobian), product(constant(p), jacobian))
     curved = [[big[i][j] - squared[i][j] * young for j in _RANGE] for i in _RANGE]
     for i in _RANGE:
         curved[i][i] = curved[i][i] + diagonal[i]
-    concave = _definite([[curved[i][j] * h[i] * h[j] for j in _RANGE] for i in _RANGE])
+    concave = definite([[curved[i][j] * h[i] * h[j] for j in _RANGE] for i in _RANGE])
     x = [ci + di for ci, di in zip(c, d, strict=True)]
-    image = [v + w for v, w in zip(value, _times(jacobian, d), strict=True)]
-    p_image, big_x = _times(_matrix(p), image), _times(big, x)
-    top = _sum(v * w for v, w in zip(image, p_image, strict=True)) * young
+    image = [v + w for v, w in zip(value, times(jacobian, d), strict=True)]
+    p_image, big_x = times(constant(p), image), times(big, x)
+    top = total(v * w for v, w in zip(image, p_image, strict=True)) * young
     top = top + error * (Interval(1.0) + Interval(t).inverse()) + Interval(m) * level
-    top = top - _sum(v * w for v, w in zip(x, big_x, strict=True))
-    pulled = _times(_transpose(jacobian), p_image)
+    top = top - total(v * w for v, w in zip(x, big_x, strict=True))
+    pulled = times(transpose(jacobian), p_image)
     for i in _RANGE:
         slope = pulled[i] * young - big_x[i] - diagonal[i] * d[i]
         top = top + diagonal[i] * (h[i].square() - d[i].square())
@@ -343,134 +357,6 @@ def _guess(
                 best = rest / np.maximum(curved[:, i, i], 1e-300)
                 point[:, i] = np.clip(np.nan_to_num(best), -half[:, i], half[:, i])
     return t, bend, point
-
-
-def _evaluate(function: ca.Function, inputs: list[Column]) -> list[Column]:
-    """Walk the instructions of a CasADi function with intervals."""
-    work: dict[int, Interval] = {}
-    outputs: list[Column] = [[Interval(0.0)] * function.nnz_out(i) for i in range(function.n_out())]
-    for k in range(function.n_instructions()):
-        code, ins, outs = (
-            function.instruction_id(k),
-            function.instruction_input(k),
-            function.instruction_output(k),
-        )
-        if code == ca.OP_OUTPUT:
-            outputs[outs[0]][outs[1]] = work[ins[0]]
-        elif code == ca.OP_INPUT:
-            work[outs[0]] = inputs[ins[0]][ins[1]]
-        elif code == ca.OP_CONST:
-            work[outs[0]] = Interval(function.instruction_constant(k))
-        else:
-            work[outs[0]] = _operate(code, [work[i] for i in ins])
-    return outputs
-
-
-def _operate(code: int, arguments: Column) -> Interval:
-    a, b = arguments[0], arguments[-1]
-    if code == ca.OP_ADD:
-        return a + b
-    if code == ca.OP_SUB:
-        return a - b
-    if code == ca.OP_MUL:
-        return a * b
-    if code == ca.OP_DIV:
-        return a / b
-    if code == ca.OP_NEG:
-        return -a
-    if code == ca.OP_SQ:
-        return a.square()
-    if code == ca.OP_TWICE:
-        return a * 2.0
-    if code == ca.OP_INV:
-        return a.inverse()
-    if code == ca.OP_SQRT:
-        return a.sqrt()
-    if code == ca.OP_SIN:
-        return a.sin()
-    if code == ca.OP_COS:
-        return a.cos()
-    if code == ca.OP_ASSIGN:
-        return a
-    raise RejectedError(f"operation {code} of the model is not known here")
-
-
-def _unpack(function: ca.Function, index: int, entries: Column) -> Matrix:
-    full = [[Interval(0.0) for _ in _RANGE] for _ in _RANGE]
-    rows, columns = function.sparsity_out(index).get_triplet()
-    for i, j, entry in zip(rows, columns, entries, strict=True):
-        full[i][j] = entry
-    return full
-
-
-def _definite(matrix: Matrix) -> NDArray[np.bool_]:
-    """Where every symmetric matrix in the interval matrix is positive definite (LDL')."""
-    rows = [list(row) for row in matrix]
-    good: Any = np.asarray(True)
-    with np.errstate(invalid="ignore", over="ignore"):
-        for k in _RANGE[: len(rows)]:
-            pivot = rows[k][k]
-            good = good & (pivot.lower > 0.0)
-            for i in range(k + 1, len(rows)):
-                factor = rows[i][k] / pivot
-                for j in range(k + 1, i + 1):
-                    rows[i][j] = rows[i][j] - factor * rows[j][k]
-    return np.asarray(good)
-
-
-def _inverse(p: NDArray[np.float64]) -> Matrix:
-    """Enclosure of P^-1: W near it and R = I - PW give |P^-1 - W| <= |W| |R| / (1 - |R|)."""
-    w = np.linalg.inv(p)
-    w = 0.5 * (w + w.T)
-    product = _product(_matrix(p), _matrix(w))
-    squares = _sum(
-        (Interval(float(i == j)) - product[i][j]).square() for i in _RANGE for j in _RANGE
-    )
-    residual = Interval(0.0, squares.upper).sqrt()
-    _require(residual.upper < 1e-3, "P cannot be inverted")
-    size = _sum(Interval(v).square() for v in w.ravel()).sqrt()
-    radius = (size * residual / (Interval(1.0) - residual)).upper
-    return [[Interval(w[i, j]) + Interval(-radius, radius) for j in _RANGE] for i in _RANGE]
-
-
-def _reach(row: NDArray[np.float64], inverse: Matrix, level: float) -> Interval:
-    """Largest c'x over x'Px <= level: sqrt(level c'P^-1 c)."""
-    return (_quadratic(inverse, [Interval(v) for v in row]) * level).sqrt()
-
-
-def _matrix(values: NDArray[np.float64]) -> Matrix:
-    return [[Interval(entry) for entry in row] for row in values]
-
-
-def _columns(values: NDArray[np.float64]) -> Column:
-    return [Interval(values[:, i]) for i in _RANGE]
-
-
-def _transpose(matrix: Matrix) -> Matrix:
-    return [list(row) for row in zip(*matrix, strict=True)]
-
-
-def _product(left: Matrix, right: Matrix) -> Matrix:
-    columns = _transpose(right)
-    return [
-        [_sum(a * b for a, b in zip(row, column, strict=True)) for column in columns]
-        for row in left
-    ]
-
-
-def _times(matrix: Matrix, column: Column) -> Column:
-    return [_sum(a * b for a, b in zip(row, column, strict=True)) for row in matrix]
-
-
-def _quadratic(matrix: Matrix, column: Column) -> Interval:
-    return _sum(a * b for a, b in zip(column, _times(matrix, column), strict=True))
-
-
-def _sum(terms: Any) -> Interval:
-    total = Interval(0.0)
-    for term in terms:
-        total = total + term
-    return total
 
 
 def _numbers(values: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:
