@@ -26,7 +26,7 @@ def test_theorem3_holds_up_to_level_1_5_on_the_exact_model():
     bound = lipschitz_bound(loop, PARTS.weight, PARTS.closed_loop, limit, 1.5)
     assert prove(bound, time_limit=30.0).proved
     beyond = lipschitz_bound(loop, PARTS.weight, PARTS.closed_loop, limit, 1.61)
-    assert not prove(beyond, box_limit=800).proved
+    assert not prove(beyond, box_limit=200).proved
 
 
 def test_tree_is_complete_and_counts_add_up():

@@ -30,18 +30,6 @@ def test_exact_model_with_the_papers_inputs():
     assert "u_chi" in answer.inputs.name
 
 
-def test_exact_model_with_doubled_inputs():
-    base = paper_problem()
-    problem = replace(base, input_lower=2 * base.input_lower, input_upper=2 * base.input_upper)
-    assert attempt(problem, problem.ingredients(), 11.4, 20.0).holds
-
-
-def test_paper_model_with_ample_inputs():
-    base = paper_problem("paper")
-    problem = replace(base, input_lower=4 * base.input_lower, input_upper=4 * base.input_upper)
-    assert attempt(problem, problem.ingredients(), 4.6, 20.0).holds
-
-
 def test_paper_model_has_no_decrease_at_level_5():
     """A state of the ellipsoid of level 5 where V_f does not fall enough, confirmed with balls."""
     problem = paper_problem("paper")
