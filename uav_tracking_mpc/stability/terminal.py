@@ -56,6 +56,7 @@ def terminal_ingredients(
         riccati = solve_discrete_are(a, b, state_weight, input_weight)
     except np.linalg.LinAlgError as error:
         raise ValueError(f"no stabilising terminal controller: {error}") from error
+    riccati = 0.5 * (riccati + riccati.T)  # symmetric to the last bit: proofs take it as exact
     gain = -np.linalg.solve(b.T @ riccati @ b + input_weight, b.T @ riccati @ a)  # (24)
     return TerminalIngredients(
         gain=gain,

@@ -1,0 +1,39 @@
+"""P_N of (16) for a configuration of the analysis, and who solves it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
+from uav_tracking_mpc.mpc.problem import OptimalControlProblem
+from uav_tracking_mpc.mpc.quadratic import TerminalSet, quadratic_problem
+from uav_tracking_mpc.mpc.solver import Solver
+from uav_tracking_mpc.stability.stability_problem import StabilityProblem
+
+SolverFactory = Callable[[OptimalControlProblem], Solver]
+
+
+def casadi_solver(problem: OptimalControlProblem) -> Solver:
+    """The default solver: takes any problem, not the fastest."""
+    return CasadiSolver(problem)
+
+
+def tracking_problem(problem: StabilityProblem, level: float | None) -> OptimalControlProblem:
+    """(14)-(16) in error coordinates.
+
+    Args:
+        problem: The configuration.
+        level: varrho of the hard terminal set (16e); None leaves it away.
+    """
+    lower, upper = problem.deviation_bounds()
+    return quadratic_problem(
+        problem.dynamics(),
+        horizon=problem.horizon,
+        step=problem.step,
+        state_weight=problem.state_weight,
+        input_weight=problem.input_weight,
+        terminal_weight=problem.ingredients().weight,
+        input_lower=lower,
+        input_upper=upper,
+        terminal_set=None if level is None else TerminalSet(level),
+    )
