@@ -31,11 +31,11 @@ $(VENV)/bin/python:
 	@$(PYTHON) -m venv $(VENV)
 
 $(VENV)/demo: $(VENV)/bin/python setup.py
-	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros]'
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof]'
 	@touch $@
 
 $(VENV)/test: $(VENV)/bin/python setup.py
-	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,test]'
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,test]'
 	@touch $@ $(VENV)/demo
 
 docs: $(VENV)/test

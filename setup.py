@@ -23,11 +23,16 @@ setup(
     # they are found however it was installed.
     packages=[*find_packages(include=[NAME, f"{NAME}.*"]), f"{NAME}.config"],
     package_dir={f"{NAME}.config": "config"},
-    package_data={f"{NAME}.config": ["*.yaml"], f"{NAME}.report": ["*.j2"], NAME: ["py.typed"]},
+    package_data={
+        f"{NAME}.config": ["*.yaml", "certificates/*.json"],
+        f"{NAME}.report": ["*.j2"],
+        NAME: ["py.typed"],
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
         (f"share/{NAME}/config", glob("config/*.yaml")),
+        (f"share/{NAME}/config/certificates", glob("config/certificates/*.json")),
     ],
     zip_safe=False,
     install_requires=[
@@ -48,6 +53,8 @@ setup(
             "ros-jazzy-rclpy[fastrtps]==7.1.6",
             "ros-jazzy-common-interfaces==5.3.6",
         ],
+        # Proofs of terminal sets; checking a certificate needs none of it.
+        "proof": ["python-flint>=0.6"],
         "test": [
             "colcon-common-extensions",
             "hypothesis",

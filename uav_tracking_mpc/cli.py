@@ -16,8 +16,10 @@ from rich.progress import Progress
 from uav_tracking_mpc import __version__
 from uav_tracking_mpc.benchmark.command import add_parser as add_benchmark_parser
 from uav_tracking_mpc.domain import DomainError
+from uav_tracking_mpc.guidance.tracking_problem import stability_problem
 from uav_tracking_mpc.launch import (
     LaunchError,
+    add_configuration_arguments,
     add_launch_arguments,
     add_mission_arguments,
     launch,
@@ -26,6 +28,9 @@ from uav_tracking_mpc.launch import (
 from uav_tracking_mpc.parameters import ParameterError
 from uav_tracking_mpc.report.mission_report import write_report
 from uav_tracking_mpc.simulation.closed_loop import simulate
+from uav_tracking_mpc.simulation.configuration import load_configuration
+from uav_tracking_mpc.stability.command import add_parser as add_stability_parser
+from uav_tracking_mpc.stability.stability_problem import StabilityProblem
 
 EPILOG = """\
 examples:
@@ -33,6 +38,8 @@ examples:
   uav_tracking fly --config paper               the same mission with three ROS 2 nodes
   uav_tracking fly --set nmpc_controller.model=paper
                                                 the paper's model on the true vehicle
+  uav_tracking stability --config paper         the paper's analysis, and a proof
+  uav_tracking benchmark                        the solver beside its peers
   uav_tracking monitor --domain-id 7            watch a flight from another terminal
 """
 BAG = "mission.mcap"
@@ -81,6 +88,9 @@ def _parser() -> argparse.ArgumentParser:
     _add_output_arguments(simulated)
     simulated.set_defaults(run=_simulate)
 
+    stability = add_stability_parser(commands, _stability_problem)
+    add_configuration_arguments(stability)
+
     add_benchmark_parser(commands)
 
     monitor = commands.add_parser("monitor", help="a live table of a flight in the terminal")
@@ -119,6 +129,11 @@ def _fly(arguments: argparse.Namespace) -> int:
 
     _finish(write_report(flight_log(bag, configuration), arguments.output), arguments)
     return 0
+
+
+def _stability_problem(arguments: argparse.Namespace) -> StabilityProblem:
+    configuration = load_configuration(arguments.config, arguments.overrides)
+    return stability_problem(configuration.controller, configuration.name)
 
 
 def _monitor(arguments: argparse.Namespace) -> int:

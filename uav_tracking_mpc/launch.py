@@ -223,8 +223,8 @@ def _signals() -> Iterator[list[int]]:
             signal.signal(number, handler)
 
 
-def add_mission_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options that every command flying a configuration has."""
+def add_configuration_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options that choose a configuration."""
     parser.add_argument(
         "--config", default="paper", metavar="NAME|FILE", help="configuration (default: paper)"
     )
@@ -236,6 +236,11 @@ def add_mission_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SECTION.PARAMETER=VALUE",
         help="override a parameter, e.g. nmpc_controller.model=paper; may be repeated",
     )
+
+
+def add_mission_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options that every command flying a configuration has."""
+    add_configuration_arguments(parser)
     for specification in specifications(MissionParameters):
         if isinstance(specification.default, float):
             parser.add_argument(

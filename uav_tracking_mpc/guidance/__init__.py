@@ -4,6 +4,7 @@
 ``tracking_parameters``  orbit, model, horizon, weights, limits
 ``tracking_problem``     these put together as an optimal control problem
 ``controller``           the control law, and what flies when a solve fails
+``certification``        certified, sampled or neither: what may be claimed of the terminal set
 ``target_filter``        position and velocity of the target from its measured positions
 =======================  =============================================================
 """

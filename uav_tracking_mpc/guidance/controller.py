@@ -10,11 +10,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics.relative import tracking_error
 from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
-from uav_tracking_mpc.guidance.tracking_problem import tracking_problem
+from uav_tracking_mpc.guidance.tracking_problem import (
+    stability_problem,
+    terminal_level,
+    tracking_problem,
+)
 from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.solution import Solution
 from uav_tracking_mpc.mpc.solver import Solver
+from uav_tracking_mpc.stability.decrease import DecreaseCheck, decrease_monitor
 
 
 class Source(Enum):
@@ -36,6 +41,7 @@ class Command:
         reason: Why it is not optimal; empty if it is.
         error: Tracking error x, shape (5,).
         solution: What the solver said.
+        decrease: Whether the optimal cost fell as (54) says; None where that cannot be told.
     """
 
     inputs: NDArray[np.float64]
@@ -44,6 +50,7 @@ class Command:
     reason: str
     error: NDArray[np.float64]
     solution: Solution
+    decrease: DecreaseCheck | None
 
 
 def tracking_solver(parameters: TrackingParameters) -> Solver:
@@ -66,39 +73,53 @@ class TrackingController:
         self.parameters = parameters
         self.solver = solver or tracking_solver(parameters)
         self.steady_inputs = parameters.steady_inputs
+        self.decrease = decrease_monitor(stability_problem(parameters), terminal_level(parameters))
         self._plan: NDArray[np.float64] | None = None
         self._plan_age = 0.0
 
     def reset(self) -> None:
         """Forget every plan."""
         self.solver.reset()
+        self.decrease.reset()
         self._plan = None
 
-    def step(self, relative: ArrayLike, elapsed: float | None = None) -> Command:
+    def step(
+        self, relative: ArrayLike, elapsed: float | None = None, target_moved: bool = False
+    ) -> Command:
         """Command for the vehicle's present state relative to the target.
 
         Args:
             relative: (r, theta, z, chi, v), shape (5,), in [m, rad, m, rad, m/s].
             elapsed: Time in [s] since the state of the last call; None at the first.
+            target_moved: Whether the target is known to have moved since then.
         """
         error = tracking_error(relative, self.parameters.orbit)
         if elapsed is not None:
             self._plan_age += max(0.0, elapsed)
         solution = self.solver.solve(error, elapsed=elapsed)
+        decrease = self.decrease.step(
+            solution.cost if solution.converged else float("nan"),
+            error,
+            solution.states[-1],
+            target_moved=target_moved,
+            fraction=1.0 if elapsed is None else elapsed / self.parameters.horizon_step,
+        )
         if solution.converged:
             self._plan = self._inside(solution.inputs + self.steady_inputs)
             self._plan_age = 0.0
-            return self._command(self._plan, Source.OPTIMAL, "", error, solution)
+            return self._command(self._plan, Source.OPTIMAL, "", error, solution, decrease)
         remaining = self._remaining_plan()
         if remaining is not None:
             source = Source.EARLIER_PLAN
-            return self._command(remaining, source, solution.message, error, solution)
+            return self._command(remaining, source, solution.message, error, solution, decrease)
         level = np.zeros((1, 3))
         path_angle = float(np.asarray(relative, dtype=float)[3])
         if np.isfinite(path_angle):
             level[0, 1] = -path_angle / self.parameters.horizon_step
         source = Source.WINGS_LEVEL
-        return self._command(self._inside(level), source, solution.message, error, solution)
+        return self._command(
+            self._inside(level), source, solution.message, error, solution, decrease
+        )
 
     def _remaining_plan(self) -> NDArray[np.float64] | None:
         """What is left of the last optimal plan, if it is young enough to be flown."""
@@ -119,5 +140,7 @@ class TrackingController:
         reason: str,
         error: NDArray[np.float64],
         solution: Solution,
+        decrease: DecreaseCheck | None,
     ) -> Command:
-        return Command(inputs, self.parameters.horizon_step, source, reason, error, solution)
+        step = self.parameters.horizon_step
+        return Command(inputs, step, source, reason, error, solution, decrease)

@@ -72,6 +72,9 @@ class TrackingParameters:
     terminal_penalty: float = parameter(
         100.0, "Weight of a violation of the soft terminal set.", lower=1e-3, upper=1e6
     )
+    certificate: str = parameter(
+        "", "File of the terminal set's certificate; empty for those that come with the package."
+    )
     yaw_rate_max: float = parameter(
         math.pi / 4, "Greatest yaw rate u_psi, either way.", unit="rad/s", lower=1e-3, upper=10.0
     )

@@ -13,6 +13,7 @@ from rclpy.node import Node
 
 from uav_tracking_mpc.dynamics import vehicle
 from uav_tracking_mpc.dynamics.relative import relative_state
+from uav_tracking_mpc.guidance.certification import certification
 from uav_tracking_mpc.guidance.controller import Command, Source, TrackingController
 from uav_tracking_mpc.guidance.target_filter import TargetFilter
 from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
@@ -37,6 +38,7 @@ from uav_tracking_mpc.nodes.topics import (
     TARGET,
     TRACKING,
 )
+from uav_tracking_mpc.simulation.configuration import configuration_folder
 
 WARNING_PERIOD = 5.0  # s
 VIEW_PERIOD = 0.2  # s, wall time: people look at it
@@ -51,7 +53,12 @@ class NmpcController(Node):
         self.parameters = declare_parameters(self, TrackingParameters)
         self._period = round(1e9 / self.parameters.control_rate)
         self._controller = TrackingController(self.parameters)
+        self._certification = certification(
+            self.parameters, configuration_folder() / "certificates"
+        )
+        self._decrease_reason = ""
         self._target = TargetFilter(self.parameters.target_noise, self.parameters.target_agility)
+        self._last_target: NDArray[np.float64] | None = None
         self._origin: int | None = None  # first stamp seen [ns]; times below are since then
         self._control_stamp: int | None = None  # state of the last command [ns]
         self._state_stamp: int | None = None  # newest state [ns]
@@ -76,7 +83,8 @@ class NmpcController(Node):
         orbit = self.parameters.orbit
         self.get_logger().info(
             f"orbit of {orbit.range:g} m at {orbit.altitude:g} m and {orbit.speed:g} m/s, "
-            f"{orbit.direction}, {self.parameters.model} model, N = {self.parameters.horizon}"
+            f"{orbit.direction}, {self.parameters.model} model, N = {self.parameters.horizon}; "
+            f"terminal set {self._certification.status}: {self._certification.reason}"
         )
 
     def _seconds(self, stamp: int) -> float:
@@ -123,7 +131,9 @@ class NmpcController(Node):
         self, stamp: int, arrival: float, state: NDArray[np.float64], target: NDArray[np.float64]
     ) -> None:
         elapsed = None if self._control_stamp is None else (stamp - self._control_stamp) * 1e-9
-        command = self._controller.step(relative_state(state, target), elapsed)
+        moved = self._last_target is not None and not np.array_equal(target, self._last_target)
+        self._last_target = target
+        command = self._controller.step(relative_state(state, target), elapsed, moved)
         set_command(self._command_message, stamp, command.inputs, command.step)
         self._outputs[COMMAND.name].publish(self._command_message)
         self._response_times.add((time.monotonic() - arrival) * 1e6)
@@ -144,6 +154,8 @@ class NmpcController(Node):
         if self._control_stamp is not None:
             self._counts["late"] += stamp - self._control_stamp > 1.5 * self._period
         self._solve_times.add(command.solution.solve_time * 1e6)
+        if command.decrease is not None and not command.decrease.held:
+            self._decrease_reason = command.decrease.reason
 
     def _publish_tracking(self, command: Command) -> None:
         values = (*command.error, command.solution.cost, command.solution.solve_time)
@@ -193,6 +205,10 @@ class NmpcController(Node):
             "solve time median [us]": solve.percentile(50.0),
             "solve time p99 [us]": solve.percentile(99.0),
             "solve time max [us]": solve.max,
+            "terminal set": f"{self._certification.status}: {self._certification.reason}",
+            "cost decrease (54) checked": self._controller.decrease.checked,
+            "cost decrease (54) failed": self._controller.decrease.failed,
+            "cost decrease (54) last reason": self._decrease_reason,
             "state in to command out median [us]": response.percentile(50.0),
             "state in to command out p99 [us]": response.percentile(99.0),
             "state in to command out max [us]": response.max,

@@ -24,7 +24,7 @@ from uav_tracking_mpc.stability.parallel import parallel_map
 from uav_tracking_mpc.stability.stability_problem import PAPER_INITIAL_STATE, StabilityProblem
 from uav_tracking_mpc.stability.tracking_problem import (
     SolverFactory,
-    casadi_solver,
+    newton_solver,
     tracking_problem,
 )
 
@@ -126,7 +126,7 @@ def attraction_map(
     level: float | None,
     where: Slice,
     horizon: int,
-    solver: SolverFactory = casadi_solver,
+    solver: SolverFactory = newton_solver,
     build: ProblemFactory = tracking_problem,
     coordinates: Coordinates = tracking_error,
     workers: int | None = None,

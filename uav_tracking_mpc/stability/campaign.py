@@ -18,7 +18,7 @@ from uav_tracking_mpc.stability.stability_problem import StabilityProblem
 from uav_tracking_mpc.stability.theorems import q_star
 from uav_tracking_mpc.stability.tracking_problem import (
     SolverFactory,
-    casadi_solver,
+    newton_solver,
     tracking_problem,
 )
 from uav_tracking_mpc.stability.violation import directions
@@ -126,7 +126,7 @@ def fly_nmpc(
     level: float,
     states: NDArray[np.float64],
     steps: int = 20,
-    solver: SolverFactory = casadi_solver,
+    solver: SolverFactory = newton_solver,
     workers: int | None = None,
     show: bool = True,
 ) -> CampaignResult:

@@ -10,48 +10,36 @@ import argparse
 import json
 import sys
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from uav_tracking_mpc.stability.stability_problem import StabilityProblem, paper_problem
-from uav_tracking_mpc.stability.tracking_problem import SolverFactory, casadi_solver
+from uav_tracking_mpc.stability.stability_problem import StabilityProblem
+from uav_tracking_mpc.stability.tracking_problem import SolverFactory, newton_solver
 
-Loader = Callable[[str], StabilityProblem]
+Loader = Callable[[argparse.Namespace], StabilityProblem]
 HORIZONS = (10, 20, 30)
 
 
-def load_builtin(name: str) -> StabilityProblem:
-    """The configurations that this package knows without files.
-
-    Raises:
-        ValueError: Another name.
-    """
-    known = {"paper": "exact", "paper_model": "paper"}
-    if name not in known:
-        raise ValueError(f"config is {name!r}, must be one of {', '.join(known)}")
-    return replace(paper_problem(known[name]), name=name)
-
-
 def add_parser(
-    subparsers: Any, load: Loader = load_builtin, solver: SolverFactory = casadi_solver
+    subparsers: Any, load: Loader, solver: SolverFactory = newton_solver
 ) -> argparse.ArgumentParser:
     """Add the ``stability`` command.
 
     Args:
         subparsers: What ``add_subparsers`` returned.
-        load: Turns ``--config NAME|FILE`` into a problem; raises ValueError with a plain message.
+        load: Turns the parsed arguments (its caller adds those that it needs) into a problem;
+            raises ValueError with a plain message.
         solver: Makes solvers for maps and campaigns.
 
     Returns:
-        The parser; its ``handler`` default takes the parsed arguments and returns the exit code.
+        The parser; its ``run`` default takes the parsed arguments and returns the exit code.
     """
     parser = subparsers.add_parser(
         "stability",
         help="the paper's stability analysis, and a proof of the terminal set",
         description="Theorems 2 and 3, the paper beside the truth, a proof of the terminal set.",
     )
-    parser.add_argument("--config", default="paper", metavar="NAME|FILE", help="what to analyse")
     parser.add_argument("--output", type=Path, metavar="DIR", help="write files to this folder")
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
     parser.add_argument("--verify", type=Path, metavar="FILE", help="check a certificate")
@@ -62,14 +50,14 @@ def add_parser(
     parser.add_argument("--figures", action="store_true", help="draw the ellipsoid, the decrease")
     parser.add_argument("--errata", type=Path, metavar="FILE", help="write the page on the paper")
     parser.add_argument("--jobs", type=int, default=None, help="processes for maps and campaigns")
-    parser.set_defaults(handler=lambda arguments: run(arguments, load, solver))
+    parser.set_defaults(run=lambda arguments: run(arguments, load, solver))
     return parser
 
 
 def run(
     arguments: argparse.Namespace,
-    load: Loader = load_builtin,
-    solver: SolverFactory = casadi_solver,
+    load: Loader,
+    solver: SolverFactory = newton_solver,
 ) -> int:
     """Do what the arguments say.
 
@@ -89,7 +77,7 @@ def run(
 
             write_page(arguments.errata)
             return 0
-        problem = load(arguments.config)
+        problem = load(arguments)
     except (ValueError, OSError) as error:
         print(f"uav_tracking stability: {error}", file=sys.stderr)
         return 2
@@ -241,15 +229,3 @@ def _figures(output: Path, problem: StabilityProblem, content: dict[str, Any]) -
     }
     ceiling = 1.15 * max(marks.values())
     decrease_figure(problem, marks, min(ceiling, 0.999 * varrho["domain"]), output / "decrease.png")
-
-
-def main(argv: list[str] | None = None) -> int:
-    """Run the command on its own: ``python -m uav_tracking_mpc.stability.command stability``."""
-    parser = argparse.ArgumentParser(prog="uav_tracking")
-    add_parser(parser.add_subparsers(required=True))
-    arguments = parser.parse_args(argv)
-    return int(arguments.handler(arguments))
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -75,6 +75,7 @@ class DecreaseMonitor:
         target_moved: bool = False,
         saturated: bool = False,
         converged: bool = True,
+        fraction: float = 1.0,
     ) -> DecreaseCheck | None:
         """Take the result of one solve and compare it with the one before.
 
@@ -85,6 +86,8 @@ class DecreaseMonitor:
             target_moved: The target has moved, or the wind changed, since the step before.
             saturated: The command was cut back outside the problem (envelope, rate limits).
             converged: The solver reached its tolerance.
+            fraction: Time since the step before over T_s. Below 1 the stage cost of that time is
+                asked for: between the steps of the discrete model (54) is a heuristic.
 
         Returns:
             None at the first step and after one without a finite cost.
@@ -94,7 +97,7 @@ class DecreaseMonitor:
         previous, check = self._last, None
         if previous is not None and np.isfinite(cost):
             last_cost, fall, was_inside, was_saturated = previous
-            bound = last_cost - fall
+            bound = last_cost - min(max(fraction, 0.0), 1.0) * fall
             held = bool(cost <= bound + self.tolerance * max(abs(last_cost), 1e-12))
             reason = ""
             if not held:
@@ -123,7 +126,7 @@ def _reason(was_inside: bool, converged: bool, target_moved: bool, saturated: bo
         return "saturation: the command flown is not the one planned"
     if not was_inside:
         return "terminal set not reached: the plan before did not end in X_f"
-    return "unknown: disturbance or model error"
+    return "unknown: disturbance, sampling or model error"
 
 
 def decrease_monitor(problem: StabilityProblem, level: float | None) -> DecreaseMonitor:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
+from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.mpc.quadratic import TerminalSet, quadratic_problem
 from uav_tracking_mpc.mpc.solver import Solver
@@ -13,17 +13,20 @@ from uav_tracking_mpc.stability.stability_problem import StabilityProblem
 SolverFactory = Callable[[OptimalControlProblem], Solver]
 
 
-def casadi_solver(problem: OptimalControlProblem) -> Solver:
-    """The default solver: takes any problem, not the fastest."""
-    return CasadiSolver(problem)
+def newton_solver(problem: OptimalControlProblem) -> Solver:
+    """The default solver, at module level so that processes of a campaign can find it."""
+    return NewtonSolver(problem)
 
 
-def tracking_problem(problem: StabilityProblem, level: float | None) -> OptimalControlProblem:
-    """(14)-(16) in error coordinates.
+def tracking_problem(
+    problem: StabilityProblem, level: float | None, penalty: float | None = None
+) -> OptimalControlProblem:
+    """(14)-(16) in tracking errors x = xbar - x_ss, u = ubar - u_ss.
 
     Args:
         problem: The configuration.
-        level: varrho of the hard terminal set (16e); None leaves it away.
+        level: varrho of the terminal set (16e); None leaves it away.
+        penalty: None to enforce the terminal set; else the L1 weight of a violation.
     """
     lower, upper = problem.deviation_bounds()
     return quadratic_problem(
@@ -35,5 +38,5 @@ def tracking_problem(problem: StabilityProblem, level: float | None) -> OptimalC
         terminal_weight=problem.ingredients().weight,
         input_lower=lower,
         input_upper=upper,
-        terminal_set=None if level is None else TerminalSet(level),
+        terminal_set=None if level is None else TerminalSet(level, penalty),
     )

@@ -12,20 +12,22 @@ from uav_tracking_mpc.stability import command
 from uav_tracking_mpc.stability.stability_problem import paper_problem
 
 
-def run(*argv, load=command.load_builtin):
-    parser = argparse.ArgumentParser()
-    command.add_parser(parser.add_subparsers(), load)
-    arguments = parser.parse_args(["stability", *map(str, argv)])
-    return arguments.handler(arguments)
-
-
-def quick(name):
+def quick(arguments):
     """(11) is proved in a tenth of the time that the exact model takes."""
-    return replace(paper_problem("paper"), name=name)
+    if arguments.config == "nowhere":
+        raise ValueError("config is 'nowhere', must be one of paper")
+    return replace(paper_problem("paper"), name=arguments.config)
+
+
+def run(*argv):
+    parser = argparse.ArgumentParser()
+    command.add_parser(parser.add_subparsers(), quick).add_argument("--config")
+    arguments = parser.parse_args(["stability", *map(str, argv)])
+    return arguments.run(arguments)
 
 
 def test_json_is_one_object_and_the_certificate_verifies(tmp_path, capsys):
-    assert run("--config", "quick", "--json", "--output", tmp_path, "--figures", load=quick) == 0
+    assert run("--config", "quick", "--json", "--output", tmp_path, "--figures") == 0
     content = json.loads(capsys.readouterr().out)
     assert content["certified"] is True
     assert content["paper_as_printed"]["holds"] is False

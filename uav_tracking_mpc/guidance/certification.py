@@ -1,0 +1,41 @@
+"""What may be claimed of the terminal set that the parameters fly."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
+from uav_tracking_mpc.guidance.tracking_problem import stability_problem, terminal_level
+from uav_tracking_mpc.parameters import ParameterError
+from uav_tracking_mpc.stability.certificate import mismatch, read_certificate
+from uav_tracking_mpc.stability.status import CertificateStatus, certificate_status
+
+
+def certification(parameters: TrackingParameters, folder: Path) -> CertificateStatus:
+    """Certified, sampled or neither, with the reason.
+
+    Args:
+        parameters: What is flown; with ``certificate`` set, that file counts.
+        folder: Otherwise, where the certificates lie among which one may fit.
+
+    Raises:
+        ParameterError: The file of ``certificate`` cannot be read.
+    """
+    problem, level = stability_problem(parameters), terminal_level(parameters)
+    ingredients = problem.ingredients()
+    if parameters.certificate:
+        try:
+            chosen = read_certificate(Path(parameters.certificate))
+        except (OSError, ValueError) as error:
+            raise ParameterError(
+                f"parameter 'certificate' is {parameters.certificate!r}, must be a certificate "
+                f"written by `uav_tracking stability`: {error}"
+            ) from error
+        return certificate_status(problem, ingredients, level, chosen)
+    fitting = None
+    if level is not None:
+        for path in sorted(folder.glob("*.json")):
+            content = read_certificate(path)
+            if mismatch(content, problem, ingredients, level) is None:
+                fitting = content
+    return certificate_status(problem, ingredients, level, fitting)
