@@ -16,7 +16,8 @@ demo: $(VENV)/demo
 	@$(CLEAN) $(BIN)/uav_tracking fly --config paper --output output/demo
 
 test: lint
-	$(CLEAN) $(CHECKED) $(BIN)/python -m pytest
+	$(CLEAN) $(CHECKED) $(BIN)/python -m pytest -m "not nodes" -n 2
+	$(CLEAN) $(CHECKED) $(BIN)/python -m pytest -m nodes
 
 lint: $(VENV)/test
 	$(BIN)/ruff check .

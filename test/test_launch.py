@@ -1,5 +1,6 @@
 """The launcher and its processes, for real."""
 
+import contextlib
 import json
 import os
 import subprocess
@@ -16,15 +17,31 @@ from uav_tracking_mpc.nodes.flight_bag import flight_log, messages
 from uav_tracking_mpc.nodes.topics import ALL, COMMAND, DIAGNOSTICS, ODOMETRY
 from uav_tracking_mpc.simulation.configuration import load_configuration
 
+pytestmark = pytest.mark.nodes
 
-def shared_memory():
-    folder = Path("/dev/shm")
-    return {path.name for path in folder.glob("*fastrtps*")} if folder.is_dir() else set()
+
+def mapped(process):
+    """Names of the Fast DDS files that a process maps."""
+    with contextlib.suppress(OSError):
+        lines = Path(f"/proc/{process}/maps").read_text(errors="replace").splitlines()
+        return {Path(line.split()[-1]).name for line in lines if "/dev/shm/fastrtps" in line}
+    return set()
+
+
+def left_behind(names):
+    """Which of these files, their locks and semaphores still lie there though nobody uses them."""
+    used = set().union(*(mapped(path.name) for path in Path("/proc").glob("[0-9]*")))
+    files = {
+        file
+        for name in names - used
+        for file in (name, f"{name}_el", f"sem.{name}_mutex")
+        if (Path("/dev/shm") / file).exists()
+    }
+    return files
 
 
 @pytest.fixture
 def launcher():
-    before = shared_memory()
     env = {key: value for key, value in environment().items() if key != "ROS_DOMAIN_ID"}
     process = subprocess.Popen(
         command("launch", "--config", "paper"),
@@ -39,7 +56,8 @@ def launcher():
             break
     process.nodes = nodes_of(process.pid)
     assert set(process.nodes) == {"uav_simulator", "target_publisher", "nmpc_controller"}
-    process.shared_memory = before
+    process.files = set().union(*(mapped(node) for node in process.nodes.values()))
+    assert process.files or sys.platform != "linux"
     yield process
     process.kill()
     process.wait()
@@ -54,7 +72,7 @@ def test_signals_are_passed_on_and_nothing_stays_behind(launcher, number):
     assert launcher.returncode == 0, output
     assert not any(alive(node) for node in launcher.nodes.values())
     assert "Traceback" not in output
-    assert shared_memory() <= launcher.shared_memory
+    assert not left_behind(launcher.files)
 
 
 @pytest.mark.timeout(90)
@@ -65,7 +83,7 @@ def test_a_node_that_dies_is_named_and_the_rest_is_stopped(launcher, victim):
     assert launcher.returncode == 1
     assert f"{victim} died with exit code -9" in output
     assert not any(alive(node) for node in launcher.nodes.values())
-    assert shared_memory() <= launcher.shared_memory
+    assert not left_behind(launcher.files)
 
 
 @pytest.mark.timeout(90)

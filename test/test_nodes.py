@@ -32,6 +32,8 @@ from uav_tracking_mpc.nodes.topics import (
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.parameters import ParameterError
 
+pytestmark = pytest.mark.nodes
+
 
 @pytest.fixture
 def executor():

@@ -3,6 +3,9 @@
 import pytest
 from processes import INTERRUPT, TERMINATE, run_node
 
+pytestmark = pytest.mark.nodes
+
+
 NODES = ("uav_simulator", "target_publisher", "nmpc_controller")
 FIRST_WORDS = {
     "uav_simulator": "waiting for the first command",

@@ -105,8 +105,10 @@ class DecreaseMonitor:
                 self.failed += 1
             self.checked += 1
             check = DecreaseCheck(held, float(cost), float(bound), reason)
-        fall = self.rate * float(error @ self.weight @ error)
-        self._last = (float(cost), fall, inside, saturated) if np.isfinite(cost) else None
+        self._last = None
+        if np.isfinite(cost):
+            fall = self.rate * float(error @ self.weight @ error)
+            self._last = (float(cost), fall, inside, saturated)
         return check
 
     def _ends_inside(self, final_error: NDArray[np.float64] | None) -> bool:
