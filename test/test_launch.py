@@ -31,13 +31,12 @@ def mapped(process):
 def left_behind(names):
     """Which of these files, their locks and semaphores still lie there though nobody uses them."""
     used = set().union(*(mapped(path.name) for path in Path("/proc").glob("[0-9]*")))
-    files = {
+    return {
         file
         for name in names - used
         for file in (name, f"{name}_el", f"sem.{name}_mutex")
         if (Path("/dev/shm") / file).exists()
     }
-    return files
 
 
 @pytest.fixture
