@@ -1,4 +1,4 @@
-# make demo   fly the paper's mission with three ROS 2 nodes and write output/report.html
+# make demo   fly the paper's mission with three ROS 2 nodes and write output/demo/report.html
 # make test   lint, type-check and test
 # make docs   write the tables of the README from the code
 # All keep their environment in .venv; PYTHON chooses the interpreter (3.10 to 3.13).

@@ -40,6 +40,13 @@ def test_simulate_speaks_to_people(tmp_path):
         (["simulate", "--duration", "-1"], 2, "parameter 'duration' is -1.0"),
         (["fly", "--speed", "1e9"], 2, "parameter 'speed' is 1000000000.0"),
         (["simulate", "--duration", "5", "--output", "/proc/nowhere"], 1, "/proc/nowhere"),
+        (
+            ["simulate", "--set", "uav_simulator.initial_position=[0,0,50]"],
+            1,
+            "the Euler plant has no value there",
+        ),
+        (["fly", "--domain-id", "500"], 2, "--domain-id"),
+        (["benchmark", "--cold", "-3"], 2, "--cold"),
         (["hover"], 2, "invalid choice: 'hover'"),
         ([], 2, "required: COMMAND"),
     ],
@@ -56,3 +63,9 @@ def test_help_teaches():
     text = run("--help").stdout
     for word in ("fly", "simulate", "monitor", "examples:"):
         assert word in text
+
+
+def test_a_mission_shorter_than_a_step_is_one_step(tmp_path):
+    few = ["--duration", "1", "--set", "nmpc_controller.horizon_step=5", "--output", tmp_path]
+    finished = run("simulate", *few, "--set", "nmpc_controller.solver=ipopt")
+    assert finished.returncode == 0, finished.stderr

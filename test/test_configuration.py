@@ -77,3 +77,17 @@ def test_unknown_configuration_lists_the_known(name):
 def test_bad_overrides_say_what_they_must_be(override):
     with pytest.raises(ParameterError, match="SECTION.PARAMETER=VALUE"):
         load_configuration("paper", [override])
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [("1.6e2", 160.0), ("1e3", 1000.0), ("2E+2", 200.0), ("150", 150.0)]
+)
+def test_numbers_may_have_exponents(text, value):
+    override = f"nmpc_controller.range={text}"
+    assert load_configuration("paper", [override]).controller.range == value
+
+
+@pytest.mark.parametrize("text", ["2:30", "0x96", "1_000", "9" * 400])
+def test_what_only_looks_like_a_number_is_refused(text):
+    with pytest.raises(ParameterError, match="'range' is"):
+        load_configuration("paper", [f"nmpc_controller.range={text}"])

@@ -100,6 +100,39 @@ def test_two_launches_get_two_domains():
         assert asked == 7
 
 
+@pytest.mark.timeout(90)
+@pytest.mark.parametrize(
+    ("after", "words"),
+    [
+        ("domain", "interrupted"),
+        ("t   ", "of 600 s were flown"),
+    ],
+)
+def test_an_interrupted_flight_says_so(tmp_path, after, words):
+    process = subprocess.Popen(
+        command("cli", "fly", "--duration", "600", "--output", tmp_path),
+        stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env=environment(),
+    )
+    assert process.stderr is not None
+    for line in process.stderr:
+        if line.startswith(after):
+            break
+    process.send_signal(INTERRUPT)
+    output, errors = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert words in errors
+    assert "Traceback" not in errors
+    if "flown" in words:
+        metrics = json.loads((tmp_path / "metrics.json").read_text())
+        assert metrics["duration_s"] < 600.0
+    else:
+        assert not list(tmp_path.iterdir())
+        assert output == ""
+
+
 @pytest.fixture(scope="module")
 def flight(tmp_path_factory):
     """A mission with real processes through the command, as a user runs it."""

@@ -16,6 +16,7 @@ from uav_tracking_mpc.nodes.conversions import (
     nanoseconds,
     plan_from_command,
     set_odometry,
+    set_point,
     vehicle_from_odometry,
 )
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
@@ -142,6 +143,41 @@ def test_bad_messages_are_refused_and_flight_goes_on(executor):
     assert controller._values()["messages refused"] > 10
     for message in heard[COMMAND.name]:
         assert np.all(np.isfinite(plan_from_command(message)[0]))
+
+
+@pytest.mark.timeout(60)
+def test_after_the_clock_went_back_commands_flow_again(executor):
+    heard = listen(executor, COMMAND)
+    add(executor, NmpcController)
+    sender = rclpy.create_node("sender", context=executor.context_of_nodes)
+    executor.add_node(sender)
+    odometry = sender.create_publisher(ODOMETRY.type, ODOMETRY.name, ODOMETRY.qos)
+    target = sender.create_publisher(TARGET.type, TARGET.name, TARGET.qos)
+    state = np.array([180.0, 0.0, 40.0, 2.0, 0.0, 4.0])
+
+    def send():
+        send.stamp += 100_000_000
+        message = ODOMETRY.type()
+        set_odometry(message, send.stamp, state, np.zeros(3))
+        odometry.publish(message)
+        message = TARGET.type()
+        set_point(message, send.stamp + send.ahead, np.zeros(3))
+        target.publish(message)
+
+    send.stamp, send.ahead = 100_000_000_000, 0
+    sender.create_timer(0.02, send)
+    assert spin(executor, lambda: len(heard[COMMAND.name]) > 5, 20.0)
+    send.stamp = 1_000_000_000
+    heard[COMMAND.name].clear()
+    assert spin(executor, lambda: len(heard[COMMAND.name]) > 5, 20.0)
+    # A target by another clock is no target; the right clock brings it back.
+    send.ahead = 3_600_000_000_000
+    spin(executor, lambda: False, 1.0)
+    heard[COMMAND.name].clear()
+    spin(executor, lambda: False, 1.0)
+    assert not heard[COMMAND.name]
+    send.ahead = 0
+    assert spin(executor, lambda: len(heard[COMMAND.name]) > 5, 20.0)
 
 
 @pytest.mark.parametrize(

@@ -92,3 +92,17 @@ def test_a_bad_plan_is_refused_and_the_present_one_stays(plan, starts):
 def test_limits_that_do_not_fit_are_named(values, name):
     with pytest.raises(ParameterError, match=name):
         SimulatorParameters(**values)
+
+
+def test_a_plan_from_the_future_is_refused():
+    plant = Plant(LEVEL_FLIGHT)
+    with pytest.raises(ValueError, match=r"begins 3600.000 s from now"):
+        plant.accept([[0.3, 0.0, 0.0]], [3600.0])
+    assert not plant.commanded
+
+
+def test_a_plan_older_than_the_one_that_is_flown_is_refused():
+    plant = Plant(LEVEL_FLIGHT)
+    plant.accept([[0.1, 0.0, 0.0]], [0.5])
+    with pytest.raises(ValueError, match="older"):
+        plant.accept([[0.2, 0.0, 0.0]], [0.4])

@@ -4,6 +4,8 @@ import pytest
 
 from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
 from uav_tracking_mpc.guidance.tracking_problem import tracking_problem
+from uav_tracking_mpc.parameters import ParameterError
+from uav_tracking_mpc.stability import terminal
 
 
 def test_box_is_taken_about_the_steady_inputs():
@@ -26,3 +28,14 @@ def test_terminal_set_is_as_large_as_the_inputs_allow(kind, penalty):
 
 def test_no_terminal_set_by_default():
     assert tracking_problem(TrackingParameters()).terminal_inequalities == ()
+
+
+def test_weights_that_give_no_terminal_controller_are_named(monkeypatch):
+    """Where the Riccati equation cannot be solved (weights fifteen decades apart, for one)."""
+
+    def unsolvable(*_):
+        raise np.linalg.LinAlgError("the pencil has eigenvalues on the unit circle")
+
+    monkeypatch.setattr(terminal, "solve_discrete_are", unsolvable)
+    with pytest.raises(ParameterError, match="'input_weights'.* unit circle"):
+        tracking_problem(TrackingParameters())

@@ -15,17 +15,16 @@ from rich.progress import Progress
 
 from uav_tracking_mpc import __version__
 from uav_tracking_mpc.benchmark.command import add_parser as add_benchmark_parser
-from uav_tracking_mpc.domain import DomainError
+from uav_tracking_mpc.domain import domain_number
 from uav_tracking_mpc.guidance.tracking_problem import stability_problem
 from uav_tracking_mpc.launch import (
-    LaunchError,
     add_configuration_arguments,
     add_launch_arguments,
     add_mission_arguments,
+    explained,
     launch,
     mission_configuration,
 )
-from uav_tracking_mpc.parameters import ParameterError
 from uav_tracking_mpc.report.mission_report import write_report
 from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.configuration import load_configuration
@@ -46,25 +45,12 @@ BAG = "mission.mcap"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Entry point: 0 done, 1 failed, 2 asked for something that is not allowed."""
+    """Entry point; the exit code is that of :class:`uav_tracking_mpc.launch.Ending`."""
     parsed = _parser().parse_args(arguments)
     logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr)
-    try:
-        return int(parsed.run(parsed))
-    except ParameterError as error:
-        return _fail(str(error), 2)
-    except ModuleNotFoundError as error:
-        if error.name is None or error.name.startswith("uav_tracking_mpc"):
-            raise
-        return _fail(
-            f"{error.name} is not installed; flying needs ROS 2 Jazzy: source its setup file, or "
-            "`pip install 'uav_tracking_mpc[ros]'`",
-            1,
-        )
-    except (LaunchError, DomainError, OSError) as error:
-        return _fail(str(error), 1)
-    except KeyboardInterrupt:
-        return _fail("interrupted", 130)
+    with explained("uav_tracking") as ending:
+        ending.code = int(parsed.run(parsed))
+    return ending.code
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -94,7 +80,12 @@ def _parser() -> argparse.ArgumentParser:
     add_benchmark_parser(commands)
 
     monitor = commands.add_parser("monitor", help="a live table of a flight in the terminal")
-    add_launch_arguments(monitor)
+    monitor.add_argument(
+        "--domain-id",
+        type=domain_number,
+        metavar="N",
+        help="ROS domain to watch (default: ROS_DOMAIN_ID, or 0); a launch prints its own",
+    )
     monitor.set_defaults(run=_monitor)
     return parser
 
@@ -124,11 +115,16 @@ def _simulate(arguments: argparse.Namespace) -> int:
 def _fly(arguments: argparse.Namespace) -> int:
     configuration = mission_configuration(arguments)
     bag = arguments.output / BAG
-    launch(configuration, domain=arguments.domain_id, bag=bag)
+    number = launch(configuration, domain=arguments.domain_id, bag=bag)
     from uav_tracking_mpc.nodes.flight_bag import flight_log
 
-    _finish(write_report(flight_log(bag, configuration), arguments.output), arguments)
-    return 0
+    log = flight_log(bag, configuration)
+    _finish(write_report(log, arguments.output), arguments)
+    if number is None:
+        return 0
+    wanted = configuration.mission.duration
+    print(f"interrupted: {log.duration:.1f} s of {wanted:g} s were flown", file=sys.stderr)
+    return 128 + number
 
 
 def _stability_problem(arguments: argparse.Namespace) -> StabilityProblem:
@@ -155,16 +151,12 @@ def _finish(metrics: dict, arguments: argparse.Namespace) -> None:
         f"{name} {'never' if time is None else f'{time:.1f} s'}" for name, time in settling.items()
     )
     print(f"settled: {words}")
-    print(
-        f"last third: range rms {steady['range_rms_m']:.4f} m, "
-        f"altitude rms {steady['altitude_rms_m']:.4f} m"
+    rms = {name: steady[f"{name}_rms_m"] for name in ("range", "altitude")}
+    words = ", ".join(
+        f"{name} rms {'-' if value is None else f'{value:.4f} m'}" for name, value in rms.items()
     )
+    print(f"last third: {words}")
     print(f"report: {arguments.output / 'report.html'}")
-
-
-def _fail(message: str, code: int) -> int:
-    print(f"uav_tracking: {message}", file=sys.stderr)
-    return code
 
 
 if __name__ == "__main__":

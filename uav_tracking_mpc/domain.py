@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 FIRST_DOMAIN, LAST_DOMAIN = 1, 101  # what Linux's ephemeral ports leave free
+GREATEST_DOMAIN = 232  # what DDS's port numbers leave room for
 
 
 class DomainError(RuntimeError):
@@ -40,3 +41,15 @@ def own_domain(domain: int | None) -> Iterator[int]:
             yield candidate
             return
     raise DomainError(f"all ROS domains from {FIRST_DOMAIN} to {LAST_DOMAIN} are in use")
+
+
+def domain_number(text: str) -> int:
+    """ROS_DOMAIN_ID given as text.
+
+    Raises:
+        ValueError: Not an integer from 0 to 232.
+    """
+    number = int(text)
+    if not 0 <= number <= GREATEST_DOMAIN:
+        raise ValueError(f"domain is {number}, must be from 0 to {GREATEST_DOMAIN}")
+    return number

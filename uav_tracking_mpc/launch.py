@@ -13,16 +13,18 @@ import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
-from uav_tracking_mpc.domain import DomainError, own_domain
+from uav_tracking_mpc.domain import DomainError, domain_number, own_domain
 from uav_tracking_mpc.node_process import STOP_LIMIT, NodeProcess
 from uav_tracking_mpc.parameters import ParameterError, specifications
 from uav_tracking_mpc.shared_memory import SharedMemoryFiles
+from uav_tracking_mpc.simulation.closed_loop import SimulationError
 from uav_tracking_mpc.simulation.configuration import (
     Configuration,
     MissionParameters,
@@ -33,11 +35,24 @@ NODES = ("uav_simulator", "target_publisher", "nmpc_controller")
 START_LIMIT = 60.0  # s of wall time for the first command
 DRAIN_TIME = 0.3  # s of wall time for the nodes' last messages
 NOTE_PERIOD = 0.5  # s of wall time between looks at the nodes' shared-memory files
+LOOK_PERIOD = 0.2  # s of wall time between looks at where the flight stands
 REPORT_PERIOD = 5.0  # s of wall time between lines where there is no terminal
 
 
 class LaunchError(RuntimeError):
     """The flight could not be flown; the message says why."""
+
+
+class FlightInterruptedError(LaunchError):
+    """A signal came before anything flew.
+
+    Attributes:
+        signal: Its number.
+    """
+
+    def __init__(self, number: int) -> None:
+        super().__init__("interrupted before the first command")
+        self.signal = number
 
 
 def launch(
@@ -46,7 +61,7 @@ def launch(
     domain: int | None = None,
     bag: Path | None = None,
     console: Console | None = None,
-) -> None:
+) -> int | None:
     """Fly a configuration with real nodes until its duration is over or a signal comes.
 
     Args:
@@ -55,12 +70,15 @@ def launch(
         bag: MCAP file to record every topic to.
         console: Where output and progress go, stderr by default.
 
+    Returns:
+        Number of the signal that ended the flight, None if it was flown to its end.
+
     Raises:
         LaunchError: A node died, or nothing flew.
         ModuleNotFoundError: There is no rclpy.
     """
     console = console or Console(stderr=True)
-    with own_domain(domain) as claimed:
+    with own_domain(domain) as claimed, _signals() as received:
         os.environ.update(
             ROS_DOMAIN_ID=str(claimed),
             ROS_AUTOMATIC_DISCOVERY_RANGE=os.environ.get(
@@ -79,7 +97,7 @@ def launch(
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         files = SharedMemoryFiles()
         try:
-            _fly(configuration, bag, files, console)
+            return _fly(configuration, bag, files, received, console)
         finally:
             rclpy.try_shutdown()
             files.remove_orphans()
@@ -89,8 +107,9 @@ def _fly(
     configuration: Configuration,
     bag_path: Path | None,
     files: SharedMemoryFiles,
+    received: list[int],
     console: Console,
-) -> None:
+) -> int | None:
     from rclpy.experimental.events_executor import EventsExecutor
 
     from uav_tracking_mpc.nodes.flight_bag import FlightBag
@@ -102,7 +121,7 @@ def _fly(
     executor = EventsExecutor()
     executor.add_node(recorder)
     try:
-        with _signals() as received, tempfile.TemporaryDirectory() as folder:
+        with tempfile.TemporaryDirectory() as folder:
             parameters = Path(folder) / "parameters.yaml"
             parameters.write_text(configuration.yaml(), encoding="utf-8")
             try:
@@ -111,13 +130,15 @@ def _fly(
                     processes.append(NodeProcess(name, arguments, console))
                 _watch(configuration, recorder, executor, processes, files, received, console)
             finally:
-                number = received[0] if received else signal.SIGINT
                 files.note(process.identity for process in processes)
+                # SIGTERM, whichever came: a node that is still loading ends on it without a word.
                 for process in processes:
-                    process.send_signal(number)
+                    process.send_signal(signal.SIGTERM)
                 _drain(executor, processes)  # their last diagnostics
                 for process in processes:
-                    process.stop(number)
+                    process.stop(signal.SIGTERM)
+        if received and recorder.progress().time is None:
+            raise FlightInterruptedError(received[0])
     except BaseException:
         if bag is not None:
             bag.discard()
@@ -127,6 +148,7 @@ def _fly(
         recorder.destroy_node()
     if bag is not None:
         bag.close()
+    return received[0] if received else None
 
 
 def _node_arguments(name: str, parameters: Path, configuration: Configuration) -> list[str]:
@@ -158,7 +180,7 @@ def _watch(
 ) -> None:
     """Spin the recorder and show progress until the mission ends, a signal comes or a node dies."""
     duration = configuration.mission.duration
-    begin = shown = time.monotonic()
+    begin = shown = looked = time.monotonic()
     noted = 0.0
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:3.0f}%"))
     with Progress(
@@ -174,17 +196,17 @@ def _watch(
             if now - noted > NOTE_PERIOD:
                 noted = now
                 files.note([os.getpid(), *(process.identity for process in processes)])
-            period = 0.2 if console.is_terminal else REPORT_PERIOD
-            progress = recorder.progress() if now - shown > 0.2 else None  # type: ignore[attr-defined]
-            if progress is None:
+            if now - looked < LOOK_PERIOD:  # decoding costs what the recorder needs to keep up
                 continue
+            looked = now
+            progress = recorder.progress()  # type: ignore[attr-defined]
             if progress.time is None:
                 if now - begin > START_LIMIT:
                     raise LaunchError(f"no command within {START_LIMIT:g} s")
                 continue
             if progress.time >= duration:
                 return
-            if now - shown > period:
+            if console.is_terminal or now - shown > REPORT_PERIOD:
                 shown = now
                 line = (
                     f"t {progress.time:6.1f} s   range {progress.range:7.2f} m   "
@@ -221,6 +243,44 @@ def _signals() -> Iterator[list[int]]:
     finally:
         for number, handler in previous.items():
             signal.signal(number, handler)
+
+
+@dataclass
+class Ending:
+    """How a command ended.
+
+    Attributes:
+        code: Exit code: 0 done, 1 failed, 2 asked for what is not allowed, 128 + n by signal n.
+    """
+
+    code: int = 0
+
+
+@contextmanager
+def explained(program: str) -> Iterator[Ending]:
+    """Turn what a command may expect to go wrong into one line and an exit code."""
+    ending = Ending()
+    try:
+        yield ending
+    except FlightInterruptedError as error:
+        ending.code, message = 128 + error.signal, str(error)
+    except KeyboardInterrupt:
+        ending.code, message = 128 + signal.SIGINT, "interrupted"
+    except ParameterError as error:
+        ending.code, message = 2, str(error)
+    except ModuleNotFoundError as error:
+        if error.name is None or error.name.startswith("uav_tracking_mpc"):
+            raise
+        ending.code = 1
+        message = (
+            f"{error.name} is not installed; flying needs ROS 2 Jazzy: source its setup file, or "
+            "`pip install 'uav_tracking_mpc[ros]'`"
+        )
+    except (LaunchError, DomainError, SimulationError, OSError) as error:
+        ending.code, message = 1, str(error)
+    else:
+        return
+    print(f"{program}: {message}", file=sys.stderr)
 
 
 def add_configuration_arguments(parser: argparse.ArgumentParser) -> None:
@@ -269,7 +329,7 @@ def add_launch_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of commands that start nodes."""
     parser.add_argument(
         "--domain-id",
-        type=int,
+        type=domain_number,
         metavar="N",
         help="ROS domain to fly in (default: one that no other launch uses)",
     )
@@ -285,15 +345,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     add_mission_arguments(parser)
     add_launch_arguments(parser)
     parsed = parser.parse_args(arguments)
-    try:
+    with explained("launch_tracking") as ending:
+        # Until somebody ends it, unless a duration is asked for: a signal is no failure.
         launch(mission_configuration(parsed), domain=parsed.domain_id)
-    except ParameterError as error:
-        print(f"launch_tracking: {error}", file=sys.stderr)
-        return 2
-    except (LaunchError, DomainError) as error:
-        print(f"launch_tracking: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return ending.code
 
 
 if __name__ == "__main__":

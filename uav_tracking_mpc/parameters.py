@@ -96,7 +96,7 @@ class Specification:
                 raise self._error(value)
             if len(elements) != self.size if self.size else len(elements) % self.multiple:
                 raise self._error(value)
-            return tuple(float(element) for element in elements)
+            return tuple(self._float(element) for element in elements)
         if isinstance(self.default, bool):
             if isinstance(value, bool):
                 return value
@@ -105,10 +105,16 @@ class Specification:
                 return value
         elif isinstance(self.default, float):
             if _is_number(value):
-                return float(value)
+                return self._float(value)
         elif isinstance(value, str):
             return value
         raise self._error(value)
+
+    def _float(self, value: float) -> float:
+        try:
+            return float(value)
+        except OverflowError:  # an integer beyond every float
+            raise self._error(value) from None
 
     def _error(self, value: Any) -> ParameterError:
         return ParameterError(f"parameter '{self.name}' is {value!r}, must be {self.allowed}")

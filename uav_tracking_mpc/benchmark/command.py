@@ -30,15 +30,21 @@ def add_parser(subparsers: Any) -> argparse.ArgumentParser:
     return parser
 
 
+def _count(text: str) -> int:
+    if int(text) < 1:
+        raise ValueError(f"{text} is not positive")
+    return int(text)
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     parser.add_argument("--output", type=Path, metavar="DIR", help="where the figure and JSON go")
     parser.add_argument(
         "--json", action="store_true", help="print one JSON object and nothing else"
     )
-    parser.add_argument("--cold", type=int, default=2000, help="random cold starts for ours")
+    parser.add_argument("--cold", type=_count, default=2000, help="random cold starts for ours")
     parser.add_argument(
-        "--peers-cold", type=int, default=20, help="how many of them the peers solve as well"
+        "--peers-cold", type=_count, default=20, help="how many of them the peers solve as well"
     )
     parser.add_argument("--seed", type=int, default=0, help="of the random states")
     parser.add_argument("--quick", action="store_true", help="few repetitions, no figure")

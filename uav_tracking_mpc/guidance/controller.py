@@ -74,6 +74,9 @@ class TrackingController:
         self.solver = solver or tracking_solver(parameters)
         self.steady_inputs = parameters.steady_inputs
         self.decrease = decrease_monitor(stability_problem(parameters), terminal_level(parameters))
+        # The path angle is taken out no faster than commands can follow it.
+        period = 1.0 / parameters.control_rate
+        self._levelling_time = max(1.0, parameters.horizon_step, 2.0 * period)
         self._plan: NDArray[np.float64] | None = None
         self._plan_age = 0.0
 
@@ -115,7 +118,7 @@ class TrackingController:
         level = np.zeros((1, 3))
         path_angle = float(np.asarray(relative, dtype=float)[3])
         if np.isfinite(path_angle):
-            level[0, 1] = -path_angle / self.parameters.horizon_step
+            level[0, 1] = -path_angle / self._levelling_time
         source = Source.WINGS_LEVEL
         return self._command(
             self._inside(level), source, solution.message, error, solution, decrease

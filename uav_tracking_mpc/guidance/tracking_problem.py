@@ -6,6 +6,7 @@ import numpy as np
 
 from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
+from uav_tracking_mpc.parameters import ParameterError
 from uav_tracking_mpc.stability.stability_problem import StabilityProblem
 from uav_tracking_mpc.stability.terminal import input_limited_level
 from uav_tracking_mpc.stability.tracking_problem import tracking_problem as problem_of
@@ -43,7 +44,13 @@ def tracking_problem(parameters: TrackingParameters) -> OptimalControlProblem:
     """P_N(x_0), (16), of the parameters.
 
     Raises:
-        ValueError: No stabilising terminal controller for this orbit and these weights.
+        ParameterError: No stabilising terminal controller for this orbit and these weights.
     """
     penalty = parameters.terminal_penalty if parameters.terminal_constraint == "soft" else None
-    return problem_of(stability_problem(parameters), terminal_level(parameters), penalty)
+    try:
+        return problem_of(stability_problem(parameters), terminal_level(parameters), penalty)
+    except (ValueError, np.linalg.LinAlgError) as error:
+        raise ParameterError(
+            "parameters 'state_weights', 'input_weights', 'terminal_scaling' and the orbit give no "
+            f"problem that can be solved: {error}"
+        ) from error

@@ -26,9 +26,8 @@ class Diagnostics:
     def __init__(self, node: Node, values: Callable[[], Mapping[str, object]]) -> None:
         self._node = node
         self._values = values
-        self._status = DiagnosticStatus(
-            level=WARN, name=f"{node.get_name()}: status", message="starting"
-        )
+        name = node.get_fully_qualified_name().lstrip("/")
+        self._status = DiagnosticStatus(level=WARN, name=f"{name}: status", message="starting")
         self._status.hardware_id = "uav_tracking_mpc"
         self._message = DiagnosticArray(status=[self._status])
         self._publisher = node.create_publisher(DIAGNOSTICS.type, DIAGNOSTICS.name, DIAGNOSTICS.qos)

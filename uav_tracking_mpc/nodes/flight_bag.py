@@ -112,19 +112,26 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
             sent.append(time)
         elif topic is DIAGNOSTICS:
             for status in message.status:
-                node = status.name.partition(":")[0]
+                node = status.name.partition(":")[0].rpartition("/")[2]
                 reports[node] = {entry.key: entry.value for entry in status.values}
         else:
             values[by_name[topic.name]].append((time, message.data))
     if not commands:
         raise ValueError(f"bag {path} holds no command: the controller never flew")
     start = commands[0][0]
-    flown = [(stamp, state) for stamp, state in states if stamp >= start]
+    end = start + round(configuration.mission.duration * 1e9)
+    flown = [(stamp, state) for stamp, state in states if start <= stamp <= end]
+    latency = _latency(states, commands, heard, sent)
+    within = sum(stamp <= end for stamp, _ in commands)
+    commands, sent = commands[:within], sent[:within]
+    # An interrupted flight is as long as it was flown; a whole one may lack its last state.
+    span = (flown[-1][0] - start) * 1e-9 if flown else 0.0
+    span += 1.0 / configuration.simulator.state_rate
     controller, simulator = reports.get("nmpc_controller", {}), reports.get("uav_simulator", {})
     tracking = configuration.controller
     return FlightLog(
         config=configuration.name,
-        duration=configuration.mission.duration,
+        duration=min(configuration.mission.duration, span),
         speed=configuration.mission.speed,
         model=tracking.model,
         plant="vehicle",
@@ -147,9 +154,9 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
             sent=int(controller.get("commands sent", len(commands))),
             late=int(controller.get("commands late", 0)),
             plan_reused=int(controller.get("plan reused", 0)),
-            failsafe=int(simulator.get("failsafe", 0)),
+            failsafe=int(simulator.get("failsafe", 0)) + int(controller.get("wings level", 0)),
         ),
-        latency=_latency(states, commands, heard, sent),
+        latency=latency,
     )
 
 

@@ -12,6 +12,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rich.console import Console, Group
 from rich.live import Live
+from rich.markup import escape
 from rich.table import Table
 
 from uav_tracking_mpc.nodes.conversions import (
@@ -70,12 +71,14 @@ class Monitor(Node):
         for heading in ("topic", "rate", "value"):
             flight.add_column(heading)
         for topic in (ODOMETRY, TARGET, COMMAND, *TRACKING.values()):
-            flight.add_row(topic.name, self._rate(topic), self._words(topic))
+            flight.add_row(topic.name, self._rate(topic), escape(self._words(topic)))
         nodes = Table(title="nodes", expand=True)
         for heading in ("node", "level", "says"):
             nodes.add_column(heading)
         for name, status in sorted(self._statuses.items()):
-            nodes.add_row(name.partition(":")[0], LEVELS.get(status.level, "?"), status.message)
+            # Others publish here too: their words are text, not markup.
+            level = LEVELS.get(status.level, "?")
+            nodes.add_row(escape(name.partition(":")[0]), level, escape(status.message))
         return Group(flight, nodes)
 
     def _rate(self, topic: Topic) -> str:
@@ -108,7 +111,7 @@ class Monitor(Node):
                     f"acceleration {acceleration:+.4f} m/s^2"
                 )
         except MessageError as error:
-            return f"[red]{error}[/]"
+            return f"unusable: {error}"
         unit = topic.meaning.partition("[")[2].partition("]")[0]
         return (
             f"{message.data:+.4f} {unit}"

@@ -15,6 +15,7 @@ from uav_tracking_mpc.dynamics import vehicle
 from uav_tracking_mpc.dynamics.relative import relative_state
 from uav_tracking_mpc.guidance.certification import certification
 from uav_tracking_mpc.guidance.controller import Command, Source, TrackingController
+from uav_tracking_mpc.guidance.pace import Pace
 from uav_tracking_mpc.guidance.target_filter import TargetFilter
 from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
 from uav_tracking_mpc.nodes import diagnostics
@@ -51,12 +52,12 @@ class NmpcController(Node):
         """Declare parameters, build the controller and connect; options as of rclpy's Node."""
         super().__init__("nmpc_controller", **options)
         self.parameters = declare_parameters(self, TrackingParameters)
-        self._period = round(1e9 / self.parameters.control_rate)
+        self._pace = Pace(self.parameters.control_rate)
         self._controller = TrackingController(self.parameters)
         self._certification = certification(
             self.parameters, configuration_folder() / "certificates"
         )
-        self._decrease_reason = ""
+        self._decrease_reason = self._failure_reason = ""
         self._target = TargetFilter(self.parameters.target_noise, self.parameters.target_agility)
         self._last_target: NDArray[np.float64] | None = None
         self._origin: int | None = None  # first stamp seen [ns]; times below are since then
@@ -109,23 +110,42 @@ class NmpcController(Node):
             return
         stamp = nanoseconds(message.header.stamp)
         if self._state_stamp is not None and stamp <= self._state_stamp:
-            return  # a duplicate, or older than what is known
+            if self._state_stamp - stamp < self.parameters.state_timeout * 1e9:
+                return  # a duplicate, or older than what is known
+            self._restart(self._state_stamp - stamp)
         self._state_stamp, self._state_arrival = stamp, arrival
-        due = self._control_stamp is None or stamp - self._control_stamp >= 0.99 * self._period
-        if not due:
+        if not self._pace.due(stamp):
             return
         target = self._target_at(stamp)
-        if target is None:
-            self._diagnostics.report(diagnostics.WARN, "no target position: no command is sent")
-            return
-        self._control(stamp, arrival, state, target)
+        if target is not None:
+            self._control(stamp, arrival, state, target)
+
+    def _restart(self, step: int) -> None:
+        """Time has gone back: what was learned belongs to a time that is no more."""
+        self.get_logger().warning(
+            f"uav/odometry: header.stamp went back by {step * 1e-9:.3f} s, starting anew"
+        )
+        self._controller.reset()
+        self._target.reset()
+        self._pace.reset()
+        self._origin = self._control_stamp = self._last_target = None
 
     def _target_at(self, stamp: int) -> NDArray[np.float64] | None:
-        """Position of the target at a stamp, None if it is unknown or too old."""
-        now = self._seconds(stamp)
-        if self._target.time is None or now - self._target.time > self.parameters.target_timeout:
-            return None
-        return self._target.predict(now)[0]
+        """Position of the target at a stamp, None (and said why) if it is unknown."""
+        now, timeout = self._seconds(stamp), self.parameters.target_timeout
+        age = None if self._target.time is None else now - self._target.time
+        if age is not None and abs(age) <= timeout:
+            return self._target.predict(now)[0]
+        if age is None:
+            words = "no target position"
+        elif age > timeout:
+            words = "target position is lost"
+        else:
+            # From another clock, or absurd: it must not keep the next ones out.
+            self._target.reset()
+            words = "target/position is stamped ahead of uav/odometry: do the clocks agree?"
+        self._diagnostics.report(diagnostics.WARN, f"{words}: no command is sent")
+        return None
 
     def _control(
         self, stamp: int, arrival: float, state: NDArray[np.float64], target: NDArray[np.float64]
@@ -143,16 +163,20 @@ class NmpcController(Node):
         self._publish_view(stamp, state, target, command)
         if command.source is Source.OPTIMAL:
             self._diagnostics.report(diagnostics.OK, "tracking on optimal plans")
-        else:
-            level = diagnostics.WARN if command.source is Source.EARLIER_PLAN else diagnostics.ERROR
-            self._diagnostics.report(level, f"flying {command.source.value}: {command.reason}")
+            return
+        self._failure_reason = command.reason
+        self.get_logger().warning(
+            f"no optimal plan: {command.reason}", throttle_duration_sec=WARNING_PERIOD
+        )
+        level = diagnostics.WARN if command.source is Source.EARLIER_PLAN else diagnostics.ERROR
+        self._diagnostics.report(level, f"flying {command.source.value}, not the optimal one")
 
     def _count(self, stamp: int, command: Command) -> None:
         self._counts["sent"] += 1
         self._counts["plan reused"] += command.source is Source.EARLIER_PLAN
         self._counts["wings level"] += command.source is Source.WINGS_LEVEL
         if self._control_stamp is not None:
-            self._counts["late"] += stamp - self._control_stamp > 1.5 * self._period
+            self._counts["late"] += stamp - self._control_stamp > 1.5 * self._pace.period
         self._solve_times.add(command.solution.solve_time * 1e6)
         if command.decrease is not None and not command.decrease.held:
             self._decrease_reason = command.decrease.reason
@@ -202,6 +226,7 @@ class NmpcController(Node):
             "solver": self._controller.solver.name,
             "solves": solve.count,
             "solver failures": counts["plan reused"] + counts["wings level"],
+            "last failure": self._failure_reason,
             "solve time median [us]": solve.percentile(50.0),
             "solve time p99 [us]": solve.percentile(99.0),
             "solve time max [us]": solve.max,

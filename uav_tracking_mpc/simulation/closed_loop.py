@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.dynamics.angles import wrap_angle
 from uav_tracking_mpc.dynamics.relative import rates_function, relative_state, vehicle_state
 from uav_tracking_mpc.guidance.controller import Command, Source, TrackingController
+from uav_tracking_mpc.guidance.pace import Pace
 from uav_tracking_mpc.guidance.target_filter import TargetFilter
 from uav_tracking_mpc.simulation.configuration import Configuration
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog
@@ -17,6 +18,10 @@ from uav_tracking_mpc.simulation.plant import Plant
 from uav_tracking_mpc.simulation.target_motion import target_position
 
 Progress = Callable[[float], None]
+
+
+class SimulationError(RuntimeError):
+    """The flight left what the model can describe; the message says where."""
 
 
 class _Recorder:
@@ -80,7 +85,13 @@ def _euler_mission(configuration: Configuration, progress: Progress) -> FlightLo
     target = target_position(configuration.target, 0.0)
     relative, heading = relative_state(start, target), float(start[3])
     recorder = _Recorder()
-    for k in range(round(configuration.mission.duration / step)):
+    for k in range(max(1, round(configuration.mission.duration / step))):
+        if not relative[0] > abs(relative[2]):
+            raise SimulationError(
+                f"at {k * step:g} s the range is {relative[0]:.6g} m at a height of "
+                f"{relative[2]:.6g} m: the Euler plant has no value there; fly the vehicle with "
+                "--set mission.plant=vehicle"
+            )
         vehicle = vehicle_state(relative, float(heading - relative[1] - np.pi), target)  # (4)
         recorder.states.append((k * step, vehicle, target))
         command = controller.step(relative, step if k else None)
@@ -90,8 +101,9 @@ def _euler_mission(configuration: Configuration, progress: Progress) -> FlightLo
         relative[1] = wrap_angle(relative[1])
         heading += step * inputs[0]
         progress((k + 1) * step)
-    vehicle = vehicle_state(relative, float(heading - relative[1] - np.pi), target)
-    recorder.states.append(((k + 1) * step, vehicle, target))
+    if relative[0] > abs(relative[2]):
+        vehicle = vehicle_state(relative, float(heading - relative[1] - np.pi), target)
+        recorder.states.append(((k + 1) * step, vehicle, target))
     return recorder.log(configuration, "euler", controller.solver.name, 0)
 
 
@@ -104,7 +116,7 @@ def _vehicle_mission(configuration: Configuration, progress: Progress) -> Flight
     noise = np.random.default_rng(configuration.target.seed)
     recorder = _Recorder()
     tick = 1.0 / simulator.state_rate
-    control_ticks = max(1, round(simulator.state_rate / tracking.control_rate))
+    pace, last = Pace(tracking.control_rate), 0.0
     target_ticks = max(1, round(simulator.state_rate / configuration.target.rate))
     count = round(configuration.mission.duration * simulator.state_rate)
     for k in range(count + 1):
@@ -113,9 +125,10 @@ def _vehicle_mission(configuration: Configuration, progress: Progress) -> Flight
         recorder.states.append((now, plant.state, target))
         if k % target_ticks == 0:
             measured.update(now, target + configuration.target.noise * noise.standard_normal(3))
-        if k % control_ticks == 0 and k < count:
+        if k < count and pace.due(round(now * 1e9)):
             relative = relative_state(plant.state, measured.predict(now)[0])
-            command = controller.step(relative, control_ticks * tick if k else None)
+            command = controller.step(relative, now - last if k else None)
+            last = now
             recorder.commands.append((now, command))
             plant.accept(command.inputs, now + command.step * np.arange(len(command.inputs)))
             progress(now)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from importlib import resources
@@ -29,6 +30,25 @@ class MissionParameters:
         "What simulate flies: the exact vehicle, or the prediction model by Euler's method.",
         choices=("vehicle", "euler"),
     )
+
+
+class _Loader(yaml.SafeLoader):
+    """Numbers as YAML 1.2 and people write them: 1e3 is one, 1:30 is none."""
+
+
+_NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
+_Loader.yaml_implicit_resolvers = {
+    first: [(tag, pattern) for tag, pattern in resolvers if tag not in _NUMBERS]
+    for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
+}
+_Loader.add_implicit_resolver(_NUMBERS[0], re.compile(r"[-+]?[0-9]+$"), list("-+0123456789"))
+_Loader.add_implicit_resolver(
+    _NUMBERS[1],
+    re.compile(
+        r"([-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN))$"
+    ),
+    list("-+0123456789."),
+)
 
 
 SECTIONS: dict[str, type] = {
@@ -100,7 +120,7 @@ def load_configuration(name_or_file: str, overrides: Iterable[str] = ()) -> Conf
             f"{', '.join(configuration_names())}"
         )
     try:
-        sections = _sections(yaml.safe_load(path.read_text(encoding="utf-8")), path)
+        sections = _sections(yaml.load(path.read_text(encoding="utf-8"), _Loader), path)
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise ParameterError(f"configuration {path} cannot be read: {error}") from error
     for override in overrides:
@@ -149,6 +169,6 @@ def _override(sections: dict[str, dict[str, Any]], override: str) -> None:
             f"{', '.join(SECTIONS)}"
         )
     try:
-        sections[section][parameter_name] = yaml.safe_load(text)
+        sections[section][parameter_name] = yaml.load(text, _Loader)
     except yaml.YAMLError as error:
         raise ParameterError(f"override {override!r} is not YAML: {error}") from error

@@ -19,7 +19,7 @@ class CommandCounts:
         sent: Commands published by the controller.
         late: Commands that came more than half a control period after they were due.
         plan_reused: Commands taken from an earlier plan because no new one was available.
-        failsafe: Times the vehicle ran out of plan and held wings level.
+        failsafe: Wings level, commanded by the controller or because the vehicle ran out of plan.
     """
 
     sent: int = 0

@@ -12,6 +12,7 @@ from uav_tracking_mpc.dynamics import vehicle
 from uav_tracking_mpc.parameters import ParameterError, parameter
 
 LEVELLING_TIME = 1.0  # s, in which wings-level flight takes the path angle out
+LEAD_LIMIT = 1.0  # s, by which a plan may begin in the future
 
 
 @dataclass(frozen=True)
@@ -145,7 +146,8 @@ class Plant:
                 as long as the one before it, a single one lasts 1 s.
 
         Raises:
-            ValueError: Empty, not finite, not in order; the present plan stays.
+            ValueError: Empty, not finite, not in order, older than the present plan, or from the
+                future; the present plan stays.
         """
         plan, starts = np.asarray(plan, dtype=float), np.asarray(starts, dtype=float)
         if plan.ndim != 2 or plan.shape[1] != 3 or len(plan) == 0 or starts.shape != (len(plan),):
@@ -155,6 +157,12 @@ class Plant:
         steps = np.diff(starts)
         if np.any(steps <= 0.0):
             raise ValueError("plan's segments are not in order of time")
+        if starts[0] > self.time + LEAD_LIMIT:
+            raise ValueError(
+                f"plan begins {starts[0] - self.time:.3f} s from now, may by {LEAD_LIMIT:g} s"
+            )
+        if len(self._starts) and starts[0] < self._starts[0]:
+            raise ValueError("plan is older than the one that is flown")
         self._plan = np.clip(plan, self._lower, self._upper)
         self._starts = starts
         self._end = starts[-1] + (steps[-1] if len(steps) else 1.0)
