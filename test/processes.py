@@ -52,7 +52,7 @@ def run_node(name, *arguments, stop=None, after="", limit=30.0):
 def nodes_of(launcher):
     """Process ids of a launcher's nodes, by name."""
     children = subprocess.run(
-        ["ps", "-o", "pid=,args=", "--ppid", str(launcher)], capture_output=True, text=True
+        ["ps", "-ww", "-o", "pid=,args=", "--ppid", str(launcher)], capture_output=True, text=True
     ).stdout
     found = {}
     for line in children.splitlines():
