@@ -38,6 +38,9 @@ def _count(text: str) -> int:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
+    parser.add_argument(
+        "--config", default="paper", choices=["paper"], help="what the cases are built on"
+    )
     parser.add_argument("--output", type=Path, metavar="DIR", help="where the figure and JSON go")
     parser.add_argument(
         "--json", action="store_true", help="print one JSON object and nothing else"

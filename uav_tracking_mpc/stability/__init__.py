@@ -13,7 +13,7 @@
 ``ball``                 CasADi functions in ball arithmetic (python-flint)
 ``closed_loop``          f(x, K x) and derivatives with exact numbers
 ``quadratic_bound``      the one kind of inequality that is proved
-``box_test``             is it true on one box? with the guesses of ``box_guess``
+``box_check``             is it true on one box? with the guesses of ``box_guess``
 ``cover``                is it true on all of X_f? halve boxes until it is
 ``admissible``           inputs in U, states in the model's domain, on all of X_f
 ``direct_condition``     the three together: X_f is a terminal set

@@ -1,6 +1,6 @@
 """Good guesses for the test of a box, in plain floating point: nothing here has to be right.
 
-The bound q of ``box_test`` has free numbers: Young's t, the multiplier m, the diagonal D and a
+The bound q of ``box_check`` has free numbers: Young's t, the multiplier m, the diagonal D and a
 point of tangency. Any choice is sound; these make q small.
 """
 

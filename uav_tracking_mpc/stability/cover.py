@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from uav_tracking_mpc.stability.ball import PRECISION, flint
-from uav_tracking_mpc.stability.box_test import BoxTest
+from uav_tracking_mpc.stability.box_check import BoxTest
 from uav_tracking_mpc.stability.quadratic_bound import QuadraticBound
 
 DEPTH_LIMIT = 80

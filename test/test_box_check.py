@@ -5,7 +5,7 @@ import pytest
 
 flint = pytest.importorskip("flint")
 
-from uav_tracking_mpc.stability.box_test import (  # noqa: E402
+from uav_tracking_mpc.stability.box_check import (  # noqa: E402
     BoxTest,
     is_positive_definite,
     short_upper,
