@@ -15,6 +15,7 @@ from uav_tracking_mpc.domain import LAST_DOMAIN, own_domain
 from uav_tracking_mpc.nodes.conversions import plan_from_command, vehicle_from_odometry
 from uav_tracking_mpc.nodes.flight_bag import flight_log, messages
 from uav_tracking_mpc.nodes.topics import ALL, COMMAND, DIAGNOSTICS, ODOMETRY
+from uav_tracking_mpc.shared_memory import SharedMemoryFiles
 from uav_tracking_mpc.simulation.configuration import load_configuration
 
 pytestmark = pytest.mark.nodes
@@ -57,10 +58,13 @@ def launcher():
     assert set(process.nodes) == {"uav_simulator", "target_publisher", "nmpc_controller"}
     process.files = set().union(*(mapped(node) for node in process.nodes.values()))
     assert process.files or sys.platform != "linux"
+    rests = SharedMemoryFiles()
+    rests.note(process.nodes.values())
     yield process
     process.kill()
     process.wait()
     assert wait_for(lambda: not any(alive(node) for node in process.nodes.values()), 10.0)
+    rests.remove_orphans()  # a killed launcher cannot
 
 
 @pytest.mark.timeout(90)
@@ -90,6 +94,17 @@ def test_a_node_that_dies_is_named_and_the_rest_is_stopped(launcher, victim):
 def test_nodes_do_not_outlive_a_killed_launcher(launcher):
     launcher.kill()
     assert wait_for(lambda: not any(alive(node) for node in launcher.nodes.values()), 10.0)
+
+
+@pytest.mark.timeout(60)
+def test_a_launch_may_be_ended_before_it_flies():
+    process = subprocess.Popen(command("launch"), stderr=subprocess.PIPE, text=True)
+    assert process.stderr is not None
+    assert "domain" in process.stderr.readline()
+    process.send_signal(INTERRUPT)
+    errors = process.communicate(timeout=30)[1]
+    assert process.returncode == 0
+    assert "Traceback" not in errors
 
 
 def test_two_launches_get_two_domains():

@@ -12,7 +12,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
@@ -345,8 +345,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     add_mission_arguments(parser)
     add_launch_arguments(parser)
     parsed = parser.parse_args(arguments)
-    with explained("launch_tracking") as ending:
-        # Until somebody ends it, unless a duration is asked for: a signal is no failure.
+    # A launcher runs until somebody ends it: a signal is no failure, as for a node.
+    with explained("launch_tracking") as ending, suppress(FlightInterruptedError):
         launch(mission_configuration(parsed), domain=parsed.domain_id)
     return ending.code
 
