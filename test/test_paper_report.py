@@ -11,6 +11,7 @@ from uav_tracking_mpc.stability.paper_report_text import (
     as_json,
     as_markdown,
     as_table,
+    verdicts,
 )
 from uav_tracking_mpc.stability.stability_problem import PAPER_INITIAL_STATE, paper_problem
 
@@ -60,6 +61,9 @@ def test_every_row_has_a_verdict(rows):
     assert all(row.verdict for row in rows.values())
     assert len(as_json(list(rows.values()))) == len(rows)
     assert as_table(list(rows.values())).row_count == len(rows)
+    lines = verdicts(list(rows.values()))
+    assert [int(line.split()[0]) for line in lines] == list(range(1, len(rows) + 1))
+    assert any("the printed certificate does not hold" in line for line in lines)
 
 
 def test_page_is_current(rows):

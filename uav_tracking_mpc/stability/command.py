@@ -170,6 +170,8 @@ def _analyse(
 
         console = Console()
         console.print(paper_report_text.as_table(rows))
+        for line in paper_report_text.verdicts(rows):
+            console.print(line, markup=False, highlight=False)
         print(analysis_text.as_words(result))
         for entry in content.get("campaign", []):
             print(f"  campaign {entry}")

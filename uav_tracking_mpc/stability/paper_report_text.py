@@ -52,15 +52,20 @@ def cells(row: Row) -> tuple[str, ...]:
 
 
 def as_table(rows: Sequence[Row]) -> Any:
-    """A table for the terminal (rich)."""
+    """The numbers as a table for the terminal (rich); its rows count those of the verdicts."""
     from rich.table import Table
 
     table = Table(title="The paper, quantity by quantity")
-    for heading in HEADINGS:
+    for heading in ("", *HEADINGS[:-1]):
         table.add_column(heading, overflow="fold")
-    for row in rows:
-        table.add_row(*cells(row))
+    for number, row in enumerate(rows, start=1):
+        table.add_row(str(number), *cells(row)[:-1])
     return table
+
+
+def verdicts(rows: Sequence[Row]) -> list[str]:
+    """The verdict on each row of the table, one line each: too long for a column."""
+    return [f"{number:3d}  {cells(row)[-1]}" for number, row in enumerate(rows, start=1)]
 
 
 def as_json(rows: Sequence[Row]) -> list[dict[str, Any]]:
