@@ -12,9 +12,17 @@ from pathlib import Path
 from typing import Any
 
 from uav_tracking_mpc.benchmark.cases import cases, paper_case
-from uav_tracking_mpc.benchmark.measure import OURS, horizon_sweep, measure, peers, summary
+from uav_tracking_mpc.benchmark.measure import (
+    OURS,
+    horizon_sweep,
+    measure,
+    missions_per_second,
+    peers,
+    summary,
+)
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 
+MISSION_STEPS = 150
 HORIZONS = [5, 10, 20, 30, 50, 100]
 
 
@@ -120,6 +128,8 @@ def run(
             results["ratios"][case.name] = {
                 name: medians[name] / medians[OURS] for name in medians if name != OURS
             }
+        progress("missions")
+        results["missions_per_second"] = missions_per_second(paper_case(10), MISSION_STEPS)
         if not quick:
             results["horizons"] = HORIZONS
             results["horizon_median_us"] = horizon_sweep(HORIZONS, paper_case, progress)
@@ -179,6 +189,8 @@ def _print_table(results: dict[str, Any]) -> None:
         "median, p99, max: warm, first 30 closed-loop steps; ratio: their median over ours; "
         "best: cost within 0.1 % of the best found, over the states that all solved."
     )
+    missions = results["missions_per_second"]
+    print(f"missions of {MISSION_STEPS} steps (paper_n10, ours): {missions:.0f} a second")
     print(f"{results['duration_s']:.0f} s")
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.benchmark.cases import Case
 from uav_tracking_mpc.mpc.casadi_solver import PLUGINS, CasadiSolver
+from uav_tracking_mpc.mpc.closed_loop import closed_loop
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.solution import Solution
 from uav_tracking_mpc.mpc.solver import Solver
@@ -163,3 +164,19 @@ def horizon_sweep(
         for name, record in records.items():
             medians.setdefault(name, []).append(float(np.median(record.warm) * 1e6))
     return medians
+
+
+def missions_per_second(case: Case, steps: int, count: int = 200) -> float:
+    """Complete closed-loop missions that one core flies in a second, cold start included.
+
+    Args:
+        case: What is flown, from its start.
+        steps: Length of a mission.
+        count: Missions that are timed, after one that is not.
+    """
+    solver = NewtonSolver(case.problem)
+    closed_loop(solver, case.start, steps, case.parameters)
+    begin = time.perf_counter()
+    for _ in range(count):
+        closed_loop(solver, case.start, steps, case.parameters)
+    return count / (time.perf_counter() - begin)
