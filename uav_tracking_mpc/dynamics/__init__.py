@@ -5,6 +5,7 @@
 ``frames``            REP-103: ENU, FLU, quaternions, signs on the wire
 ``vehicle``           (3) in ``map``, advanced exactly under held inputs
 ``orbit``             the reference (r_d, z_d, v_d) and its direction
+``envelope``          what the aircraft can fly, and which orbits that leaves it
 ``relative``          (r, theta, z, chi, v): exact, and the paper's models as printed
 ``discretisation``    Euler (10), Runge-Kutta 4, error form (11), linearisation (12)
 ====================  ================================================================
