@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
 from uav_tracking_mpc.mpc.solution import Solution, Status
-from uav_tracking_mpc.mpc.solver import shift
+from uav_tracking_mpc.mpc.solver import Guess, shift
 
 PLUGINS = ("ipopt", "fatrop")
 FEASIBILITY_TOLERANCE = 1e-5
@@ -89,6 +89,7 @@ class CasadiSolver:
         initial_state: ArrayLike,
         parameters: ArrayLike | None = None,
         elapsed: float | None = None,
+        guess: Guess | None = None,
     ) -> Solution:
         """Solve P_N(x_0), (16): see :meth:`uav_tracking_mpc.mpc.solver.Solver.solve`."""
         begin = time.perf_counter()
@@ -103,14 +104,14 @@ class CasadiSolver:
         if not (np.all(np.isfinite(x_0)) and np.all(np.isfinite(p))):
             message = f"initial state {x_0} or a parameter is not finite"
             return self._unsolved(Status.REFUSED, message, begin)
-        guesses = self._guesses(x_0, elapsed)
+        guesses = self._guesses(x_0, elapsed, guess)
         solutions = [self._solve_from(*guess, x_0, p, begin) for guess in guesses]
         solution = min(solutions, key=lambda s: (not s.converged, s.violation > 1e-6, s.cost))
         self._last = solution if solution.converged else None
         return solution
 
     def _guesses(
-        self, x_0: NDArray[np.float64], elapsed: float | None
+        self, x_0: NDArray[np.float64], elapsed: float | None, guess: Guess | None
     ) -> list[tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]]:
         """Plans to start from: the last one moved on, or two cold ones."""
         problem, last = self.problem, self._last
@@ -120,6 +121,9 @@ class CasadiSolver:
             states[0] = x_0
             return [(states, shift(last.inputs, stages), last.decision)]
         inputs = self._resting_inputs()
+        if guess is not None:
+            still = np.tile(x_0, (problem.horizon + 1, 1))
+            return [(still, np.asarray(guess.inputs), np.asarray(guess.decision))]
         goal = np.zeros(problem.nx) if problem.state_goal is None else problem.state_goal
         later = (problem.horizon, 1)
         return [

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
+from uav_tracking_mpc.mpc.solver import Guess
 
 SHORT_HORIZON = 20
 COARSE_TOLERANCE, COARSE_ITERATIONS = 1e-3, 40  # of the attempts on the short horizon
@@ -55,25 +56,39 @@ class ColdStart:
         self._goal = record["goal"]
         self._policy = np.zeros((problem.nu, method.stage.NS))
 
-    def __call__(self, attempt: Attempt, tolerance: float, iteration_limit: int) -> tuple[int, int]:
+    def __call__(
+        self,
+        attempt: Attempt,
+        tolerance: float,
+        iteration_limit: int,
+        guess: Guess | None = None,
+    ) -> tuple[int, int]:
         """Run the attempts and leave the best plan in row KEPT.
 
         Args:
             attempt: (start, tolerance, iteration limit) -> how it ended.
             tolerance: Of the attempts on the whole horizon.
             iteration_limit: Of each of them.
+            guess: Tried first; if it converges, alone.
 
         Returns:
             How the best attempt ended, and the Newton iterations of all together.
         """
         codes, record = self._codes, self._record
         self._set_horizon(self._horizon)
-        self._feedback_to_goal(attempt)
         iterations = 0
+        if guess is not None:
+            self._prepare(np.asarray(guess.inputs), np.asarray(guess.decision))
+            end = attempt(codes.PREPARED, tolerance, iteration_limit)
+            iterations = int(record["outcome"][0])
+            if end in (codes.CONVERGED, codes.TIME_LIMIT):
+                return end, iterations
+        self._feedback_to_goal(attempt)
         best: tuple[bool, float, float] | None = None
         best_end, best_gradient = codes.NO_START, np.nan
         if self._horizon > SHORT_HORIZON:
-            found, iterations = self._shorter_horizon(attempt)
+            found, count = self._shorter_horizon(attempt)
+            iterations += count
             self._set_horizon(self._horizon)
             plans = [(record["u"][row, :SHORT_HORIZON].copy(), row) for row in found]
             guesses = [(inputs, record["a"][row].copy()) for inputs, row in plans]

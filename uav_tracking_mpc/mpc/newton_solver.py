@@ -15,6 +15,7 @@ from uav_tracking_mpc.mpc.cold_start import ColdStart
 from uav_tracking_mpc.mpc.compilation import compile_method
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.mpc.solution import Solution, Status
+from uav_tracking_mpc.mpc.solver import Guess
 from uav_tracking_mpc.mpc.stage_code import multiplier_intervals
 
 STATUSES = (  # in the order of the codes in newton/minimise.py
@@ -111,6 +112,7 @@ class NewtonSolver:
         initial_state: ArrayLike,
         parameters: ArrayLike | None = None,
         elapsed: float | None = None,
+        guess: Guess | None = None,
     ) -> Solution:
         """Solve P_N(x_0), (16): see :meth:`uav_tracking_mpc.mpc.solver.Solver.solve`."""
         begin = time.perf_counter()
@@ -130,7 +132,7 @@ class NewtonSolver:
             )
             iterations = int(self._outcome[0])
         if not warm or code not in (CONVERGED, TIME_LIMIT, REFUSED):
-            code, count = self._cold(deadline)
+            code, count = self._cold(deadline, guess)
             iterations += count
         if code == REFUSED:
             return self._refused("initial state or a parameter is not finite", begin)
@@ -150,14 +152,14 @@ class NewtonSolver:
             violation,
         )
 
-    def _cold(self, deadline: float) -> tuple[int, int]:
+    def _cold(self, deadline: float, guess: Guess | None) -> tuple[int, int]:
         def attempt(start: int, tolerance: float, limit: int) -> int:
             return self._run(self._address, start, 0.0, tolerance, limit, deadline)
 
         # Before anything of the last plan is overwritten.
         if not (np.isfinite(self._x_0).all() and np.isfinite(self._p).all()):
             return REFUSED, 0
-        return self._cold_start(attempt, self.tolerance, self.iteration_limit)
+        return self._cold_start(attempt, self.tolerance, self.iteration_limit, guess)
 
     def _reason(self, code: int) -> str:
         gradient, violation = self._outcome[1], self._value[2]

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.mpc.solution import Solution
+
+
+class Guess(NamedTuple):
+    """A plan that the caller knows: u_0..u_{N-1}, shape (N, nu), and a, shape (na,)."""
+
+    inputs: NDArray[np.float64]
+    decision: NDArray[np.float64]
 
 
 class Solver(Protocol):
@@ -27,6 +34,7 @@ class Solver(Protocol):
         initial_state: ArrayLike,
         parameters: ArrayLike | None = None,
         elapsed: float | None = None,
+        guess: Guess | None = None,
     ) -> Solution:
         """Solve P_N(x_0), (16).
 
@@ -35,6 +43,7 @@ class Solver(Protocol):
             parameters: p_0..p_N, shape (N + 1, np), or (np,) where they do not change.
             elapsed: Time in [s] since the state of the last solve, for the warm start; None for a
                 cold start.
+            guess: Where a cold start begins; what else it tries only matters if that fails.
         """
         ...
 
