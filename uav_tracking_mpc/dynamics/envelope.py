@@ -136,7 +136,7 @@ class Envelope:
         specific force.
 
         Args:
-            inputs: (u_psi, u_chi, u_v), shape (3,); what is not finite counts as 0.
+            inputs: (u_psi, u_chi, u_v), shape (3,); what is no number counts as 0.
             airspeed: v in [m/s].
             path_angle: chi in [rad].
 
@@ -144,7 +144,7 @@ class Envelope:
             Finite inputs, shape (3,).
         """
         turn, pitch, acceleration = (
-            float(value) if math.isfinite(value) else 0.0 for value in np.asarray(inputs, float)
+            0.0 if math.isnan(value) else float(value) for value in np.asarray(inputs, float)
         )
         airspeed = airspeed if math.isfinite(airspeed) else self.airspeed_min
         path_angle = path_angle if math.isfinite(path_angle) else 0.0
@@ -273,7 +273,7 @@ class Envelope:
 def _level_speeds(airspeed: float, drift: ArrayLike) -> tuple[float, float]:
     """Horizontal air speed that is left beside the vertical drift, and the horizontal drift."""
     x, y, z = (float(value) for value in np.asarray(drift, dtype=float))
-    return math.sqrt(max(0.0, airspeed**2 - z**2)), math.hypot(x, y)
+    return math.sqrt(max(0.0, airspeed * airspeed - z * z)), math.hypot(x, y)
 
 
 def _arcsine(sine: float) -> float:

@@ -6,6 +6,9 @@
 ``controller``           the control law, and what flies when a solve fails
 ``certification``        certified, sampled or neither: what may be claimed of the terminal set
 ``situation``             aircraft, target and drift, as a guidance law sees them
+``vector_field``          classical law: Lyapunov loiter vector field
+``l1_loiter``             classical law: L1 capture and circle tracking, as ArduPilot's
+``altitude_hold``         height and airspeed loops of the classical laws
 ``pace``                 which states are answered with a command
 ``target_filter``        position and velocity of the target from its measured positions
 =======================  =============================================================
