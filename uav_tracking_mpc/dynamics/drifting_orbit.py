@@ -82,9 +82,7 @@ def orbit_motion(
     s = c_t + q
     azimuth_rate = sense * s / radius
     speed_rate = (q * rate_t - c_n * rate_n + s * azimuth_rate * c_n) / q  # a = q t - c_n n
-    turn_rate = (
-        q * (s * azimuth_rate - rate_n) + c_n * (speed_rate - rate_t)
-    ) / level_squared
+    turn_rate = (q * (s * azimuth_rate - rate_n) + c_n * (speed_rate - rate_t)) / level_squared
     # d/dt of sigma s^2 / (d q), with (c.t)' = phi' c.n and (c.n)' = -phi' c.t
     along_rate = azimuth_rate * c_n
     root_rate = c_t * along_rate / q

@@ -24,7 +24,7 @@ Everything that may change in flight is a parameter of one compiled problem; see
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
@@ -153,9 +153,7 @@ def flight_problem(
     if lag:
         settled += [state[6] - orbit.turn_rate, state[7], state[8]]
     drift = ca.sqrt(p.drift[0] ** 2 + p.drift[1] ** 2 + SMALL**2)
-    sharpest = ((v_a + drift) ** 2 / (d_a * v_a)) / (
-        TURN_RATE_SHARE * turn_rate_max(v_a, p)
-    ) - 1.0
+    sharpest = ((v_a + drift) ** 2 / (d_a * v_a)) / (TURN_RATE_SHARE * turn_rate_max(v_a, p)) - 1.0
     return OptimalControlProblem(
         state=state,
         inputs=shares,
@@ -233,6 +231,31 @@ def acceleration_limits(path_angle: Any, airspeed: Any, p: Any) -> tuple[Any, An
     lower = ca.fmin(ca.fmax(least, p.acceleration[0]), p.acceleration[1] - LEAST_SPAN)
     upper = ca.fmax(ca.fmin(greatest, p.acceleration[1]), lower + LEAST_SPAN)
     return lower, upper
+
+
+def limits_function(
+    stages: int,
+) -> Callable[..., tuple[NDArray[np.float64], ...]]:
+    """Limits at many states, as numbers.
+
+    Returns:
+        Function (path angles (n,), airspeeds (n,), data (n, np)) -> greatest turn rates, greatest
+        path-angle rates, least and greatest accelerations, (n,) each.
+    """
+    symbols = {name: ca.SX.sym(name, size) for name, size in SIZES.items()}
+    p = SimpleNamespace(**symbols)
+    chi, v = ca.SX.sym("chi"), ca.SX.sym("v")
+    limits = ca.vertcat(turn_rate_max(v, p), p.rates[1], *acceleration_limits(chi, v, p))
+    function = ca.Function("limits", [chi, v, ca.vertcat(*symbols.values())], [limits])
+    many = {1: function, stages: function.map(stages)}
+
+    def evaluate(
+        path_angles: NDArray[np.float64], airspeeds: NDArray[np.float64], data: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], ...]:
+        values = many[len(airspeeds)](path_angles[np.newaxis], airspeeds[np.newaxis], data.T)
+        return tuple(values.full())
+
+    return evaluate
 
 
 def _distance(offset: ca.SX, reach: ca.SX) -> ca.SX:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from dataclasses import dataclass
 
@@ -9,11 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.discretisation import SCHEMES
-from uav_tracking_mpc.dynamics.orbit import DIRECTIONS, Orbit
+from uav_tracking_mpc.dynamics.envelope import Envelope
+from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, DIRECTIONS, Orbit
 from uav_tracking_mpc.dynamics.relative import MODELS, steady_inputs
+from uav_tracking_mpc.guidance.direction import NEAREST
 from uav_tracking_mpc.mpc.quadratic import TERMINAL_CONSTRAINTS
 from uav_tracking_mpc.parameters import ParameterError, parameter
 
+ARTIFICIAL_ORBIT = "artificial_orbit"
 SOLVERS = ("newton", "ipopt")  # fatrop may never return, see CasadiSolver
 
 
@@ -34,7 +38,9 @@ class TrackingParameters:
     )
     airspeed: float = parameter(4.0, "Speed to hold, v_d.", unit="m/s", lower=0.1, upper=300.0)
     direction: str = parameter(
-        "clockwise", "Sense of the orbit seen from above.", choices=DIRECTIONS
+        "clockwise",
+        "Sense of the orbit seen from above; nearest needs the artificial orbit.",
+        choices=(*DIRECTIONS, NEAREST),
     )
     model: str = parameter(
         "exact", "Prediction model: exact, or the paper's (11) or (9).", choices=tuple(MODELS)
@@ -66,8 +72,16 @@ class TrackingParameters:
     )
     terminal_constraint: str = parameter(
         "none",
-        "Terminal set (16e): left out, penalised exactly, or enforced.",
-        choices=TERMINAL_CONSTRAINTS,
+        "End of every plan: free, the paper's set (16e) penalised exactly or enforced, or an "
+        "orbit that the optimiser chooses (for wind, moving targets, envelope and lag).",
+        choices=(*TERMINAL_CONSTRAINTS, ARTIFICIAL_ORBIT),
+    )
+    offset_weights: tuple[float, ...] = parameter(
+        (0.06, 0.5, 2.0),
+        "Of the artificial orbit's distance to the wanted one: range, altitude, airspeed.",
+        size=3,
+        lower=1e-9,
+        upper=1e9,
     )
     terminal_penalty: float = parameter(
         100.0, "Weight of a violation of the soft terminal set.", lower=1e-3, upper=1e6
@@ -90,6 +104,64 @@ class TrackingParameters:
     )
     acceleration_max: float = parameter(
         1.0, "Greatest acceleration u_v.", unit="m/s^2", lower=1e-3, upper=100.0
+    )
+    airspeed_min: float = parameter(0.0, "Least airspeed.", unit="m/s", lower=0.0, upper=300.0)
+    airspeed_max: float = parameter(20.0, "Greatest airspeed.", unit="m/s", lower=0.1, upper=400.0)
+    path_angle_min: float = parameter(
+        -1.2, "Steepest descent.", unit="rad", lower=-1.5, upper=-0.01
+    )
+    path_angle_max: float = parameter(1.2, "Steepest climb.", unit="rad", lower=0.01, upper=1.5)
+    bank_max: float = parameter(
+        1.4, "Greatest bank angle of a coordinated turn.", unit="rad", lower=0.01, upper=1.5
+    )
+    force_min: tuple[float, ...] = parameter(
+        (-20.0, -20.0),
+        "Least thrust less drag, over mass, at airspeed_min and at airspeed_max.",
+        unit="m/s^2",
+        size=2,
+        lower=-100.0,
+        upper=100.0,
+    )
+    force_max: tuple[float, ...] = parameter(
+        (20.0, 20.0),
+        "Greatest thrust less drag, over mass, at airspeed_min and at airspeed_max.",
+        unit="m/s^2",
+        size=2,
+        lower=-100.0,
+        upper=100.0,
+    )
+    height_min: float = parameter(-1e5, "Least height z in map.", unit="m", lower=-1e5, upper=1e5)
+    distance_min: float = parameter(
+        0.0, "Least distance to the target.", unit="m", lower=0.0, upper=1e5
+    )
+    fence_radius: float = parameter(
+        0.0, "Radius of the circle not to be left; 0 for none.", unit="m", lower=0.0, upper=1e6
+    )
+    fence_centre: tuple[float, ...] = parameter(
+        (0.0, 0.0), "Its centre in map.", unit="m", size=2, lower=-1e7, upper=1e7
+    )
+    limit_penalty: float = parameter(
+        1000.0,
+        "Weight of a violated limit of airspeed (per m/s), path angle (per 0.1 rad), height or "
+        "distance (per 5 m) or fence (per 10 m).",
+        lower=1.0,
+        upper=1e6,
+    )
+    rate_lag: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Time constants of the aircraft's turn rate, path-angle rate and acceleration.",
+        unit="s",
+        size=3,
+        lower=0.0,
+        upper=5.0,
+    )
+    dead_time: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Time until a command of turn rate, path-angle rate, acceleration begins to act.",
+        unit="s",
+        size=3,
+        lower=0.0,
+        upper=2.0,
     )
     solver: str = parameter("newton", "Solver of the optimal control problem.", choices=SOLVERS)
     solve_time_max: float = parameter(
@@ -128,7 +200,7 @@ class TrackingParameters:
     )
 
     def __post_init__(self) -> None:
-        """Check what no single range can: the orbit exists and the inputs can hold it."""
+        """Check what no single range can: the orbit exists, and can be held."""
         try:
             orbit = self.orbit
         except ValueError as error:
@@ -140,11 +212,48 @@ class TrackingParameters:
                 f"{turn_rate:.6g} rad/s, the steady turn rate of an orbit of radius "
                 f"{orbit.radius:.6g} m at {self.airspeed:.6g} m/s"
             )
+        try:
+            refusal = self.envelope.refusal(orbit, np.zeros(3))
+        except ValueError as error:
+            raise ParameterError(f"the limits contradict each other: {error}") from error
+        if refusal:
+            raise ParameterError(f"parameters 'range', 'altitude', 'airspeed': {refusal}")
+        self._check_artificial_orbit()
+
+    def _check_artificial_orbit(self) -> None:
+        """Refuse what only the problem with the artificial orbit knows, or does not know."""
+        if self.terminal_constraint == ARTIFICIAL_ORBIT:
+            if self.model != "exact":
+                raise ParameterError(
+                    f"parameter 'model' is '{self.model}', must be 'exact' with "
+                    f"terminal_constraint '{ARTIFICIAL_ORBIT}'"
+                )
+            return
+        defaults = {"rate_lag": (0.0,) * 3, "dead_time": (0.0,) * 3}
+        for name, default in defaults.items():
+            if getattr(self, name) != default:
+                raise ParameterError(
+                    f"parameter '{name}' is {list(getattr(self, name))}, must be all 0 unless "
+                    f"terminal_constraint is '{ARTIFICIAL_ORBIT}'"
+                )
+        if self.direction == NEAREST:
+            raise ParameterError(
+                f"parameter 'direction' is '{NEAREST}', must be {' or '.join(DIRECTIONS)} unless "
+                f"terminal_constraint is '{ARTIFICIAL_ORBIT}'"
+            )
 
     @property
     def orbit(self) -> Orbit:
-        """The reference."""
-        return Orbit(self.range, self.altitude, self.airspeed, self.direction)
+        """The reference; clockwise where the nearest direction is to be chosen."""
+        direction = CLOCKWISE if self.direction == NEAREST else self.direction
+        return Orbit(self.range, self.altitude, self.airspeed, direction)
+
+    @property
+    def envelope(self) -> Envelope:
+        """Limits of the aircraft and of where it may fly."""
+        return Envelope(
+            **{field.name: getattr(self, field.name) for field in dataclasses.fields(Envelope)}
+        )
 
     @property
     def steady_inputs(self) -> NDArray[np.float64]:

@@ -8,6 +8,7 @@ the soft inequalities. fatrop exploits exactly this order; IPOPT takes any.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from typing import Any
 
 import casadi as ca
@@ -89,7 +90,7 @@ class CasadiSolver:
         initial_state: ArrayLike,
         parameters: ArrayLike | None = None,
         elapsed: float | None = None,
-        guess: Guess | None = None,
+        guess: Callable[[], Guess | None] | None = None,
     ) -> Solution:
         """Solve P_N(x_0), (16): see :meth:`uav_tracking_mpc.mpc.solver.Solver.solve`."""
         begin = time.perf_counter()
@@ -111,7 +112,10 @@ class CasadiSolver:
         return solution
 
     def _guesses(
-        self, x_0: NDArray[np.float64], elapsed: float | None, guess: Guess | None
+        self,
+        x_0: NDArray[np.float64],
+        elapsed: float | None,
+        make: Callable[[], Guess | None] | None,
     ) -> list[tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]]:
         """Plans to start from: the last one moved on, or two cold ones."""
         problem, last = self.problem, self._last
@@ -121,6 +125,7 @@ class CasadiSolver:
             states[0] = x_0
             return [(states, shift(last.inputs, stages), last.decision)]
         inputs = self._resting_inputs()
+        guess = make() if make is not None else None
         if guess is not None:
             still = np.tile(x_0, (problem.horizon + 1, 1))
             return [(still, np.asarray(guess.inputs), np.asarray(guess.decision))]

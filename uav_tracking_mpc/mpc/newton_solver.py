@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -112,7 +113,7 @@ class NewtonSolver:
         initial_state: ArrayLike,
         parameters: ArrayLike | None = None,
         elapsed: float | None = None,
-        guess: Guess | None = None,
+        guess: Callable[[], Guess | None] | None = None,
     ) -> Solution:
         """Solve P_N(x_0), (16): see :meth:`uav_tracking_mpc.mpc.solver.Solver.solve`."""
         begin = time.perf_counter()
@@ -152,14 +153,15 @@ class NewtonSolver:
             violation,
         )
 
-    def _cold(self, deadline: float, guess: Guess | None) -> tuple[int, int]:
+    def _cold(self, deadline: float, guess: Callable[[], Guess | None] | None) -> tuple[int, int]:
         def attempt(start: int, tolerance: float, limit: int) -> int:
             return self._run(self._address, start, 0.0, tolerance, limit, deadline)
 
         # Before anything of the last plan is overwritten.
         if not (np.isfinite(self._x_0).all() and np.isfinite(self._p).all()):
             return REFUSED, 0
-        return self._cold_start(attempt, self.tolerance, self.iteration_limit, guess)
+        begin = guess() if guess is not None else None
+        return self._cold_start(attempt, self.tolerance, self.iteration_limit, begin)
 
     def _reason(self, code: int) -> str:
         gradient, violation = self._outcome[1], self._value[2]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -34,7 +35,7 @@ class Solver(Protocol):
         initial_state: ArrayLike,
         parameters: ArrayLike | None = None,
         elapsed: float | None = None,
-        guess: Guess | None = None,
+        guess: Callable[[], Guess | None] | None = None,
     ) -> Solution:
         """Solve P_N(x_0), (16).
 
@@ -43,7 +44,8 @@ class Solver(Protocol):
             parameters: p_0..p_N, shape (N + 1, np), or (np,) where they do not change.
             elapsed: Time in [s] since the state of the last solve, for the warm start; None for a
                 cold start.
-            guess: Where a cold start begins; what else it tries only matters if that fails.
+            guess: Called if a cold start is needed, also where a warm one has failed: where it
+                begins. What else it tries only matters if that fails.
         """
         ...
 

@@ -1,0 +1,218 @@
+"""The flight problem, fed with what is known: parameters, situation, forecast."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.dynamics.angles import wrap_angle
+from uav_tracking_mpc.dynamics.envelope import GRAVITY
+from uav_tracking_mpc.dynamics.lagged_vehicle import advance
+from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
+from uav_tracking_mpc.guidance.flight_problem import (
+    DECISION_SCALE,
+    PARAMETERS,
+    WHERE,
+    FlightData,
+    flight_problem,
+    limits_function,
+)
+from uav_tracking_mpc.guidance.forecast import Forecast
+from uav_tracking_mpc.guidance.formulation import Plan
+from uav_tracking_mpc.guidance.situation import Situation
+from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
+from uav_tracking_mpc.guidance.vector_field import VectorField
+from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
+from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
+from uav_tracking_mpc.mpc.solver import Guess, Solver
+
+# Where the cost of the artificial orbit's offset turns from quadratic to linear, as a share of the
+# wanted range, range and airspeed: far away it must not drown everything else.
+OFFSET_REACH = np.array([0.1, 0.07, 0.14])
+NO_FENCE = 1e6  # m, radius
+FLOOR_LIMIT = 1e4  # m below the target, as deep as a floor is told to the problem
+
+
+class FlightFormulation:
+    """Problem of :mod:`flight_problem` and its solver.
+
+    Args:
+        parameters: What is flown; :meth:`change` takes new ones while flying.
+        solver: Of this problem; made as the parameters say by default.
+    """
+
+    def __init__(self, parameters: TrackingParameters, solver: Solver | None = None) -> None:
+        self.step = parameters.horizon_step
+        self.lag = effective_lag(parameters.rate_lag)
+        self._stages = parameters.horizon
+        self.solver = solver or _solver(parameters, self.lag)
+        self._data = np.zeros((self._stages + 1, PARAMETERS))
+        self._limits = limits_function(self._stages)
+        self.change(parameters)
+
+    def change(self, parameters: TrackingParameters) -> None:
+        """Fly other orbits, weights and limits from now on."""
+        self.parameters = parameters
+        self.envelope = parameters.envelope
+        self._data[:] = constant_data(parameters).vector()
+        if isinstance(self.solver, NewtonSolver):
+            self.solver.time_limit = parameters.solve_time_max
+
+    def reset(self) -> None:
+        """Forget the last plan."""
+        self.solver.reset()
+
+    def error(self, situation: Situation, orbit: Orbit) -> NDArray[np.float64]:
+        """Tracking error of the relative motion (Section 3.1), shape (5,), angles wrapped."""
+        x, y, z = situation.offset
+        w_x, w_y, _ = situation.relative_velocity
+        theta = math.atan2(w_y, w_x) - math.atan2(y, x) - math.pi - orbit.bearing
+        return np.array(
+            [
+                math.sqrt(x * x + y * y + z * z) - orbit.range,
+                wrap_angle(theta),
+                z - orbit.altitude,
+                situation.vehicle[4],
+                situation.vehicle[5] - orbit.speed,
+            ]
+        )
+
+    def solve(
+        self, situation: Situation, forecast: Forecast, orbit: Orbit, elapsed: float | None
+    ) -> Plan:
+        """Best plan from a situation.
+
+        Args:
+            situation: Where the plan begins.
+            forecast: Drift and target over its horizon.
+            orbit: What is wanted.
+            elapsed: Time in [s] since the situation of the last plan; None if that counts no more.
+        """
+        x_0 = self._state(situation)
+        data = self._fill(forecast, orbit)
+        solution = self.solver.solve(
+            x_0, data, elapsed, lambda: self._guess(x_0, situation, forecast, orbit, data)
+        )
+        inputs = self._inputs(solution.states, solution.inputs, data)
+        return Plan(inputs, self.step, self.error(situation, orbit), solution)
+
+    def _state(self, situation: Situation) -> NDArray[np.float64]:
+        parts = [situation.offset, situation.vehicle[3:6]]
+        if self.lag:
+            parts.append(situation.rates)
+        return np.concatenate(parts)
+
+    def _fill(self, forecast: Forecast, orbit: Orbit) -> NDArray[np.float64]:
+        data, envelope = self._data, self.envelope
+        data[:, WHERE["drift"]] = forecast.drift
+        data[:, WHERE["drift_rate"]] = forecast.drift_rate
+        data[:, WHERE["orbit"]] = orbit.range, orbit.altitude, orbit.speed
+        data[:, WHERE["sense"]] = 1.0 if orbit.direction == COUNTER_CLOCKWISE else -1.0
+        floor = envelope.height_min - forecast.target[:, 2]
+        data[:, WHERE["floor"].start] = np.maximum(floor, -FLOOR_LIMIT)
+        if envelope.fence_radius > 0.0:
+            centre = np.array(envelope.fence_centre) - forecast.target[:, :2]
+            data[:, WHERE["fence"].start : WHERE["fence"].start + 2] = centre
+        return data
+
+    def _inputs(
+        self,
+        states: NDArray[np.float64],
+        shares: NDArray[np.float64],
+        data: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """(u_psi, u_chi, u_v) of a plan, shape (N, 3)."""
+        turn, pitch, lower, upper = self._limits(states[:-1, 4], states[:-1, 5], data[:-1])
+        return np.column_stack(
+            [
+                shares[:, 0] * turn,
+                shares[:, 1] * pitch,
+                0.5 * (lower + upper) + 0.5 * (upper - lower) * shares[:, 2],
+            ]
+        )
+
+    def _guess(
+        self,
+        x_0: NDArray[np.float64],
+        situation: Situation,
+        forecast: Forecast,
+        orbit: Orbit,
+        data: NDArray[np.float64],
+    ) -> Guess | None:
+        """A flight by the vector field: a plan that is flyable and leads to the orbit."""
+        if not (np.all(np.isfinite(x_0)) and np.all(np.isfinite(data))):
+            return None
+        law = VectorField(orbit, self.envelope)
+        state, shares = list(x_0), np.zeros((self._stages, 3))
+        for stage in range(self._stages):
+            target = forecast.target[stage]
+            now = replace(
+                situation,
+                vehicle=np.concatenate([np.array(state[:3]) + target, state[3:6]]),
+                target=target,
+                drift=forecast.drift[stage],
+                drift_rate=forecast.drift_rate[stage],
+                rates=np.array(state[6:9]) if self.lag else situation.rates,
+            )
+            inputs = law.inputs(now)
+            turn, pitch, lower, upper = (
+                float(limit[0])
+                for limit in self._limits(
+                    np.array([state[4]]), np.array([state[5]]), data[stage : stage + 1]
+                )
+            )
+            middle, half = 0.5 * (lower + upper), 0.5 * (upper - lower)
+            shares[stage] = inputs[0] / turn, inputs[1] / pitch, (inputs[2] - middle) / half
+            np.clip(shares[stage], -1.0, 1.0, out=shares[stage])
+            flown = shares[stage] * (turn, pitch, half) + (0.0, 0.0, middle)
+            state = advance(state, flown, self.step, self.lag, now.drift, now.drift_rate)
+        speed = float(np.clip(state[5], self.envelope.airspeed_min, self.envelope.airspeed_max))
+        smallest = self.envelope.smallest_radius(max(speed, 0.1), forecast.drift[-1])
+        radius = max(math.hypot(state[0], state[1]), 1.1 * min(smallest, 1e4))
+        return Guess(shares, np.array([radius, state[2], speed]) / DECISION_SCALE)
+
+
+def effective_lag(lag: tuple[float, ...]) -> tuple[float, ...]:
+    """Time constants for the problem: none if all are 0, else at least a millisecond each."""
+    return tuple(max(value, 1e-3) for value in lag) if any(lag) else ()
+
+
+def constant_data(parameters: TrackingParameters) -> FlightData:
+    """What parameters alone decide; drift, orbit, floor and fence centre change with the flight."""
+    envelope = parameters.envelope
+    span = envelope.airspeed_max - envelope.airspeed_min
+    slopes = [(force[1] - force[0]) / span for force in (envelope.force_min, envelope.force_max)]
+    return FlightData(
+        drift=np.zeros(3),
+        drift_rate=np.zeros(3),
+        orbit=np.zeros(3),
+        sense=1.0,
+        state_weights=parameters.state_weights,
+        input_weights=parameters.input_weights,
+        offset_weights=parameters.offset_weights,
+        offset_reach=OFFSET_REACH
+        * np.array([parameters.range, parameters.range, parameters.airspeed]),
+        airspeed=(envelope.airspeed_min, envelope.airspeed_max),
+        path_angle=(envelope.path_angle_min, envelope.path_angle_max),
+        lateral=GRAVITY * math.tan(envelope.bank_max),
+        rates=(envelope.yaw_rate_max, envelope.pitch_rate_max),
+        acceleration=(envelope.acceleration_min, envelope.acceleration_max),
+        force_min=(envelope.force_min[0] - slopes[0] * envelope.airspeed_min, slopes[0]),
+        force_max=(envelope.force_max[0] - slopes[1] * envelope.airspeed_min, slopes[1]),
+        floor=-FLOOR_LIMIT,
+        distance=envelope.distance_min,
+        fence=(0.0, 0.0, envelope.fence_radius or NO_FENCE),
+    )
+
+
+def _solver(parameters: TrackingParameters, lag: tuple[float, ...]) -> Solver:
+    problem = flight_problem(
+        parameters.horizon, parameters.horizon_step, lag, parameters.limit_penalty
+    )
+    if parameters.solver == "newton":
+        return NewtonSolver(problem, time_limit=parameters.solve_time_max)
+    return CasadiSolver(problem, parameters.solver, time_limit=parameters.solve_time_max)
