@@ -12,6 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from uav_tracking_mpc.dynamics.angles import wrap_angle
 from uav_tracking_mpc.simulation.inner_loop import Channel
 
 PANEL = 0.05  # s, longest
@@ -30,7 +31,7 @@ def advance_lagged(
         duration: In [s], positive.
 
     Returns:
-        State at the end; angles are not wrapped.
+        State at the end, angles wrapped to (-pi, pi].
     """
     x, y, z, psi, chi, v = state
     turn, climb, engine = channels
@@ -50,4 +51,6 @@ def advance_lagged(
         climb.rate, climbed = climb.after(step)
         engine.rate, gained = engine.after(step)
         psi, chi, v = psi + turned, chi + climbed, v + gained
+    if max(abs(psi), abs(chi)) >= math.pi:  # seldom, and dear
+        psi, chi = wrap_angle([psi, chi]).tolist()
     return x, y, z, psi, chi, v

@@ -188,7 +188,6 @@ class Plant:
         channels = (turn, climb, acceleration)
         if any(channel.lag for channel in channels):
             self.state = np.array(advance_lagged(self.state.tolist(), channels, duration))
-            self.state[3:5] = wrap_angle(self.state[3:5])
         else:
             inputs = [channel.wanted for channel in channels]
             self.state = vehicle.advance(self.state, inputs, duration)
