@@ -3,7 +3,7 @@ import pytest
 
 from uav_tracking_mpc.dynamics.angles import angle_difference
 from uav_tracking_mpc.report.metrics import metrics
-from uav_tracking_mpc.simulation.closed_loop import simulate
+from uav_tracking_mpc.simulation.closed_loop import SimulationError, simulate
 from uav_tracking_mpc.simulation.configuration import load_configuration
 
 
@@ -138,3 +138,47 @@ def test_bearing_error_near_the_half_turn_is_flown_through():
     )
     assert abs(log.error[-1, 0]) < 1.0
     assert abs(float(angle_difference(log.relative[-1, 1], np.pi / 2))) < 0.05
+
+
+HARD_DAY = [
+    "mission.plant=vehicle",
+    "mission.duration=60",
+    "uav_simulator.initial_speed=4.0",
+    "uav_simulator.wind=[0.6, -0.3, 0.0]",
+    "uav_simulator.gust_intensity=1.0",
+    "uav_simulator.rate_lag=[0.3, 0.13, 0.16]",
+    "uav_simulator.dead_time=[0.17, 0.2, 0.1]",
+    "uav_simulator.position_noise=1.0",
+    "uav_simulator.attitude_noise=0.01",
+    "uav_simulator.airspeed_noise=0.1",
+    "target_publisher.dropout=0.3",
+    "target_publisher.delay=0.3",
+    "target_publisher.noise=1.0",
+]
+
+
+def test_wind_lag_noise_and_dropouts_are_flown_and_reproducible():
+    log = simulate(load_configuration("paper", HARD_DAY))
+    again = simulate(load_configuration("paper", HARD_DAY))
+    np.testing.assert_array_equal(log.vehicle, again.vehicle)
+    assert log.command_time[0] == pytest.approx(0.3)  # before, no target was known
+    travelled = np.gradient(log.vehicle[:, :3], log.time, axis=0)
+    error = travelled - log.ground_velocity
+    assert np.sqrt(np.mean(error**2)) < 0.05  # between the samples there are gusts
+    assert np.abs(log.error[-1, 0]) < 40.0  # a controller that knows no wind is not lost in it
+    other = simulate(load_configuration("paper", [*HARD_DAY, "uav_simulator.seed=1"]))
+    assert not np.allclose(log.vehicle[-1], other.vehicle[-1])
+
+
+def test_a_target_that_is_never_seen_is_said():
+    with pytest.raises(SimulationError, match=r"never seen in 5 s: see target_publisher.dropout"):
+        simulate(
+            load_configuration(
+                "paper",
+                [
+                    "mission.plant=vehicle",
+                    "mission.duration=5",
+                    "target_publisher.dropout=1.0",
+                ],
+            )
+        )

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from geometry_msgs.msg import PointStamped
+from geometry_msgs.msg import PointStamped, TwistStamped
 from hypothesis import given
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
@@ -10,11 +10,14 @@ from trajectory_msgs.msg import MultiDOFJointTrajectory
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.nodes.conversions import (
     MessageError,
+    air_velocity_from_twist,
     markers_message,
+    motion_from_odometry,
     nanoseconds,
     path_message,
     plan_from_command,
     position_from_point,
+    set_air_velocity,
     set_command,
     set_odometry,
     set_point,
@@ -39,6 +42,59 @@ def test_state_survives_the_wire(state, inputs, stamp):
     received = over_the_wire(message)
     np.testing.assert_allclose(vehicle_from_odometry(received), state, atol=1e-6)
     assert nanoseconds(received.header.stamp) == stamp
+
+
+@given(STATES, INPUTS, st.tuples(*[st.floats(-300, 300)] * 3))
+def test_motion_survives_the_wire(state, rates, ground_velocity):
+    message = Odometry()
+    set_odometry(message, 0, np.array(state), np.array(rates), np.array(ground_velocity))
+    motion = motion_from_odometry(over_the_wire(message))
+    np.testing.assert_allclose(motion.state(state[5]), state, atol=1e-6)
+    np.testing.assert_allclose(motion.ground_velocity, ground_velocity, atol=1e-9)
+    assert motion.turn_rate == pytest.approx(rates[0], abs=1e-9)
+    assert motion.path_angle_rate == pytest.approx(rates[1], abs=1e-9)
+
+
+def test_motion_of_a_body_that_rolls():
+    """Banked 30 deg in a level turn to the left: pitch and yaw rate of the body share the turn."""
+    bank, turn_rate = -np.pi / 6, 0.2
+    message = Odometry()
+    set_odometry(message, 0, np.array([0, 0, 0, 0, 0, 20.0]), np.zeros(3))
+    message.pose.pose.orientation.x = float(np.sin(bank / 2))
+    message.pose.pose.orientation.w = float(np.cos(bank / 2))
+    message.twist.twist.angular.y = float(turn_rate * np.sin(bank))
+    message.twist.twist.angular.z = float(turn_rate * np.cos(bank))
+    message.twist.twist.linear.y = 3.0
+    motion = motion_from_odometry(message)
+    assert motion.turn_rate == pytest.approx(turn_rate)
+    assert motion.path_angle_rate == pytest.approx(0.0, abs=1e-12)
+    np.testing.assert_allclose(
+        motion.ground_velocity, [20.0, 3.0 * np.cos(bank), 3.0 * np.sin(bank)], atol=1e-12
+    )
+
+
+def test_ground_velocity_is_in_body_axes_on_the_wire():
+    """Heading North, drifting East: to the right, which is -y of a Forward-Left-Up body."""
+    message = Odometry()
+    state = np.array([0, 0, 0, np.pi / 2, 0, 20.0])
+    set_odometry(message, 0, state, np.zeros(3), np.array([5.0, 20.0, 1.0]))
+    linear = message.twist.twist.linear
+    np.testing.assert_allclose([linear.x, linear.y, linear.z], [20.0, -5.0, 1.0], atol=1e-12)
+
+
+def test_air_velocity_survives_the_wire_and_is_refused_when_bad():
+    message = TwistStamped()
+    set_air_velocity(message, 7, 22.5)
+    np.testing.assert_array_equal(air_velocity_from_twist(over_the_wire(message)), [22.5, 0.0, 0.0])
+    message.twist.linear.z = float("nan")
+    with pytest.raises(MessageError, match=r"uav/air_velocity: twist.linear.z is nan"):
+        air_velocity_from_twist(message)
+    message.twist.linear.z = 2e3
+    with pytest.raises(MessageError, match="within 1000"):
+        air_velocity_from_twist(message)
+    message.header.frame_id = "map"
+    with pytest.raises(MessageError, match=r"header.frame_id is 'map', must be 'base_link'"):
+        air_velocity_from_twist(message)
 
 
 @given(st.lists(INPUTS, min_size=1, max_size=30), st.floats(0.01, 5.0), STAMPS)
@@ -79,6 +135,8 @@ def good_odometry():
         ("pose.pose.position.z", 1e300, "pose.position.z is 1e.300"),
         ("twist.twist.linear.y", float("inf"), "twist.linear.y is inf"),
         ("twist.twist.linear.x", 1e4, "within 1000"),
+        ("twist.twist.angular.z", float("nan"), "twist.angular.z is nan"),
+        ("twist.twist.angular.y", 1e3, "within 100"),
         ("pose.pose.orientation.w", 0.0, "pose.orientation: .* norm"),
         ("pose.pose.orientation.w", 1e308, "pose.orientation"),
         ("pose.pose.orientation.x", float("nan"), "pose.orientation"),

@@ -194,7 +194,8 @@ def test_the_bag_holds_every_topic_and_reads_back_equal(flight):
         vehicle_from_odometry(message)
         for _, _, message in messages(output / "mission.mcap", ODOMETRY)
     ]
-    np.testing.assert_array_equal(log.vehicle, states[-len(log.vehicle) :])
+    # The airspeed comes by itself; in still air it is the ground speed, but for its rounding.
+    np.testing.assert_allclose(log.vehicle, states[-len(log.vehicle) :], atol=1e-9)
     first = next(messages(output / "mission.mcap", COMMAND))[2]
     np.testing.assert_array_equal(plan_from_command(first)[0][0], log.inputs[0])
     levels = {

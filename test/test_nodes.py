@@ -11,8 +11,11 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 
+from uav_tracking_mpc.dynamics import vehicle
 from uav_tracking_mpc.dynamics.relative import relative_state
 from uav_tracking_mpc.nodes.conversions import (
+    air_velocity_from_twist,
+    motion_from_odometry,
     nanoseconds,
     plan_from_command,
     set_odometry,
@@ -22,6 +25,7 @@ from uav_tracking_mpc.nodes.conversions import (
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
 from uav_tracking_mpc.nodes.topics import (
+    AIR_VELOCITY,
     COMMAND,
     DIAGNOSTICS,
     MARKERS,
@@ -146,6 +150,54 @@ def test_bad_messages_are_refused_and_flight_goes_on(executor):
 
 
 @pytest.mark.timeout(60)
+def test_simulator_tells_ground_velocity_airspeed_and_rates_apart(executor):
+    heard = listen(executor, ODOMETRY, AIR_VELOCITY)
+    wind = [3.0, -2.0, 0.5]
+    simulator = add(
+        executor,
+        UavSimulator,
+        publish_clock=True,
+        speed=10.0,
+        initial_speed=8.0,
+        initial_path_angle=0.3,
+        wind=wind,
+    )
+    assert spin(
+        executor,
+        lambda: min(len(heard[name]) for name in (ODOMETRY.name, AIR_VELOCITY.name)) > 5,
+        20.0,
+    )
+    odometry, air = heard[ODOMETRY.name][-2], heard[AIR_VELOCITY.name][-2]
+    motion = motion_from_odometry(odometry)
+    airspeed = air_velocity_from_twist(air)[0]
+    assert airspeed == pytest.approx(8.0)
+    expected = vehicle.velocity(motion.state(airspeed)) + wind
+    np.testing.assert_allclose(motion.ground_velocity, expected, atol=1e-9)
+    assert motion.turn_rate == pytest.approx(0.0, abs=1e-12)
+    assert motion.path_angle_rate < -0.05  # wings level: the path angle is taken out
+    assert simulator._values()["wind north [m/s]"] == -2.0
+
+
+@pytest.mark.timeout(60)
+def test_target_is_published_late_with_the_stamp_of_measuring(executor):
+    node = rclpy.create_node("listener", context=executor.context_of_nodes)
+    ages, stamps = [], []
+
+    def on_target(message):
+        stamps.append(nanoseconds(message.header.stamp))
+        ages.append((node.get_clock().now().nanoseconds - stamps[-1]) * 1e-9)
+
+    node.create_subscription(TARGET.type, TARGET.name, on_target, 100)
+    executor.add_node(node)
+    add(executor, TargetPublisher, rate=20.0, delay=0.33, dropout=0.5)
+    assert spin(executor, lambda: len(ages) > 20, 20.0)
+    assert min(ages) >= 0.33
+    assert np.median(ages) < 0.43
+    assert np.median(np.diff(stamps)) > 0.049e9
+    assert np.max(np.diff(stamps)) > 0.09e9  # some are lost
+
+
+@pytest.mark.timeout(60)
 def test_after_the_clock_went_back_commands_flow_again(executor):
     heard = listen(executor, COMMAND)
     add(executor, NmpcController)
@@ -188,7 +240,7 @@ def test_after_the_clock_went_back_commands_flow_again(executor):
         (NmpcController, {"state_weights": [1.0]}, "a list of 5 numbers"),
         (NmpcController, {"airspeed": float("nan")}, "'airspeed' is nan"),
         (UavSimulator, {"initial_speed": 50.0}, "'initial_speed' is 50.0"),
-        (TargetPublisher, {"motion": "jump"}, "must be one of stationary, line"),
+        (TargetPublisher, {"motion": "hop"}, "must be one of stationary, line"),
         (TargetPublisher, {"noise": "much"}, "'noise' is 'much'"),
     ],
 )

@@ -57,6 +57,25 @@ def course_from_quaternion(x: float, y: float, z: float, w: float) -> tuple[floa
     return math.atan2(north, east), math.asin(max(-1.0, min(1.0, up)))
 
 
+def rotation_from_quaternion(x: float, y: float, z: float, w: float) -> NDArray[np.float64]:
+    """Rotation matrix, (3, 3), that takes vectors from ``base_link`` to ``map``; roll included.
+
+    Args:
+        x: First component of the unit quaternion of ``base_link`` in ``map``.
+        y: Second.
+        z: Third.
+        w: Its scalar part.
+    """
+    s = 2.0 / (x * x + y * y + z * z + w * w)
+    return np.array(
+        [
+            [1.0 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)],
+            [s * (x * y + w * z), 1.0 - s * (x * x + z * z), s * (y * z - w * x)],
+            [s * (x * z - w * y), s * (y * z + w * x), 1.0 - s * (x * x + y * y)],
+        ]
+    )
+
+
 def rotation_from_course(heading: float, path_angle: float) -> NDArray[np.float64]:
     """Rotation matrix, (3, 3), that takes vectors from ``base_link`` to ``map``."""
     sin_psi, cos_psi = math.sin(heading), math.cos(heading)
@@ -82,6 +101,31 @@ def body_rates(path_angle: float, inputs: ArrayLike) -> tuple[float, float, floa
     """
     turn_rate, path_angle_rate = (float(rate) for rate in np.asarray(inputs)[:2])
     return (turn_rate * math.sin(path_angle), -path_angle_rate, turn_rate * math.cos(path_angle))
+
+
+def course_rates(rotation: NDArray[np.float64], angular: ArrayLike) -> tuple[float, float]:
+    """Rates of heading and path angle of the body's forward axis; roll plays no part.
+
+    The inverse of :func:`body_rates`, for any attitude: the forward axis e moves by e' = w x e.
+
+    Args:
+        rotation: From ``base_link`` to ``map``, shape (3, 3).
+        angular: Angular velocity of ``base_link`` in its own axes, shape (3,), in [rad/s].
+
+    Returns:
+        (u_psi, u_chi) in [rad/s]; both 0 where the nose points straight up or down, for the
+        heading has no value there.
+    """
+    # In body axes e = (1, 0, 0), so w x e = (0, w_z, -w_y).
+    _, pitch, yaw = (float(rate) for rate in np.asarray(angular))
+    east, north = float(rotation[0, 0]), float(rotation[1, 0])
+    east_rate, north_rate, up_rate = (
+        float(part) for part in yaw * rotation[:, 1] - pitch * rotation[:, 2]
+    )
+    level = math.hypot(east, north)
+    if level < 1e-9:
+        return 0.0, 0.0
+    return (east * north_rate - north * east_rate) / level**2, up_rate / level
 
 
 def pitch_rate_from_path_angle_rate(rate: float) -> float:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -28,18 +29,47 @@ from visualization_msgs.msg import Marker, MarkerArray
 from uav_tracking_mpc.dynamics.frames import (
     body_rates,
     course_from_quaternion,
+    course_rates,
     pitch_rate_from_path_angle_rate,
     quaternion_from_course,
+    rotation_from_course,
+    rotation_from_quaternion,
 )
 from uav_tracking_mpc.dynamics.orbit import Orbit
 
 MAP, BASE_LINK = "map", "base_link"
 POSITION_LIMIT = 1e7  # m; what lies beyond is no position on this earth
 SPEED_LIMIT = 1e3  # m/s
+RATE_LIMIT = 1e2  # rad/s
 
 
 class MessageError(ValueError):
     """A message cannot be used; the text names topic, field and value."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What an Odometry message says of the vehicle.
+
+    Attributes:
+        position: In ``map``, shape (3,), in [m].
+        heading: psi in [rad].
+        path_angle: chi in [rad].
+        ground_velocity: In ``map``, shape (3,), in [m/s].
+        turn_rate: u_psi in [rad/s].
+        path_angle_rate: u_chi in [rad/s].
+    """
+
+    position: NDArray[np.float64]
+    heading: float
+    path_angle: float
+    ground_velocity: NDArray[np.float64]
+    turn_rate: float
+    path_angle_rate: float
+
+    def state(self, airspeed: float) -> NDArray[np.float64]:
+        """(x, y, z, psi, chi, v), shape (6,), at an airspeed in [m/s]."""
+        return np.array([*self.position, self.heading, self.path_angle, airspeed])
 
 
 def nanoseconds(stamp: Time) -> int:
@@ -53,7 +83,11 @@ def set_stamp(stamp: Time, value: int) -> None:
 
 
 def set_odometry(
-    message: Odometry, stamp: int, state: NDArray[np.float64], inputs: NDArray[np.float64]
+    message: Odometry,
+    stamp: int,
+    state: NDArray[np.float64],
+    rates: NDArray[np.float64],
+    ground_velocity: NDArray[np.float64] | None = None,
 ) -> None:
     """Fill an Odometry message.
 
@@ -61,14 +95,21 @@ def set_odometry(
         message: Changed in place.
         stamp: Time of the state in [ns].
         state: (x, y, z, psi, chi, v), shape (6,).
-        inputs: (u_psi, u_chi, u_v) at the time, shape (3,).
+        rates: (u_psi, u_chi, u_v) flown at the time, shape (3,).
+        ground_velocity: In ``map``, shape (3,), in [m/s]; None in still air.
     """
     set_stamp(message.header.stamp, stamp)
     message.header.frame_id, message.child_frame_id = MAP, BASE_LINK
     _set_vector(message.pose.pose.position, state[:3])
     _set_orientation(message.pose.pose.orientation, state[3], state[4])
-    _set_vector(message.twist.twist.linear, (state[5], 0.0, 0.0))
-    _set_vector(message.twist.twist.angular, body_rates(float(state[4]), inputs))
+    heading, path_angle, speed = (float(value) for value in state[3:])
+    _set_vector(
+        message.twist.twist.linear,
+        (speed, 0.0, 0.0)
+        if ground_velocity is None
+        else rotation_from_course(heading, path_angle).T @ ground_velocity,
+    )
+    _set_vector(message.twist.twist.angular, body_rates(path_angle, rates))
 
 
 def set_air_velocity(message: TwistStamped, stamp: int, speed: float) -> None:
@@ -85,8 +126,8 @@ def set_point(message: PointStamped, stamp: int, position: NDArray[np.float64]) 
     _set_vector(message.point, position)
 
 
-def vehicle_from_odometry(message: Odometry) -> NDArray[np.float64]:
-    """State (x, y, z, psi, chi, v), shape (6,), of an Odometry message.
+def motion_from_odometry(message: Odometry) -> Motion:
+    """Motion of an Odometry message, whose body may roll.
 
     Raises:
         MessageError: Wrong frame, not finite, absurd, or no unit quaternion.
@@ -96,12 +137,35 @@ def vehicle_from_odometry(message: Odometry) -> NDArray[np.float64]:
     pose, twist = message.pose.pose, message.twist.twist
     position = _vector("uav/odometry", "pose.position", pose.position, POSITION_LIMIT)
     ground = _vector("uav/odometry", "twist.linear", twist.linear, SPEED_LIMIT)
+    angular = _vector("uav/odometry", "twist.angular", twist.angular, RATE_LIMIT)
     q = pose.orientation
     try:
         heading, path_angle = course_from_quaternion(q.x, q.y, q.z, q.w)
     except (ValueError, OverflowError) as error:
         raise MessageError(f"uav/odometry: pose.orientation: {error}") from error
-    return np.array([*position, heading, path_angle, math.hypot(*ground)])
+    rotation = rotation_from_quaternion(q.x, q.y, q.z, q.w)
+    turn_rate, path_angle_rate = course_rates(rotation, angular)
+    return Motion(position, heading, path_angle, rotation @ ground, turn_rate, path_angle_rate)
+
+
+def vehicle_from_odometry(message: Odometry) -> NDArray[np.float64]:
+    """State (x, y, z, psi, chi, v), shape (6,), of an Odometry message in still air.
+
+    Raises:
+        MessageError: As in :func:`motion_from_odometry`.
+    """
+    motion = motion_from_odometry(message)
+    return motion.state(math.hypot(*motion.ground_velocity))
+
+
+def air_velocity_from_twist(message: TwistStamped) -> NDArray[np.float64]:
+    """Velocity through the air in ``base_link``, shape (3,), in [m/s].
+
+    Raises:
+        MessageError: Wrong frame, not finite, or absurd.
+    """
+    _check_frame("uav/air_velocity", "header.frame_id", message.header.frame_id, BASE_LINK)
+    return _vector("uav/air_velocity", "twist.linear", message.twist.linear, SPEED_LIMIT)
 
 
 def position_from_point(message: PointStamped) -> NDArray[np.float64]:

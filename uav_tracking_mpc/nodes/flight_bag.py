@@ -15,11 +15,14 @@ from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from uav_tracking_mpc.nodes.conversions import (
+    Motion,
+    air_velocity_from_twist,
+    motion_from_odometry,
     nanoseconds,
     plan_from_command,
-    vehicle_from_odometry,
 )
 from uav_tracking_mpc.nodes.topics import (
+    AIR_VELOCITY,
     ALL,
     COMMAND,
     DIAGNOSTICS,
@@ -29,7 +32,7 @@ from uav_tracking_mpc.nodes.topics import (
 )
 from uav_tracking_mpc.simulation.configuration import Configuration
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, Latency
-from uav_tracking_mpc.simulation.target_motion import target_position
+from uav_tracking_mpc.simulation.target_motion import target_position, target_velocity
 
 
 class FlightBag:
@@ -92,21 +95,27 @@ def messages(path: Path, *topics: Topic) -> Iterator[tuple[Topic, int, Any]]:
 def flight_log(path: Path, configuration: Configuration) -> FlightLog:
     """Record of a flight from its bag; time counts from the first command.
 
-    The target's path is the true one: its motion is a function of simulated time alone.
+    The vehicle's motion is as measured; the target's is the true one, a function of simulated time
+    alone. A bag without ``uav/air_velocity`` is read as flown in still air.
 
     Raises:
         ValueError: The bag holds no command.
     """
-    states, commands = [], []
+    states: list[tuple[int, Motion]] = []
+    commands = []
+    airspeeds: list[tuple[int, float]] = []
     heard, sent = [], []  # wall time at which the recorder heard each of them [ns]
     values: dict[str, list[tuple[int, float]]] = {"cost": [], "solve_time": []}
     by_name = {TRACKING[name].name: name for name in values}
     reports: dict[str, dict[str, str]] = {}
-    topics = (ODOMETRY, COMMAND, DIAGNOSTICS, *(TRACKING[name] for name in values))
+    topics = (ODOMETRY, AIR_VELOCITY, COMMAND, DIAGNOSTICS, *(TRACKING[name] for name in values))
     for topic, time, message in messages(path, *topics):
         if topic is ODOMETRY:
-            states.append((nanoseconds(message.header.stamp), vehicle_from_odometry(message)))
+            states.append((nanoseconds(message.header.stamp), motion_from_odometry(message)))
             heard.append(time)
+        elif topic is AIR_VELOCITY:
+            speed = float(np.linalg.norm(air_velocity_from_twist(message)))
+            airspeeds.append((nanoseconds(message.header.stamp), speed))
         elif topic is COMMAND:
             commands.append((nanoseconds(message.header.stamp), plan_from_command(message)[0][0]))
             sent.append(time)
@@ -120,7 +129,8 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
         raise ValueError(f"bag {path} holds no command: the controller never flew")
     start = commands[0][0]
     end = start + round(configuration.mission.duration * 1e9)
-    flown = [(stamp, state) for stamp, state in states if start <= stamp <= end]
+    flown = [(stamp, motion) for stamp, motion in states if start <= stamp <= end]
+    simulated = [stamp * 1e-9 for stamp, _ in flown]
     latency = _latency(states, commands, heard, sent)
     within = sum(stamp <= end for stamp, _ in commands)
     commands, sent = commands[:within], sent[:within]
@@ -140,10 +150,13 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
         input_upper=tracking.input_upper,
         steady_inputs=tracking.steady_inputs,
         time=np.array([(stamp - start) * 1e-9 for stamp, _ in flown]),
-        vehicle=np.array([state for _, state in flown]),
-        target=np.array(
-            [target_position(configuration.target, stamp * 1e-9) for stamp, _ in flown]
+        vehicle=np.array(
+            [
+                motion.state(speed)
+                for (_, motion), speed in zip(flown, _airspeeds(flown, airspeeds), strict=True)
+            ]
         ),
+        target=np.array([target_position(configuration.target, t) for t in simulated]),
         command_time=np.array([(stamp - start) * 1e-9 for stamp, _ in commands]),
         inputs=np.array([inputs for _, inputs in commands]),
         cost=_beside_commands(sent, values["cost"]),
@@ -157,6 +170,21 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
             failsafe=int(simulator.get("failsafe", 0)) + int(controller.get("wings level", 0)),
         ),
         latency=latency,
+        ground_velocity=np.array([motion.ground_velocity for _, motion in flown]),
+        target_velocity=np.array([target_velocity(configuration.target, t) for t in simulated]),
+    )
+
+
+def _airspeeds(
+    flown: list[tuple[int, Motion]], measured: list[tuple[int, float]]
+) -> NDArray[np.float64]:
+    """Airspeed at each state, shape (n,), in [m/s]; of still air where none was measured."""
+    if not measured:
+        return np.array([np.linalg.norm(motion.ground_velocity) for _, motion in flown])
+    stamps, speeds = zip(*sorted(measured), strict=True)
+    first = stamps[0]  # differences keep their nanoseconds as floats
+    return np.interp(
+        [stamp - first for stamp, _ in flown], [stamp - first for stamp in stamps], speeds
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import time
 from dataclasses import dataclass
 from typing import Any
@@ -16,12 +17,21 @@ from rclpy.subscription import Subscription
 
 from uav_tracking_mpc.nodes.conversions import (
     MessageError,
+    air_velocity_from_twist,
+    motion_from_odometry,
     nanoseconds,
     position_from_point,
-    vehicle_from_odometry,
 )
 from uav_tracking_mpc.nodes.flight_bag import FlightBag
-from uav_tracking_mpc.nodes.topics import ALL, COMMAND, ODOMETRY, TARGET, TRACKING, Topic
+from uav_tracking_mpc.nodes.topics import (
+    AIR_VELOCITY,
+    ALL,
+    COMMAND,
+    ODOMETRY,
+    TARGET,
+    TRACKING,
+    Topic,
+)
 
 QUEUE = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
 
@@ -34,7 +44,7 @@ class Progress:
         time: Since the first command in [s], None before it.
         range: Distance to the target in [m].
         altitude: Height above the target in [m].
-        speed: In [m/s].
+        speed: Through the air, over ground where that is not known, in [m/s].
         solve_time: Of the last solve in [s].
     """
 
@@ -84,19 +94,21 @@ class FlightRecorder(Node):
     def progress(self) -> Progress:
         """Where the flight stands by the latest messages."""
         odometry, target = self._message(ODOMETRY), self._message(TARGET)
+        air = self._message(AIR_VELOCITY)
         if odometry is None or target is None:
             return Progress()
         try:
-            state, position = vehicle_from_odometry(odometry), position_from_point(target)
+            motion, position = motion_from_odometry(odometry), position_from_point(target)
+            velocity = motion.ground_velocity if air is None else air_velocity_from_twist(air)
         except MessageError:
             return Progress()
         solve_time = self._message(TRACKING["solve_time"])
         stamp = nanoseconds(odometry.header.stamp)
         return Progress(
             time=None if self._start is None else (stamp - self._start) * 1e-9,
-            range=float(np.linalg.norm(state[:3] - position)),
-            altitude=float(state[2] - position[2]),
-            speed=float(state[5]),
+            range=float(np.linalg.norm(motion.position - position)),
+            altitude=float(motion.position[2] - position[2]),
+            speed=math.hypot(*velocity),
             solve_time=float("nan") if solve_time is None else solve_time.data,
         )
 

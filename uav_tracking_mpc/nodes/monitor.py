@@ -17,12 +17,14 @@ from rich.table import Table
 
 from uav_tracking_mpc.nodes.conversions import (
     MessageError,
+    air_velocity_from_twist,
+    motion_from_odometry,
     plan_from_command,
     position_from_point,
-    vehicle_from_odometry,
 )
 from uav_tracking_mpc.nodes.run import run
 from uav_tracking_mpc.nodes.topics import (
+    AIR_VELOCITY,
     COMMAND,
     DIAGNOSTICS,
     ODOMETRY,
@@ -31,6 +33,7 @@ from uav_tracking_mpc.nodes.topics import (
     Topic,
 )
 
+SHOWN = (ODOMETRY, AIR_VELOCITY, TARGET, COMMAND, *TRACKING.values())
 REFRESH_PERIOD = 0.25  # s
 STALE = 2.0  # s of wall time after which a topic counts as silent
 LEVELS = {b"\x00": "ok", b"\x01": "[yellow]warning[/]", b"\x02": "[red]error[/]", b"\x03": "stale"}
@@ -45,7 +48,7 @@ class Monitor(Node):
         self._latest: dict[str, Any] = {}
         self._arrivals: dict[str, list[float]] = {}
         self._statuses: dict[str, Any] = {}
-        for topic in (ODOMETRY, TARGET, COMMAND, DIAGNOSTICS, *TRACKING.values()):
+        for topic in (*SHOWN, DIAGNOSTICS):
             callback = functools.partial(self._on_message, topic)
             self.create_subscription(topic.type, topic.name, callback, topic.qos)
         self._live = Live(self.table(), console=console, refresh_per_second=4)
@@ -70,7 +73,7 @@ class Monitor(Node):
         flight = Table(title="flight", expand=True)
         for heading in ("topic", "rate", "value"):
             flight.add_column(heading)
-        for topic in (ODOMETRY, TARGET, COMMAND, *TRACKING.values()):
+        for topic in SHOWN:
             flight.add_row(topic.name, self._rate(topic), escape(self._words(topic)))
         nodes = Table(title="nodes", expand=True)
         for heading in ("node", "level", "says"):
@@ -96,11 +99,16 @@ class Monitor(Node):
             return ""
         try:
             if topic is ODOMETRY:
-                x, y, z, psi, chi, v = vehicle_from_odometry(message)
+                motion = motion_from_odometry(message)
+                x, y, z = motion.position
                 return (
-                    f"x {x:.2f}  y {y:.2f}  z {z:.2f} m   heading {math.degrees(psi):.1f}  "
-                    f"path angle {math.degrees(chi):.1f} deg   speed {v:.2f} m/s"
+                    f"x {x:.2f}  y {y:.2f}  z {z:.2f} m   "
+                    f"heading {math.degrees(motion.heading):.1f}  "
+                    f"path angle {math.degrees(motion.path_angle):.1f} deg   "
+                    f"ground speed {math.hypot(*motion.ground_velocity):.2f} m/s"
                 )
+            if topic is AIR_VELOCITY:
+                return f"airspeed {math.hypot(*air_velocity_from_twist(message)):.2f} m/s"
             if topic is TARGET:
                 x, y, z = position_from_point(message)
                 return f"x {x:.2f}  y {y:.2f}  z {z:.2f} m"

@@ -14,6 +14,9 @@ from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
 from uav_tracking_mpc.nodes.run import run
 from uav_tracking_mpc.nodes.topics import TARGET
 from uav_tracking_mpc.simulation.target_motion import TargetParameters, target_position
+from uav_tracking_mpc.simulation.target_sensor import TargetSensor
+
+DELIVERY_PERIOD = 0.01  # s; how closely a delay is kept
 
 
 class TargetPublisher(Node):
@@ -23,22 +26,32 @@ class TargetPublisher(Node):
         """Declare parameters and start; options as those of rclpy's Node."""
         super().__init__("target_publisher", **options)
         self.parameters = declare_parameters(self, TargetParameters)
-        self._noise = np.random.default_rng(self.parameters.seed)
+        self._sensor = TargetSensor(self.parameters)
         simulated = bool(self.get_parameter("use_sim_time").value)
         self._start = 0 if simulated else self.get_clock().now().nanoseconds
         self._message = TARGET.type()
         self._position = np.array(self.parameters.position)
         self._publisher = self.create_publisher(TARGET.type, TARGET.name, TARGET.qos)
         self._diagnostics = diagnostics.Diagnostics(self, self._values)
-        self._timer = self.create_timer(1.0 / self.parameters.rate, self._publish)
+        self._timer = self.create_timer(1.0 / self.parameters.rate, self._measure)
+        if self.parameters.delay > 0.0:
+            self._delivery = self.create_timer(DELIVERY_PERIOD, self._deliver)
 
-    def _publish(self) -> None:
-        now = self.get_clock().now().nanoseconds
-        self._position = target_position(self.parameters, (now - self._start) * 1e-9)
-        noise = self.parameters.noise * self._noise.standard_normal(3)
-        set_point(self._message, now, self._position + noise)
-        self._publisher.publish(self._message)
+    def _time(self) -> float:
+        """Since the target's start in [s]."""
+        return (self.get_clock().now().nanoseconds - self._start) * 1e-9
+
+    def _measure(self) -> None:
+        now = self._time()
+        self._position = target_position(self.parameters, now)
+        self._sensor.measure(now)
+        self._deliver()
         self._diagnostics.report(diagnostics.OK, f"target is {self.parameters.motion}")
+
+    def _deliver(self) -> None:
+        for measured, position in self._sensor.delivered(self._time()):
+            set_point(self._message, self._start + round(measured * 1e9), position)
+            self._publisher.publish(self._message)
 
     def _values(self) -> dict[str, object]:
         x, y, z = (float(value) for value in self._position)

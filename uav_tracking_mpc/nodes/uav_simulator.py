@@ -20,7 +20,8 @@ from uav_tracking_mpc.nodes.conversions import (
 from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
 from uav_tracking_mpc.nodes.run import run
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY
-from uav_tracking_mpc.simulation.plant import Plant, SimulatorParameters
+from uav_tracking_mpc.simulation.plant import Plant
+from uav_tracking_mpc.simulation.simulator_parameters import SimulatorParameters
 
 LONGEST_STEP = 0.5  # s; a jump of the clock beyond this is not flown through
 WARNING_PERIOD = 5.0  # s
@@ -82,8 +83,8 @@ class UavSimulator(Node):
         if self._clock_publisher is not None:
             set_stamp(self._clock_message.clock, self._now)
             self._clock_publisher.publish(self._clock_message)
-        state = self._plant.state
-        set_odometry(self._odometry, self._now, state, self._plant.inputs())
+        state, ground_velocity = self._plant.measured()
+        set_odometry(self._odometry, self._now, state, self._plant.rates, ground_velocity)
         set_air_velocity(self._air_velocity, self._now, state[5])
         self._odometry_publisher.publish(self._odometry)
         self._air_publisher.publish(self._air_velocity)
@@ -120,13 +121,17 @@ class UavSimulator(Node):
 
     def _values(self) -> dict[str, object]:
         x, y, z, psi, chi, v = (float(value) for value in self._plant.state)
+        east, north, up = (float(value) for value in self._plant.wind)
         return {
             "x [m]": x,
             "y [m]": y,
             "z [m]": z,
             "heading [rad]": psi,
             "path angle [rad]": chi,
-            "speed [m/s]": v,
+            "airspeed [m/s]": v,
+            "wind east [m/s]": east,
+            "wind north [m/s]": north,
+            "wind up [m/s]": up,
             "commands received": self._received,
             "commands refused": self._rejected,
             "failsafe": self._plant.failsafes,

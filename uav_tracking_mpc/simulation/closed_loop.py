@@ -15,7 +15,8 @@ from uav_tracking_mpc.guidance.target_filter import TargetFilter
 from uav_tracking_mpc.simulation.configuration import Configuration
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog
 from uav_tracking_mpc.simulation.plant import Plant
-from uav_tracking_mpc.simulation.target_motion import target_position
+from uav_tracking_mpc.simulation.target_motion import target_position, target_velocity
+from uav_tracking_mpc.simulation.target_sensor import TargetSensor
 
 Progress = Callable[[float], None]
 
@@ -29,6 +30,7 @@ class _Recorder:
 
     def __init__(self) -> None:
         self.states: list[tuple[float, NDArray[np.float64], NDArray[np.float64]]] = []
+        self.velocities: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
         self.commands: list[tuple[float, Command]] = []
 
     def log(
@@ -37,6 +39,10 @@ class _Recorder:
         tracking = configuration.controller
         times, vehicles, targets = zip(*self.states, strict=True)
         stamps, commands = zip(*self.commands, strict=True)
+        # The Euler plant has no wind and a target that stands: it records no velocities.
+        ground_velocity, targets_velocity = (
+            np.array(self.velocities).transpose(1, 0, 2) if self.velocities else (None, None)
+        )
         optimal = [command.source is Source.OPTIMAL for command in commands]
         reused = [command.source is Source.EARLIER_PLAN for command in commands]
         return FlightLog(
@@ -59,6 +65,8 @@ class _Recorder:
             solver=solver,
             failures=len(optimal) - sum(optimal),
             commands=CommandCounts(sent=len(commands), plan_reused=sum(reused), failsafe=failsafes),
+            ground_velocity=ground_velocity,
+            target_velocity=targets_velocity,
         )
 
 
@@ -113,24 +121,34 @@ def _vehicle_mission(configuration: Configuration, progress: Progress) -> Flight
     controller = TrackingController(tracking)
     plant = Plant(simulator)
     measured = TargetFilter(tracking.target_noise, tracking.target_agility)
-    noise = np.random.default_rng(configuration.target.seed)
+    sensor = TargetSensor(configuration.target)
     recorder = _Recorder()
     tick = 1.0 / simulator.state_rate
-    pace, last = Pace(tracking.control_rate), 0.0
+    pace, last = Pace(tracking.control_rate), None
     target_ticks = max(1, round(simulator.state_rate / configuration.target.rate))
     count = round(configuration.mission.duration * simulator.state_rate)
     for k in range(count + 1):
         now = k * tick
         target = target_position(configuration.target, now)
         recorder.states.append((now, plant.state, target))
+        recorder.velocities.append(
+            (plant.ground_velocity, target_velocity(configuration.target, now))
+        )
         if k % target_ticks == 0:
-            measured.update(now, target + configuration.target.noise * noise.standard_normal(3))
-        if k < count and pace.due(round(now * 1e9)):
-            relative = relative_state(plant.state, measured.predict(now)[0])
-            command = controller.step(relative, now - last if k else None)
+            sensor.measure(now)
+        for stamp, position in sensor.delivered(now):
+            measured.update(stamp, position)
+        if k < count and measured.time is not None and pace.due(round(now * 1e9)):
+            relative = relative_state(plant.measured()[0], measured.predict(now)[0])
+            command = controller.step(relative, None if last is None else now - last)
             last = now
             recorder.commands.append((now, command))
             plant.accept(command.inputs, now + command.step * np.arange(len(command.inputs)))
             progress(now)
         plant.advance(tick)
+    if not recorder.commands:
+        raise SimulationError(
+            f"the target was never seen in {configuration.mission.duration:g} s: see "
+            "target_publisher.dropout and target_publisher.delay"
+        )
     return recorder.log(configuration, "vehicle", controller.solver.name, plant.failsafes)

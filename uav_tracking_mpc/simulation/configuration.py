@@ -13,7 +13,7 @@ import yaml
 
 from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
 from uav_tracking_mpc.parameters import ParameterError, from_mapping, parameter
-from uav_tracking_mpc.simulation.plant import SimulatorParameters
+from uav_tracking_mpc.simulation.simulator_parameters import SimulatorParameters
 from uav_tracking_mpc.simulation.target_motion import TargetParameters
 
 
@@ -27,7 +27,8 @@ class MissionParameters:
     speed: float = parameter(10.0, "Simulated over wall time in fly.", lower=0.01, upper=100.0)
     plant: str = parameter(
         "vehicle",
-        "What simulate flies: the exact vehicle, or the prediction model by Euler's method.",
+        "What simulate flies: the exact vehicle, or the prediction model by Euler's method, which "
+        "knows no wind, lag or noise.",
         choices=("vehicle", "euler"),
     )
 

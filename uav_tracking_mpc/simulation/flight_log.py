@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import relative_state, tracking_error
 
+SLOWEST = 1e-6  # m/s; what is slower has no direction
+
 
 @dataclass(frozen=True)
 class CommandCounts:
@@ -52,7 +54,8 @@ class FlightLog:
         input_upper: Upper bounds, shape (3,).
         steady_inputs: u_ss of the prediction model, shape (3,).
         time: Times of the states in [s] from the start, shape (n,).
-        vehicle: (x, y, z, psi, chi, v) at these times, shape (n, 6).
+        vehicle: (x, y, z, psi, chi, v) at these times, shape (n, 6): angles and speed are those of
+            the velocity through the air.
         target: True target position at these times, shape (n, 3).
         command_time: Times of the commands in [s] from the start, shape (m,).
         inputs: (u_psi, u_chi, u_v) commanded, shape (m, 3).
@@ -62,6 +65,9 @@ class FlightLog:
         failures: Solves that did not converge.
         commands: Counts of the command link.
         latency: Set for flights with real nodes only.
+        ground_velocity: Velocity over ground at the times of the states in ``map``, shape (n, 3);
+            None where the air stands still.
+        target_velocity: True velocity of the target then, shape (n, 3); None where it stands.
     """
 
     config: str
@@ -84,14 +90,35 @@ class FlightLog:
     failures: int = 0
     commands: CommandCounts = CommandCounts()
     latency: Latency | None = None
+    ground_velocity: NDArray[np.float64] | None = None
+    target_velocity: NDArray[np.float64] | None = None
+
+    @property
+    def course(self) -> NDArray[np.float64]:
+        """Direction of the horizontal velocity relative to the target, shape (n,), in [rad].
+
+        It is the heading where air and target stand still, and where there is no such velocity.
+        """
+        heading = self.vehicle[:, 3]
+        if self.ground_velocity is None:
+            return heading
+        target = 0.0 if self.target_velocity is None else self.target_velocity
+        east, north = (self.ground_velocity - target).T[:2]
+        return np.where(np.hypot(east, north) > SLOWEST, np.arctan2(north, east), heading)
 
     @property
     def relative(self) -> NDArray[np.float64]:
-        """(r, theta, z, chi, v) at the times of the states, shape (n, 5)."""
+        """(r, theta, z, chi, v) at the times of the states, shape (n, 5).
+
+        theta is the bearing of :attr:`course`: where the vehicle moves, not where its nose points,
+        tells whether it circles the target.
+        """
+        vehicles = self.vehicle.copy()
+        vehicles[:, 3] = self.course
         return np.array(
             [
                 relative_state(vehicle, target)
-                for vehicle, target in zip(self.vehicle, self.target, strict=True)
+                for vehicle, target in zip(vehicles, self.target, strict=True)
             ]
         ).reshape(-1, 5)
 

@@ -1,116 +1,36 @@
-"""The simulated aircraft: the exact vehicle (3) behind an autopilot that flies plans."""
+"""The simulated aircraft: the vehicle (3) in moving air, behind an autopilot that flies plans."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics import vehicle
-from uav_tracking_mpc.parameters import ParameterError, parameter
+from uav_tracking_mpc.dynamics.angles import wrap_angle
+from uav_tracking_mpc.simulation.inner_loop import Channel, InnerLoop
+from uav_tracking_mpc.simulation.lagged_flight import advance_lagged
+from uav_tracking_mpc.simulation.simulator_parameters import SimulatorParameters
+from uav_tracking_mpc.simulation.wind import Wind
 
+GRAVITY = 9.80665  # m/s^2
 LEVELLING_TIME = 1.0  # s, in which wings-level flight takes the path angle out
 LEAD_LIMIT = 1.0  # s, by which a plan may begin in the future
-
-
-@dataclass(frozen=True)
-class SimulatorParameters:
-    """Where the simulated vehicle starts and what it can do.
-
-    The default start is the paper's x_o = [212.83, -pi/4, 20, 0, 0] (Section 6) about a target at
-    the origin; the paper leaves the azimuth free, here it is East.
-
-    Raises:
-        ParameterError: A lower limit is not below its upper limit, or the start is outside them.
-    """
-
-    initial_position: tuple[float, ...] = parameter(
-        (math.sqrt(212.83**2 - 20.0**2), 0.0, 20.0),
-        "Position at the start in map.",
-        unit="m",
-        size=3,
-        lower=-1e6,
-        upper=1e6,
-    )
-    initial_heading: float = parameter(
-        0.75 * math.pi,
-        "Heading at the start, counter-clockwise from East.",
-        unit="rad",
-        lower=-math.pi,
-        upper=math.pi,
-    )
-    initial_path_angle: float = parameter(
-        0.0, "Path angle at the start, positive up.", unit="rad", lower=-1.5, upper=1.5
-    )
-    initial_speed: float = parameter(0.0, "Speed at the start.", unit="m/s", lower=0.0, upper=400.0)
-    state_rate: float = parameter(
-        20.0, "How often the state is published.", unit="Hz", lower=1.0, upper=1000.0
-    )
-    speed: float = parameter(
-        1.0, "Simulated over wall time, when /clock is driven.", lower=0.01, upper=1000.0
-    )
-    publish_clock: bool = parameter(False, "Drive /clock; the other nodes then need use_sim_time.")
-    wait_for_subscribers: int = parameter(
-        0, "Time stands still until so many listen to the state.", lower=0, upper=100
-    )
-    start_on_command: bool = parameter(
-        False, "Hold the vehicle where it starts until the first command arrives."
-    )
-    yaw_rate_max: float = parameter(
-        math.pi / 4, "Yaw rates beyond this are cut.", unit="rad/s", lower=1e-3, upper=10.0
-    )
-    pitch_rate_max: float = parameter(
-        math.pi / 4, "Path-angle rates beyond this are cut.", unit="rad/s", lower=1e-3, upper=10.0
-    )
-    acceleration_min: float = parameter(
-        -1.0, "Accelerations below this are cut.", unit="m/s^2", lower=-100.0, upper=-1e-3
-    )
-    acceleration_max: float = parameter(
-        1.0, "Accelerations above this are cut.", unit="m/s^2", lower=1e-3, upper=100.0
-    )
-    speed_min: float = parameter(
-        0.0, "The vehicle does not fly slower.", unit="m/s", lower=0.0, upper=400.0
-    )
-    speed_max: float = parameter(
-        20.0, "The vehicle does not fly faster.", unit="m/s", lower=0.1, upper=400.0
-    )
-
-    def __post_init__(self) -> None:
-        """Check the speed limits against each other and the start."""
-        if not self.speed_min < self.speed_max:
-            raise ParameterError(
-                f"parameter 'speed_min' is {self.speed_min}, must be below 'speed_max' = "
-                f"{self.speed_max} m/s"
-            )
-        if not self.speed_min <= self.initial_speed <= self.speed_max:
-            raise ParameterError(
-                f"parameter 'initial_speed' is {self.initial_speed}, must be from 'speed_min' = "
-                f"{self.speed_min} to 'speed_max' = {self.speed_max} m/s"
-            )
-
-    @property
-    def initial_state(self) -> NDArray[np.float64]:
-        """(x, y, z, psi, chi, v) at the start, shape (6,)."""
-        return np.array(
-            [
-                *self.initial_position,
-                self.initial_heading,
-                self.initial_path_angle,
-                self.initial_speed,
-            ]
-        )
 
 
 class Plant:
     """Vehicle and autopilot: flies the newest plan, then wings level.
 
+    (3) moves it through the air, and the air moves over ground, which lies at z = 0: the airspeed
+    is the autopilot's, so a gust shifts the vehicle and does not shake it.
+
     Args:
-        parameters: Start and limits.
+        parameters: Start, limits, inner loop, wind and sensors.
 
     Attributes:
-        state: (x, y, z, psi, chi, v), shape (6,).
+        state: (x, y, z, psi, chi, v), shape (6,): position in ``map``; heading, path angle and
+            magnitude of the velocity through the air.
         time: Time of the state in [s].
         holding: Whether it holds wings level because no plan is left.
         failsafes: How often it ran out of plan.
@@ -131,11 +51,59 @@ class Plant:
         self._plan: NDArray[np.float64] | None = None
         self._starts = np.zeros(0)
         self._end = -math.inf
+        self._inner_loop = InnerLoop(parameters.rate_lag, parameters.dead_time)
+        gusts, sensors = np.random.SeedSequence(parameters.seed).spawn(2)
+        east, north, up = parameters.wind
+        self._wind = Wind(
+            (east, north, up),
+            parameters.gust_intensity,
+            gusts,
+            heading=parameters.initial_heading,
+            height=parameters.initial_position[2],
+        )
+        self._sensors = np.random.default_rng(sensors)
 
     @property
     def commanded(self) -> bool:
         """Whether a plan has ever arrived."""
         return self._plan is not None
+
+    @property
+    def rates(self) -> NDArray[np.float64]:
+        """(u_psi, u_chi, u_v) flown now, shape (3,); zero before the first step."""
+        return np.array([channel.rate for channel in self._inner_loop.channels])
+
+    @property
+    def wind(self) -> NDArray[np.float64]:
+        """Velocity of the air now with its gusts, shape (3,), in ``map``, in [m/s]."""
+        return self._wind.velocity
+
+    @property
+    def ground_velocity(self) -> NDArray[np.float64]:
+        """Velocity through the air plus that of the air, shape (3,), in ``map``, in [m/s]."""
+        return vehicle.velocity(self.state) + self._wind.velocity
+
+    def measured(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """State, shape (6,), and ground velocity, shape (3,), as the sensors give them.
+
+        Every call draws anew; without noise they are the truth.
+        """
+        parameters = self._parameters
+        deviations = (
+            *[parameters.position_noise] * 3,
+            *[parameters.attitude_noise] * 2,
+            parameters.airspeed_noise,
+            *[parameters.velocity_noise] * 3,
+        )
+        state, ground_velocity = self.state.copy(), self.ground_velocity
+        if any(deviations):
+            noise = np.array(deviations) * self._sensors.standard_normal(9)
+            state += noise[:6]
+            state[3] = wrap_angle(state[3])
+            state[4] = min(max(state[4], -0.5 * math.pi), 0.5 * math.pi)
+            state[5] = max(state[5], 0.0)
+            ground_velocity += noise[6:]
+        return state, ground_velocity
 
     def accept(self, plan: ArrayLike, starts: ArrayLike) -> None:
         """Take over a plan.
@@ -168,25 +136,62 @@ class Plant:
         self._end = starts[-1] + (steps[-1] if len(steps) else 1.0)
 
     def inputs(self) -> NDArray[np.float64]:
-        """Inputs now, shape (3,): of the plan while there is one, then wings level."""
+        """Inputs that the autopilot commands now, shape (3,): the plan's, or wings level."""
         if self._plan is not None and self.time < self._end:
             self.holding = False
             segment = int(np.searchsorted(self._starts, self.time + 1e-9, side="right")) - 1
-            return self._plan[max(segment, 0)]
-        if not self.holding:
-            self.holding = True
-            self.failsafes += 1
-        level = np.array([0.0, -self.state[4] / LEVELLING_TIME, 0.0])
-        return np.clip(level, self._lower, self._upper)
+            inputs = self._plan[max(segment, 0)].copy()
+        else:
+            if not self.holding:
+                self.holding = True
+                self.failsafes += 1
+            level = -float(self.state[4]) / LEVELLING_TIME
+            limit = self._parameters.pitch_rate_max
+            inputs = np.array([0.0, min(max(level, -limit), limit), 0.0])
+        # Coordinated turn: tan(bank) = v u_psi / g.
+        turning = GRAVITY * math.tan(self._parameters.bank_max) / max(float(self.state[5]), 1e-6)
+        inputs[0] = min(max(float(inputs[0]), -turning), turning)
+        return inputs
 
     def advance(self, duration: float) -> NDArray[np.float64]:
-        """Fly on for ``duration`` [s] under held inputs and return the state, shape (6,)."""
+        """Fly on for ``duration`` [s] under a held command and return the state, shape (6,)."""
         if duration <= 0.0:
             return self.state
-        inputs = self.inputs().copy()
-        parameters = self._parameters
-        room = np.array([parameters.speed_min, parameters.speed_max]) - self.state[5]
-        inputs[2] = np.clip(inputs[2], *(room / duration))
-        self.state = vehicle.advance(self.state, inputs, duration)
+        self._inner_loop.command(self.time, self.inputs().tolist())
+        before, flown = self.state.tolist(), 0.0
+        while flown < duration:
+            change = self._inner_loop.unchanged_until(self.time + flown) - self.time
+            until = min(change, duration)
+            self._fly(until - flown)
+            flown = until
+        drift = self._wind.advance(
+            duration,
+            airspeed=before[5],
+            height=before[2],
+            heading=before[3],
+            turn=math.remainder(float(self.state[3]) - before[3], 2.0 * math.pi),
+        )
+        self.state[:3] += drift
         self.time += duration
         return self.state
+
+    def _fly(self, duration: float) -> None:
+        """Fly through the air while the inner loop's channels follow the same commands."""
+        turn, climb, engine = self._inner_loop.channels
+        slowest, fastest = self._parameters.speed_min, self._parameters.speed_max
+        gained, speed = engine.after(duration)[1], float(self.state[5])
+        allowed = min(max(gained, slowest - speed), fastest - speed)
+        acceleration = engine
+        if gained != allowed:  # the limit is reached at the end, whatever the engine does
+            acceleration = Channel(lag=0.0, dead_time=0.0)
+            acceleration.wanted = allowed / duration
+        channels = (turn, climb, acceleration)
+        if any(channel.lag for channel in channels):
+            self.state = np.array(advance_lagged(self.state.tolist(), channels, duration))
+        else:
+            inputs = [channel.wanted for channel in channels]
+            self.state = vehicle.advance(self.state, inputs, duration)
+            for channel in channels:
+                channel.rate = channel.wanted
+        if acceleration is not engine:
+            engine.rate = 0.0

@@ -1,0 +1,58 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from uav_tracking_mpc.simulation.inner_loop import Channel, InnerLoop
+
+
+def test_without_lag_and_dead_time_a_command_is_flown_at_once():
+    channel = Channel(lag=0.0, dead_time=0.0)
+    channel.command(0.0, 0.4)
+    assert channel.after(0.1) == (0.4, pytest.approx(0.04))
+
+
+@given(st.floats(0.01, 5.0), st.floats(-1, 1), st.floats(-1, 1), st.floats(0.001, 10.0))
+def test_a_lag_is_exponential(lag, rate, wanted, duration):
+    """And its integral is what is wanted less what the lag still owes."""
+    channel = Channel(lag, dead_time=0.0)
+    channel.rate = rate
+    channel.command(0.0, wanted)
+    end, integral = channel.after(duration)
+    assert end == pytest.approx(wanted + (rate - wanted) * np.exp(-duration / lag), abs=1e-12)
+    assert integral == pytest.approx(wanted * duration - lag * (end - rate), abs=1e-9)
+
+
+def test_a_command_waits_for_its_dead_time():
+    channel = Channel(lag=0.0, dead_time=0.17)
+    channel.command(1.0, 0.4)
+    channel.command(1.05, 0.4)  # the same again changes nothing
+    channel.command(1.1, -0.2)
+    assert channel.next_change == pytest.approx(1.17)
+    channel.mature(1.16)
+    assert channel.wanted == 0.0
+    channel.mature(1.17)
+    assert (channel.wanted, channel.next_change) == (0.4, pytest.approx(1.27))
+    channel.mature(1.27)
+    assert (channel.wanted, channel.next_change) == (-0.2, np.inf)
+
+
+def test_a_command_replaces_those_of_a_later_time():
+    """The clock went back: what was commanded after now has not been."""
+    channel = Channel(lag=0.0, dead_time=0.5)
+    channel.command(10.0, 0.1)
+    channel.command(10.2, 0.2)
+    channel.command(5.0, 0.3)
+    assert channel.next_change == 5.5
+    channel.mature(100.0)
+    assert channel.wanted == 0.3
+
+
+def test_channels_keep_their_own_dead_times():
+    inner_loop = InnerLoop((0.0, 0.0, 0.0), (0.2, 0.0, 0.1))
+    inner_loop.command(0.0, (0.1, 0.2, 0.3))
+    assert inner_loop.unchanged_until(0.0) == pytest.approx(0.1)
+    assert [channel.wanted for channel in inner_loop.channels] == [0.0, 0.2, 0.0]
+    assert inner_loop.unchanged_until(0.1) == pytest.approx(0.2)
+    assert inner_loop.unchanged_until(0.2) == np.inf
+    assert [channel.wanted for channel in inner_loop.channels] == [0.1, 0.2, 0.3]

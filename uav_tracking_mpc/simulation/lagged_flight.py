@@ -1,0 +1,56 @@
+r"""The vehicle (3) while its rates still approach their commands.
+
+Heading, path angle and airspeed are integrals of the rates, hence sums of exponentials in closed
+form; only the position, :math:`\int v\, (\cos\chi\cos\psi, \cos\chi\sin\psi, \sin\chi)\, dt`, is
+left to a quadrature, Gauss-Legendre with five points on panels that are short beside any turn.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from uav_tracking_mpc.dynamics.angles import wrap_angle
+from uav_tracking_mpc.simulation.inner_loop import Channel
+
+PANEL = 0.05  # s, longest
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
+POINTS = tuple(zip((0.5 * (1.0 + _NODES)).tolist(), (0.5 * _WEIGHTS).tolist(), strict=True))
+
+
+def advance_lagged(
+    state: Sequence[float], channels: tuple[Channel, Channel, Channel], duration: float
+) -> tuple[float, float, float, float, float, float]:
+    """State after ``duration``, with what each channel wants held.
+
+    Args:
+        state: (x, y, z, psi, chi, v).
+        channels: Of turn rate, path-angle rate and acceleration; their rates are moved on.
+        duration: In [s], positive.
+
+    Returns:
+        State at the end, angles wrapped to (-pi, pi].
+    """
+    x, y, z, psi, chi, v = state
+    turn, climb, engine = channels
+    count = math.ceil(duration / PANEL)
+    step = duration / count
+    for _ in range(count):
+        for point, weight in POINTS:
+            moment = point * step
+            heading = psi + turn.after(moment)[1]
+            path_angle = chi + climb.after(moment)[1]
+            flown = weight * step * (v + engine.after(moment)[1])
+            level = flown * math.cos(path_angle)
+            x += level * math.cos(heading)
+            y += level * math.sin(heading)
+            z += flown * math.sin(path_angle)
+        turn.rate, turned = turn.after(step)
+        climb.rate, climbed = climb.after(step)
+        engine.rate, gained = engine.after(step)
+        psi, chi, v = psi + turned, chi + climbed, v + gained
+    if max(abs(psi), abs(chi)) >= math.pi:  # seldom, and dear
+        psi, chi = wrap_angle([psi, chi]).tolist()
+    return x, y, z, psi, chi, v

@@ -1,0 +1,221 @@
+r"""Wind: a mean, and Dryden gusts about it (MIL-F-8785C, low-altitude model).
+
+With W20 the wind speed at 20 ft and h the height in feet, from 10 to 1000,
+
+.. math:: \sigma_w = 0.1\, W_{20},\quad
+          \sigma_u = \sigma_v = \sigma_w / (0.177 + 0.000823\, h)^{0.4},\quad
+          L_w = h,\quad L_u = L_v = h / (0.177 + 0.000823\, h)^{1.2}
+
+and each component, flown through at airspeed V, has the one-sided spectrum over
+:math:`\Omega = \omega / V`
+
+.. math:: \Phi_u = \sigma_u^2 \frac{2 L_u}{\pi} \frac{1}{1 + (L_u \Omega)^2},\qquad
+          \Phi_{v,w} = \sigma^2 \frac{L}{\pi} \frac{1 + 3 (L \Omega)^2}{(1 + (L \Omega)^2)^2}
+
+so that over the distance s = V t they correlate as :math:`e^{-s/L}` and
+:math:`e^{-s/L} (1 - s / 2L)`.
+
+The longitudinal axis is the horizontal direction of the air velocity, the vertical axis is that of
+``map``. The standard asks for the first ("relative mean wind"): a frozen field is met along the
+path through the air, and the mean wind over ground plays no part in that.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+FOOT = 0.3048  # m
+HEIGHTS = (10.0 * FOOT, 1000.0 * FOOT)  # m, where the model holds; beyond, its value there
+GUST_STEP = 0.02  # s of flight for which a gust is held
+ROOT_2, ROOT_3 = math.sqrt(2.0), math.sqrt(3.0)
+
+Vector = tuple[float, float, float]
+
+
+class GustScales(NamedTuple):
+    """Strengths and lengths of gusts.
+
+    Attributes:
+        level: sigma_u = sigma_v in [m/s].
+        vertical: sigma_w in [m/s].
+        long: L_u = L_v in [m].
+        short: L_w in [m].
+    """
+
+    level: float
+    vertical: float
+    long: float
+    short: float
+
+
+def gust_scales(height: float, intensity: float) -> GustScales:
+    """Strengths and lengths of gusts at a height; outside the model's, its value at the end.
+
+    Args:
+        height: Above ground in [m].
+        intensity: W20 in [m/s].
+    """
+    height = min(max(height, HEIGHTS[0]), HEIGHTS[1])
+    shape = 0.177 + 0.000823 * height / FOOT
+    vertical = 0.1 * intensity
+    return GustScales(vertical / shape**0.4, vertical, height / shape**1.2, height)
+
+
+class ExactStep:
+    r"""What happens to (p, m) of :class:`GustFilter` over a distance V dt / L >= 0.
+
+    They decay by exp(-distance), and noise of covariance :math:`P - \Phi P \Phi^T` is added, whose
+    entries are incomplete gamma functions of twice the distance.
+
+    Attributes:
+        distance: In lengths L.
+        decay: exp(-distance).
+        p_p: Entry 11 of the noise's Cholesky factor.
+        p_m: Entry 21.
+        m_m: Entry 22.
+    """
+
+    __slots__ = ("decay", "distance", "m_m", "p_m", "p_p")
+
+    def __init__(self, distance: float) -> None:
+        self.distance, self.decay = distance, math.exp(-distance)
+        x = 2.0 * distance
+        decay = self.decay**2
+        if x < 1.0:  # the tail of e^x after x^2, summed: the difference below would cancel
+            tail = term = x**3 / 6.0
+            order = 3
+            while term > 1e-17 * tail:
+                order += 1
+                term *= x / order
+                tail += term
+            second = 0.5 * decay * tail
+        else:
+            second = 0.5 * (1.0 - decay * (1.0 + x + 0.5 * x * x))
+        covariance = second + 0.25 * decay * x * x
+        variance = -math.expm1(-x)
+        self.p_p = math.sqrt(variance)
+        self.p_m = covariance / self.p_p if variance > 0.0 else 0.0
+        self.m_m = math.sqrt(max(second - self.p_m**2, 0.0))
+
+
+class GustFilter:
+    """Gusts of unit variance along one length, sampled exactly, stationary from the start.
+
+    Transverse gusts pass white noise through (1 + sqrt(3) L s / V) / (1 + L s / V)^2, written as
+    two lags in a row, p' = V/L (-p + noise), m' = V/L (p - m), whose stationary covariance
+    [[1, 1/2], [1/2, 1/2]] does not depend on V and L: both may change while it runs. A
+    longitudinal gust is p alone.
+
+    Args:
+        first: Standard normal number.
+        second: Another, independent.
+    """
+
+    def __init__(self, first: float, second: float) -> None:
+        self.longitudinal = first
+        self._second = 0.5 * (first + second)
+
+    @property
+    def transverse(self) -> float:
+        """Output of the transverse filter."""
+        return (ROOT_3 * self.longitudinal + (1.0 - ROOT_3) * self._second) / ROOT_2
+
+    def step(self, step: ExactStep, first: float, second: float) -> None:
+        """Go on by a step, with two standard normal numbers."""
+        self._second = step.decay * (self._second + step.distance * self.longitudinal)
+        self._second += step.p_m * first + step.m_m * second
+        self.longitudinal = step.decay * self.longitudinal + step.p_p * first
+
+
+class Wind:
+    """The air about the vehicle. A gust is held for GUST_STEP of flight, then the next follows.
+
+    Its course depends on the seed and on the flight, not on how the flight is cut into steps.
+
+    Args:
+        mean: Mean velocity in ``map`` in [m/s].
+        intensity: W20 in [m/s]; 0 for steady wind.
+        seed: Of the gusts.
+        heading: Horizontal direction of the air velocity at the start in [rad].
+        height: Above ground at the start in [m].
+    """
+
+    def __init__(
+        self,
+        mean: Vector,
+        intensity: float,
+        seed: np.random.SeedSequence,
+        heading: float,
+        height: float,
+    ) -> None:
+        self._mean = mean
+        self._intensity = intensity
+        self._random = np.random.default_rng(seed)
+        u, v1, v2, w1, w2 = self._random.standard_normal(5).tolist()
+        self._filters = GustFilter(u, 0.0), GustFilter(v1, v2), GustFilter(w1, w2)
+        self._left = GUST_STEP  # of the present gust
+        self._velocity = mean
+        if intensity > 0.0:
+            self._turn_to_map(heading, gust_scales(height, intensity))
+
+    @property
+    def velocity(self) -> NDArray[np.float64]:
+        """Velocity of the air in ``map`` now, shape (3,), in [m/s]."""
+        return np.array(self._velocity)
+
+    def advance(
+        self, duration: float, airspeed: float, height: float, heading: float, turn: float
+    ) -> Vector:
+        """Blow on.
+
+        Args:
+            duration: How long in [s].
+            airspeed: V in [m/s].
+            height: Above ground in [m].
+            heading: Horizontal direction of the air velocity now in [rad].
+            turn: By how much it turns over the duration in [rad].
+
+        Returns:
+            Displacement of the air, the integral of the velocity, in [m].
+        """
+        if self._intensity == 0.0:
+            return (
+                self._mean[0] * duration,
+                self._mean[1] * duration,
+                self._mean[2] * duration,
+            )
+        x = y = z = flown = 0.0
+        while flown < duration:
+            piece = min(duration - flown, self._left)
+            x += self._velocity[0] * piece
+            y += self._velocity[1] * piece
+            z += self._velocity[2] * piece
+            flown += piece
+            self._left -= piece
+            if self._left <= 1e-9:  # s; sums of floats do not hit zero
+                self._left += GUST_STEP
+                scales = gust_scales(height, self._intensity)
+                self._next_gust(airspeed * GUST_STEP, scales)
+                self._turn_to_map(heading + turn * flown / duration, scales)
+        return x, y, z
+
+    def _next_gust(self, flown: float, scales: GustScales) -> None:
+        u, v1, v2, w1, w2 = self._random.standard_normal(5).tolist()
+        along = ExactStep(flown / scales.long)
+        self._filters[0].step(along, u, 0.0)
+        self._filters[1].step(along, v1, v2)
+        self._filters[2].step(ExactStep(flown / scales.short), w1, w2)
+
+    def _turn_to_map(self, heading: float, scales: GustScales) -> None:
+        forward = scales.level * self._filters[0].longitudinal
+        left = scales.level * self._filters[1].transverse
+        sine, cosine = math.sin(heading), math.cos(heading)
+        self._velocity = (
+            self._mean[0] + cosine * forward - sine * left,
+            self._mean[1] + sine * forward + cosine * left,
+            self._mean[2] + scales.vertical * self._filters[2].transverse,
+        )
