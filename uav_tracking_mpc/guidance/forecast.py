@@ -25,15 +25,13 @@ class Forecast:
     drift_rate: NDArray[np.float64]
 
 
-def steady_forecast(situation: Situation, stages: int, step: float) -> Forecast:
-    """The present drift throughout; the target still where the air is, for want of better.
+def steady_forecast(situation: Situation, stages: int) -> Forecast:
+    """Present drift and target throughout.
 
     Args:
         situation: Present target and drift.
         stages: N.
-        step: T_s in [s].
     """
-    del step
     ahead = (stages + 1, 1)
     return Forecast(
         np.tile(situation.target, ahead),

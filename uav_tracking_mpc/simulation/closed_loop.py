@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.angles import wrap_angle
 from uav_tracking_mpc.dynamics.relative import rates_function, relative_state, vehicle_state
-from uav_tracking_mpc.guidance.controller import Command, Source, TrackingController
+from uav_tracking_mpc.guidance.forecast import steady_forecast
+from uav_tracking_mpc.guidance.ladder import Rung
+from uav_tracking_mpc.guidance.navigator import Navigator
 from uav_tracking_mpc.guidance.pace import Pace
-from uav_tracking_mpc.guidance.target_filter import TargetFilter
+from uav_tracking_mpc.guidance.pilot import Command, Outlook, Pilot
+from uav_tracking_mpc.guidance.situation import Situation
 from uav_tracking_mpc.simulation.configuration import Configuration
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog
 from uav_tracking_mpc.simulation.plant import Plant
@@ -23,6 +27,16 @@ Progress = Callable[[float], None]
 
 class SimulationError(RuntimeError):
     """The flight left what the model can describe; the message says where."""
+
+
+class LoiterLaw(Protocol):
+    """A law that answers a situation at once, such as those in ``guidance``."""
+
+    name: str
+
+    def inputs(self, situation: Situation) -> NDArray[np.float64]:
+        """Inputs (u_psi, u_chi, u_v), shape (3,)."""
+        ...
 
 
 class _Recorder:
@@ -43,15 +57,17 @@ class _Recorder:
         ground_velocity, targets_velocity = (
             np.array(self.velocities).transpose(1, 0, 2) if self.velocities else (None, None)
         )
-        optimal = [command.source is Source.OPTIMAL for command in commands]
-        reused = [command.source is Source.EARLIER_PLAN for command in commands]
+        rungs = [command.rung for command in commands]
+        solutions = [command.solution for command in commands]
+        unsolved = sum(solution is not None and not solution.converged for solution in solutions)
+        off_plan = sum(not rung.planned for rung in rungs)
         return FlightLog(
             config=configuration.name,
             duration=configuration.mission.duration,
             speed=0.0,
             model=tracking.model,
             plant=plant,
-            orbit=tracking.orbit,
+            orbit=commands[-1].orbit,
             input_lower=tracking.input_lower,
             input_upper=tracking.input_upper,
             steady_inputs=tracking.steady_inputs,
@@ -60,11 +76,15 @@ class _Recorder:
             target=np.array(targets),
             command_time=np.array(stamps),
             inputs=np.array([command.inputs[0] for command in commands]),
-            cost=np.array([command.solution.cost for command in commands]),
-            solve_time=np.array([command.solution.solve_time for command in commands]),
+            cost=np.array([np.nan if s is None else s.cost for s in solutions]),
+            solve_time=np.array([np.nan if s is None else s.solve_time for s in solutions]),
             solver=solver,
-            failures=len(optimal) - sum(optimal),
-            commands=CommandCounts(sent=len(commands), plan_reused=sum(reused), failsafe=failsafes),
+            failures=unsolved,
+            commands=CommandCounts(
+                sent=len(commands),
+                plan_reused=rungs.count(Rung.EARLIER_PLAN),
+                failsafe=failsafes + off_plan,
+            ),
             ground_velocity=ground_velocity,
             target_velocity=targets_velocity,
         )
@@ -77,8 +97,9 @@ def simulate(configuration: Configuration, progress: Progress | None = None) -> 
         configuration: What to fly.
         progress: Called with the simulated time in [s] after each control step.
     """
-    flown = _euler_mission if configuration.mission.plant == "euler" else _vehicle_mission
-    return flown(configuration, progress or (lambda time: None))
+    if configuration.mission.plant == "euler":
+        return _euler_mission(configuration, progress or (lambda time: None))
+    return fly_vehicle(configuration, progress)
 
 
 def _euler_mission(configuration: Configuration, progress: Progress) -> FlightLog:
@@ -87,11 +108,12 @@ def _euler_mission(configuration: Configuration, progress: Progress) -> FlightLo
     One command a step T_s; the target stands still, as (9) demands.
     """
     tracking, start = configuration.controller, configuration.simulator.initial_state
-    controller = TrackingController(tracking)
+    pilot = Pilot(tracking)
     rates = rates_function(tracking.model)
     step = tracking.horizon_step
     target = target_position(configuration.target, 0.0)
     relative, heading = relative_state(start, target), float(start[3])
+    still = np.zeros(3)
     recorder = _Recorder()
     for k in range(max(1, round(configuration.mission.duration / step))):
         if not relative[0] > abs(relative[2]):
@@ -102,7 +124,9 @@ def _euler_mission(configuration: Configuration, progress: Progress) -> FlightLo
             )
         vehicle = vehicle_state(relative, float(heading - relative[1] - np.pi), target)  # (4)
         recorder.states.append((k * step, vehicle, target))
-        command = controller.step(relative, step if k else None)
+        situation = Situation(vehicle, target, still, still, still)
+        forecast = steady_forecast(situation, tracking.horizon)
+        command = pilot.step(k * step, Outlook(situation, forecast))
         recorder.commands.append((k * step, command))
         inputs = command.inputs[0]
         relative = relative + step * np.array(rates(relative, inputs)).ravel()  # (10)
@@ -112,19 +136,30 @@ def _euler_mission(configuration: Configuration, progress: Progress) -> FlightLo
     if relative[0] > abs(relative[2]):
         vehicle = vehicle_state(relative, float(heading - relative[1] - np.pi), target)
         recorder.states.append(((k + 1) * step, vehicle, target))
-    return recorder.log(configuration, "euler", controller.solver.name, 0)
+    return recorder.log(configuration, "euler", pilot.formulation.solver.name, 0)
 
 
-def _vehicle_mission(configuration: Configuration, progress: Progress) -> FlightLog:
-    """The exact vehicle, at the rates at which the nodes run."""
+def fly_vehicle(
+    configuration: Configuration, progress: Progress | None = None, law: LoiterLaw | None = None
+) -> FlightLog:
+    """Fly the exact vehicle at the rates at which the nodes run.
+
+    Args:
+        configuration: What to fly.
+        progress: Called with the simulated time in [s] after each control step.
+        law: Flown in the place of the predictive controller, with the same navigation.
+
+    Raises:
+        SimulationError: The target was never seen.
+    """
     tracking, simulator = configuration.controller, configuration.simulator
-    controller = TrackingController(tracking)
     plant = Plant(simulator)
-    measured = TargetFilter(tracking.target_noise, tracking.target_agility)
+    navigator = Navigator(tracking)
+    pilot = Pilot(tracking) if law is None else None
     sensor = TargetSensor(configuration.target)
     recorder = _Recorder()
     tick = 1.0 / simulator.state_rate
-    pace, last = Pace(tracking.control_rate), None
+    pace = Pace(tracking.control_rate)
     target_ticks = max(1, round(simulator.state_rate / configuration.target.rate))
     count = round(configuration.mission.duration * simulator.state_rate)
     for k in range(count + 1):
@@ -137,18 +172,27 @@ def _vehicle_mission(configuration: Configuration, progress: Progress) -> Flight
         if k % target_ticks == 0:
             sensor.measure(now)
         for stamp, position in sensor.delivered(now):
-            measured.update(stamp, position)
-        if k < count and measured.time is not None and pace.due(round(now * 1e9)):
-            relative = relative_state(plant.measured()[0], measured.predict(now)[0])
-            command = controller.step(relative, None if last is None else now - last)
-            last = now
+            navigator.target.update(stamp, position)
+        if k < count and navigator.target.time is not None and pace.due(round(now * 1e9)):
+            state, ground_velocity = plant.measured()
+            situation = navigator.situation(now, state, ground_velocity, plant.rates[:2])
+            if pilot is not None:
+                fresh = now - navigator.target.time <= tracking.target_timeout
+                command = pilot.step(now, Outlook(*navigator.at_effect(now, situation), fresh))
+            else:
+                assert law is not None
+                inputs = law.inputs(situation)[np.newaxis]
+                command = Command(inputs, 1.0, Rung.LOITER, "", None, tracking.orbit, None)
+            navigator.commanded(now, command.inputs, command.step)
             recorder.commands.append((now, command))
             plant.accept(command.inputs, now + command.step * np.arange(len(command.inputs)))
-            progress(now)
+            if progress is not None:
+                progress(now)
         plant.advance(tick)
     if not recorder.commands:
         raise SimulationError(
             f"the target was never seen in {configuration.mission.duration:g} s: see "
             "target_publisher.dropout and target_publisher.delay"
         )
-    return recorder.log(configuration, "vehicle", controller.solver.name, plant.failsafes)
+    solver = pilot.formulation.solver.name if pilot is not None else "none"
+    return recorder.log(configuration, "vehicle", solver, plant.failsafes)
