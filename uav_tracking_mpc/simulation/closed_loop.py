@@ -126,7 +126,7 @@ def _vehicle_mission(configuration: Configuration, progress: Progress) -> Flight
         if k % target_ticks == 0:
             measured.update(now, target + configuration.target.noise * noise.standard_normal(3))
         if k < count and pace.due(round(now * 1e9)):
-            relative = relative_state(plant.state, measured.predict(now)[0])
+            relative = relative_state(plant.state, measured.predict(now).position)
             command = controller.step(relative, now - last if k else None)
             last = now
             recorder.commands.append((now, command))
