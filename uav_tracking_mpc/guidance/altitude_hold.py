@@ -22,7 +22,7 @@ def altitude_hold(orbit: Orbit, envelope: Envelope, situation: Situation) -> tup
 
     kept to those at which the airspeed can be held. The gains come from a grid of height steps of
     10 to 60 m at 22 m/s, with inner loops of 0.13 s lag and 0.2 s dead time: least integrated
-    error without overshoot, and with 5 % of it when the inner loops are twice as slow.
+    error without overshoot, and with about 5 % of it when the inner loops are twice as slow.
 
     Args:
         orbit: Height above the target and airspeed to hold.
