@@ -135,7 +135,7 @@ class NmpcController(Node):
         now, timeout = self._seconds(stamp), self.parameters.target_timeout
         age = None if self._target.time is None else now - self._target.time
         if age is not None and abs(age) <= timeout:
-            return self._target.predict(now)[0]
+            return self._target.predict(now).position
         if age is None:
             words = "no target position"
         elif age > timeout:

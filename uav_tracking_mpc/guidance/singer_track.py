@@ -1,0 +1,150 @@
+r"""Position, velocity and acceleration of one target: a Kalman filter on Singer's model.
+
+R. A. Singer, "Estimating Optimal Tracking Filter Performance for Manned Maneuvering Targets",
+IEEE Trans. Aerospace and Electronic Systems 6(4), 1970: on each axis p' = v, v' = a and
+
+.. math:: a' = -a / \tau + w, \quad E[w(t) w(s)] = (2 \sigma_a^2 / \tau)\, \delta(t - s)
+
+so that the acceleration has standard deviation sigma_a and is forgotten after tau. The axes share
+their covariance, which does not depend on the positions but only on their times.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+MANOEUVRE_TIME = 5.0  # tau [s]: least prediction errors on circles, straight runs, stop and go
+BRIDGE_TIME = 5.0  # s without a position after which the velocity fades
+FADE_TIME = 10.0  # s, its time constant
+TURN_MEMORY = 2.0  # s over which the turn rate is averaged
+TERMS = 16  # of the series of exp(-x), x <= 1/2: exact to rounding
+
+
+def _noise_series() -> NDArray[np.float64]:
+    """Coefficients of the entries of Q in powers of x = t / tau, shape (3, 3, n).
+
+    Q is the integral of 2 g g', g = (e^-x - 1 + x, 1 - e^-x, e^-x) being the response to an
+    impulse of w. Its closed form cancels to nothing for short times, the series does not.
+    """
+    decay = np.cumprod(np.append(1.0, -1.0 / np.arange(1, TERMS)))
+    position, velocity = decay.copy(), -decay
+    position[:2] = velocity[0] = 0.0
+    responses = [np.polynomial.Polynomial(series) for series in (position, velocity, decay)]
+    products = [2.0 * (one * other).integ() for one in responses for other in responses]
+    series = np.array([product.coef[:TERMS] for product in products]).reshape(3, 3, TERMS)
+    orders = np.array([2.0, 1.0, 0.0])  # of tau in g
+    return MANOEUVRE_TIME ** np.add.outer(orders, orders)[:, :, None] * series
+
+
+_NOISE_SERIES = _noise_series()
+_POWERS = np.arange(float(TERMS))
+
+
+def singer_motion(duration: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Transition matrix and covariance of the noise of unit sigma_a over a duration >= 0 [s]."""
+    x = duration / MANOEUVRE_TIME
+    if x > 0.5:
+        half, noise = singer_motion(duration / 2.0)
+        return half @ half, half @ noise @ half.T + noise
+    gone = -math.expm1(-x)
+    transition = np.array(
+        [
+            [1.0, duration, MANOEUVRE_TIME**2 * (x - gone)],
+            [0.0, 1.0, MANOEUVRE_TIME * gone],
+            [0.0, 0.0, 1.0 - gone],
+        ]
+    )
+    return transition, _NOISE_SERIES @ x**_POWERS
+
+
+def bridged(age: float) -> tuple[float, float]:
+    """Time travelled at the velocity last known, and the share of it that is left.
+
+    A target that is lost is taken to run on for a while and then to slow down, so that no
+    position runs away.
+    """
+    if age <= BRIDGE_TIME:
+        return age, 1.0
+    left = math.exp(-(age - BRIDGE_TIME) / FADE_TIME)
+    return BRIDGE_TIME + FADE_TIME * (1.0 - left), left
+
+
+class SingerTrack:
+    """A target that has been seen at least once.
+
+    Args:
+        time: When it was first seen in [s].
+        position: Where, shape (3,), in [m].
+        noise: Standard deviation of a measured position in [m].
+        agility: sigma_a in [m/s^2].
+        speed: Standard deviation of the velocity before it is known in [m/s].
+
+    Attributes:
+        time: Of the newest position taken in, in [s].
+        state: Position, velocity and acceleration at that time, rows of shape (3, 3).
+        covariance: Of (p, v, a) on each axis at that time, shape (3, 3).
+        turn_rate: Of the horizontal velocity, averaged over a few seconds, in [rad/s].
+    """
+
+    def __init__(
+        self, time: float, position: NDArray[np.float64], noise: float, agility: float, speed: float
+    ) -> None:
+        self._variance = noise**2
+        self._agility = agility
+        self.time = time
+        self.state = np.zeros((3, 3))
+        self.state[0] = position
+        self.covariance = np.diag([noise**2, speed**2, agility**2])
+        self.turn_rate = 0.0
+
+    def propagated(self, time: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """State and covariance at a time not before that of the track, shapes (3, 3)."""
+        age = time - self.time
+        transition, noise = singer_motion(age)
+        covariance = transition @ self.covariance @ transition.T + self._agility**2 * noise
+        if age <= BRIDGE_TIME:
+            return transition @ self.state, covariance
+        travelled, left = bridged(age)
+        state = singer_motion(travelled)[0] @ self.state
+        state[1:] *= left
+        return state, covariance
+
+    def position_std(self, age: float) -> float:
+        """Standard deviation of the position on each axis [m] at an age >= 0 [s] of the track."""
+        transition, noise = singer_motion(age)
+        row = transition[0]
+        return math.sqrt(row @ self.covariance @ row + self._agility**2 * noise[0, 0])
+
+    def update(self, time: float, position: NDArray[np.float64], gate: float) -> bool:
+        """Take in a position unless its squared normalised innovation exceeds the gate.
+
+        Args:
+            time: When it was measured, after that of the track, in [s].
+            position: Shape (3,), in [m].
+            gate: Greatest squared normalised innovation, chi-square of 3 degrees of freedom.
+        """
+        state, covariance = self.propagated(time)
+        innovation = position - state[0]
+        variance = covariance[0, 0] + self._variance
+        if not innovation @ innovation <= gate * variance:
+            return False
+        gain = covariance[:, 0] / variance
+        self.state = state + np.outer(gain, innovation)
+        # Joseph's form: a sum of squares, whatever is rounded.
+        remaining = np.eye(3)
+        remaining[:, 0] -= gain
+        covariance = remaining @ covariance @ remaining.T + self._variance * np.outer(gain, gain)
+        self.covariance = 0.5 * (covariance + covariance.T)
+        self._average_turn(time - self.time)
+        self.time = time
+        return True
+
+    def _average_turn(self, elapsed: float) -> None:
+        (_, (vx, vy, _), (ax, ay, _)) = self.state.tolist()
+        # A velocity within its own uncertainty has no direction to turn.
+        square = max(vx * vx + vy * vy, 9.0 * float(self.covariance[1, 1]))
+        share = 1.0 - math.exp(-elapsed / TURN_MEMORY)
+        self.turn_rate += share * ((vx * ay - vy * ax) / square - self.turn_rate)
