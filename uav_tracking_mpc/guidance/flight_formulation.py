@@ -31,8 +31,9 @@ from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.solver import Guess, Solver
 
 # Where the cost of the artificial orbit's offset turns from quadratic to linear, as a share of the
-# wanted range, range and airspeed: far away it must not drown everything else.
-OFFSET_REACH = np.array([0.1, 0.07, 0.14])
+# wanted range, range and airspeed. Steep near the wanted orbit, or errors would be shared between
+# both and met half-heartedly; linear beyond, or far away it would drown everything else.
+OFFSET_REACH = np.array([0.01, 0.01, 0.03])
 NO_FENCE = 1e6  # m, radius
 FLOOR_LIMIT = 1e4  # m below the target, as deep as a floor is told to the problem
 
