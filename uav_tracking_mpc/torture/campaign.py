@@ -34,7 +34,7 @@ HOLD = 2.0  # s of simulated time that the orbit must be held
 RECOVERY_LIMIT = 30.0  # s of simulated time
 STALL_LIMIT = 20.0  # s of wall time in which simulated time must move on
 START_LIMIT = 120.0  # s of wall time to fly onto the orbit the first time
-TRANSPORT = 0.2  # s of wall time that messages may take, whatever the load
+TRANSPORT = 0.5  # s of wall time that messages may take, whatever the load
 FENCE = 3.0  # times the distance at the start
 REACH = 1.0  # times the range: how far a target is teleported
 CHECK_PERIOD = 0.02  # s of wall time between looks at the processes
@@ -42,7 +42,7 @@ SAMPLE_PERIOD = 1.0  # s of wall time between looks at what they use
 LOG = "nodes.log"
 
 
-def limits(configuration: Configuration, speed: float) -> Limits:
+def limits(configuration: Configuration) -> Limits:
     """What the messages of a configuration are held to."""
     controller = configuration.controller
     target = np.array(configuration.target.position)
@@ -50,7 +50,8 @@ def limits(configuration: Configuration, speed: float) -> Limits:
     return Limits(
         lower=controller.input_lower,
         upper=controller.input_upper,
-        state_age=controller.state_timeout + TRANSPORT * speed,
+        state_age=controller.state_timeout,
+        transport=TRANSPORT,
         floor=float(target[2]),
         fence=FENCE * max(distance, controller.range),
     )
@@ -99,7 +100,7 @@ class _Campaign:
         self._recovery = Recovery(TOLERANCE, HOLD, RECOVERY_LIMIT)
         orbit = configuration.controller.orbit
         self._observer = Observer(
-            limits(configuration, speed), (orbit.range, orbit.altitude), self._recovery
+            limits(configuration), (orbit.range, orbit.altitude), self._recovery
         )
         # Orders and storms come from a node of their own, as a stranger's would.
         self._stranger = Node("stranger")

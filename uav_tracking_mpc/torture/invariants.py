@@ -6,12 +6,14 @@ written a second time, so that one mistake cannot hide the other.
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 ROUNDING = 1e-9
+REMEMBERED = 1000  # states
 
 
 @dataclass(frozen=True)
@@ -22,6 +24,8 @@ class Limits:
         lower: Least (u_psi, u_chi, u_v), shape (3,), in [rad/s, rad/s, m/s^2].
         upper: Greatest.
         state_age: How much older than the newest state the state of a command may be [s].
+        transport: Wall time [s] that a message may take, whatever the load: a state counts as
+            known to the controller when it was delivered so long ago.
         floor: Least z in ``map`` [m].
         fence: Greatest distance from the target [m].
     """
@@ -29,6 +33,7 @@ class Limits:
     lower: NDArray[np.float64]
     upper: NDArray[np.float64]
     state_age: float
+    transport: float
     floor: float
     fence: float
 
@@ -55,7 +60,9 @@ class Invariants:
 
     def __init__(self, limits: Limits) -> None:
         self._limits = limits
-        self._newest: float | None = None
+        self._true: deque[float] = deque(maxlen=REMEMBERED)  # stamps of true states [s]
+        self._delivered: deque[tuple[float, float]] = deque()  # heard at, stamp; not yet known
+        self._known: float | None = None  # newest state that the controller must know
         self._target: NDArray[np.float64] | None = None
 
     def target(self, position: ArrayLike) -> None:
@@ -69,7 +76,11 @@ class Invariants:
             stamp: Its time [s].
             position: Shape (3,), in ``map`` [m].
         """
-        self._newest = stamp  # the vehicle's own time, which goes back when it is started anew
+        if self._true and stamp < self._true[-1]:  # a vehicle that was started anew
+            self._true.clear()
+            self._delivered.clear()
+            self._known = None
+        self._true.append(stamp)
         here = np.asarray(position, dtype=float)
         if not np.all(np.isfinite(here)):
             return [Violation("vehicle finite", f"position is {here.tolist()}")]
@@ -84,10 +95,23 @@ class Invariants:
                 found.append(Violation("geofence", detail))
         return found
 
-    def command(self, stamp: float, plan: ArrayLike, starts: ArrayLike) -> list[Violation]:
+    def delivered(self, time: float, stamp: float) -> None:
+        """A state as the controller got it; one whose stamp was tampered with is no state.
+
+        Args:
+            time: When, by a steady clock [s].
+            stamp: Its time [s].
+        """
+        if stamp in self._true:
+            self._delivered.append((time, stamp))
+
+    def command(
+        self, time: float, stamp: float, plan: ArrayLike, starts: ArrayLike
+    ) -> list[Violation]:
         """A command as the controller sent it.
 
         Args:
+            time: When, by the same clock [s].
             stamp: Time of the state that it was computed from [s].
             plan: (u_psi, u_chi, u_v), shape (n, 3).
             starts: When each begins, after the stamp, shape (n,) [s].
@@ -111,12 +135,15 @@ class Invariants:
             )
         if np.any(np.diff(starts) <= 0.0):
             found.append(Violation("command order", f"times from start are {starts.tolist()}"))
-        if self._newest is not None and self._newest - stamp > self._limits.state_age:
+        while self._delivered and self._delivered[0][0] <= time - self._limits.transport:
+            newest = self._delivered.popleft()[1]
+            self._known = newest if self._known is None else max(self._known, newest)
+        if self._known is not None and self._known - stamp > self._limits.state_age:
             found.append(
                 Violation(
                     "state age",
-                    f"a command from a state {self._newest - stamp:.2f} s older than the newest, "
-                    f"allowed {self._limits.state_age:g} s",
+                    f"a command from a state {self._known - stamp:.2f} s older than one delivered "
+                    f"{self._limits.transport:g} s before, allowed {self._limits.state_age:g} s",
                 )
             )
         return found

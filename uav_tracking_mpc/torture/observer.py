@@ -59,6 +59,7 @@ class Observer(Node):
         self.heard: dict[str, float] = {}
         judges = {
             raw(ODOMETRY).name: self._on_state,
+            ODOMETRY.name: self._on_delivered,
             raw(TARGET).name: self._on_target,
             raw(COMMAND).name: self._on_command,
             DIAGNOSTICS.name: self._on_diagnostics,
@@ -84,6 +85,9 @@ class Observer(Node):
         led = self.flown - self._commanded < LED
         self._recovery.state(self.flown, self.range_error, float(offset[2]) - self._altitude, led)
 
+    def _on_delivered(self, message: Any) -> None:
+        self._invariants.delivered(time.monotonic(), _seconds(message.header.stamp))
+
     def _on_target(self, message: Any) -> None:
         self._target = _vector(message.point)
         self._invariants.target(self._target)
@@ -98,7 +102,8 @@ class Observer(Node):
                 # FLU pitch is positive nose down: the path-angle rate is minus the pitch rate.
                 rates, acceleration = point.velocities[0].angular, point.accelerations[0].linear
                 plan[index] = rates.z, -rates.y, acceleration.x
-        self.violations += self._invariants.command(_seconds(message.header.stamp), plan, starts)
+        stamp = _seconds(message.header.stamp)
+        self.violations += self._invariants.command(time.monotonic(), stamp, plan, starts)
 
     def _on_diagnostics(self, message: Any) -> None:
         for status in message.status:

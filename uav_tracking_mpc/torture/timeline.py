@@ -26,7 +26,6 @@ def timeline(campaign: Campaign, tolerance: float, limit: float) -> bytes:
         times = [time / 60.0 for time, _ in campaign.range_errors]
         upper.plot(times, [error for _, error in campaign.range_errors], color=BLUE, linewidth=0.8)
         upper.axhspan(-tolerance, tolerance, color=GREEN, alpha=0.15, linewidth=0)
-        upper.set_yscale("symlog", linthresh=tolerance)
         upper.set_ylabel("r - r_d [m]")
         upper.set_title(
             f"{campaign.config}, seed {campaign.seed}: true range error; "
