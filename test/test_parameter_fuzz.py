@@ -126,7 +126,16 @@ def test_files_that_are_no_configuration(text, capfd, tmp_path):
 
 
 # What shapes the optimal control problem is compiled anew for every value: ten seconds each.
-COMPILED = ("horizon", "weights", "terminal", "scheme", "model", "direction", "airspeed")
+COMPILED = (
+    "horizon",
+    "control_rate",
+    "weights",
+    "terminal",
+    "scheme",
+    "model",
+    "direction",
+    "airspeed",
+)
 
 
 def extremes(node):

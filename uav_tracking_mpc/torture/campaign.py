@@ -195,9 +195,9 @@ class _Campaign:
                 strokes = [running for running in strokes if next(running, self) is not self]
                 for violation in observer.take_violations():
                     findings.add(violation)
-                self._look_for_deaths(findings, strokes)
+                self._look_for_deaths(findings)
                 if strokes or (pending and time.monotonic() - moved < STALL_LIMIT):
-                    moved = max(moved, time.monotonic()) if strokes else moved
+                    moved = time.monotonic() if strokes else moved
                     continue
                 if not ended:
                     ended = True
@@ -225,11 +225,8 @@ class _Campaign:
             observer.bag.write(cases / f"case_{case.index:04d}.mcap")
         return findings
 
-    def _look_for_deaths(self, findings: CaseFindings, strokes: list[Stroke]) -> None:
-        killed = any(running.__name__ == "_kill" for running in strokes)
+    def _look_for_deaths(self, findings: CaseFindings) -> None:
         for name, code in self._crew.dead().items():
-            if killed and code == -9:
-                continue
             self._deaths += 1
             findings.add(Violation("process lost", f"{name} ended with exit code {code}"))
             self._crew.start(name)

@@ -17,6 +17,8 @@ from uav_tracking_mpc.simulation.configuration import Configuration
 from uav_tracking_mpc.torture.fault_kinds import NODES
 
 RELAY_NODE = "fault_relay"
+# Ends by itself, for nobody ends it when the campaign itself is killed.
+BURNER = "import time\nend = time.monotonic() + 10.0\nwhile time.monotonic() < end: pass"
 REMAPS = {  # what each node sends goes to the relay first
     "uav_simulator": ("uav/odometry", "uav/air_velocity", "/clock"),
     "target_publisher": ("target/position",),
@@ -77,9 +79,9 @@ class Crew:
         self._files.note([os.getpid(), *identities])
 
     def kill(self, name: str) -> None:
-        """Kill -9."""
+        """Kill -9; until it is started again it is nobody's loss."""
         self.note_files()
-        self.processes[name].stop(signal.SIGKILL)
+        self.processes.pop(name).stop(signal.SIGKILL)
 
     def freeze(self, name: str) -> None:
         """SIGSTOP."""
@@ -91,7 +93,7 @@ class Crew:
 
     def burn(self) -> None:
         """Start two busy processes for every core."""
-        program = [sys.executable, "-S", "-c", "while True: pass"]
+        program = [sys.executable, "-S", "-c", BURNER]
         self._burners += [
             subprocess.Popen(program, stdin=subprocess.DEVNULL)
             for _ in range(2 * (os.cpu_count() or 1))
