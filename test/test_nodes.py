@@ -232,6 +232,33 @@ def test_after_the_clock_went_back_commands_flow_again(executor):
     assert spin(executor, lambda: len(heard[COMMAND.name]) > 5, 20.0)
 
 
+@pytest.mark.timeout(60)
+def test_one_state_with_an_old_stamp_is_not_answered(executor):
+    heard = listen(executor, COMMAND)
+    add(executor, NmpcController)
+    sender = rclpy.create_node("sender", context=executor.context_of_nodes)
+    executor.add_node(sender)
+    odometry = sender.create_publisher(ODOMETRY.type, ODOMETRY.name, ODOMETRY.qos)
+    target = sender.create_publisher(TARGET.type, TARGET.name, TARGET.qos)
+    state = np.array([180.0, 0.0, 40.0, 2.0, 0.0, 4.0])
+
+    def send():
+        send.count += 1
+        stamp = 100_000_000_000 + send.count * 100_000_000
+        message = TARGET.type()
+        set_point(message, stamp, np.zeros(3))
+        target.publish(message)
+        message = ODOMETRY.type()
+        set_odometry(message, stamp - 5_000_000_000 * (send.count % 3 == 0), state, np.zeros(3))
+        odometry.publish(message)
+
+    send.count = 0
+    sender.create_timer(0.05, send)
+    assert spin(executor, lambda: len(heard[COMMAND.name]) > 30, 20.0)
+    stamps = [nanoseconds(message.header.stamp) for message in heard[COMMAND.name]]
+    assert stamps == sorted(stamps)
+
+
 @pytest.mark.parametrize(
     ("node_class", "parameters", "words"),
     [

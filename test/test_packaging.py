@@ -67,6 +67,7 @@ def test_colcon_builds_an_ament_python_package(checkout):
     assert (share / "ament_index/resource_index/packages/uav_tracking_mpc").is_file()
     assert (share / "uav_tracking_mpc" / "package.xml").is_file()
     assert (share / "uav_tracking_mpc" / "config" / "paper.yaml").is_file()
+    assert (share / "uav_tracking_mpc/config/security/uav_tracking.policy.xml").is_file()
     (library,) = installed.glob("lib/python*/site-packages")
     program = "from uav_tracking_mpc.simulation.configuration import load_configuration as load;"
     program += "import uav_tracking_mpc; print(uav_tracking_mpc.__file__, load('paper').name)"

@@ -30,6 +30,7 @@ from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.configuration import load_configuration
 from uav_tracking_mpc.stability.command import add_parser as add_stability_parser
 from uav_tracking_mpc.stability.stability_problem import StabilityProblem
+from uav_tracking_mpc.torture.command import add_torture_parser
 
 EPILOG = """\
 examples:
@@ -39,6 +40,7 @@ examples:
                                                 the paper's model on the true vehicle
   uav_tracking stability --config paper         the paper's analysis, and a proof
   uav_tracking benchmark                        the solver beside its peers
+  uav_tracking torture --minutes 10             faults injected into real nodes
   uav_tracking monitor --domain-id 7            watch a flight from another terminal
 """
 BAG = "mission.mcap"
@@ -78,6 +80,7 @@ def _parser() -> argparse.ArgumentParser:
     add_configuration_arguments(stability)
 
     add_benchmark_parser(commands)
+    add_torture_parser(commands)
 
     monitor = commands.add_parser("monitor", help="a live table of a flight in the terminal")
     monitor.add_argument(

@@ -15,12 +15,21 @@ STOP_LIMIT = 5.0  # s of wall time for a node to end after a signal
 
 
 class NodeProcess:
-    """One node as a process; its output is printed line by line behind its name."""
+    """One node as a process; its output is printed line by line behind its name.
 
-    def __init__(self, name: str, arguments: Sequence[str], console: Console) -> None:
+    Args:
+        name: Its module.
+        arguments: Its command line.
+        console: Where its output goes.
+        room: Package of the module.
+    """
+
+    def __init__(
+        self, name: str, arguments: Sequence[str], console: Console, room: str = "nodes"
+    ) -> None:
         self.name = name
         self._process = subprocess.Popen(
-            [sys.executable, "-u", "-m", f"uav_tracking_mpc.nodes.{name}", *arguments],
+            [sys.executable, "-u", "-m", f"uav_tracking_mpc.{room}.{name}", *arguments],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -40,12 +40,13 @@ class FlightBag:
 
     Args:
         path: The file to write; replaced if it exists.
+        topics: What it may hold.
 
     Raises:
         OSError: The folder cannot be written.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, topics: Sequence[Topic] = ALL) -> None:
         self.path = path
         path.parent.mkdir(parents=True, exist_ok=True)
         self._folder = Path(tempfile.mkdtemp(prefix=".recording-", dir=path.parent))
@@ -58,7 +59,7 @@ class FlightBag:
             topic.name: self._writer.add_connection(
                 absolute(topic), topic.type_name, typestore=typestore
             )
-            for topic in ALL
+            for topic in topics
         }
 
     def write(self, topic: Topic, time: int, message: bytes) -> None:

@@ -63,6 +63,7 @@ class NmpcController(Node):
         self._origin: int | None = None  # first stamp seen [ns]; times below are since then
         self._control_stamp: int | None = None  # state of the last command [ns]
         self._state_stamp: int | None = None  # newest state [ns]
+        self._old_stamp: int | None = None  # of a state far older than the newest [ns]
         self._state_arrival = self._view_time = -float("inf")  # steady [s]
         self._solve_times, self._response_times = SampleWindow(), SampleWindow()
         self._counts = {"sent": 0, "late": 0, "plan reused": 0, "wings level": 0, "refused": 0}
@@ -110,9 +111,16 @@ class NmpcController(Node):
             return
         stamp = nanoseconds(message.header.stamp)
         if self._state_stamp is not None and stamp <= self._state_stamp:
-            if self._state_stamp - stamp < self.parameters.state_timeout * 1e9:
+            limit = self.parameters.state_timeout * 1e9
+            if self._state_stamp - stamp < limit:
                 return  # a duplicate, or older than what is known
+            # One old stamp is a bad message; two that follow each other are a clock gone back.
+            follows = self._old_stamp is not None and 0 < stamp - self._old_stamp < limit
+            self._old_stamp = stamp
+            if not follows:
+                return
             self._restart(self._state_stamp - stamp)
+        self._old_stamp = None
         self._state_stamp, self._state_arrival = stamp, arrival
         if not self._pace.due(stamp):
             return

@@ -1,0 +1,149 @@
+"""What must hold for every message, whatever goes wrong: on plain numbers, without ROS.
+
+Nothing here comes from the controller: the limits are those of the configuration, the rest is
+written a second time, so that one mistake cannot hide the other.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+ROUNDING = 1e-9
+REMEMBERED = 1000  # states
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the invariants are about.
+
+    Attributes:
+        lower: Least (u_psi, u_chi, u_v), shape (3,), in [rad/s, rad/s, m/s^2].
+        upper: Greatest.
+        state_age: How much older than the newest state the state of a command may be [s].
+        transport: Wall time [s] that a message may take, whatever the load: a state counts as
+            known to the controller when it was delivered so long ago.
+        floor: Least z in ``map`` [m].
+        fence: Greatest distance from the target [m].
+    """
+
+    lower: NDArray[np.float64]
+    upper: NDArray[np.float64]
+    state_age: float
+    transport: float
+    floor: float
+    fence: float
+
+
+@dataclass(frozen=True)
+class Violation:
+    """Something that must not be.
+
+    Attributes:
+        invariant: Which of them is violated, in a word or two.
+        detail: With numbers.
+    """
+
+    invariant: str
+    detail: str
+
+
+class Invariants:
+    """Judges messages one by one.
+
+    Args:
+        limits: What to hold them to.
+    """
+
+    def __init__(self, limits: Limits) -> None:
+        self._limits = limits
+        self._true: deque[float] = deque(maxlen=REMEMBERED)  # stamps of true states [s]
+        self._delivered: deque[tuple[float, float]] = deque()  # heard at, stamp; not yet known
+        self._known: float | None = None  # newest state that the controller must know
+        self._target: NDArray[np.float64] | None = None
+
+    def target(self, position: ArrayLike) -> None:
+        """Where the target truly is, shape (3,), in ``map`` [m]."""
+        self._target = np.asarray(position, dtype=float)
+
+    def state(self, stamp: float, position: ArrayLike) -> list[Violation]:
+        """The true state of the vehicle.
+
+        Args:
+            stamp: Its time [s].
+            position: Shape (3,), in ``map`` [m].
+        """
+        if self._true and stamp < self._true[-1]:  # a vehicle that was started anew
+            self._true.clear()
+            self._delivered.clear()
+            self._known = None
+        self._true.append(stamp)
+        here = np.asarray(position, dtype=float)
+        if not np.all(np.isfinite(here)):
+            return [Violation("vehicle finite", f"position is {here.tolist()}")]
+        found = []
+        if here[2] < self._limits.floor:
+            detail = f"z is {here[2]:.2f} m, floor {self._limits.floor:g} m"
+            found.append(Violation("altitude floor", detail))
+        if self._target is not None:
+            distance = float(np.linalg.norm(here - self._target))
+            if distance > self._limits.fence:
+                detail = f"{distance:.1f} m from the target, fence {self._limits.fence:g} m"
+                found.append(Violation("geofence", detail))
+        return found
+
+    def delivered(self, time: float, stamp: float) -> None:
+        """A state as the controller got it; one whose stamp was tampered with is no state.
+
+        Args:
+            time: When, by a steady clock [s].
+            stamp: Its time [s].
+        """
+        if stamp in self._true:
+            self._delivered.append((time, stamp))
+
+    def command(
+        self, time: float, stamp: float, plan: ArrayLike, starts: ArrayLike
+    ) -> list[Violation]:
+        """A command as the controller sent it.
+
+        Args:
+            time: When, by the same clock [s].
+            stamp: Time of the state that it was computed from [s].
+            plan: (u_psi, u_chi, u_v), shape (n, 3).
+            starts: When each begins, after the stamp, shape (n,) [s].
+        """
+        plan, starts = np.asarray(plan, dtype=float), np.asarray(starts, dtype=float)
+        if len(plan) == 0:
+            return [Violation("command complete", "a command without points")]
+        found = []
+        if not (np.all(np.isfinite(plan)) and np.all(np.isfinite(starts))):
+            found.append(Violation("command finite", f"plan is {plan.tolist()}"))
+        elif np.any(plan < self._limits.lower - ROUNDING) or np.any(
+            plan > self._limits.upper + ROUNDING
+        ):
+            worst = plan[np.argmax(np.max(np.abs(plan), axis=1))]
+            found.append(
+                Violation(
+                    "command limits",
+                    f"{worst.tolist()} is not from {self._limits.lower.tolist()} to "
+                    f"{self._limits.upper.tolist()}",
+                )
+            )
+        if np.any(np.diff(starts) <= 0.0):
+            found.append(Violation("command order", f"times from start are {starts.tolist()}"))
+        while self._delivered and self._delivered[0][0] <= time - self._limits.transport:
+            newest = self._delivered.popleft()[1]
+            self._known = newest if self._known is None else max(self._known, newest)
+        if self._known is not None and self._known - stamp > self._limits.state_age:
+            found.append(
+                Violation(
+                    "state age",
+                    f"a command from a state {self._known - stamp:.2f} s older than one delivered "
+                    f"{self._limits.transport:g} s before, allowed {self._limits.state_age:g} s",
+                )
+            )
+        return found

@@ -1,0 +1,92 @@
+"""Memory, file handles and threads of the processes, from /proc, and whether they grow."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+WARM_UP = 15.0  # s after its start that a process has for loading, compiling, filling its buffers
+SHORTEST = 20.0  # s of samples below which there is no slope worth its name
+GROWTH_ALLOWED = 0.05  # of the memory, over what was watched
+HANDLES_ALLOWED = 4  # file handles or threads more at the end than after the warm-up
+
+
+@dataclass(frozen=True)
+class Usage:
+    """What a process uses.
+
+    Attributes:
+        rss: Resident memory in [byte].
+        handles: Open file descriptors.
+        threads: Threads.
+    """
+
+    rss: int
+    handles: int
+    threads: int
+
+
+def usage(process: int) -> Usage | None:
+    """What a process uses now; None if it has ended, or there is no /proc."""
+    folder = Path(f"/proc/{process}")
+    try:
+        status = (folder / "status").read_text()
+        handles = sum(1 for _ in (folder / "fd").iterdir())
+    except OSError:
+        return None
+    found = dict(re.findall(r"^(VmRSS|Threads):\s+(\d+)", status, re.MULTILINE))
+    if "VmRSS" not in found:  # a zombie
+        return None
+    return Usage(1024 * int(found["VmRSS"]), handles, int(found["Threads"]))
+
+
+class Growth:
+    """Samples of one process.
+
+    Args:
+        start: When it was started, by any clock [s].
+    """
+
+    def __init__(self, start: float) -> None:
+        self._start = start
+        self.samples: list[tuple[float, Usage]] = []
+
+    def add(self, time: float, sample: Usage) -> None:
+        """Take in a sample; those of the warm-up are left out."""
+        if time - self._start >= WARM_UP:
+            self.samples.append((time, sample))
+
+    @property
+    def span(self) -> float:
+        """Time from the first sample to the last [s]."""
+        return self.samples[-1][0] - self.samples[0][0] if self.samples else 0.0
+
+    def rss_percent_per_hour(self) -> float | None:
+        """Slope of the memory, by least squares; None where too little was watched."""
+        if self.span < SHORTEST:
+            return None
+        times = np.array([time for time, _ in self.samples])
+        rss = np.array([sample.rss for _, sample in self.samples], dtype=float)
+        slope = float(np.polyfit(times - times[0], rss, 1)[0])
+        return 100.0 * slope * 3600.0 / float(rss[0])
+
+    def complaint(self) -> str:
+        """What grew more than allowed, in words; empty if nothing did."""
+        percent = self.rss_percent_per_hour()
+        if percent is None:
+            return ""
+        words = []
+        grown = percent / 100.0 * self.span / 3600.0
+        if grown > GROWTH_ALLOWED:
+            words.append(f"memory grew by {100.0 * grown:.1f} % in {self.span:.0f} s")
+        third = max(1, len(self.samples) // 3)
+        for name in ("handles", "threads"):
+            # Least of each end: what comes and goes is no leak.
+            first = min(getattr(sample, name) for _, sample in self.samples[:third])
+            last = min(getattr(sample, name) for _, sample in self.samples[-third:])
+            if last - first > HANDLES_ALLOWED:
+                words.append(f"{name} grew from {first} to {last}")
+        return ", ".join(words)
