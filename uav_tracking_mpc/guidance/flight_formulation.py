@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -54,6 +53,9 @@ class FlightFormulation:
         self._data = np.zeros((self._stages + 1, PARAMETERS))
         self._limits = limits_function(self._stages)
         self.change(parameters)
+
+    def check(self, parameters: TrackingParameters) -> None:
+        """Everything that the problem is told can be taken in flight."""
 
     def change(self, parameters: TrackingParameters) -> None:
         """Fly other orbits, weights and limits from now on."""
@@ -170,7 +172,9 @@ class FlightFormulation:
             shares[stage] = inputs[0] / turn, inputs[1] / pitch, (inputs[2] - middle) / half
             np.clip(shares[stage], -1.0, 1.0, out=shares[stage])
             flown = shares[stage] * (turn, pitch, half) + (0.0, 0.0, middle)
-            state = advance(state, flown, self.step, self.lag, now.drift, now.drift_rate)
+            state = advance(
+                state, list(flown), self.step, self.lag, list(now.drift), list(now.drift_rate)
+            )
         speed = float(np.clip(state[5], self.envelope.airspeed_min, self.envelope.airspeed_max))
         smallest = self.envelope.smallest_radius(max(speed, 0.1), forecast.drift[-1])
         radius = max(math.hypot(state[0], state[1]), 1.1 * min(smallest, 1e4))

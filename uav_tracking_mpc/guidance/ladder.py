@@ -71,7 +71,7 @@ class Change:
     def __str__(self) -> str:
         """The change in a sentence."""
         if self.after is Rung.OPTIMAL:
-            return f"back on {self.after.value}s, from {self.before.value}"
+            return f"now flying {self.after.value}s, before {self.before.value}"
         return f"now flying {self.after.value}, before {self.before.value}: {self.reason}"
 
 
