@@ -25,9 +25,9 @@ Everything that may change in flight is a parameter of one compiled problem, see
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import casadi as ca
@@ -154,7 +154,8 @@ def flight_problem(
     if lag:
         settled += [state[6] - orbit.turn_rate, state[7], state[8]]
     drift = ca.sqrt(p.drift[0] ** 2 + p.drift[1] ** 2 + SMALL**2)
-    sharpest = ((v_a + drift) ** 2 / (d_a * v_a)) / (TURN_RATE_SHARE * turn_rate_max(v_a, p)) - 1.0
+    turn_rate_max = input_span(0.0, v_a, p)[1][0]
+    sharpest = (v_a + drift) ** 2 / (d_a * v_a * TURN_RATE_SHARE * turn_rate_max) - 1.0
     return OptimalControlProblem(
         state=state,
         inputs=shares,
@@ -202,61 +203,36 @@ def flight_problem(
     )
 
 
-def turn_rate_max(airspeed: Any, p: Any) -> Any:
-    """Greatest turn rate at an airspeed: g tan(bank_max) / v, or the yaw rate's limit."""
-    return ca.fmin(p.rates[0], p.lateral / ca.fmax(airspeed, LEAST_AIRSPEED))
+def physical_inputs(
+    shares: Any, path_angle: Any, airspeed: Any, p: Any, xp: ModuleType = ca
+) -> list[Any]:
+    """(u_psi, u_chi, u_v) of the input shares in a state: see :func:`input_span`."""
+    middle, half = input_span(path_angle, airspeed, p, xp)
+    return [middle[axis] + half[axis] * shares[axis] for axis in range(3)]
 
 
-def physical_inputs(shares: Any, path_angle: Any, airspeed: Any, p: Any) -> list[Any]:
-    """(u_psi, u_chi, u_v) of the input shares in a state, as expressions.
+def input_span(
+    path_angle: Any, airspeed: Any, p: Any, xp: ModuleType = ca
+) -> tuple[list[Any], list[Any]]:
+    """Middle and half width of what each of (u_psi, u_chi, u_v) can be in a state.
+
+    The turn rate is at most g tan(bank_max) / v and the yaw rate's limit; the acceleration obeys
+    its own limits and force_min <= g sin(chi) + u_v <= force_max.
 
     Args:
-        shares: Inputs of the problem, (3,), from -1 to 1.
         path_angle: chi in [rad].
         airspeed: v in [m/s].
         p: Limits, with the attributes of :class:`FlightData`.
+        xp: ``casadi`` for expressions, ``numpy`` for numbers or arrays of them.
     """
-    lower, upper = acceleration_limits(path_angle, airspeed, p)
-    return [
-        shares[0] * turn_rate_max(airspeed, p),
-        shares[1] * p.rates[1],
-        0.5 * (lower + upper) + 0.5 * (upper - lower) * shares[2],
-    ]
-
-
-def acceleration_limits(path_angle: Any, airspeed: Any, p: Any) -> tuple[Any, Any]:
-    """Least and greatest u_v: force_min <= g sin(chi) + u_v <= force_max, and its own limits."""
-    weight = GRAVITY * ca.sin(path_angle)
+    turn = xp.fmin(p.rates[0], p.lateral / xp.fmax(airspeed, LEAST_AIRSPEED))
+    weight = GRAVITY * xp.sin(path_angle)
     least = p.force_min[0] + p.force_min[1] * airspeed - weight
     greatest = p.force_max[0] + p.force_max[1] * airspeed - weight
-    lower = ca.fmin(ca.fmax(least, p.acceleration[0]), p.acceleration[1] - LEAST_SPAN)
-    upper = ca.fmax(ca.fmin(greatest, p.acceleration[1]), lower + LEAST_SPAN)
-    return lower, upper
-
-
-def limits_function(
-    stages: int,
-) -> Callable[..., tuple[NDArray[np.float64], ...]]:
-    """Limits at many states, as numbers.
-
-    Returns:
-        Function (path angles (n,), airspeeds (n,), data (n, np)) -> greatest turn rates, greatest
-        path-angle rates, least and greatest accelerations, (n,) each.
-    """
-    symbols = {name: ca.SX.sym(name, size) for name, size in SIZES.items()}
-    p = SimpleNamespace(**symbols)
-    chi, v = ca.SX.sym("chi"), ca.SX.sym("v")
-    limits = ca.vertcat(turn_rate_max(v, p), p.rates[1], *acceleration_limits(chi, v, p))
-    function = ca.Function("limits", [chi, v, ca.vertcat(*symbols.values())], [limits])
-    many = {1: function, stages: function.map(stages)}
-
-    def evaluate(
-        path_angles: NDArray[np.float64], airspeeds: NDArray[np.float64], data: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], ...]:
-        values = many[len(airspeeds)](path_angles[np.newaxis], airspeeds[np.newaxis], data.T)
-        return tuple(values.full())
-
-    return evaluate
+    lower = xp.fmin(xp.fmax(least, p.acceleration[0]), p.acceleration[1] - LEAST_SPAN)
+    upper = xp.fmax(xp.fmin(greatest, p.acceleration[1]), lower + LEAST_SPAN)
+    middle, half = 0.5 * (lower + upper), 0.5 * (upper - lower)
+    return [0.0 * turn, 0.0 * turn, middle], [turn, p.rates[1] + 0.0 * turn, half]
 
 
 def _distance(offset: ca.SX, reach: ca.SX) -> ca.SX:

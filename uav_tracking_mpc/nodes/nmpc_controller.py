@@ -329,10 +329,9 @@ class NmpcController(LifecycleNode):
             return
         self._view_time = now
         states = [state]
-        wind = situation.drift + self._navigator.target.predict(self._seconds(stamp)).velocity
         for inputs in command.inputs:
             following = vehicle.advance(states[-1], inputs, command.step)
-            following[:3] += command.step * wind
+            following[:3] += command.step * self._navigator.wind
             states.append(following)
         flown = np.array(states)
         path.publish(path_message(stamp, flown))
