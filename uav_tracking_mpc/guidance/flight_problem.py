@@ -18,7 +18,8 @@ distance to the wanted one and must end on it, flying as the periodic orbit does
 which the aircraft can still turn there is such a plan, and the orbit continues every plan: feasible
 once is feasible for ever (Limon et al. 2008, 2018; Koehler, Mueller, Allgoewer 2020).
 
-Everything that may change in flight is a parameter of one compiled problem; see :class:`FlightData`.
+Everything that may change in flight is a parameter of one compiled problem:
+:class:`FlightData`.
 """
 
 from __future__ import annotations
@@ -43,6 +44,7 @@ DECISION_SCALE = np.array([100.0, 30.0, 3.0])
 RADIUS_LIMITS, ALTITUDE_LIMIT, SPEED_LIMITS = (1.0, 2e4), 1e4, (0.1, 400.0)
 SMALL = 0.01  # [m] keeps distances smooth where they vanish
 LEAST_SPAN = 0.1  # [m/s^2] of acceleration, where limits contradict each other
+TURN_RATE_BLEND, ACCELERATION_BLEND = 0.02, 0.2  # [rad/s], [m/s^2] over which limits merge
 LEAST_AIRSPEED = 0.5  # [m/s] below which the bank's limit grows no more
 
 
@@ -153,7 +155,9 @@ def flight_problem(
     if lag:
         settled += [state[6] - orbit.turn_rate, state[7], state[8]]
     drift = ca.sqrt(p.drift[0] ** 2 + p.drift[1] ** 2 + SMALL**2)
-    sharpest = ((v_a + drift) ** 2 / (d_a * v_a)) / (TURN_RATE_SHARE * turn_rate_max(v_a, p)) - 1.0
+    # Against both limits on the turn rate at v_a, yaw rate and bank.
+    sharpest = (v_a + drift) ** 2 / (TURN_RATE_SHARE * d_a * v_a)
+    sharpest = ca.vertcat(sharpest / p.rates[0], sharpest * v_a / p.lateral) - 1.0
     return OptimalControlProblem(
         state=state,
         inputs=shares,
@@ -198,12 +202,15 @@ def flight_problem(
             ),
         ),
         terminal_equality=ca.vertcat(*settled),
+        continuation=_shares(
+            [orbit.turn_rate + lead * orbit.turn_acceleration, 0.0, 0.0], chi, v, p
+        ),
     )
 
 
 def turn_rate_max(airspeed: Any, p: Any) -> Any:
-    """Greatest turn rate at an airspeed: by the bank, |u_psi| <= g tan(bank) / v, or the yaw rate."""
-    return ca.fmin(p.rates[0], p.lateral / ca.fmax(airspeed, LEAST_AIRSPEED))
+    """Greatest turn rate at an airspeed: by bank, |u_psi| <= g tan(bank) / v, or by yaw rate."""
+    return _least(p.rates[0], p.lateral / ca.fmax(airspeed, LEAST_AIRSPEED), TURN_RATE_BLEND)
 
 
 def physical_inputs(shares: Any, path_angle: Any, airspeed: Any, p: Any) -> list[Any]:
@@ -223,14 +230,34 @@ def physical_inputs(shares: Any, path_angle: Any, airspeed: Any, p: Any) -> list
     ]
 
 
+def _shares(inputs: list[Any], path_angle: Any, airspeed: Any, p: Any) -> ca.SX:
+    """Input shares of (u_psi, u_chi, u_v) in a state: the inverse of :func:`physical_inputs`."""
+    lower, upper = acceleration_limits(path_angle, airspeed, p)
+    return ca.vertcat(
+        inputs[0] / turn_rate_max(airspeed, p),
+        inputs[1] / p.rates[1],
+        (2.0 * inputs[2] - lower - upper) / (upper - lower),
+    )
+
+
 def acceleration_limits(path_angle: Any, airspeed: Any, p: Any) -> tuple[Any, Any]:
     """Least and greatest u_v: force_min <= g sin(chi) + u_v <= force_max, and its own limits."""
     weight = GRAVITY * ca.sin(path_angle)
     least = p.force_min[0] + p.force_min[1] * airspeed - weight
     greatest = p.force_max[0] + p.force_max[1] * airspeed - weight
-    lower = ca.fmin(ca.fmax(least, p.acceleration[0]), p.acceleration[1] - LEAST_SPAN)
-    upper = ca.fmax(ca.fmin(greatest, p.acceleration[1]), lower + LEAST_SPAN)
-    return lower, upper
+    lower = -_least(-least, -p.acceleration[0], ACCELERATION_BLEND)
+    lower = ca.fmin(lower, p.acceleration[1] - LEAST_SPAN)
+    upper = _least(greatest, p.acceleration[1], ACCELERATION_BLEND)
+    return lower, ca.fmax(upper, lower + LEAST_SPAN)
+
+
+def _least(a: Any, b: Any, blend: float) -> Any:
+    """Smooth minimum, never above min(a, b), at most blend / 2 below it (where a = b).
+
+    Plans like to stay where one limit takes over from another; a kink there would leave Newton's
+    method without a derivative.
+    """
+    return 0.5 * (a + b - ca.sqrt((a - b) ** 2 + blend**2))
 
 
 def limits_function(
@@ -260,7 +287,8 @@ def limits_function(
 
 def _distance(offset: ca.SX, reach: ca.SX) -> ca.SX:
     """Pseudo-Huber: offset^2 near 0, 2 reach |offset| far away."""
-    return 2.0 * reach**2 * (ca.sqrt(1.0 + (offset / reach) ** 2) - 1.0)
+    # 2 reach^2 (sqrt(1 + (offset / reach)^2) - 1) without its cancellation
+    return 2.0 * offset**2 / (1.0 + ca.sqrt(1.0 + (offset / reach) ** 2))
 
 
 def _beyond_fence(x: ca.SX, y: ca.SX, p: SimpleNamespace) -> ca.SX:
