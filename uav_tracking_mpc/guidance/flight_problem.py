@@ -44,6 +44,7 @@ DECISION_SCALE = np.array([100.0, 30.0, 3.0])
 RADIUS_LIMITS, ALTITUDE_LIMIT, SPEED_LIMITS = (1.0, 2e4), 1e4, (0.1, 400.0)
 SMALL = 0.01  # [m] keeps distances smooth where they vanish
 LEAST_SPAN = 0.1  # [m/s^2] of acceleration, where limits contradict each other
+TURN_RATE_BLEND, ACCELERATION_BLEND = 0.02, 0.2  # [rad/s], [m/s^2] over which limits merge
 LEAST_AIRSPEED = 0.5  # [m/s] below which the bank's limit grows no more
 
 
@@ -154,8 +155,9 @@ def flight_problem(
     if lag:
         settled += [state[6] - orbit.turn_rate, state[7], state[8]]
     drift = ca.sqrt(p.drift[0] ** 2 + p.drift[1] ** 2 + SMALL**2)
-    turn_rate_max = input_span(0.0, v_a, p)[1][0]
-    sharpest = (v_a + drift) ** 2 / (d_a * v_a * TURN_RATE_SHARE * turn_rate_max) - 1.0
+    # Against both limits on the turn rate at v_a, yaw rate and bank.
+    sharpest = (v_a + drift) ** 2 / (TURN_RATE_SHARE * d_a * v_a)
+    sharpest = ca.vertcat(sharpest / p.rates[0], sharpest * v_a / p.lateral) - 1.0
     return OptimalControlProblem(
         state=state,
         inputs=shares,
@@ -200,6 +202,9 @@ def flight_problem(
             ),
         ),
         terminal_equality=ca.vertcat(*settled),
+        continuation=_shares(
+            [orbit.turn_rate + lead * orbit.turn_acceleration, 0.0, 0.0], chi, v, p
+        ),
     )
 
 
@@ -225,19 +230,37 @@ def input_span(
         p: Limits, with the attributes of :class:`FlightData`.
         xp: ``casadi`` for expressions, ``numpy`` for numbers or arrays of them.
     """
-    turn = xp.fmin(p.rates[0], p.lateral / xp.fmax(airspeed, LEAST_AIRSPEED))
+    turn = _least(p.rates[0], p.lateral / xp.fmax(airspeed, LEAST_AIRSPEED), TURN_RATE_BLEND, xp)
     weight = GRAVITY * xp.sin(path_angle)
     least = p.force_min[0] + p.force_min[1] * airspeed - weight
     greatest = p.force_max[0] + p.force_max[1] * airspeed - weight
-    lower = xp.fmin(xp.fmax(least, p.acceleration[0]), p.acceleration[1] - LEAST_SPAN)
-    upper = xp.fmax(xp.fmin(greatest, p.acceleration[1]), lower + LEAST_SPAN)
+    lower = -_least(-least, -p.acceleration[0], ACCELERATION_BLEND, xp)
+    lower = xp.fmin(lower, p.acceleration[1] - LEAST_SPAN)
+    upper = _least(greatest, p.acceleration[1], ACCELERATION_BLEND, xp)
+    upper = xp.fmax(upper, lower + LEAST_SPAN)
     middle, half = 0.5 * (lower + upper), 0.5 * (upper - lower)
     return [0.0 * turn, 0.0 * turn, middle], [turn, p.rates[1] + 0.0 * turn, half]
 
 
+def _shares(inputs: list[Any], path_angle: Any, airspeed: Any, p: Any) -> ca.SX:
+    """Input shares of (u_psi, u_chi, u_v) in a state: the inverse of :func:`physical_inputs`."""
+    middle, half = input_span(path_angle, airspeed, p)
+    return ca.vertcat(*[(inputs[axis] - middle[axis]) / half[axis] for axis in range(3)])
+
+
+def _least(a: Any, b: Any, blend: float, xp: ModuleType) -> Any:
+    """Smooth minimum, never above min(a, b), at most blend / 2 below it (where a = b).
+
+    Plans like to stay where one limit takes over from another; a kink there would leave Newton's
+    method without a derivative.
+    """
+    return 0.5 * (a + b - xp.sqrt((a - b) ** 2 + blend**2))
+
+
 def _distance(offset: ca.SX, reach: ca.SX) -> ca.SX:
     """Pseudo-Huber: offset^2 near 0, 2 reach |offset| far away."""
-    return 2.0 * reach**2 * (ca.sqrt(1.0 + (offset / reach) ** 2) - 1.0)
+    # 2 reach^2 (sqrt(1 + (offset / reach)^2) - 1) without its cancellation
+    return 2.0 * offset**2 / (1.0 + ca.sqrt(1.0 + (offset / reach) ** 2))
 
 
 def _beyond_fence(x: ca.SX, y: ca.SX, p: SimpleNamespace) -> ca.SX:
