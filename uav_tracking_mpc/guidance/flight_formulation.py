@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -170,7 +169,8 @@ class FlightFormulation:
             shares[stage] = inputs[0] / turn, inputs[1] / pitch, (inputs[2] - middle) / half
             np.clip(shares[stage], -1.0, 1.0, out=shares[stage])
             flown = shares[stage] * (turn, pitch, half) + (0.0, 0.0, middle)
-            state = advance(state, flown, self.step, self.lag, now.drift, now.drift_rate)
+            drift, drift_rate = now.drift.tolist(), now.drift_rate.tolist()
+            state = advance(state, flown, self.step, self.lag, drift, drift_rate)
         speed = float(np.clip(state[5], self.envelope.airspeed_min, self.envelope.airspeed_max))
         smallest = self.envelope.smallest_radius(max(speed, 0.1), forecast.drift[-1])
         radius = max(math.hypot(state[0], state[1]), 1.1 * min(smallest, 1e4))

@@ -18,7 +18,8 @@ distance to the wanted one and must end on it, flying as the periodic orbit does
 which the aircraft can still turn there is such a plan, and the orbit continues every plan: feasible
 once is feasible for ever (Limon et al. 2008, 2018; Koehler, Mueller, Allgoewer 2020).
 
-Everything that may change in flight is a parameter of one compiled problem; see :class:`FlightData`.
+Everything that may change in flight is a parameter of one compiled problem, see
+:class:`FlightData`.
 """
 
 from __future__ import annotations
@@ -202,7 +203,7 @@ def flight_problem(
 
 
 def turn_rate_max(airspeed: Any, p: Any) -> Any:
-    """Greatest turn rate at an airspeed: by the bank, |u_psi| <= g tan(bank) / v, or the yaw rate."""
+    """Greatest turn rate at an airspeed: the bank's, g tan(bank_max) / v, or the yaw rate's."""
     return ca.fmin(p.rates[0], p.lateral / ca.fmax(airspeed, LEAST_AIRSPEED))
 
 

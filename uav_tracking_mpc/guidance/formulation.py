@@ -14,7 +14,7 @@ from uav_tracking_mpc.guidance.situation import Situation
 from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
 from uav_tracking_mpc.mpc.solution import Solution
 from uav_tracking_mpc.mpc.solver import Solver
-from uav_tracking_mpc.stability.decrease import DecreaseCheck, DecreaseMonitor
+from uav_tracking_mpc.stability.decrease import DecreaseCheck
 
 
 @dataclass(frozen=True)
