@@ -34,6 +34,9 @@ from uav_tracking_mpc.mpc.solver import Guess, Solver
 # wanted range, range and airspeed. Steep near the wanted orbit, or errors would be shared between
 # both and met half-heartedly; linear beyond, or far away it would drown everything else.
 OFFSET_REACH = np.array([0.01, 0.01, 0.03])
+# Kept back of bank and force in plans: within a stage, and while commands take effect, airspeed and
+# path angle move on, and the limits with them.
+BANK_SHARE, FORCE_MARGIN = 0.98, 0.15  # -, m/s^2
 NO_FENCE = 1e6  # m, radius
 FLOOR_LIMIT = 1e4  # m below the target, as deep as a floor is told to the problem
 
@@ -174,6 +177,10 @@ def constant_data(parameters: TrackingParameters) -> FlightData:
     envelope = parameters.envelope
     span = envelope.airspeed_max - envelope.airspeed_min
     slopes = [(force[1] - force[0]) / span for force in (envelope.force_min, envelope.force_max)]
+    at_rest = [
+        force[0] - slope * envelope.airspeed_min
+        for force, slope in zip((envelope.force_min, envelope.force_max), slopes, strict=True)
+    ]
     return FlightData(
         drift=np.zeros(3),
         drift_rate=np.zeros(3),
@@ -186,11 +193,11 @@ def constant_data(parameters: TrackingParameters) -> FlightData:
         * np.array([parameters.range, parameters.range, parameters.airspeed]),
         airspeed=(envelope.airspeed_min, envelope.airspeed_max),
         path_angle=(envelope.path_angle_min, envelope.path_angle_max),
-        lateral=GRAVITY * math.tan(envelope.bank_max),
+        lateral=BANK_SHARE * GRAVITY * math.tan(envelope.bank_max),
         rates=(envelope.yaw_rate_max, envelope.pitch_rate_max),
         acceleration=(envelope.acceleration_min, envelope.acceleration_max),
-        force_min=(envelope.force_min[0] - slopes[0] * envelope.airspeed_min, slopes[0]),
-        force_max=(envelope.force_max[0] - slopes[1] * envelope.airspeed_min, slopes[1]),
+        force_min=(at_rest[0] + FORCE_MARGIN, slopes[0]),
+        force_max=(at_rest[1] - FORCE_MARGIN, slopes[1]),
         floor=-FLOOR_LIMIT,
         distance=envelope.distance_min,
         fence=(0.0, 0.0, envelope.fence_radius or NO_FENCE),

@@ -201,7 +201,7 @@ class NmpcController(LifecycleNode):
         except MessageError as error:
             self._refuse(error)
             return
-        self._navigator.target.update(now, position)
+        self._navigator.see_target(now, position)
 
     def _check_target_stamp(self, now: float) -> None:
         lead = 0.0 if self._state_time is None else now - self._state_time
