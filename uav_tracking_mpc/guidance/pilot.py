@@ -98,8 +98,8 @@ class Pilot:
     ) -> None:
         self.formulation = formulation or formulation_of(parameters)
         self.ladder = Ladder()
-        self._take(parameters)
         self.reset()
+        self._take(parameters)
 
     def reset(self) -> None:
         """Forget every plan."""
@@ -110,7 +110,7 @@ class Pilot:
         self._last_time: float | None = None
         self._offset = np.zeros(3)
         self._sent: NDArray[np.float64] | None = None
-        self._sent_planned = False
+        self._sent_rung = Rung.SILENCE
 
     def check(self, parameters: TrackingParameters) -> None:
         """Whether other parameters can be flown by from now on.
@@ -142,7 +142,8 @@ class Pilot:
     def _take(self, parameters: TrackingParameters) -> None:
         self.parameters = parameters
         self.envelope = parameters.envelope
-        self._choose(parameters.orbit)
+        direction = self._direction or parameters.orbit.direction  # the nearest one, chosen before
+        self._choose(dataclasses.replace(parameters.orbit, direction=direction))
 
     def _choose(self, orbit: Orbit) -> None:
         self.orbit = orbit
@@ -170,7 +171,7 @@ class Pilot:
             self._plan, self._plan_time = plan, time
             inputs, step = plan.inputs, plan.step
         else:
-            inputs, step = self._fallback.inputs(situation)[np.newaxis], LEVELLING_TIME
+            inputs, step = self._loiter(situation)[np.newaxis], LEVELLING_TIME
         return self._command(time, inputs, step, situation.vehicle, change, plan)
 
     def hold(self, time: float, vehicle: NDArray[np.float64], trouble: str) -> Command:
@@ -207,6 +208,13 @@ class Pilot:
             return None, f"the plan is not finite: {plan.solution.message}"
         return plan, ""
 
+    def _loiter(self, situation: Situation) -> NDArray[np.float64]:
+        """The loiter law's inputs; straight on where the situation is not finite."""
+        try:
+            return self._fallback.inputs(situation)
+        except (ArithmeticError, ValueError):
+            return np.zeros(3)
+
     def _remaining(self, time: float) -> NDArray[np.float64] | None:
         """What is left of the last plan, if it is young enough to be flown."""
         if self._plan is None or not 0.0 <= time - self._plan_time <= self.parameters.plan_age_max:
@@ -225,16 +233,20 @@ class Pilot:
         plan: Plan | None,
     ) -> Command:
         ladder = self.ladder
-        inputs = self._blended(time, inputs, step)
-        inputs = self._inside(inputs, float(vehicle[5]))
-        self._sent, self._sent_planned = inputs[0], ladder.rung.planned
+        airspeed = float(vehicle[5])
+        inputs = self._blended(time, self._inside(inputs, airspeed), step)
+        inputs = self._inside(inputs, airspeed)
+        self._sent, self._sent_rung = inputs[0], ladder.rung
         return Command(inputs, step, ladder.rung, ladder.reason, change, self.orbit, plan)
 
     def _blended(
         self, time: float, inputs: NDArray[np.float64], step: float
     ) -> NDArray[np.float64]:
-        """Where plan and law take over from each other, their difference fades out."""
-        if self._sent is not None and self._sent_planned != self.ladder.rung.planned:
+        """Where plan, law and level flight take over from each other, their difference fades."""
+        before, rung = self._sent_rung, self.ladder.rung
+        if self._sent is None:
+            self._offset = np.zeros(3)
+        elif rung is not before and not (rung.planned and before.planned):
             self._offset, self._blend_time = self._sent - inputs[0], time
         ahead = time - self._blend_time + step * np.arange(len(inputs))
         share = np.clip(1.0 - ahead / BLEND_TIME, 0.0, 1.0)
