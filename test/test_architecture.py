@@ -17,6 +17,7 @@ LAYERS = (
     "simulation",
     "report",
     "benchmark",
+    "comparison",
     "nodes",
     "shared_memory",
     "node_process",

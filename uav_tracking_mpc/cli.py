@@ -15,6 +15,7 @@ from rich.progress import Progress
 
 from uav_tracking_mpc import __version__
 from uav_tracking_mpc.benchmark.command import add_parser as add_benchmark_parser
+from uav_tracking_mpc.comparison.command import add_parser as add_comparison_parser
 from uav_tracking_mpc.domain import domain_number
 from uav_tracking_mpc.guidance.tracking_problem import stability_problem
 from uav_tracking_mpc.launch import (
@@ -39,6 +40,9 @@ examples:
   uav_tracking fly --set nmpc_controller.model=paper
                                                 the paper's model on the true vehicle
   uav_tracking stability --config paper         the paper's analysis, and a proof
+  uav_tracking compare --config small_uav       NMPC beside classical laws, in wind
+  uav_tracking simulate --config small_uav --scenario gusts
+                                                one of these flights
   uav_tracking benchmark                        the solver beside its peers
   uav_tracking torture --minutes 10             faults injected into real nodes
   uav_tracking monitor --domain-id 7            watch a flight from another terminal
@@ -79,6 +83,7 @@ def _parser() -> argparse.ArgumentParser:
     stability = add_stability_parser(commands, _stability_problem)
     add_configuration_arguments(stability)
 
+    add_configuration_arguments(add_comparison_parser(commands), default="small_uav")
     add_benchmark_parser(commands)
     add_torture_parser(commands)
 
