@@ -18,6 +18,7 @@ LAYERS = (
     "report",
     "benchmark",
     "comparison",
+    "feasibility",
     "nodes",
     "shared_memory",
     "node_process",

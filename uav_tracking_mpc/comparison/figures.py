@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
 from uav_tracking_mpc.comparison.flights import LAWS
 from uav_tracking_mpc.comparison.measures import SETTLED, Measures, flown_bank
@@ -85,17 +86,18 @@ def _draw_top_view(axes: Axes, scenario: Scenario) -> None:
     _draw_arrow(axes, 0.86, moving, words, BLACK)
 
 
-def _draw_arrow(axes: Axes, height: float, velocity: np.ndarray, words: str, colour: str) -> None:
+def _draw_arrow(
+    axes: Axes, height: float, velocity: NDArray[np.float64], words: str, colour: str
+) -> None:
     """A velocity in the upper left corner, if there is one."""
     speed = float(np.hypot(*velocity[:2]))
     if speed == 0.0:
         return
     # Length by speed, in axes that are nearly square.
-    reach = 0.005 * np.array(velocity[:2])
-    middle = np.array([0.075, height])
+    east, north = 0.005 * velocity[:2]
     axes.annotate(
-        "", xy=middle + reach, xytext=middle - reach, xycoords="axes fraction",
-        textcoords="axes fraction", zorder=5,
+        "", xy=(0.075 + east, height + north), xytext=(0.075 - east, height - north),
+        xycoords="axes fraction", textcoords="axes fraction", zorder=5,
         arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.8, "shrinkA": 0, "shrinkB": 0},
     )  # fmt: skip
     axes.text(

@@ -92,7 +92,7 @@ def fly(task: Task) -> FlightLog:
 
 def _law(name: str, parameters: TrackingParameters) -> LoiterLaw | None:
     """The classical law of a name; None for the predictive controller."""
-    classes = {L1Loiter.name: L1Loiter, VectorField.name: VectorField}
     if name == NMPC:
         return None
-    return classes[name](parameters.orbit, parameters.envelope)
+    law = L1Loiter if name == L1Loiter.name else VectorField
+    return law(parameters.orbit, parameters.envelope)
