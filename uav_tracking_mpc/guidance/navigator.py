@@ -17,7 +17,7 @@ from uav_tracking_mpc.guidance.situation import Situation
 from uav_tracking_mpc.guidance.target_filter import TargetFilter
 from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
 
-LONGEST_SUBSTEP = 0.05  # s, in which dead time is flown through
+LONGEST_SUBSTEP = 0.1  # s, in which dead time is flown through
 LATENCY_LIMIT = 0.5  # s
 
 
@@ -32,6 +32,7 @@ class Navigator:
         parameters: Lag, dead time, horizon and filter settings.
 
     Attributes:
+        wind: At the latest situation, shape (3,), in [m/s].
         target: The filter of the target's positions.
         latency: Time in [s] from a state to the command that answers it, as measured by the caller.
     """
@@ -56,6 +57,7 @@ class Navigator:
         """Forget target and commands."""
         self.target.reset()
         self._history.reset()
+        self.wind = np.zeros(3)
         self._acceleration = 0.0
         self._time: float | None = None
 
@@ -82,13 +84,13 @@ class Navigator:
             ValueError: No target position is known.
         """
         estimate = self.target.predict(time)
-        wind = np.asarray(ground_velocity, dtype=float) - vehicle_model.velocity(vehicle)
+        self.wind = np.asarray(ground_velocity, dtype=float) - vehicle_model.velocity(vehicle)
         self._follow_acceleration(time)
         turn, pitch = (float(value) for value in np.asarray(turn_rates))
         return Situation(
             vehicle=vehicle,
             target=estimate.position,
-            drift=wind - estimate.velocity,
+            drift=self.wind - estimate.velocity,
             drift_rate=-estimate.acceleration,
             rates=np.array([turn, pitch, self._acceleration]),
         )
@@ -98,12 +100,11 @@ class Navigator:
 
         Args:
             time: Of the situation in [s].
-            situation: As measured.
+            situation: The latest of :meth:`situation`.
         """
         delay = max(self._dead_time) + min(max(self.latency, 0.0), LATENCY_LIMIT)
-        wind = situation.drift + self.target.predict(time).velocity
         positions, velocities, accelerations = self.target.ahead(time + delay + self._stages)
-        forecast = Forecast(positions, wind - velocities, -accelerations)
+        forecast = Forecast(positions, self.wind - velocities, -accelerations)
         if delay == 0.0:
             return situation, forecast
         state = self._flown_through(time, delay, situation)

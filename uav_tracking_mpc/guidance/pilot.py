@@ -22,6 +22,11 @@ from uav_tracking_mpc.mpc.solution import Solution
 from uav_tracking_mpc.parameters import ParameterError
 
 LEVELLING_TIME = 1.0  # s, in which wings-level flight takes the path angle out
+# Compiled in, or part of what is claimed of the controller.
+FIXED = (
+    "horizon", "horizon_step", "rate_lag", "dead_time", "terminal_constraint", "model", "scheme",
+    "solver", "limit_penalty", "certificate", "autostart",
+)  # fmt: skip
 BLEND_TIME = 0.5  # s, in which the command moves over from one kind of guidance to another
 
 
@@ -107,17 +112,28 @@ class Pilot:
         self._sent: NDArray[np.float64] | None = None
         self._sent_planned = False
 
+    def check(self, parameters: TrackingParameters) -> None:
+        """Whether other parameters can be flown by from now on.
+
+        Raises:
+            ParameterError: They can only be taken at the start.
+        """
+        for name in FIXED:
+            before, after = getattr(self.parameters, name), getattr(parameters, name)
+            if before != after:
+                raise ParameterError(
+                    f"parameter '{name}' is {after!r}, must stay {before!r} while the controller "
+                    "is configured"
+                )
+        self.formulation.check(parameters)
+
     def change(self, parameters: TrackingParameters) -> None:
         """Fly by other parameters from now on; the present plan is the next one's start.
 
         Raises:
-            ParameterError: They can only be taken at the start; nothing has changed.
+            ParameterError: As of :meth:`check`; nothing has changed.
         """
-        for name in ("horizon", "horizon_step", "rate_lag", "dead_time", "terminal_constraint",
-                     "model", "scheme", "solver", "limit_penalty", "certificate"):  # fmt: skip
-            before, after = getattr(self.parameters, name), getattr(parameters, name)
-            if before != after:
-                raise ParameterError(f"parameter '{name}' is fixed at {before!r} in flight")
+        self.check(parameters)
         self.formulation.change(parameters)
         if parameters.direction != self.parameters.direction:
             self._direction = None
@@ -126,8 +142,11 @@ class Pilot:
     def _take(self, parameters: TrackingParameters) -> None:
         self.parameters = parameters
         self.envelope = parameters.envelope
-        self.orbit = parameters.orbit
-        self._fallback = VectorField(self.orbit, self.envelope)
+        self._choose(parameters.orbit)
+
+    def _choose(self, orbit: Orbit) -> None:
+        self.orbit = orbit
+        self._fallback = VectorField(orbit, self.envelope)
 
     def step(self, time: float, outlook: Outlook) -> Command:
         """Command for a situation.
@@ -169,11 +188,9 @@ class Pilot:
         """The orbit in its direction; the nearest one is chosen once, with hysteresis."""
         if self.parameters.direction != NEAREST:
             return self.orbit
-        direction = nearest_direction(situation, self._direction)
-        if direction != self._direction:
-            self._direction = direction
-            self.orbit = dataclasses.replace(self.parameters.orbit, direction=direction)
-            self._fallback = VectorField(self.orbit, self.envelope)
+        self._direction = nearest_direction(situation, self._direction)
+        if self._direction != self.orbit.direction:
+            self._choose(dataclasses.replace(self.orbit, direction=self._direction))
         return self.orbit
 
     def _solve(self, time: float, outlook: Outlook, orbit: Orbit) -> tuple[Plan | None, str]:

@@ -74,6 +74,8 @@ class OptimalControlProblem:
         stage_inequalities: h, at stages 0..N-1.
         terminal_inequalities: h_N, free of u.
         terminal_equality: e_N, SX (ne, 1), free of u.
+        continuation: Input after the horizon, SX (nu, 1) in x = x_N, u = u_{N-1}, p_N and a: the
+            terminal control law, with which a warm start ends; u_{N-1} held by default.
     """
 
     state: ca.SX
@@ -94,6 +96,7 @@ class OptimalControlProblem:
     stage_inequalities: tuple[Inequality, ...] = ()
     terminal_inequalities: tuple[Inequality, ...] = ()
     terminal_equality: ca.SX = field(default_factory=_no_symbols)
+    continuation: ca.SX | None = None
 
     def __post_init__(self) -> None:
         """Check sizes and bounds once, where the problem is built."""

@@ -1,6 +1,6 @@
 r"""The equations of a problem and their derivatives as straight-line code, made from its symbols.
 
-Four programs are all that the Newton method needs. With s = (x, a) the state extended by the
+Five programs are all that the Newton method needs. With s = (x, a) the state extended by the
 constant decisions, w = (s, u), F = d(x+, a)/dw, and the Lagrangian of a stage
 
 .. math::
@@ -12,6 +12,7 @@ constant decisions, w = (s, u), F = d(x+, a)/dw, and the Lagrangian of a stage
                         Q = L_ww + h_w^T D h_w + F^T V F,  q = L_w + F^T (v - lambda)
 ``terminal_values``     V_f and the terminal constraints e
 ``terminal_quadratic``  V = V_f,ss + (m^T e)_ss + e_s^T D e_s,  v = (V_f + m^T e)_s
+``continuation``        input after the last stage
 
 F^T V F is formed symbolically as well, so the zeros and constants of F cost nothing at run time.
 Each function is listed operation by operation in the form of
@@ -45,7 +46,7 @@ UNARY = {
 
 
 def stage_module(problem: OptimalControlProblem) -> str:
-    """Source of ``stage.py`` for a problem: its sizes and the four programs.
+    """Source of ``stage.py`` for a problem: its sizes and the five programs.
 
     Raises:
         NotImplementedError: An expression uses an operation that has no translation.
@@ -75,7 +76,7 @@ def stage_module(problem: OptimalControlProblem) -> str:
 
 
 def stage_functions(problem: OptimalControlProblem) -> dict[str, ca.Function]:
-    """The four functions of the module's docstring, as CasADi functions."""
+    """The five functions of the module's docstring, as CasADi functions."""
     x, u, a, p = problem.state, problem.inputs, problem.decision, problem.parameter
     s = ca.vertcat(x, a)
     w = ca.vertcat(s, u)
@@ -133,6 +134,13 @@ def stage_functions(problem: OptimalControlProblem) -> dict[str, ca.Function]:
             ca.cse([_upper(end_quadratic), ca.densify(ca.gradient(end, s))]),
             ["x", "a", "p", "m", "d"],
             ["V", "v"],
+        ),
+        "continuation": ca.Function(
+            "continuation",
+            [x, u, a, p],
+            [ca.densify(u if problem.continuation is None else problem.continuation)],
+            ["x", "u", "a", "p"],
+            ["u_end"],
         ),
     }
 

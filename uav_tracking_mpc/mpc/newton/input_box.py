@@ -6,16 +6,18 @@ r"""The quadratic program of one stage: a small model minimised over a box.
 
 by an active set: solve over the free components, clamp those that leave the box, free again a
 clamped one whose slope points inside. A Hessian that is not positive definite on the free
-components is made so by tau I (Levenberg-Marquardt), tau growing until its Cholesky
-factorisation exists.
+components is made so while it is factorised, by a change of just those diagonal elements whose
+pivots are negative: to their absolute value (Gill, Murray, Wright: Practical Optimization,
+4.4.2.2). Unlike a shift tau I, that leaves the other components their Newton step, however
+different their scales.
 """
 
 import math
 
 from .compilation import compiled
 
-ATTEMPTS = 20
-PIVOT = 1e-4  # smallest accepted pivot, relative to the largest diagonal element
+PIVOT = 1e-10  # smallest accepted pivot, relative to its diagonal element
+REPLACED, SMALLEST = 1e-3, 1e-6  # what at least replaces another: relative to that, and at all
 
 
 @compiled
@@ -38,14 +40,7 @@ def minimise_over_box(w, size, damping):
         )
         w.free[j] = 0.0 if outward else 1.0
     for _ in range(4 * size + 2):
-        for _ in range(ATTEMPTS):  # bounded: a Hessian that is not finite never factorises
-            if factorise(w, size):
-                break
-            increase = max(10.0 * damping, 1e-3 * largest_diagonal(w, size))
-            damping += increase
-            w.shifts[0] += 1.0
-            for j in range(size):
-                w.hessian[j, j] += increase
+        factorise(w, size)
         newton_step(w, size)
         if clamp(w, size):
             continue
@@ -54,18 +49,8 @@ def minimise_over_box(w, size, damping):
 
 
 @compiled
-def largest_diagonal(w, size):
-    """Max |H_jj|, at least 1e-6."""
-    largest = 1e-6
-    for j in range(size):
-        largest = max(largest, abs(w.hessian[j, j]))
-    return largest
-
-
-@compiled
 def factorise(w, size):
-    """L L' = H on the free components, identity on the others; False if not positive definite."""
-    least = PIVOT * largest_diagonal(w, size)
+    """L L' = H on the free components, identity on the others; H is made positive definite."""
     for r in range(size):
         for c in range(r + 1):
             entry = w.hessian[r, c] * w.free[r] * w.free[c]
@@ -75,11 +60,14 @@ def factorise(w, size):
                 entry -= w.factor[r, j] * w.factor[c, j]
             if r > c:
                 w.factor[r, c] = entry / w.factor[c, c]
-            elif entry > least or w.free[r] == 0.0:
-                w.factor[r, r] = math.sqrt(entry)
-            else:
-                return False
-    return True
+                continue
+            diagonal = abs(w.hessian[r, r])
+            if w.free[r] == 1.0 and not entry > PIVOT * diagonal:
+                pivot = max(-entry, REPLACED * diagonal, SMALLEST)
+                w.hessian[r, r] += pivot - entry
+                entry = pivot
+                w.shifts[0] += 1.0
+            w.factor[r, r] = math.sqrt(entry)
 
 
 @compiled

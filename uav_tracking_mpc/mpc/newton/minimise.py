@@ -1,8 +1,9 @@
 """One attempt: a guess, then sweep, line search on the rollout, multiplier update, until it stops.
 
 Inside, Newton's method on the augmented Lagrangian; once its gradient is small against the
-constraint residual, the multipliers move and the next Newton step sees the new merit. Near a
-solution both happen in every iteration.
+constraint residual, the multipliers move and the next Newton step sees the new merit. They also
+move right after a full step whose change of the merit the model foretold: that step has led to the
+minimum. So near a solution both happen in every iteration.
 """
 
 import math
@@ -10,7 +11,7 @@ import math
 from .backward_sweep import backward_sweep
 from .clock import now as clock
 from .compilation import compiled, entry
-from .multipliers import exact_cost, merit, update_multipliers
+from .multipliers import constraint_residual, exact_cost, merit, update_multipliers
 from .rollout import rollout
 from .stage import NA, NE, NH, NP, NU, NX, N
 from .warm_start import move_on
@@ -25,9 +26,10 @@ CONVERGED, ITERATION_LIMIT, TIME_LIMIT, INFEASIBLE, STALLED, REFUSED, NO_START =
 
 SUFFICIENT = 1e-4  # Armijo: share of the predicted change that a step must bring
 SHORTEST = 1e-4  # of the step lengths tried
-ROUNDING = 1e-13  # relative rounding error of the merit
+ROUNDING = 1e-13  # error of the merit, relative to 1 + its size
 INNER = 0.1  # gradient, against the constraint residual, at which multipliers move
 SHORT = 0.3
+FORETOLD = 0.1  # relative error of the predicted change, up to which a full step ends at a minimum
 DAMPING_START, DAMPING_LIMIT, DAMPING_GROWTH = 1e-2, 1e8, 10.0
 
 
@@ -90,12 +92,19 @@ def minimise(address, start, stages, tolerance, iteration_limit, deadline):
         while length >= SHORTEST:
             rollout(w, now, trial, length)
             new = merit(w, trial)
-            if new <= value + SUFFICIENT * length * predicted + ROUNDING * abs(value):
+            if new <= value + SUFFICIENT * length * predicted + ROUNDING * (1.0 + abs(value)):
                 accepted = True
                 break
             length *= 0.5
         if accepted:
             now, trial = trial, now
+            error = abs(new - value - predicted)
+            foretold = (
+                length == 1.0
+                and damping == 0.0
+                and w.shifts[0] == 0.0
+                and error <= FORETOLD * abs(predicted) + ROUNDING * (1.0 + abs(value))
+            )
             value = new
             exact_cost(w, now)
             if better(w, now, BEST, tolerance):
@@ -105,6 +114,11 @@ def minimise(address, start, stages, tolerance, iteration_limit, deadline):
                 damping = max(DAMPING_GROWTH * damping, DAMPING_START)
             elif length == 1.0:
                 damping = damping / DAMPING_GROWTH if damping > DAMPING_START else 0.0
+            if foretold and constraint_residual(w, now) > tolerance:
+                if not update_multipliers(w, now):
+                    status = INFEASIBLE
+                    break
+                value = merit(w, now)
         elif curvature > 0.0:
             curvature = 0.0
         else:

@@ -79,6 +79,15 @@ def terminal_multipliers(w, now):
 
 
 @compiled
+def constraint_residual(w, now):
+    """Max |m - mu| / rho of all constraints."""
+    residual = terminal_multipliers(w, now)
+    for i in range(w.horizon[0]):
+        residual = max(residual, stage_multipliers(w, now, i))
+    return residual
+
+
+@compiled
 def merit(w, now):
     """Augmented Lagrangian of a plan: its smooth cost and psi of every constraint."""
     total = w.value[now, 0]

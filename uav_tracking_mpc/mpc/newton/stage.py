@@ -114,3 +114,9 @@ t6 = load 0 1
 t7 = mul 20.0 t6
 store 1 1 t7
 """)
+
+# (x, u, a, p) -> (u_end)
+continuation = straight_line("""
+t0 = load 1 0
+store 0 0 t0
+""")

@@ -3,28 +3,34 @@
 import math
 
 from .compilation import compiled
-from .stage import NA, NE, NH, NS, NU, N
+from .stage import NA, NE, NH, NS, NU, N, continuation
 from .workspace import KEPT, SECOND, WORKING
+
+WEIGHT_KEPT = 1e3  # largest penalty weight to begin with
 
 
 @compiled
 def move_on(w, stages):
     """Inputs, decisions and multipliers of row KEPT, ``stages`` later, into row SECOND.
 
-    Between samples by linear interpolation; the last is held. The gains are 0: a rollout repeats
-    the inputs.
+    Between samples by linear interpolation, and after the last stage the problem's continuation.
+    The gains are 0: a rollout repeats the inputs. Large weights come down: they would bind the next
+    plan to the curved surface on which the constraints hold, along which steps are short.
 
     Args:
         w: Workspace.
         stages: Elapsed time over T_s, any number >= 0.
     """
+    continuation((w.x[KEPT, N], w.u[KEPT, N - 1], w.a[KEPT], w.p[N]), (w.u_end,))
     for i in range(N):
-        where = min(i + stages, N - 1.0)
-        below = int(where)
+        where = min(i + stages, float(N))
+        below = min(int(where), N - 1)
         above = min(below + 1, N - 1)
         share = where - below
         for j in range(NU):
-            w.u[SECOND, i, j] = (1.0 - share) * w.u[KEPT, below, j] + share * w.u[KEPT, above, j]
+            later = w.u[KEPT, above, j] if above > below else w.u_end[j]
+            u = (1.0 - share) * w.u[KEPT, below, j] + share * later
+            w.u[SECOND, i, j] = min(max(u, w.u_lower[j]), w.u_upper[j])
             w.k[i, j] = 0.0
             for r in range(NS):
                 w.K[i, j, r] = 0.0
@@ -35,9 +41,9 @@ def move_on(w, stages):
         w.a[SECOND, j] = w.a[KEPT, j]
         w.k_a[j] = 0.0
     for j in range(NH):
-        w.rho_h[WORKING, j] = w.rho_h[KEPT, j]
+        w.rho_h[WORKING, j] = min(w.rho_h[KEPT, j], WEIGHT_KEPT)
         w.residual_h[j] = math.inf
     for j in range(NE):
         w.mu_e[WORKING, j] = w.mu_e[KEPT, j]
-        w.rho_e[WORKING, j] = w.rho_e[KEPT, j]
+        w.rho_e[WORKING, j] = min(w.rho_e[KEPT, j], WEIGHT_KEPT)
         w.residual_e[j] = math.inf

@@ -75,6 +75,7 @@ FIELDS = {
     "m_e_upper": (NE,),
     # small things
     "l": (1,),
+    "u_end": (NU,),  # input after the last stage
     "feedback": (NS,),
     "shifts": (1,),  # stages whose Hessian had to be made positive definite
     "outcome": (8,),
