@@ -36,7 +36,7 @@ from uav_tracking_mpc.mpc.solver import Guess, Solver
 OFFSET_REACH = np.array([0.01, 0.01, 0.03])
 # Kept back of bank and force in plans: within a stage, and while commands take effect, airspeed and
 # path angle move on, and the limits with them.
-BANK_SHARE, FORCE_MARGIN = 0.98, 0.15  # -, m/s^2
+BANK_SHARE, FORCE_MARGIN = 0.98, 0.2  # -, m/s^2
 NO_FENCE = 1e6  # m, radius
 FLOOR_LIMIT = 1e4  # m below the target, as deep as a floor is told to the problem
 

@@ -19,8 +19,8 @@ from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
 
 LONGEST_SUBSTEP = 0.1  # s, in which dead time is flown through
 LATENCY_LIMIT = 0.5  # s
-# What a measurement corrects of the target's track is faded in with this time constant [s]: steps of
-# a noisy track would go straight into the bank angle.
+# What a measurement corrects of the target's track is faded in with this time constant [s]: the
+# steps of a noisy track would go straight into the bank angle.
 FADE_TIME = 0.8
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -141,13 +142,15 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
     span += 1.0 / configuration.simulator.state_rate
     controller, simulator = reports.get("nmpc_controller", {}), reports.get("uav_simulator", {})
     tracking = configuration.controller
+    # With the nearest direction asked for, the controller tells which one it chose.
+    direction = controller.get("direction", tracking.orbit.direction)
     return FlightLog(
         config=configuration.name,
         duration=min(configuration.mission.duration, span),
         speed=configuration.mission.speed,
         model=tracking.model,
         plant="vehicle",
-        orbit=tracking.orbit,
+        orbit=replace(tracking.orbit, direction=direction),
         input_lower=tracking.input_lower,
         input_upper=tracking.input_upper,
         steady_inputs=tracking.steady_inputs,
