@@ -24,7 +24,8 @@ setup(
     packages=[*find_packages(include=[NAME, f"{NAME}.*"]), f"{NAME}.config"],
     package_dir={f"{NAME}.config": "config"},
     package_data={
-        f"{NAME}.config": ["*.yaml", "certificates/*.json", "security/*.xml"],
+        f"{NAME}.config": ["*.yaml", "certificates/*.json", "scenarios/*.yaml", "security/*.xml"],
+        f"{NAME}.comparison": ["*.j2"],
         f"{NAME}.report": ["*.j2"],
         NAME: ["py.typed"],
     },
@@ -33,6 +34,7 @@ setup(
         (f"share/{NAME}", ["package.xml"]),
         (f"share/{NAME}/config", glob("config/*.yaml")),
         (f"share/{NAME}/config/certificates", glob("config/certificates/*.json")),
+        (f"share/{NAME}/config/scenarios", glob("config/scenarios/*.yaml")),
         (f"share/{NAME}/config/security", glob("config/security/*.xml")),
     ],
     zip_safe=False,

@@ -17,6 +17,8 @@ LAYERS = (
     "simulation",
     "report",
     "benchmark",
+    "comparison",
+    "feasibility",
     "nodes",
     "shared_memory",
     "node_process",

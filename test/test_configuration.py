@@ -5,6 +5,7 @@ from uav_tracking_mpc.parameters import ParameterError
 from uav_tracking_mpc.simulation.configuration import (
     configuration_names,
     load_configuration,
+    scenario_names,
 )
 
 
@@ -91,3 +92,41 @@ def test_numbers_may_have_exponents(text, value):
 def test_what_only_looks_like_a_number_is_refused(text):
     with pytest.raises(ParameterError, match="'range' is"):
         load_configuration("paper", [f"nmpc_controller.range={text}"])
+
+
+@pytest.mark.parametrize("name", scenario_names())
+def test_every_scenario_that_comes_along_says_what_it_is(name):
+    scenario = load_configuration("small_uav", scenario=name).scenario
+    assert scenario.title
+    assert scenario.description.endswith(".")
+
+
+def test_a_scenario_replaces_what_it_names_and_overrides_win():
+    plain = load_configuration("small_uav")
+    tight = load_configuration(
+        "small_uav", ["uav_simulator.wind=[-9, 0, 0]"], scenario="tight_headwind"
+    )
+    assert tight.name == "small_uav"
+    assert (tight.controller.range, tight.target.motion) == (180.0, "line")
+    assert tight.simulator.wind == (-9.0, 0.0, 0.0)
+    assert tight.controller.state_weights == plain.controller.state_weights
+    assert plain.scenario is None
+    assert "/**/scenario" not in tight.yaml()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("scenario: {ros__parameters: {name: x}}", "section 'scenario': parameter 'name'"),
+        ("weather: {ros__parameters: {}}", "'weather' is unknown, known are: .*scenario"),
+    ],
+)
+def test_bad_scenarios_are_refused_with_the_reason(tmp_path, text, message):
+    file = tmp_path / "bad.yaml"
+    file.write_text(text)
+    with pytest.raises(ParameterError, match=message):
+        load_configuration("small_uav", scenario=str(file))
+    with pytest.raises(
+        ParameterError, match="scenario is 'storm', must be a file or one of .*wind"
+    ):
+        load_configuration("small_uav", scenario="storm")

@@ -7,7 +7,7 @@ import json
 import logging
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from rich.console import Console
@@ -15,7 +15,10 @@ from rich.progress import Progress
 
 from uav_tracking_mpc import __version__
 from uav_tracking_mpc.benchmark.command import add_parser as add_benchmark_parser
+from uav_tracking_mpc.comparison.command import add_parser as add_comparison_parser
 from uav_tracking_mpc.domain import domain_number
+from uav_tracking_mpc.feasibility import command as feasibility
+from uav_tracking_mpc.guidance.tracking_parameters import ARTIFICIAL_ORBIT
 from uav_tracking_mpc.guidance.tracking_problem import stability_problem
 from uav_tracking_mpc.launch import (
     add_configuration_arguments,
@@ -39,6 +42,9 @@ examples:
   uav_tracking fly --set nmpc_controller.model=paper
                                                 the paper's model on the true vehicle
   uav_tracking stability --config paper         the paper's analysis, and a proof
+  uav_tracking compare --config small_uav       NMPC beside classical laws, in wind
+  uav_tracking simulate --config small_uav --scenario gusts
+                                                one of these flights
   uav_tracking benchmark                        the solver beside its peers
   uav_tracking torture --minutes 10             faults injected into real nodes
   uav_tracking monitor --domain-id 7            watch a flight from another terminal
@@ -78,7 +84,10 @@ def _parser() -> argparse.ArgumentParser:
 
     stability = add_stability_parser(commands, _stability_problem)
     add_configuration_arguments(stability)
+    ellipsoid = stability.get_default("run")
+    stability.set_defaults(run=lambda parsed: _stability(parsed, ellipsoid))
 
+    add_configuration_arguments(add_comparison_parser(commands), default="small_uav")
     add_benchmark_parser(commands)
     add_torture_parser(commands)
 
@@ -128,6 +137,17 @@ def _fly(arguments: argparse.Namespace) -> int:
     wanted = configuration.mission.duration
     print(f"interrupted: {log.duration:.1f} s of {wanted:g} s were flown", file=sys.stderr)
     return 128 + number
+
+
+def _stability(
+    arguments: argparse.Namespace, ellipsoid: Callable[[argparse.Namespace], int]
+) -> int:
+    """The analysis that fits the problem: of an artificial orbit, or of the paper's ellipsoid."""
+    if arguments.verify is None and arguments.errata is None:
+        configuration = load_configuration(arguments.config, arguments.overrides)
+        if configuration.controller.terminal_constraint == ARTIFICIAL_ORBIT:
+            return feasibility.run(arguments, configuration)
+    return ellipsoid(arguments)
 
 
 def _stability_problem(arguments: argparse.Namespace) -> StabilityProblem:

@@ -29,6 +29,7 @@ from uav_tracking_mpc.simulation.configuration import (
     Configuration,
     MissionParameters,
     load_configuration,
+    scenario_names,
 )
 
 NODES = ("uav_simulator", "target_publisher", "nmpc_controller")
@@ -283,10 +284,13 @@ def explained(program: str) -> Iterator[Ending]:
     print(f"{program}: {message}", file=sys.stderr)
 
 
-def add_configuration_arguments(parser: argparse.ArgumentParser) -> None:
+def add_configuration_arguments(parser: argparse.ArgumentParser, default: str = "paper") -> None:
     """Options that choose a configuration."""
     parser.add_argument(
-        "--config", default="paper", metavar="NAME|FILE", help="configuration (default: paper)"
+        "--config",
+        default=default,
+        metavar="NAME|FILE",
+        help=f"configuration (default: {default})",
     )
     parser.add_argument(
         "--set",
@@ -301,6 +305,11 @@ def add_configuration_arguments(parser: argparse.ArgumentParser) -> None:
 def add_mission_arguments(parser: argparse.ArgumentParser) -> None:
     """Options that every command flying a configuration has."""
     add_configuration_arguments(parser)
+    parser.add_argument(
+        "--scenario",
+        metavar="NAME|FILE",
+        help=f"wind, target and measurements: {', '.join(scenario_names())}",
+    )
     for specification in specifications(MissionParameters):
         if isinstance(specification.default, float):
             parser.add_argument(
@@ -322,7 +331,7 @@ def mission_configuration(arguments: argparse.Namespace) -> Configuration:
         value = getattr(arguments, name)
         if value is not None:
             overrides.append(f"mission.{name}={value!r}")
-    return load_configuration(arguments.config, overrides)
+    return load_configuration(arguments.config, overrides, arguments.scenario)
 
 
 def add_launch_arguments(parser: argparse.ArgumentParser) -> None:

@@ -1,8 +1,8 @@
 r"""The orbit about a target in a drift: the periodic motion that holds range and airspeed.
 
-Seen from the target the air moves with the drift c, so the aircraft moves with w = a + c where a is
-its air velocity, |a| = v. On the circle of radius d, with t its unit tangent and n the normal to the
-left of it, w = s t and, with V the horizontal part of v,
+Seen from the target the air moves with the drift c, so the aircraft moves with w = a + c where a
+is its air velocity, |a| = v. On the circle of radius d, with t its unit tangent and n the normal to
+the left of it, w = s t and, with V the horizontal part of v,
 
 .. math::
 
@@ -18,8 +18,8 @@ counter-clockwise, -1 clockwise), so
     \dot s = (a \cdot \dot c - s \dot\gamma\, a \cdot n) / q, \qquad
     u_\psi = a \times (\dot w - \dot c) / V^2,
 
-which without c' is :math:`\sigma s^2 / (d q)` and without c :math:`\sigma v / d`, the paper's steady
-turn. To stay level with the target the path angle makes up for the vertical drift,
+which without c' is :math:`\sigma s^2 / (d q)` and without c :math:`\sigma v / d`, the paper's
+steady turn. To stay level with the target the path angle makes up for the vertical drift,
 :math:`\sin\chi = -c_z / v`.
 """
 

@@ -3,6 +3,7 @@
 =======================  =============================================================
 ``tracking_parameters``  orbit, model, horizon, weights, limits
 ``navigator``            measurements in, situation and forecast out
+``state_gate``           which vehicle states are believed
 ``situation``            aircraft, target and drift, as a guidance law sees them
 ``forecast``             target and drift over the horizon
 ``command_history``      commands sent, as the aircraft will still be flying them

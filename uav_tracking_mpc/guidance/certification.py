@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
+from uav_tracking_mpc.guidance.tracking_parameters import ARTIFICIAL_ORBIT, TrackingParameters
 from uav_tracking_mpc.guidance.tracking_problem import stability_problem, terminal_level
 from uav_tracking_mpc.parameters import ParameterError
 from uav_tracking_mpc.stability.certificate import mismatch, read_certificate
 from uav_tracking_mpc.stability.status import CertificateStatus, certificate_status
 
+BY_CONSTRUCTION = "by construction"
+WHY = (
+    "every plan ends on an orbit that can be flown on, so it can always be continued while the "
+    "model holds"
+)
+
 
 def certification(parameters: TrackingParameters, folder: Path) -> CertificateStatus:
-    """Certified, sampled or neither, with the reason.
+    """Certified, sampled, neither, or given by construction, with the reason.
 
     Args:
         parameters: What is flown; with ``certificate`` set, that file counts.
@@ -21,6 +27,8 @@ def certification(parameters: TrackingParameters, folder: Path) -> CertificateSt
     Raises:
         ParameterError: The file of ``certificate`` cannot be read.
     """
+    if parameters.terminal_constraint == ARTIFICIAL_ORBIT:
+        return CertificateStatus(BY_CONSTRUCTION, WHY)
     problem, level = stability_problem(parameters), terminal_level(parameters)
     ingredients = problem.ingredients()
     if parameters.certificate:

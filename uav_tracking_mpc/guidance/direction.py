@@ -28,6 +28,6 @@ def nearest_direction(situation: Situation, present: str | None = None) -> str:
     if present is None:
         return COUNTER_CLOCKWISE if along > 0.0 else CLOCKWISE
     follows = along if present == COUNTER_CLOCKWISE else -along
-    if follows >= math.cos(HYSTERESIS):
+    if not follows < math.cos(HYSTERESIS):  # also where it is no number
         return present
     return CLOCKWISE if present == COUNTER_CLOCKWISE else COUNTER_CLOCKWISE

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,7 +18,8 @@ from uav_tracking_mpc.guidance.flight_problem import (
     WHERE,
     FlightData,
     flight_problem,
-    limits_function,
+    input_span,
+    physical_inputs,
 )
 from uav_tracking_mpc.guidance.forecast import Forecast
 from uav_tracking_mpc.guidance.formulation import Plan
@@ -34,6 +34,9 @@ from uav_tracking_mpc.mpc.solver import Guess, Solver
 # wanted range, range and airspeed. Steep near the wanted orbit, or errors would be shared between
 # both and met half-heartedly; linear beyond, or far away it would drown everything else.
 OFFSET_REACH = np.array([0.01, 0.01, 0.03])
+# Kept back of bank and force in plans: within a stage, and while commands take effect, airspeed and
+# path angle move on, and the limits with them.
+BANK_SHARE, FORCE_MARGIN = 0.98, 0.15  # -, m/s^2
 NO_FENCE = 1e6  # m, radius
 FLOOR_LIMIT = 1e4  # m below the target, as deep as a floor is told to the problem
 
@@ -52,14 +55,17 @@ class FlightFormulation:
         self._stages = parameters.horizon
         self.solver = solver or _solver(parameters, self.lag)
         self._data = np.zeros((self._stages + 1, PARAMETERS))
-        self._limits = limits_function(self._stages)
         self.change(parameters)
+
+    def check(self, parameters: TrackingParameters) -> None:
+        """Everything that the problem is told can be taken in flight."""
 
     def change(self, parameters: TrackingParameters) -> None:
         """Fly other orbits, weights and limits from now on."""
         self.parameters = parameters
         self.envelope = parameters.envelope
-        self._data[:] = constant_data(parameters).vector()
+        self._constant = constant_data(parameters)
+        self._data[:] = self._constant.vector()
         if isinstance(self.solver, NewtonSolver):
             self.solver.time_limit = parameters.solve_time_max
 
@@ -98,7 +104,10 @@ class FlightFormulation:
         solution = self.solver.solve(
             x_0, data, elapsed, lambda: self._guess(x_0, situation, forecast, orbit, data)
         )
-        inputs = self._inputs(solution.states, solution.inputs, data)
+        states = solution.states[:-1]
+        inputs = np.column_stack(
+            physical_inputs(solution.inputs.T, states[:, 4], states[:, 5], self._constant, np)
+        )
         return Plan(inputs, self.step, self.error(situation, orbit), solution)
 
     def _state(self, situation: Situation) -> NDArray[np.float64]:
@@ -119,22 +128,6 @@ class FlightFormulation:
             centre = np.array(envelope.fence_centre) - forecast.target[:, :2]
             data[:, WHERE["fence"].start : WHERE["fence"].start + 2] = centre
         return data
-
-    def _inputs(
-        self,
-        states: NDArray[np.float64],
-        shares: NDArray[np.float64],
-        data: NDArray[np.float64],
-    ) -> NDArray[np.float64]:
-        """(u_psi, u_chi, u_v) of a plan, shape (N, 3)."""
-        turn, pitch, lower, upper = self._limits(states[:-1, 4], states[:-1, 5], data[:-1])
-        return np.column_stack(
-            [
-                shares[:, 0] * turn,
-                shares[:, 1] * pitch,
-                0.5 * (lower + upper) + 0.5 * (upper - lower) * shares[:, 2],
-            ]
-        )
 
     def _guess(
         self,
@@ -160,17 +153,14 @@ class FlightFormulation:
                 rates=np.array(state[6:9]) if self.lag else situation.rates,
             )
             inputs = law.inputs(now)
-            turn, pitch, lower, upper = (
-                float(limit[0])
-                for limit in self._limits(
-                    np.array([state[4]]), np.array([state[5]]), data[stage : stage + 1]
-                )
+            middle, half = (
+                np.array(part) for part in input_span(state[4], state[5], self._constant, np)
             )
-            middle, half = 0.5 * (lower + upper), 0.5 * (upper - lower)
-            shares[stage] = inputs[0] / turn, inputs[1] / pitch, (inputs[2] - middle) / half
-            np.clip(shares[stage], -1.0, 1.0, out=shares[stage])
-            flown = shares[stage] * (turn, pitch, half) + (0.0, 0.0, middle)
-            state = advance(state, flown, self.step, self.lag, now.drift, now.drift_rate)
+            shares[stage] = np.clip((inputs - middle) / half, -1.0, 1.0)
+            flown = middle + half * shares[stage]
+            state = advance(
+                state, list(flown), self.step, self.lag, list(now.drift), list(now.drift_rate)
+            )
         speed = float(np.clip(state[5], self.envelope.airspeed_min, self.envelope.airspeed_max))
         smallest = self.envelope.smallest_radius(max(speed, 0.1), forecast.drift[-1])
         radius = max(math.hypot(state[0], state[1]), 1.1 * min(smallest, 1e4))
@@ -187,6 +177,10 @@ def constant_data(parameters: TrackingParameters) -> FlightData:
     envelope = parameters.envelope
     span = envelope.airspeed_max - envelope.airspeed_min
     slopes = [(force[1] - force[0]) / span for force in (envelope.force_min, envelope.force_max)]
+    at_rest = [
+        force[0] - slope * envelope.airspeed_min
+        for force, slope in zip((envelope.force_min, envelope.force_max), slopes, strict=True)
+    ]
     return FlightData(
         drift=np.zeros(3),
         drift_rate=np.zeros(3),
@@ -199,11 +193,11 @@ def constant_data(parameters: TrackingParameters) -> FlightData:
         * np.array([parameters.range, parameters.range, parameters.airspeed]),
         airspeed=(envelope.airspeed_min, envelope.airspeed_max),
         path_angle=(envelope.path_angle_min, envelope.path_angle_max),
-        lateral=GRAVITY * math.tan(envelope.bank_max),
+        lateral=BANK_SHARE * GRAVITY * math.tan(envelope.bank_max),
         rates=(envelope.yaw_rate_max, envelope.pitch_rate_max),
         acceleration=(envelope.acceleration_min, envelope.acceleration_max),
-        force_min=(envelope.force_min[0] - slopes[0] * envelope.airspeed_min, slopes[0]),
-        force_max=(envelope.force_max[0] - slopes[1] * envelope.airspeed_min, slopes[1]),
+        force_min=(at_rest[0] + FORCE_MARGIN, slopes[0]),
+        force_max=(at_rest[1] - FORCE_MARGIN, slopes[1]),
         floor=-FLOOR_LIMIT,
         distance=envelope.distance_min,
         fence=(0.0, 0.0, envelope.fence_radius or NO_FENCE),

@@ -14,7 +14,7 @@ from uav_tracking_mpc.guidance.situation import Situation
 from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
 from uav_tracking_mpc.mpc.solution import Solution
 from uav_tracking_mpc.mpc.solver import Solver
-from uav_tracking_mpc.stability.decrease import DecreaseCheck, DecreaseMonitor
+from uav_tracking_mpc.stability.decrease import DecreaseCheck
 
 
 @dataclass(frozen=True)
@@ -42,12 +42,16 @@ class Formulation(Protocol):
     solver: Solver
     step: float
 
-    def change(self, parameters: TrackingParameters) -> None:
-        """Fly other parameters from now on.
+    def check(self, parameters: TrackingParameters) -> None:
+        """Whether other parameters can be taken in flight.
 
         Raises:
             ParameterError: They can only be taken at the start.
         """
+        ...
+
+    def change(self, parameters: TrackingParameters) -> None:
+        """Fly other parameters, which pass :meth:`check`, from now on."""
         ...
 
     def solve(

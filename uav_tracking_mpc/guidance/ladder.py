@@ -71,7 +71,7 @@ class Change:
     def __str__(self) -> str:
         """The change in a sentence."""
         if self.after is Rung.OPTIMAL:
-            return f"back on {self.after.value}s, from {self.before.value}"
+            return f"now flying {self.after.value}s, before {self.before.value}"
         return f"now flying {self.after.value}, before {self.before.value}: {self.reason}"
 
 
@@ -86,7 +86,9 @@ def choose(footing: Footing) -> tuple[Rung, str]:
         return Rung.LOITER, footing.trouble or "target position is lost"
     if solution is not None and solution.converged:
         return Rung.OPTIMAL, ""
-    reason = footing.trouble or (solution.message if solution is not None else "no solution")
+    reason = footing.trouble or "no solution"
+    if not footing.trouble and solution is not None:
+        reason = solution.message or solution.status.value
     if (
         solution is not None
         and solution.status in UNFINISHED

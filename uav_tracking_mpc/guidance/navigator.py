@@ -17,8 +17,11 @@ from uav_tracking_mpc.guidance.situation import Situation
 from uav_tracking_mpc.guidance.target_filter import TargetFilter
 from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
 
-LONGEST_SUBSTEP = 0.05  # s, in which dead time is flown through
+LONGEST_SUBSTEP = 0.1  # s, in which dead time is flown through
 LATENCY_LIMIT = 0.5  # s
+# What a measurement corrects of the target's track is faded in with this time constant [s]: steps of
+# a noisy track would go straight into the bank angle.
+FADE_TIME = 0.8
 
 
 class Navigator:
@@ -32,6 +35,7 @@ class Navigator:
         parameters: Lag, dead time, horizon and filter settings.
 
     Attributes:
+        wind: At the latest situation, shape (3,), in [m/s].
         target: The filter of the target's positions.
         latency: Time in [s] from a state to the command that answers it, as measured by the caller.
     """
@@ -50,14 +54,33 @@ class Navigator:
         self._lag = tuple(max(value, 1e-3) for value in lag) if any(lag) else ()
         self._dead_time = dead_time
         self._stages = parameters.horizon_step * np.arange(parameters.horizon + 1)
+        self._shares = np.exp(-self._stages / FADE_TIME)[:, np.newaxis]
         self.target.tune(parameters.target_noise, parameters.target_agility)
 
     def reset(self) -> None:
         """Forget target and commands."""
         self.target.reset()
         self._history.reset()
+        self.wind = np.zeros(3)
+        self._faded, self._fade_begin = np.zeros((2, 3)), 0.0
         self._acceleration = 0.0
         self._time: float | None = None
+
+    def see_target(self, time: float, position: ArrayLike) -> bool:
+        """Take in a measured position of the target: see :meth:`TargetFilter.update`."""
+        known = self.target.time
+        before = None if known is None else self.target.predict(max(time, known))
+        taken = self.target.update(time, position)
+        if taken and before is not None:
+            after = self.target.predict(time)
+            self._faded = self._fading(time)
+            self._faded += before.position - after.position, before.velocity - after.velocity
+            self._fade_begin = time
+        return taken
+
+    def _fading(self, time: float) -> NDArray[np.float64]:
+        """What is not yet corrected of position and velocity at a time, shape (2, 3)."""
+        return self._faded * math.exp(-max(0.0, time - self._fade_begin) / FADE_TIME)
 
     def commanded(self, time: float, plan: NDArray[np.float64], step: float) -> None:
         """A plan has been sent in answer to the state of a time [s]."""
@@ -81,14 +104,14 @@ class Navigator:
         Raises:
             ValueError: No target position is known.
         """
-        estimate = self.target.predict(time)
-        wind = np.asarray(ground_velocity, dtype=float) - vehicle_model.velocity(vehicle)
+        estimate, fading = self.target.predict(time), self._fading(time)
+        self.wind = np.asarray(ground_velocity, dtype=float) - vehicle_model.velocity(vehicle)
         self._follow_acceleration(time)
         turn, pitch = (float(value) for value in np.asarray(turn_rates))
         return Situation(
             vehicle=vehicle,
-            target=estimate.position,
-            drift=wind - estimate.velocity,
+            target=estimate.position + fading[0],
+            drift=self.wind - estimate.velocity - fading[1],
             drift_rate=-estimate.acceleration,
             rates=np.array([turn, pitch, self._acceleration]),
         )
@@ -98,12 +121,14 @@ class Navigator:
 
         Args:
             time: Of the situation in [s].
-            situation: As measured.
+            situation: The latest of :meth:`situation`.
         """
         delay = max(self._dead_time) + min(max(self.latency, 0.0), LATENCY_LIMIT)
-        wind = situation.drift + self.target.predict(time).velocity
         positions, velocities, accelerations = self.target.ahead(time + delay + self._stages)
-        forecast = Forecast(positions, wind - velocities, -accelerations)
+        fading = self._fading(time)[:, np.newaxis] * self._shares
+        forecast = Forecast(
+            positions + fading[0], self.wind - velocities - fading[1], -accelerations
+        )
         if delay == 0.0:
             return situation, forecast
         state = self._flown_through(time, delay, situation)

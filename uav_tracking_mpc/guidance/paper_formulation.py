@@ -27,6 +27,7 @@ from uav_tracking_mpc.stability.decrease import decrease_monitor
 CHANGEABLE = (
     "solve_time_max", "plan_age_max", "state_timeout", "target_timeout", "target_noise",
     "target_agility",
+    "control_rate",
 )  # fmt: skip
 
 
@@ -46,20 +47,23 @@ class PaperFormulation:
         self._steady_inputs = parameters.steady_inputs
         self._target = np.full(3, np.nan)
 
-    def change(self, parameters: TrackingParameters) -> None:
-        """Take new timeouts and filter settings.
+    def check(self, parameters: TrackingParameters) -> None:
+        """Whether only timeouts and filter settings have changed.
 
         Raises:
-            ParameterError: Anything else has changed.
+            ParameterError: Something else has.
         """
         for field in dataclasses.fields(parameters):
             name = field.name
             before, after = getattr(self.parameters, name), getattr(parameters, name)
             if before != after and name not in CHANGEABLE:
                 raise ParameterError(
-                    f"parameter '{name}' is fixed at {before!r} in flight unless "
+                    f"parameter '{name}' is {after!r}, must stay {before!r} in flight unless "
                     "terminal_constraint is 'artificial_orbit'"
                 )
+
+    def change(self, parameters: TrackingParameters) -> None:
+        """Take new timeouts and filter settings."""
         self.parameters = parameters
         if isinstance(self.solver, NewtonSolver):
             self.solver.time_limit = parameters.solve_time_max

@@ -22,6 +22,11 @@ from uav_tracking_mpc.mpc.solution import Solution
 from uav_tracking_mpc.parameters import ParameterError
 
 LEVELLING_TIME = 1.0  # s, in which wings-level flight takes the path angle out
+# Compiled in, or part of what is claimed of the controller.
+FIXED = (
+    "horizon", "horizon_step", "rate_lag", "dead_time", "terminal_constraint", "model", "scheme",
+    "solver", "limit_penalty", "certificate", "autostart",
+)  # fmt: skip
 BLEND_TIME = 0.5  # s, in which the command moves over from one kind of guidance to another
 
 
@@ -93,8 +98,8 @@ class Pilot:
     ) -> None:
         self.formulation = formulation or formulation_of(parameters)
         self.ladder = Ladder()
-        self._take(parameters)
         self.reset()
+        self._take(parameters)
 
     def reset(self) -> None:
         """Forget every plan."""
@@ -105,19 +110,30 @@ class Pilot:
         self._last_time: float | None = None
         self._offset = np.zeros(3)
         self._sent: NDArray[np.float64] | None = None
-        self._sent_planned = False
+        self._sent_rung = Rung.SILENCE
+
+    def check(self, parameters: TrackingParameters) -> None:
+        """Whether other parameters can be flown by from now on.
+
+        Raises:
+            ParameterError: They can only be taken at the start.
+        """
+        for name in FIXED:
+            before, after = getattr(self.parameters, name), getattr(parameters, name)
+            if before != after:
+                raise ParameterError(
+                    f"parameter '{name}' is {after!r}, must stay {before!r} while the controller "
+                    "is configured"
+                )
+        self.formulation.check(parameters)
 
     def change(self, parameters: TrackingParameters) -> None:
         """Fly by other parameters from now on; the present plan is the next one's start.
 
         Raises:
-            ParameterError: They can only be taken at the start; nothing has changed.
+            ParameterError: As of :meth:`check`; nothing has changed.
         """
-        for name in ("horizon", "horizon_step", "rate_lag", "dead_time", "terminal_constraint",
-                     "model", "scheme", "solver", "limit_penalty", "certificate"):  # fmt: skip
-            before, after = getattr(self.parameters, name), getattr(parameters, name)
-            if before != after:
-                raise ParameterError(f"parameter '{name}' is fixed at {before!r} in flight")
+        self.check(parameters)
         self.formulation.change(parameters)
         if parameters.direction != self.parameters.direction:
             self._direction = None
@@ -126,8 +142,12 @@ class Pilot:
     def _take(self, parameters: TrackingParameters) -> None:
         self.parameters = parameters
         self.envelope = parameters.envelope
-        self.orbit = parameters.orbit
-        self._fallback = VectorField(self.orbit, self.envelope)
+        direction = self._direction or parameters.orbit.direction  # the nearest one, chosen before
+        self._choose(dataclasses.replace(parameters.orbit, direction=direction))
+
+    def _choose(self, orbit: Orbit) -> None:
+        self.orbit = orbit
+        self._fallback = VectorField(orbit, self.envelope)
 
     def step(self, time: float, outlook: Outlook) -> Command:
         """Command for a situation.
@@ -151,7 +171,7 @@ class Pilot:
             self._plan, self._plan_time = plan, time
             inputs, step = plan.inputs, plan.step
         else:
-            inputs, step = self._fallback.inputs(situation)[np.newaxis], LEVELLING_TIME
+            inputs, step = self._loiter(situation)[np.newaxis], LEVELLING_TIME
         return self._command(time, inputs, step, situation.vehicle, change, plan)
 
     def hold(self, time: float, vehicle: NDArray[np.float64], trouble: str) -> Command:
@@ -169,11 +189,9 @@ class Pilot:
         """The orbit in its direction; the nearest one is chosen once, with hysteresis."""
         if self.parameters.direction != NEAREST:
             return self.orbit
-        direction = nearest_direction(situation, self._direction)
-        if direction != self._direction:
-            self._direction = direction
-            self.orbit = dataclasses.replace(self.parameters.orbit, direction=direction)
-            self._fallback = VectorField(self.orbit, self.envelope)
+        self._direction = nearest_direction(situation, self._direction)
+        if self._direction != self.orbit.direction:
+            self._choose(dataclasses.replace(self.orbit, direction=self._direction))
         return self.orbit
 
     def _solve(self, time: float, outlook: Outlook, orbit: Orbit) -> tuple[Plan | None, str]:
@@ -189,6 +207,13 @@ class Pilot:
         if not np.all(np.isfinite(plan.inputs)):
             return None, f"the plan is not finite: {plan.solution.message}"
         return plan, ""
+
+    def _loiter(self, situation: Situation) -> NDArray[np.float64]:
+        """The loiter law's inputs; straight on where the situation is not finite."""
+        try:
+            return self._fallback.inputs(situation)
+        except (ArithmeticError, ValueError):
+            return np.zeros(3)
 
     def _remaining(self, time: float) -> NDArray[np.float64] | None:
         """What is left of the last plan, if it is young enough to be flown."""
@@ -208,16 +233,20 @@ class Pilot:
         plan: Plan | None,
     ) -> Command:
         ladder = self.ladder
-        inputs = self._blended(time, inputs, step)
-        inputs = self._inside(inputs, float(vehicle[5]))
-        self._sent, self._sent_planned = inputs[0], ladder.rung.planned
+        airspeed = float(vehicle[5])
+        inputs = self._blended(time, self._inside(inputs, airspeed), step)
+        inputs = self._inside(inputs, airspeed)
+        self._sent, self._sent_rung = inputs[0], ladder.rung
         return Command(inputs, step, ladder.rung, ladder.reason, change, self.orbit, plan)
 
     def _blended(
         self, time: float, inputs: NDArray[np.float64], step: float
     ) -> NDArray[np.float64]:
-        """Where plan and law take over from each other, their difference fades out."""
-        if self._sent is not None and self._sent_planned != self.ladder.rung.planned:
+        """Where plan, law and level flight take over from each other, their difference fades."""
+        before, rung = self._sent_rung, self.ladder.rung
+        if self._sent is None:
+            self._offset = np.zeros(3)
+        elif rung is not before and not (rung.planned and before.planned):
             self._offset, self._blend_time = self._sent - inputs[0], time
         ahead = time - self._blend_time + step * np.arange(len(inputs))
         share = np.clip(1.0 - ahead / BLEND_TIME, 0.0, 1.0)

@@ -199,6 +199,10 @@ class TrackingParameters:
         upper=100.0,
     )
 
+    autostart: bool = parameter(
+        True, "Configure and activate at the start; else a lifecycle manager does."
+    )
+
     def __post_init__(self) -> None:
         """Check what no single range can: the orbit exists, and can be held."""
         try:

@@ -4,6 +4,9 @@
 ``uav_simulator``        the vehicle and its autopilot
 ``target_publisher``     where the target is
 ``nmpc_controller``      the control law
+``controller_report``    what it has done, as numbers for /diagnostics
+``air_data``             the airspeed that belongs to a state
+``rate_keeper``          whether the control rate is kept, and by how much not
 ``monitor``              a live table in the terminal
 ``flight_recorder``      every topic of a flight
 ``flight_bag``           an MCAP bag: written, and read back as a flight log
@@ -11,7 +14,7 @@
 ``conversions``          messages to arrays and back, the only module that knows both
 ``declared_parameters``  parameter dataclasses as ROS parameters
 ``diagnostics``          /diagnostics
-``sample_window``        median, percentile and maximum of the latest samples
+``sample_window``        median, percentile, maximum and histogram of durations
 ``reference_tables``     the tables of the README, written from the code
 ``run``                  start, spin, stop, exit codes
 =======================  =============================================================

@@ -192,16 +192,25 @@ def set_command(
     set_stamp(message.header.stamp, stamp)
     message.header.frame_id = MAP
     message.joint_names = [BASE_LINK]
-    while len(message.points) < len(plan):
+    if len(message.points) != len(plan) or nanoseconds(message.points[-1].time_from_start) != round(
+        (len(plan) - 1) * step * 1e9
+    ):
+        _set_points(message, len(plan), step)
+    for point, inputs in zip(message.points, plan.tolist(), strict=True):
+        angular = point.velocities[0].angular
+        angular.y = pitch_rate_from_path_angle_rate(inputs[1])
+        angular.z = inputs[0]
+        point.accelerations[0].linear.x = inputs[2]
+
+
+def _set_points(message: MultiDOFJointTrajectory, count: int, step: float) -> None:
+    """As many points as the plan has, with their times."""
+    while len(message.points) < count:
         point = MultiDOFJointTrajectoryPoint()
         point.velocities, point.accelerations = [Twist()], [Twist()]
         message.points.append(point)
-    del message.points[len(plan) :]
-    for index, (point, inputs) in enumerate(zip(message.points, plan, strict=True)):
-        angular = point.velocities[0].angular
-        angular.y = pitch_rate_from_path_angle_rate(float(inputs[1]))
-        angular.z = float(inputs[0])
-        point.accelerations[0].linear.x = float(inputs[2])
+    del message.points[count:]
+    for index, point in enumerate(message.points):
         set_stamp(point.time_from_start, round(index * step * 1e9))
 
 

@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, TypeVar
 
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 from uav_tracking_mpc.parameters import ParameterError, Specification, from_mapping, specifications
 
@@ -16,11 +23,16 @@ T = TypeVar("T")
 _BUILT_IN = ("use_sim_time", "start_type_description_service", "qos_overrides.")
 
 
-def declare_parameters(node: Node, parameters: type[T]) -> T:
+def declare_parameters(node: Node, parameters: type[T], changeable: bool = False) -> T:
     """Declare every parameter of a dataclass on a node and build it from the values.
 
     An integer may stand for a number (``range:=150``). Overrides that no parameter has are warned
-    of. The parameters are read once, at the start.
+    of.
+
+    Args:
+        node: Whose they are.
+        parameters: The dataclass.
+        changeable: Whether they may be set later on; see :func:`follow_parameters`.
 
     Raises:
         ParameterError: A value of the wrong type, out of range, or at odds with another.
@@ -36,7 +48,7 @@ def declare_parameters(node: Node, parameters: type[T]) -> T:
             node.declare_parameter(
                 specification.name,
                 _ros_value(specification.default),
-                _descriptor(specification),
+                _descriptor(specification, changeable),
             ).value
         )
         for specification in known
@@ -51,12 +63,47 @@ def declare_parameters(node: Node, parameters: type[T]) -> T:
     return from_mapping(parameters, values)
 
 
-def _descriptor(specification: Specification) -> ParameterDescriptor:
+def follow_parameters(
+    node: Node, parameters: type[T], check: Callable[[T], None], take: Callable[[T], None]
+) -> None:
+    """Let the parameters of a dataclass be set while the node runs, together or not at all.
+
+    Args:
+        node: On which they have been declared as changeable.
+        parameters: The dataclass.
+        check: Raises ParameterError where the whole set cannot be taken now.
+        take: Takes it; called after every parameter has its new value.
+    """
+    names = {specification.name for specification in specifications(parameters)}
+
+    def candidate(changes: list[Parameter]) -> T:
+        values = {name: _plain(node.get_parameter(name).value) for name in names}
+        values |= {change.name: _plain(change.value) for change in changes if change.name in names}
+        return from_mapping(parameters, values)
+
+    def on_set(changes: list[Parameter]) -> SetParametersResult:
+        if not any(change.name in names for change in changes):
+            return SetParametersResult(successful=True)
+        try:
+            check(candidate(changes))
+        except ParameterError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def after_set(changes: list[Parameter]) -> None:
+        if any(change.name in names for change in changes):
+            take(candidate([]))
+
+    node.add_on_set_parameters_callback(on_set)
+    node.add_post_set_parameters_callback(after_set)
+
+
+def _descriptor(specification: Specification, changeable: bool) -> ParameterDescriptor:
     unit = f" [{specification.unit}]" if specification.unit else ""
     descriptor = ParameterDescriptor(
         description=specification.description + unit,
         additional_constraints=f"must be {specification.allowed}",
-        read_only=True,
+        read_only=not changeable,
         dynamic_typing=True,
     )
     lower, upper = specification.lower, specification.upper

@@ -14,6 +14,7 @@ from rclpy.serialization import deserialize_message
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from uav_tracking_mpc.guidance.ladder import Rung
 from uav_tracking_mpc.nodes.conversions import (
     Motion,
     air_velocity_from_twist,
@@ -168,7 +169,10 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
             sent=int(controller.get("commands sent", len(commands))),
             late=int(controller.get("commands late", 0)),
             plan_reused=int(controller.get("plan reused", 0)),
-            failsafe=int(simulator.get("failsafe", 0)) + int(controller.get("wings level", 0)),
+            failsafe=int(simulator.get("failsafe", 0))
+            + sum(
+                int(controller.get(f"rung {rung.value}", 0)) for rung in (Rung.LOITER, Rung.HOLD)
+            ),
         ),
         latency=latency,
         ground_velocity=np.array([motion.ground_velocity for _, motion in flown]),

@@ -1,4 +1,4 @@
-"""Node ``nmpc_controller``: state and target in, command out."""
+"""Node ``nmpc_controller``: state, air velocity and target in, command out; a managed node."""
 
 from __future__ import annotations
 
@@ -9,29 +9,35 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from rclpy.clock import Clock, ClockType
-from rclpy.node import Node
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from uav_tracking_mpc.dynamics import vehicle
-from uav_tracking_mpc.dynamics.relative import relative_state
 from uav_tracking_mpc.guidance.certification import certification
-from uav_tracking_mpc.guidance.controller import Command, Source, TrackingController
+from uav_tracking_mpc.guidance.ladder import Change, Rung
+from uav_tracking_mpc.guidance.navigator import Navigator
 from uav_tracking_mpc.guidance.pace import Pace
-from uav_tracking_mpc.guidance.target_filter import TargetFilter
+from uav_tracking_mpc.guidance.pilot import Command, Outlook, Pilot
+from uav_tracking_mpc.guidance.situation import Situation
+from uav_tracking_mpc.guidance.state_gate import StateGate, Verdict
 from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
 from uav_tracking_mpc.nodes import diagnostics
+from uav_tracking_mpc.nodes.air_data import AirData
+from uav_tracking_mpc.nodes.controller_report import ControllerReport
 from uav_tracking_mpc.nodes.conversions import (
     MessageError,
+    Motion,
+    air_velocity_from_twist,
     markers_message,
+    motion_from_odometry,
     nanoseconds,
     path_message,
     position_from_point,
     set_command,
-    vehicle_from_odometry,
 )
-from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
+from uav_tracking_mpc.nodes.declared_parameters import declare_parameters, follow_parameters
 from uav_tracking_mpc.nodes.run import run
-from uav_tracking_mpc.nodes.sample_window import SampleWindow
 from uav_tracking_mpc.nodes.topics import (
+    AIR_VELOCITY,
     COMMAND,
     MARKERS,
     ODOMETRY,
@@ -39,54 +45,137 @@ from uav_tracking_mpc.nodes.topics import (
     TARGET,
     TRACKING,
 )
+from uav_tracking_mpc.parameters import ParameterError
 from uav_tracking_mpc.simulation.configuration import configuration_folder
 
 WARNING_PERIOD = 5.0  # s
 VIEW_PERIOD = 0.2  # s, wall time: people look at it
+LATENCY_SHARE = 0.05  # of a new measurement in the latency that the prediction starts with
 
 
-class NmpcController(Node):
-    """Computes a command from every state that is due, as soon as it arrives."""
+class NmpcController(LifecycleNode):
+    """Answers every state that is due with a command, as soon as it arrives.
+
+    Configured and activated at the start unless ``autostart`` is false. Configuring builds and
+    checks everything; while inactive it listens and sends nothing.
+    """
 
     def __init__(self, **options: Any) -> None:
-        """Declare parameters, build the controller and connect; options as of rclpy's Node."""
-        super().__init__("nmpc_controller", **options)
-        self.parameters = declare_parameters(self, TrackingParameters)
-        self._pace = Pace(self.parameters.control_rate)
-        self._controller = TrackingController(self.parameters)
-        self._certification = certification(
-            self.parameters, configuration_folder() / "certificates"
-        )
-        self._decrease_reason = self._failure_reason = ""
-        self._target = TargetFilter(self.parameters.target_noise, self.parameters.target_agility)
-        self._last_target: NDArray[np.float64] | None = None
-        self._origin: int | None = None  # first stamp seen [ns]; times below are since then
-        self._control_stamp: int | None = None  # state of the last command [ns]
-        self._state_stamp: int | None = None  # newest state [ns]
-        self._old_stamp: int | None = None  # of a state far older than the newest [ns]
-        self._state_arrival = self._view_time = -float("inf")  # steady [s]
-        self._solve_times, self._response_times = SampleWindow(), SampleWindow()
-        self._counts = {"sent": 0, "late": 0, "plan reused": 0, "wings level": 0, "refused": 0}
+        """Declare parameters, connect and start; options as of rclpy's Node.
 
+        Raises:
+            ParameterError: With ``autostart``, parameters that cannot be flown.
+        """
+        super().__init__("nmpc_controller", **options)
+        self.parameters = declare_parameters(self, TrackingParameters, changeable=True)
+        follow_parameters(self, TrackingParameters, self._check, self._take)
+        self._pilot: Pilot | None = None
+        self._active = False
+        self._failure = ""
         self._command_message = COMMAND.type()
         self._outputs = {
             topic.name: self.create_publisher(topic.type, topic.name, topic.qos)
             for topic in (COMMAND, PREDICTED_PATH, MARKERS, *TRACKING.values())
         }
         self._tracking_messages = {name: topic.type() for name, topic in TRACKING.items()}
+        self._report = ControllerReport(self.parameters.control_rate)
+        self._forget()
         self._diagnostics = diagnostics.Diagnostics(self, self._values)
         self.create_subscription(ODOMETRY.type, ODOMETRY.name, self._on_odometry, ODOMETRY.qos)
+        self.create_subscription(AIR_VELOCITY.type, AIR_VELOCITY.name, self._on_air, ODOMETRY.qos)
         self.create_subscription(TARGET.type, TARGET.name, self._on_target, TARGET.qos)
         self._watchdog = self.create_timer(
             self.parameters.state_timeout / 2.0,
             self._watch,
             clock=Clock(clock_type=ClockType.STEADY_TIME),
         )
-        orbit = self.parameters.orbit
+        if self.parameters.autostart:
+            self.trigger_configure()
+            if self._pilot is None:
+                raise ParameterError(self._failure)
+            self.trigger_activate()
+
+    def _forget(self) -> None:
+        """Nothing has been received yet."""
+        self._gate = StateGate(self.parameters.state_timeout)
+        self._air = AirData(self.parameters.state_timeout)
+        self._pace = Pace(self.parameters.control_rate)
+        self._origin: int | None = None  # first stamp seen [ns]; times below are since then
+        self._state_time: float | None = None  # of the newest state [s]
+        self._state_arrival = self._view_time = -float("inf")  # steady [s]
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Build and check everything; failure says why and leaves the node unconfigured."""
+        try:
+            self._pilot = Pilot(self.parameters)
+            self._navigator = Navigator(self.parameters)
+            self._certification = certification(
+                self.parameters, configuration_folder() / "certificates"
+            )
+        except (ParameterError, RuntimeError, ValueError) as error:
+            self._pilot = None
+            self._failure = str(error)
+            self._diagnostics.report(diagnostics.ERROR, f"cannot be configured: {error}")
+            return TransitionCallbackReturn.FAILURE
+        self._forget()
+        parameters, claim = self.parameters, self._certification
+        orbit = parameters.orbit
         self.get_logger().info(
             f"orbit of {orbit.range:g} m at {orbit.altitude:g} m and {orbit.speed:g} m/s, "
-            f"{orbit.direction}, {self.parameters.model} model, N = {self.parameters.horizon}; "
-            f"terminal set {self._certification.status}: {self._certification.reason}"
+            f"{parameters.direction}, {parameters.model} model, N = {parameters.horizon}; "
+            f"terminal set {claim.status}: {claim.reason}"
+        )
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Answer states from now on."""
+        if self._pilot is not None:
+            self._pilot.reset()
+        self._active = True
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Send nothing from now on; the vehicle flies its plan to the end, then holds."""
+        self._active = self._report.flying = False
+        self._fall_silent("deactivated")
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Forget everything; parameters may then be set that are fixed while configured."""
+        self._active, self._pilot = False, None
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Send nothing any more."""
+        return self.on_cleanup(state)
+
+    def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Whatever went wrong: back to unconfigured."""
+        self._diagnostics.report(diagnostics.ERROR, "a transition failed: unconfigured")
+        return self.on_cleanup(state)
+
+    def _check(self, parameters: TrackingParameters) -> None:
+        if self._pilot is None:
+            return
+        self._pilot.check(parameters)
+        drift = self._report.drift
+        refusal = parameters.envelope.refusal(parameters.orbit, drift)
+        if refusal:
+            raise ParameterError(f"parameters 'range', 'altitude', 'airspeed': {refusal}")
+
+    def _take(self, parameters: TrackingParameters) -> None:
+        self.parameters = parameters
+        if self._pilot is None:
+            return
+        self._pilot.change(parameters)
+        self._navigator.change(parameters)
+        self._gate.timeout = self._air.timeout = parameters.state_timeout
+        self._pace = Pace(parameters.control_rate)
+        self._report.rate.rate = parameters.control_rate
+        orbit = self.parameters.orbit
+        self.get_logger().info(
+            f"from now on {orbit.range:g} m at {orbit.altitude:g} m and {orbit.speed:g} m/s, "
+            f"{parameters.direction}"
         )
 
     def _seconds(self, stamp: int) -> float:
@@ -94,103 +183,136 @@ class NmpcController(Node):
             self._origin = stamp
         return (stamp - self._origin) * 1e-9
 
-    def _on_target(self, message: Any) -> None:
+    def _on_air(self, message: Any) -> None:
         try:
-            position = position_from_point(message)
+            velocity = air_velocity_from_twist(message)
         except MessageError as error:
             self._refuse(error)
             return
-        self._target.update(self._seconds(nanoseconds(message.header.stamp)), position)
+        self._air.take(nanoseconds(message.header.stamp), float(np.linalg.norm(velocity)))
+
+    def _on_target(self, message: Any) -> None:
+        if self._pilot is None:
+            return
+        try:
+            position = position_from_point(message)
+            now = self._seconds(nanoseconds(message.header.stamp))
+            self._check_target_stamp(now)
+        except MessageError as error:
+            self._refuse(error)
+            return
+        self._navigator.see_target(now, position)
+
+    def _check_target_stamp(self, now: float) -> None:
+        lead = 0.0 if self._state_time is None else now - self._state_time
+        if lead > self.parameters.target_timeout:
+            raise MessageError(
+                f"target/position: header.stamp is {lead:.3f} s ahead of uav/odometry, may be "
+                f"{self.parameters.target_timeout:g} s: do the clocks agree?"
+            )
 
     def _on_odometry(self, message: Any) -> None:
         arrival = time.monotonic()
+        if self._pilot is None or not self._active:
+            return
         try:
-            state = vehicle_from_odometry(message)
+            motion = motion_from_odometry(message)
         except MessageError as error:
             self._refuse(error)
             return
         stamp = nanoseconds(message.header.stamp)
-        if self._state_stamp is not None and stamp <= self._state_stamp:
-            limit = self.parameters.state_timeout * 1e9
-            if self._state_stamp - stamp < limit:
-                return  # a duplicate, or older than what is known
-            # One old stamp is a bad message; two that follow each other are a clock gone back.
-            follows = self._old_stamp is not None and 0 < stamp - self._old_stamp < limit
-            self._old_stamp = stamp
-            if not follows:
-                return
-            self._restart(self._state_stamp - stamp)
-        self._old_stamp = None
-        self._state_stamp, self._state_arrival = stamp, arrival
-        if not self._pace.due(stamp):
+        verdict = self._gate.judge(stamp, motion.position)
+        if verdict is Verdict.DROP:
             return
-        target = self._target_at(stamp)
-        if target is not None:
-            self._control(stamp, arrival, state, target)
+        if verdict is Verdict.DOUBT:
+            self._refuse(f"uav/odometry: {self._gate.reason}; used if the next one agrees")
+            return
+        if verdict is Verdict.RESTART:
+            self._restart()
+        self._state_time, self._state_arrival = self._seconds(stamp), arrival
+        self._report.rate.state(self._state_time)
+        if self._pace.due(stamp):
+            self._control(stamp, arrival, motion)
 
-    def _restart(self, step: int) -> None:
-        """Time has gone back: what was learned belongs to a time that is no more."""
-        self.get_logger().warning(
-            f"uav/odometry: header.stamp went back by {step * 1e-9:.3f} s, starting anew"
-        )
-        self._controller.reset()
-        self._target.reset()
+    def _restart(self) -> None:
+        """What was learned belongs to a time or a place that is no more."""
+        self.get_logger().warning(f"uav/odometry: {self._gate.reason}, starting anew")
+        assert self._pilot is not None
+        self._pilot.reset()
+        self._navigator.reset()
         self._pace.reset()
-        self._origin = self._control_stamp = self._last_target = None
+        self._air.reset()
+        self._report.rate.reset()
+        self._origin = None
 
-    def _target_at(self, stamp: int) -> NDArray[np.float64] | None:
-        """Position of the target at a stamp, None (and said why) if it is unknown."""
-        now, timeout = self._seconds(stamp), self.parameters.target_timeout
-        age = None if self._target.time is None else now - self._target.time
-        if age is not None and abs(age) <= timeout:
-            return self._target.predict(now).position
-        if age is None:
-            words = "no target position"
-        elif age > timeout:
-            words = "target position is lost"
-        else:
-            # From another clock, or absurd: it must not keep the next ones out.
-            self._target.reset()
-            words = "target/position is stamped ahead of uav/odometry: do the clocks agree?"
-        self._diagnostics.report(diagnostics.WARN, f"{words}: no command is sent")
-        return None
+    def _control(self, stamp: int, arrival: float, motion: Motion) -> None:
+        assert self._pilot is not None
+        now, navigator = self._seconds(stamp), self._navigator
+        seen = navigator.target.time
+        state = self._air.vehicle_state(stamp, motion, self.get_logger())
+        if seen is None or seen - now > self.parameters.target_timeout:
+            navigator.target.reset()
+            self._without_target(stamp, now, state)
+            return
+        turn_rates = (motion.turn_rate, motion.path_angle_rate)
+        situation = navigator.situation(now, state, motion.ground_velocity, turn_rates)
+        fresh = now - seen <= self.parameters.target_timeout
+        outlook = Outlook(*navigator.at_effect(now, situation), fresh)
+        command = self._pilot.step(now, outlook)
+        self._send(stamp, now, command)
+        late = max(0.0, (self.get_clock().now().nanoseconds - stamp) * 1e-9)
+        navigator.latency += LATENCY_SHARE * (min(late, 1.0) - navigator.latency)
+        self._report.command(now, command, situation, (time.monotonic() - arrival) * 1e6)
+        self._publish_tracking(command)
+        self._publish_view(stamp, state, situation, command)
+        self._diagnose(command)
 
-    def _control(
-        self, stamp: int, arrival: float, state: NDArray[np.float64], target: NDArray[np.float64]
-    ) -> None:
-        elapsed = None if self._control_stamp is None else (stamp - self._control_stamp) * 1e-9
-        moved = self._last_target is not None and not np.array_equal(target, self._last_target)
-        self._last_target = target
-        command = self._controller.step(relative_state(state, target), elapsed, moved)
+    def _send(self, stamp: int, now: float, command: Command) -> None:
         set_command(self._command_message, stamp, command.inputs, command.step)
         self._outputs[COMMAND.name].publish(self._command_message)
-        self._response_times.add((time.monotonic() - arrival) * 1e6)
-        self._count(stamp, command)
-        self._control_stamp = stamp
-        self._publish_tracking(command)
-        self._publish_view(stamp, state, target, command)
-        if command.source is Source.OPTIMAL:
-            self._diagnostics.report(diagnostics.OK, "tracking on optimal plans")
-            return
-        self._failure_reason = command.reason
-        self.get_logger().warning(
-            f"no optimal plan: {command.reason}", throttle_duration_sec=WARNING_PERIOD
-        )
-        level = diagnostics.WARN if command.source is Source.EARLIER_PLAN else diagnostics.ERROR
-        self._diagnostics.report(level, f"flying {command.source.value}, not the optimal one")
+        self._navigator.commanded(now, command.inputs, command.step)
+        self._announce(command.change)
 
-    def _count(self, stamp: int, command: Command) -> None:
-        self._counts["sent"] += 1
-        self._counts["plan reused"] += command.source is Source.EARLIER_PLAN
-        self._counts["wings level"] += command.source is Source.WINGS_LEVEL
-        if self._control_stamp is not None:
-            self._counts["late"] += stamp - self._control_stamp > 1.5 * self._pace.period
-        self._solve_times.add(command.solution.solve_time * 1e6)
-        if command.decrease is not None and not command.decrease.held:
-            self._decrease_reason = command.decrease.reason
+    def _without_target(self, stamp: int, now: float, state: NDArray[np.float64]) -> None:
+        """Before the first target nothing is sent; in flight the wings are held level."""
+        assert self._pilot is not None
+        trouble = "no target position"
+        if not self._report.flying:
+            self._fall_silent(trouble)
+            return
+        self._send(stamp, now, self._pilot.hold(now, state, trouble))
+        self._diagnostics.report(diagnostics.ERROR, f"{trouble}: wings level")
+
+    def _announce(self, change: Change | None) -> None:
+        """Every step on the ladder is said once."""
+        if change is None:
+            return
+        if change.after is Rung.OPTIMAL:
+            self.get_logger().info(str(change))
+        else:
+            self.get_logger().warning(str(change))
+
+    def _diagnose(self, command: Command) -> None:
+        if command.rung is not Rung.OPTIMAL:
+            level = diagnostics.WARN if command.rung.planned else diagnostics.ERROR
+            self._diagnostics.report(level, f"flying {command.rung.value}, not the optimal one")
+            return
+        if self._report.rate.complaint():  # the figures are in the values
+            self._diagnostics.report(diagnostics.WARN, "the control rate is not kept")
+            return
+        self._diagnostics.report(diagnostics.OK, "tracking on optimal plans")
+
+    def _fall_silent(self, trouble: str) -> None:
+        assert self._pilot is not None
+        change = self._pilot.fall_silent(trouble)
+        self._announce(change)
+        self._diagnostics.report(diagnostics.WARN, f"{trouble}: no command is sent")
 
     def _publish_tracking(self, command: Command) -> None:
-        values = (*command.error, command.solution.cost, command.solution.solve_time)
+        plan = command.plan
+        if plan is None:
+            return
+        values = (*plan.error, plan.solution.cost, plan.solution.solve_time)
         for (name, message), value in zip(self._tracking_messages.items(), values, strict=True):
             publisher = self._outputs[TRACKING[name].name]
             if publisher.get_subscription_count():
@@ -198,7 +320,7 @@ class NmpcController(Node):
                 publisher.publish(message)
 
     def _publish_view(
-        self, stamp: int, state: NDArray[np.float64], target: NDArray[np.float64], command: Command
+        self, stamp: int, state: NDArray[np.float64], situation: Situation, command: Command
     ) -> None:
         path, markers = self._outputs[PREDICTED_PATH.name], self._outputs[MARKERS.name]
         viewers = path.get_subscription_count() + markers.get_subscription_count()
@@ -208,44 +330,28 @@ class NmpcController(Node):
         self._view_time = now
         states = [state]
         for inputs in command.inputs:
-            states.append(vehicle.advance(states[-1], inputs, command.step))
-        plan = np.array(states)
-        path.publish(path_message(stamp, plan))
-        markers.publish(markers_message(stamp, plan, target, self.parameters.orbit))
+            following = vehicle.advance(states[-1], inputs, command.step)
+            following[:3] += command.step * self._navigator.wind
+            states.append(following)
+        flown = np.array(states)
+        path.publish(path_message(stamp, flown))
+        markers.publish(markers_message(stamp, flown, situation.target, command.orbit))
 
     def _watch(self) -> None:
+        if self._pilot is None or not self._active:
+            return
         age = time.monotonic() - self._state_arrival
         if age > self.parameters.state_timeout:
-            words = "no vehicle state" if np.isinf(age) else "vehicle state is lost"
-            self._diagnostics.report(diagnostics.WARN, f"{words}: no command is sent")
+            self._fall_silent("no vehicle state" if np.isinf(age) else "vehicle state is lost")
 
-    def _refuse(self, error: MessageError) -> None:
-        self._counts["refused"] += 1
+    def _refuse(self, error: MessageError | str) -> None:
+        self._report.refused += 1
         self.get_logger().warning(f"message refused: {error}", throttle_duration_sec=WARNING_PERIOD)
 
     def _values(self) -> dict[str, object]:
-        solve, response, counts = self._solve_times, self._response_times, self._counts
-        return {
-            "commands sent": counts["sent"],
-            "commands late": counts["late"],
-            "plan reused": counts["plan reused"],
-            "wings level": counts["wings level"],
-            "messages refused": counts["refused"],
-            "solver": self._controller.solver.name,
-            "solves": solve.count,
-            "solver failures": counts["plan reused"] + counts["wings level"],
-            "last failure": self._failure_reason,
-            "solve time median [us]": solve.percentile(50.0),
-            "solve time p99 [us]": solve.percentile(99.0),
-            "solve time max [us]": solve.max,
-            "terminal set": f"{self._certification.status}: {self._certification.reason}",
-            "cost decrease (54) checked": self._controller.decrease.checked,
-            "cost decrease (54) failed": self._controller.decrease.failed,
-            "cost decrease (54) last reason": self._decrease_reason,
-            "state in to command out median [us]": response.percentile(50.0),
-            "state in to command out p99 [us]": response.percentile(99.0),
-            "state in to command out max [us]": response.max,
-        }
+        if self._pilot is None:
+            return {"configured": False, "reason": self._failure}
+        return self._report.values(self._pilot, self._navigator, self._certification)
 
     def finish(self) -> None:
         """Publish the last diagnostics."""

@@ -1,19 +1,23 @@
-"""Median, 99th percentile and maximum of the latest samples, in bounded memory."""
+"""Median, 99th percentile, maximum and histogram of durations, in bounded memory."""
 
 from __future__ import annotations
 
 import numpy as np
 
+# Upper ends of the bins of the histogram in [us]; the last bin is open.
+BINS = (500.0, 1000.0, 2000.0, 4000.0, 10_000.0, 20_000.0, 50_000.0)
+
 
 class SampleWindow:
-    """The latest samples of a quantity.
+    """The latest samples of a duration in [us].
 
     Args:
-        size: How many count for median and percentile; the maximum is over all.
+        size: How many count for median and percentile; maximum and histogram are over all.
     """
 
     def __init__(self, size: int = 20_000) -> None:
         self._samples = np.zeros(size)
+        self._histogram = [0] * (len(BINS) + 1)
         self.count = 0
         self.max = 0.0
 
@@ -22,9 +26,18 @@ class SampleWindow:
         self._samples[self.count % len(self._samples)] = sample
         self.count += 1
         self.max = max(self.max, sample)
+        self._histogram[sum(sample >= end for end in BINS)] += 1
 
     def percentile(self, share: float) -> float:
         """Percentile (0 to 100) of the latest samples; 0 before the first."""
         if self.count == 0:
             return 0.0
         return float(np.percentile(self._samples[: self.count], share))
+
+    @property
+    def histogram(self) -> str:
+        """Counts by duration, in words."""
+        names = [f"<{end / 1e3:g} ms" for end in BINS] + [f">={BINS[-1] / 1e3:g} ms"]
+        return ", ".join(
+            f"{name}: {count}" for name, count in zip(names, self._histogram, strict=True) if count
+        )

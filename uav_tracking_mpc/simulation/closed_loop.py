@@ -172,7 +172,7 @@ def fly_vehicle(
         if k % target_ticks == 0:
             sensor.measure(now)
         for stamp, position in sensor.delivered(now):
-            navigator.target.update(stamp, position)
+            navigator.see_target(stamp, position)
         if k < count and navigator.target.time is not None and pace.due(round(now * 1e9)):
             state, ground_velocity = plant.measured()
             situation = navigator.situation(now, state, ground_velocity, plant.rates[:2])

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import yaml
 
@@ -15,6 +15,8 @@ from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
 from uav_tracking_mpc.parameters import ParameterError, from_mapping, parameter
 from uav_tracking_mpc.simulation.simulator_parameters import SimulatorParameters
 from uav_tracking_mpc.simulation.target_motion import TargetParameters
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,14 @@ class MissionParameters:
         "knows no wind, lag or noise.",
         choices=("vehicle", "euler"),
     )
+
+
+@dataclass(frozen=True)
+class ScenarioParameters:
+    """What a scenario is; no node reads it."""
+
+    title: str = parameter("", "What it is called.")
+    description: str = parameter("", "What happens in it.")
 
 
 class _Loader(yaml.SafeLoader):
@@ -58,6 +68,7 @@ SECTIONS: dict[str, type] = {
     "target_publisher": TargetParameters,
     "mission": MissionParameters,
 }
+SCENARIO = "scenario"  # the section that only files of scenarios have
 
 
 @dataclass(frozen=True)
@@ -70,7 +81,8 @@ class Configuration:
         simulator: Section ``uav_simulator``.
         target: Section ``target_publisher``.
         mission: Section ``mission``.
-        sections: The values as they stood in the file, with overrides, by section.
+        sections: The values as they stood in the files, with overrides, by section.
+        scenario: Section ``scenario`` of the scenario, None without one.
     """
 
     name: str
@@ -79,6 +91,7 @@ class Configuration:
     target: TargetParameters
     mission: MissionParameters
     sections: dict[str, dict[str, Any]] = field(default_factory=dict)
+    scenario: ScenarioParameters | None = None
 
     def yaml(self) -> str:
         """The configuration as a ROS 2 parameter file for nodes in any namespace."""
@@ -101,38 +114,42 @@ def configuration_names() -> list[str]:
     return sorted(path.stem for path in configuration_folder().glob("*.yaml"))
 
 
-def load_configuration(name_or_file: str, overrides: Iterable[str] = ()) -> Configuration:
+def scenario_names() -> list[str]:
+    """Names of the scenarios that come with the package."""
+    return sorted(path.stem for path in (configuration_folder() / "scenarios").glob("*.yaml"))
+
+
+def load_configuration(
+    name_or_file: str, overrides: Iterable[str] = (), scenario: str | None = None
+) -> Configuration:
     """Load a configuration by name, or from a file.
 
     Args:
         name_or_file: Name of one that comes with the package, or path of a YAML file.
-        overrides: ``SECTION.PARAMETER=VALUE`` each, VALUE in YAML.
+        overrides: ``SECTION.PARAMETER=VALUE`` each, VALUE in YAML; they win over all files.
+        scenario: Name of one that comes with the package, or path of a YAML file: sections whose
+            values replace those of the configuration, and ``scenario``.
 
     Raises:
-        ParameterError: No such configuration, not readable as YAML, an unknown section or
-            parameter, a value that is not allowed.
+        ParameterError: No such configuration or scenario, not readable as YAML, an unknown section
+            or parameter, a value that is not allowed.
     """
-    path = Path(name_or_file)
-    if name_or_file in configuration_names():
-        path = configuration_folder() / f"{name_or_file}.yaml"
-    elif not path.is_file():
-        raise ParameterError(
-            f"configuration is {name_or_file!r}, must be a file or one of "
-            f"{', '.join(configuration_names())}"
-        )
-    try:
-        sections = _sections(yaml.load(path.read_text(encoding="utf-8"), _Loader), path)
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise ParameterError(f"configuration {path} cannot be read: {error}") from error
+    folder = configuration_folder()
+    path = _find("configuration", name_or_file, folder, configuration_names())
+    sections = _read(path, SECTIONS)
+    about = None
+    if scenario is not None:
+        overlay = _find("scenario", scenario, folder / "scenarios", scenario_names())
+        changes = _read(overlay, [*SECTIONS, SCENARIO])
+        about = _built(ScenarioParameters, SCENARIO, changes.pop(SCENARIO))
+        for section, values in changes.items():
+            sections[section].update(values)
     for override in overrides:
         _override(sections, override)
     built: dict[str, Any] = {}
     for section, parameters in SECTIONS.items():
         values = {k: v for k, v in sections[section].items() if k != "use_sim_time"}
-        try:
-            built[section] = from_mapping(parameters, values)
-        except ParameterError as error:
-            raise ParameterError(f"section '{section}': {error}") from error
+        built[section] = _built(parameters, section, values)
     return Configuration(
         name=path.stem,
         controller=built["nmpc_controller"],
@@ -140,19 +157,43 @@ def load_configuration(name_or_file: str, overrides: Iterable[str] = ()) -> Conf
         target=built["target_publisher"],
         mission=built["mission"],
         sections=sections,
+        scenario=about,
     )
 
 
-def _sections(document: Any, path: Path) -> dict[str, dict[str, Any]]:
-    sections: dict[str, dict[str, Any]] = {section: {} for section in SECTIONS}
+def _find(kind: str, name_or_file: str, folder: Path, names: list[str]) -> Path:
+    if name_or_file in names:
+        return folder / f"{name_or_file}.yaml"
+    if not Path(name_or_file).is_file():
+        raise ParameterError(
+            f"{kind} is {name_or_file!r}, must be a file or one of {', '.join(names)}"
+        )
+    return Path(name_or_file)
+
+
+def _read(path: Path, known: Collection[str]) -> dict[str, dict[str, Any]]:
+    try:
+        return _sections(yaml.load(path.read_text(encoding="utf-8"), _Loader), path, known)
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise ParameterError(f"configuration {path} cannot be read: {error}") from error
+
+
+def _built(parameters: type[T], section: str, values: Mapping[str, Any]) -> T:
+    try:
+        return from_mapping(parameters, values)
+    except ParameterError as error:
+        raise ParameterError(f"section '{section}': {error}") from error
+
+
+def _sections(document: Any, path: Path, known: Collection[str]) -> dict[str, dict[str, Any]]:
+    sections: dict[str, dict[str, Any]] = {section: {} for section in known}
     if not isinstance(document, Mapping):
         raise ParameterError(f"configuration {path} holds no sections")
     for key, content in document.items():
         section = str(key).rsplit("/", 1)[-1]
-        if section not in SECTIONS:
+        if section not in known:
             raise ParameterError(
-                f"configuration {path}: section '{key}' is unknown, known are: "
-                f"{', '.join(SECTIONS)}"
+                f"configuration {path}: section '{key}' is unknown, known are: {', '.join(known)}"
             )
         values = content.get("ros__parameters") if isinstance(content, Mapping) else None
         if not isinstance(values, Mapping):

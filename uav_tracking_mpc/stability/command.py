@@ -46,7 +46,7 @@ def add_parser(
     parser.add_argument("--design", action="store_true", help="search rho and the weights")
     parser.add_argument("--maps", action="store_true", help="map the domain of attraction")
     parser.add_argument("--points", type=int, default=25, help="of a map along each coordinate")
-    parser.add_argument("--campaign", type=int, metavar="COUNT", help="fly random states of X_f")
+    parser.add_argument("--campaign", type=int, metavar="COUNT", help="fly random states")
     parser.add_argument("--figures", action="store_true", help="draw the ellipsoid, the decrease")
     parser.add_argument("--errata", type=Path, metavar="FILE", help="write the page on the paper")
     parser.add_argument("--jobs", type=int, default=None, help="processes for maps and campaigns")

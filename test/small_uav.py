@@ -1,0 +1,106 @@
+"""The small aircraft of the configuration of that name: its parameters, its problem, situations."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from uav_tracking_mpc.guidance.flight_formulation import effective_lag
+from uav_tracking_mpc.guidance.flight_problem import flight_problem
+from uav_tracking_mpc.guidance.situation import Situation
+from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
+from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
+from uav_tracking_mpc.simulation.configuration import load_configuration
+
+# Slow machines are not what is tested; nor is any budget above but that of the aircraft.
+PATIENT = "nmpc_controller.solve_time_max=5.0"
+
+
+def parameters(*overrides: str) -> TrackingParameters:
+    """Of the controller, as ``NAME=VALUE``; solves may take their time."""
+    sections = [f"nmpc_controller.{override}" for override in overrides]
+    return load_configuration("small_uav", [PATIENT, *sections]).controller
+
+
+@lru_cache
+def problem(lagged: bool = True):
+    """The flight problem with the configuration's horizon; the only two that are compiled."""
+    flown = parameters()
+    lag = effective_lag(flown.rate_lag) if lagged else ()
+    return flight_problem(flown.horizon, flown.horizon_step, lag, flown.limit_penalty)
+
+
+@lru_cache
+def shared_solver() -> NewtonSolver:
+    """One compiled solver for every test of a file; reset it first."""
+    return NewtonSolver(problem())
+
+
+def solver() -> NewtonSolver:
+    """The shared one, as new."""
+    shared_solver().reset()
+    return shared_solver()
+
+
+def situation(
+    x=400.0,
+    y=0.0,
+    z=120.0,
+    heading=np.pi,
+    path_angle=0.0,
+    airspeed=22.0,
+    *,
+    target=(0.0, 0.0, 0.0),
+    drift=(0.0, 0.0, 0.0),
+    drift_rate=(0.0, 0.0, 0.0),
+    rates=(0.0, 0.0, 0.0),
+) -> Situation:
+    """Aircraft at an offset (x, y, z) from its target."""
+    target = np.array(target, dtype=float)
+    vehicle = np.array([*(np.array([x, y, z]) + target), heading, path_angle, airspeed])
+    return Situation(
+        vehicle,
+        target,
+        np.array(drift, dtype=float),
+        np.array(drift_rate, dtype=float),
+        np.array(rates, dtype=float),
+    )
+
+
+def on_orbit(flown: TrackingParameters, azimuth: float, sense: float) -> Situation:
+    """On the wanted orbit without drift, turning as it does."""
+    orbit = flown.orbit
+    turn = sense * orbit.speed / orbit.radius
+    return situation(
+        orbit.radius * np.cos(azimuth),
+        orbit.radius * np.sin(azimuth),
+        orbit.altitude,
+        azimuth + sense * np.pi / 2.0,
+        airspeed=orbit.speed,
+        rates=(turn, 0.0, 0.0),
+    )
+
+
+def random_situations(count: int, seed: int) -> list[Situation]:
+    """Flyable ones: inside airspeed and path-angle limits, above the floor, drift below 12 m/s."""
+    flown, rng = parameters(), np.random.default_rng(seed)
+    situations = []
+    for _ in range(count):
+        distance, azimuth = rng.uniform(80.0, 900.0), rng.uniform(-np.pi, np.pi)
+        airspeed = rng.uniform(16.0, 30.0)
+        turn = 0.9 * flown.envelope.turn_rate_max(airspeed)
+        towards, strength = rng.uniform(-np.pi, np.pi), rng.uniform(0.0, 12.0)
+        situations.append(
+            situation(
+                distance * np.cos(azimuth),
+                distance * np.sin(azimuth),
+                rng.uniform(70.0, 180.0),
+                rng.uniform(-np.pi, np.pi),
+                rng.uniform(-0.1, 0.15),
+                airspeed,
+                drift=(strength * np.cos(towards), strength * np.sin(towards), 0.0),
+                rates=(rng.uniform(-turn, turn), rng.uniform(-0.1, 0.1), rng.uniform(-0.5, 0.5)),
+            )
+        )
+    return situations
