@@ -159,6 +159,23 @@ def test_warm_start_saves_iterations(solver):
     assert warm.iterations < 15 < cold.iterations
 
 
+def test_warm_start_ends_with_the_continuation_and_so_stays_feasible():
+    problem = pendulum()
+    angle, push = problem.state[0], problem.parameter
+    problem = dataclasses.replace(problem, continuation=ca.sin(angle) - push)  # rests at x_N
+    solver, pushed = NewtonSolver(problem), np.array([0.1])
+    first = solver.solve(np.zeros(2), pushed)
+    assert first.converged
+    solver.time_limit = 1e-9  # what a warm solve begins with is also what it ends with
+    moved = solver.solve(first.states[1], pushed, elapsed=problem.step)
+    assert moved.status is Status.TIME_LIMIT
+    np.testing.assert_array_equal(moved.inputs[:-1], first.inputs[1:])
+    assert moved.inputs[-1] == pytest.approx(np.sin(first.decision[0]) - 0.1, abs=1e-5)
+    assert moved.violation < 1e-5
+    solver.time_limit = np.inf
+    assert solver.solve(first.states[1], pushed, elapsed=problem.step).cost <= first.cost
+
+
 @pytest.mark.parametrize(
     "bad",
     [

@@ -38,6 +38,7 @@ def test_sizes_are_those_of_the_symbols():
         ({"input_lower": np.array([-1.0, -1.0])}, "shapes"),
         ({"input_upper": np.array([np.nan])}, "lower must be below upper"),
         ({"next_state": lambda x, u: x[0]}, "next_state has shape"),
+        ({"continuation": lambda x, u: x}, "continuation has shape"),
         ({"terminal_cost": lambda x, u: ca.sumsqr(u)}, "must not depend on the inputs"),
         ({"decision_guess": np.zeros(1)}, "decision_guess"),
     ],

@@ -108,6 +108,10 @@ class OptimalControlProblem:
             raise ValueError(
                 f"next_state has shape {self.next_state.shape}, must be {self.state.shape}"
             )
+        if self.continuation is not None and self.continuation.shape != self.inputs.shape:
+            raise ValueError(
+                f"continuation has shape {self.continuation.shape}, must be {self.inputs.shape}"
+            )
         for name, size in (("input", self.nu), ("decision", self.na)):
             lower = np.asarray(getattr(self, f"{name}_lower"), dtype=float)
             upper = np.asarray(getattr(self, f"{name}_upper"), dtype=float)
