@@ -135,7 +135,8 @@ def _draw_bank(axes: Axes, scenario: Scenario) -> None:
 def summary_figure(scenarios: Sequence[Scenario]) -> Figure:
     """Range RMS, settling and bank rate of every law in every scenario, with the targets."""
     with matplotlib.rc_context(STYLE):
-        figure = new_figure(9.5, 0.9 + 0.55 * max(len(scenarios), 2))
+        height = 0.9 + 0.55 * max(len(scenarios), 2)  # [inch]
+        figure = new_figure(9.5, height)
         panels = figure.subplots(1, 3, sharey=True)
         for axes, (title, value) in zip(panels, PANELS, strict=True):
             _draw_bars(axes, scenarios, value)
@@ -155,7 +156,9 @@ def summary_figure(scenarios: Sequence[Scenario]) -> Figure:
         handles = [Line2D([], [], color=COLOURS[law], lw=6, label=law) for law in laws]
         if any(scenario.target is not None for scenario in scenarios):
             handles.append(Line2D([], [], color=BLACK, lw=1.8, label="target"))
-        figure.tight_layout(rect=(0.0, 0.0, 1.0, 0.94))
+        figure.subplots_adjust(
+            left=0.13, right=0.985, bottom=0.35 / height, top=1.0 - 0.6 / height, wspace=0.08
+        )
         figure.legend(handles=handles, loc="upper center", ncols=len(handles))
     return figure
 
@@ -175,7 +178,10 @@ def _draw_bars(
         for place, (law, flight) in enumerate(scenario.measures.items()):
             y, length = index + 0.26 * (place - 0.5 * (count - 1)), value(flight)
             if length is None:
-                axes.text(0.0, y, " never", va="center", color=COLOURS[law], fontsize=8)
+                axes.text(
+                    0.01, y, "never", transform=axes.get_yaxis_transform(), va="center",
+                    color=COLOURS[law], fontsize=8,
+                )  # fmt: skip
             else:
                 axes.barh(y, length, height=0.23, color=COLOURS[law])
         if index:
