@@ -86,8 +86,9 @@ def test_timeouts_and_filter_settings_change_in_flight(formulation):
 )  # fmt: skip
 def test_what_its_terminal_ingredients_rest_on_does_not(formulation, name, value):
     wanted = replace(PARAMETERS, solve_time_max=1.5, **{name: value})
-    with pytest.raises(ParameterError, match=f"'{name}' is fixed at .* unless .*artificial_orbit"):
-        formulation.change(wanted)
+    words = f"'{name}' is .* must stay .* unless .*artificial_orbit"
+    with pytest.raises(ParameterError, match=words):
+        formulation.check(wanted)
     assert formulation.parameters is PARAMETERS
     assert formulation.solver.time_limit == PARAMETERS.solve_time_max
 
