@@ -6,12 +6,11 @@ import numpy as np
 
 from uav_tracking_mpc.guidance.ladder import Rung
 from uav_tracking_mpc.guidance.navigator import Navigator
-from uav_tracking_mpc.guidance.paper_formulation import PaperFormulation
 from uav_tracking_mpc.guidance.pilot import Command, Pilot
 from uav_tracking_mpc.guidance.situation import Situation
 from uav_tracking_mpc.nodes.rate_keeper import RateKeeper
 from uav_tracking_mpc.nodes.sample_window import SampleWindow
-from uav_tracking_mpc.stability.status import CertificateStatus
+from uav_tracking_mpc.stability.claim import CertificateStatus
 
 LATE = 1.5  # control periods from command to command, beyond which one came late
 
@@ -97,9 +96,9 @@ class ControllerReport:
             "state in to command out max [us]": response.max,
             "state in to command out": response.histogram,
         }
-        formulation = pilot.formulation
-        if isinstance(formulation, PaperFormulation):
-            values["cost decrease (54) checked"] = formulation.decrease.checked
-            values["cost decrease (54) failed"] = formulation.decrease.failed
+        decrease = pilot.formulation.decrease
+        if decrease is not None:
+            values["cost decrease (54) checked"] = decrease.checked
+            values["cost decrease (54) failed"] = decrease.failed
             values["cost decrease (54) last reason"] = self._decrease
         return values

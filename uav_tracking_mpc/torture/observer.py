@@ -109,7 +109,7 @@ class Observer(Node):
 
 
 def read_command(message: Any) -> tuple[np.ndarray, np.ndarray]:
-    """(u_psi, u_chi, u_v) of every point, shape (n, 3), nan where it lacks them, and their times."""
+    """(u_psi, u_chi, u_v) of every point, shape (n, 3), nan where it has none, and their times."""
     plan = np.full((len(message.points), 3), np.nan)
     starts = np.zeros(len(message.points))
     for index, point in enumerate(message.points):
