@@ -1,6 +1,7 @@
-# make demo   fly the paper's mission with three ROS 2 nodes and write output/demo/report.html
-# make test   lint, type-check and test
-# make docs   write the tables of the README from the code
+# make demo     fly the paper's mission with three ROS 2 nodes and write output/demo/report.html
+# make test     lint, type-check and test
+# make docs     write the tables of the README from the code
+# make figures  fly the comparison again for docs/flight.md: its table and its pictures
 # All keep their environment in .venv; PYTHON chooses the interpreter (3.10 to 3.13).
 
 PYTHON ?= python3
@@ -10,7 +11,7 @@ BIN := $(VENV)/bin
 CLEAN := env -u PYTHONPATH -u LD_LIBRARY_PATH -u AMENT_PREFIX_PATH -u _ROS_WHEELS_BOOTSTRAP_COMPLETE
 CHECKED := ROS_PYTHON_CHECK_FIELDS=1
 
-.PHONY: demo test lint docs clean
+.PHONY: demo test lint docs figures clean
 
 demo: $(VENV)/demo
 	@$(CLEAN) $(BIN)/uav_tracking fly --config paper --output output/demo
@@ -41,3 +42,7 @@ $(VENV)/test: $(VENV)/bin/python setup.py
 
 docs: $(VENV)/test
 	$(CLEAN) $(BIN)/python -m uav_tracking_mpc.nodes.reference_tables README.md
+
+figures: $(VENV)/demo
+	$(CLEAN) $(BIN)/uav_tracking compare --config small_uav --output output/compare --page docs/flight.md
+	cp output/compare/*.png docs/flight/

@@ -123,6 +123,61 @@ def test_a_moving_noisy_target_is_followed():
     assert np.max(np.abs(log.error[log.time > 100.0, 0])) < 15.0
 
 
+@pytest.fixture(scope="module")
+def small_uav_flight():
+    overrides = ["mission.duration=40", "nmpc_controller.solve_time_max=5.0"]
+    return simulate(load_configuration("small_uav", overrides))
+
+
+def test_the_small_aircraft_settles_on_its_orbit(small_uav_flight):
+    log = small_uav_flight
+    assert log.failures == 0
+    assert log.commands.sent == 800
+    assert (log.commands.plan_reused, log.commands.failsafe) == (0, 0)
+    late = log.time > 20.0
+    assert np.max(np.abs(log.error[late, 0])) < 10.0
+    assert np.max(np.abs(log.error[-1] - [0.0, log.error[-1, 1], 0.0, 0.0, 0.0])) < 1e-3
+
+
+def test_the_small_aircraft_keeps_its_limits(small_uav_flight):
+    """Bank, airspeed, path angle and height of the flown states; the start is inside them."""
+    log, envelope = small_uav_flight, load_configuration("small_uav").controller.envelope
+    x, y, z, psi, chi, v = log.vehicle.T
+    turn = np.gradient(np.unwrap(psi), log.time)
+    assert np.all(np.abs(turn) * v / 9.80665 < np.tan(envelope.bank_max) * 1.02)
+    assert envelope.airspeed_min <= v.min() and v.max() <= envelope.airspeed_max
+    # Gradients and lags: the limits hold at the plan's stages, 0.5 s apart.
+    assert envelope.path_angle_min - 0.01 < chi.min() and chi.max() < envelope.path_angle_max + 0.01
+    assert z.min() > envelope.height_min
+    assert np.min(np.sqrt(x**2 + y**2 + z**2)) > envelope.distance_min
+    force = 9.80665 * np.sin(chi[:-1]) + log.inputs[:, 2]
+    assert force.max() < 3.0 + 0.05 and force.min() > -1.5 - 0.05
+
+
+def test_the_small_aircraft_follows_a_target_in_wind():
+    """Target at 5 m/s, wind of 8 m/s with gusts, measured with noise and gaps."""
+    log = simulate(
+        load_configuration(
+            "small_uav",
+            [
+                "mission.duration=40",
+                "nmpc_controller.solve_time_max=5.0",
+                "nmpc_controller.target_noise=1.0",
+                "uav_simulator.wind=[8.0, 0.0, 0.0]",
+                "uav_simulator.gust_intensity=1.0",
+                "target_publisher.motion=line",
+                "target_publisher.speed=5.0",
+                "target_publisher.noise=1.0",
+                "target_publisher.dropout=0.2",
+            ],
+        )
+    )
+    late = log.time > 20.0
+    assert np.max(np.abs(log.error[late, 0])) < 15.0
+    assert np.sqrt(np.mean(log.error[late, 0] ** 2)) < 5.0
+    assert log.commands.failsafe == 0
+
+
 def test_bearing_error_near_the_half_turn_is_flown_through():
     """Started flying straight away from where it should: theta error close to pi."""
     log = simulate(

@@ -25,6 +25,36 @@ def test_paper_is_table_1(paper_start):
     assert start == pytest.approx(paper_start)
 
 
+def test_the_controller_of_small_uav_knows_its_aircraft():
+    """Lag, dead time and limits are those of the simulated one; its start and orbit are flyable."""
+    small = load_configuration("small_uav")
+    controller, simulator = small.controller, small.simulator
+    for name in (
+        "rate_lag", "dead_time", "bank_max", "yaw_rate_max", "pitch_rate_max", "acceleration_min",
+        "acceleration_max",
+    ):  # fmt: skip
+        assert getattr(controller, name) == getattr(simulator, name)
+    assert simulator.speed_min <= controller.airspeed_min
+    assert controller.airspeed_max <= simulator.speed_max
+    assert controller.terminal_constraint == "artificial_orbit"
+    x, y, z = simulator.initial_position
+    assert (x * x + y * y + z * z) ** 0.5 == pytest.approx(600.0)
+    assert controller.envelope.refusal(controller.orbit, [10.0, 5.0, 0.0]) == ""
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        ["uav_simulator.wind=[8.0, 0.0, 0.0]", "uav_simulator.gust_intensity=1.5"],
+        ["target_publisher.motion=line", "target_publisher.speed=6.0"],
+        ["target_publisher.motion=circle", "target_publisher.dropout=0.3"],
+        ["uav_simulator.position_noise=1.0", "nmpc_controller.fence_radius=2000.0"],
+    ],
+)
+def test_small_uav_is_the_base_of_flights_in_wind_after_moving_targets(overrides):
+    assert load_configuration("small_uav", overrides).mission.plant == "vehicle"
+
+
 def test_overrides_win():
     configuration = load_configuration(
         "paper", ["nmpc_controller.model=paper", "mission.duration=20"]

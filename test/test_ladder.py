@@ -130,7 +130,7 @@ def test_changes_read_as_sentences():
     down = Change(Rung.OPTIMAL, Rung.LOITER, "target position is lost")
     assert str(down) == "now flying loiter law, before optimal plan: target position is lost"
     up = Change(Rung.LOITER, Rung.OPTIMAL, "")
-    assert str(up) == "back on optimal plans, from loiter law"
+    assert str(up) == "now flying optimal plans, before loiter law"
 
 
 def test_only_plans_count_as_planned():

@@ -43,7 +43,7 @@ def test_bank_of_the_steady_turn_is_that_of_its_centripetal_acceleration():
 
 
 def test_bank_rate_of_a_bank_that_swings():
-    """tan(bank) = v psi' / g is small for psi' = 0.01 sin(w t): bank' has RMS v 0.01 w / g / sqrt 2."""
+    """tan(bank) = v psi' / g is small for psi' = 0.01 sin(w t): RMS v 0.01 w / (g sqrt 2)."""
     log, w = orbiting(6001, step=0.01), 2.0 * np.pi / 5.0
     log = with_vehicle(3, -0.01 / w * np.cos(w * log.time), log)
     expected = np.degrees(ORBIT.speed * 0.01 * w / GRAVITY / np.sqrt(2.0))

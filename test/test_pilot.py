@@ -36,7 +36,7 @@ class Faulty:
     def __init__(self, formulation):
         self.formulation = formulation
         self.solver, self.step, self.reset = formulation.solver, formulation.step, formulation.reset
-        self.change = formulation.change
+        self.change, self.check = formulation.change, formulation.check
         self.status = self.error = None
         self.violation = 0.0
 
@@ -146,7 +146,7 @@ def test_after_a_failure_it_returns_to_optimal_plans(pilot, start):
     pilot.formulation.status = None
     command = pilot.step(5.1, start)
     assert (command.rung, command.reason) == (Rung.OPTIMAL, "")
-    assert str(command.change) == "back on optimal plans, from loiter law"
+    assert str(command.change) == "now flying optimal plans, before loiter law"
 
 
 @pytest.mark.parametrize("error", [ValueError("no such value"), ZeroDivisionError("by zero")])
@@ -382,14 +382,14 @@ def test_the_direction_that_was_nearest_outlasts_a_change(sense):
 )  # fmt: skip
 def test_what_is_compiled_cannot_change_and_then_nothing_does(name, value):
     pilot = Pilot(FLIGHT, Constant(np.zeros(3)))
-    with pytest.raises(ParameterError, match=f"'{name}' is fixed at .* in flight"):
+    with pytest.raises(ParameterError, match=f"'{name}' is .* must stay"):
         pilot.change(replace(FLIGHT, range=310.0, **{name: value}))
     assert pilot.parameters is FLIGHT
     assert pilot.orbit == FLIGHT.orbit
 
 
 def test_a_refusal_of_the_formulation_leaves_everything_as_it_was(pilot, start):
-    with pytest.raises(ParameterError, match="'range' is fixed at 150.0 in flight"):
+    with pytest.raises(ParameterError, match="'range' is 160.0, must stay 150.0 in flight"):
         pilot.change(replace(PAPER, range=160.0, plan_age_max=9.0))
     assert pilot.parameters is PAPER
     assert pilot.step(0.0, start).orbit == PAPER.orbit

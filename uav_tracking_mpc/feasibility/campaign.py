@@ -81,7 +81,7 @@ def campaign(
         (parameters, situations[begin : begin + PIECE], steps)
         for begin in range(0, len(situations), PIECE)
     ]
-    parts = parallel_map(_fly_piece, pieces, workers, f"{PIECE} flights each", show)
+    parts = parallel_map(_fly_piece, pieces, workers, f"{PIECE} flights a piece", show)
     return [flight for part in parts for flight in part]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-PREMISE = "The aircraft flies as predicted, and every solve converges."
+PREMISE = "The aircraft flies as predicted; solves converge, to no worse than the plan continued."
 
 GUARANTEED = (
     "Commands keep to turn rate (bank, yaw rate), path-angle rate and specific force at every "

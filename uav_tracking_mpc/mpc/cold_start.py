@@ -28,6 +28,8 @@ OPENING_STAGES = 4
 OPENING_SHARE = 0.9  # of the way from the middle of the box to its bound
 COMBINED_INPUTS = 3  # so many inputs are held at their bounds together, in every combination
 MULTIPLIER_WEIGHT = 10.0  # rho to begin with
+# A guess nearly meets the constraints and should not leave them far behind for a lower cost.
+GUESS_WEIGHT = 1000.0  # rho to begin with from there
 PLAN_FIELDS = ("x", "u", "a", "h", "e", "value", "mu_h", "mu_e", "rho_h", "rho_e")
 
 Attempt = Callable[[int, float, int], int]
@@ -78,7 +80,7 @@ class ColdStart:
         self._set_horizon(self._horizon)
         iterations = 0
         if guess is not None:
-            self._prepare(np.asarray(guess.inputs), np.asarray(guess.decision))
+            self._prepare(np.asarray(guess.inputs), np.asarray(guess.decision), GUESS_WEIGHT)
             end = attempt(codes.PREPARED, tolerance, iteration_limit)
             iterations = int(record["outcome"][0])
             if end in (codes.CONVERGED, codes.TIME_LIMIT):
@@ -155,7 +157,12 @@ class ColdStart:
         gains = record["K"][0]
         self._policy[:] = gains if np.all(np.isfinite(gains)) else 0.0
 
-    def _prepare(self, inputs: NDArray[np.float64], decision: NDArray[np.float64]) -> None:
+    def _prepare(
+        self,
+        inputs: NDArray[np.float64],
+        decision: NDArray[np.float64],
+        weight: float = MULTIPLIER_WEIGHT,
+    ) -> None:
         """Reference of a rollout: given inputs at the first stages, then feedback to the goal."""
         record, row, held = self._record, self._reference, len(inputs)
         record["x"][row] = self._goal
@@ -166,7 +173,7 @@ class ColdStart:
         record["K"][:held] = 0.0
         record["K"][held:] = self._policy
         record["mu_h"][self._working] = record["mu_e"][self._working] = 0.0
-        record["rho_h"][self._working] = record["rho_e"][self._working] = MULTIPLIER_WEIGHT
+        record["rho_h"][self._working] = record["rho_e"][self._working] = weight
         record["residual_h"][:] = record["residual_e"][:] = np.inf
 
     def _copy(self, source: int, target: int) -> None:

@@ -15,6 +15,7 @@ from rclpy.serialization import deserialize_message
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from uav_tracking_mpc.dynamics.relative import steady_inputs
 from uav_tracking_mpc.guidance.ladder import Rung
 from uav_tracking_mpc.nodes.conversions import (
     Motion,
@@ -144,16 +145,17 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
     tracking = configuration.controller
     # With the nearest direction asked for, the controller tells which one it chose.
     direction = controller.get("direction", tracking.orbit.direction)
+    orbit = replace(tracking.orbit, direction=direction)
     return FlightLog(
         config=configuration.name,
         duration=min(configuration.mission.duration, span),
         speed=configuration.mission.speed,
         model=tracking.model,
         plant="vehicle",
-        orbit=replace(tracking.orbit, direction=direction),
+        orbit=orbit,
         input_lower=tracking.input_lower,
         input_upper=tracking.input_upper,
-        steady_inputs=tracking.steady_inputs,
+        steady_inputs=steady_inputs(tracking.model, orbit),
         time=np.array([(stamp - start) * 1e-9 for stamp, _ in flown]),
         vehicle=np.array(
             [

@@ -16,7 +16,7 @@ class SampleWindow:
     """
 
     def __init__(self, size: int = 20_000) -> None:
-        self._samples = np.zeros(size)
+        self._samples = np.full(size, 0.0)  # touched now: memory must not grow in flight
         self._histogram = [0] * (len(BINS) + 1)
         self.count = 0
         self.max = 0.0

@@ -9,7 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.angles import wrap_angle
-from uav_tracking_mpc.dynamics.relative import rates_function, relative_state, vehicle_state
+from uav_tracking_mpc.dynamics.relative import (
+    rates_function,
+    relative_state,
+    steady_inputs,
+    vehicle_state,
+)
 from uav_tracking_mpc.guidance.forecast import steady_forecast
 from uav_tracking_mpc.guidance.ladder import Rung
 from uav_tracking_mpc.guidance.navigator import Navigator
@@ -70,7 +75,7 @@ class _Recorder:
             orbit=commands[-1].orbit,
             input_lower=tracking.input_lower,
             input_upper=tracking.input_upper,
-            steady_inputs=tracking.steady_inputs,
+            steady_inputs=steady_inputs(tracking.model, commands[-1].orbit),
             time=np.array(times),
             vehicle=np.array(vehicles),
             target=np.array(targets),
