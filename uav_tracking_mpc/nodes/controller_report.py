@@ -25,13 +25,14 @@ class ControllerReport:
         rate: Whether it is kept.
         drift: c at the last command, shape (3,), in [m/s].
         refused: Messages that could not be used.
+        deadlines_missed: How often no command came for two control periods of wall time.
         flying: Whether a command has been sent.
     """
 
     def __init__(self, rate: float) -> None:
         self.rate = RateKeeper(rate)
         self.drift = np.zeros(3)
-        self.refused = 0
+        self.refused = self.deadlines_missed = 0
         self.flying = False
         self._sent = self._late = self._failures = 0
         self._failure = self._decrease = ""
@@ -70,6 +71,7 @@ class ControllerReport:
             "commands sent": self._sent,
             "commands late": self._late,
             "control periods missed": self.rate.missed,
+            "command deadlines missed": self.deadlines_missed,
             "control rate": self.rate.complaint() or "kept",
             "plan reused": ladder.counts[Rung.EARLIER_PLAN],
             **{f"rung {rung.value}": count for rung, count in ladder.counts.items()},
