@@ -127,7 +127,7 @@ def _fly(
             parameters.write_text(configuration.yaml(), encoding="utf-8")
             try:
                 for name in NODES:
-                    arguments = _node_arguments(name, parameters, configuration)
+                    arguments = node_arguments(name, parameters, configuration)
                     processes.append(NodeProcess(name, arguments, console))
                 _watch(configuration, recorder, executor, processes, files, received, console)
             finally:
@@ -152,7 +152,8 @@ def _fly(
     return received[0] if received else None
 
 
-def _node_arguments(name: str, parameters: Path, configuration: Configuration) -> list[str]:
+def node_arguments(name: str, parameters: Path, configuration: Configuration) -> list[str]:
+    """Command line of a node that flies a mission before one more listener to the state."""
     arguments = ["--ros-args", "--params-file", str(parameters)]
     if name == "uav_simulator":
         speed = configuration.mission.speed

@@ -5,10 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from uav_tracking_mpc.guidance.tracking_parameters import ARTIFICIAL_ORBIT, TrackingParameters
-from uav_tracking_mpc.guidance.tracking_problem import stability_problem, terminal_level
 from uav_tracking_mpc.parameters import ParameterError
-from uav_tracking_mpc.stability.certificate import mismatch, read_certificate
-from uav_tracking_mpc.stability.status import CertificateStatus, certificate_status
+from uav_tracking_mpc.stability.claim import CertificateStatus
 
 BY_CONSTRUCTION = "by construction"
 WHY = (
@@ -29,6 +27,11 @@ def certification(parameters: TrackingParameters, folder: Path) -> CertificateSt
     """
     if parameters.terminal_constraint == ARTIFICIAL_ORBIT:
         return CertificateStatus(BY_CONSTRUCTION, WHY)
+    # Half a second of loading: a controller that comes back in flight has no time for it.
+    from uav_tracking_mpc.guidance.tracking_problem import stability_problem, terminal_level
+    from uav_tracking_mpc.stability.certificate import mismatch, read_certificate
+    from uav_tracking_mpc.stability.status import certificate_status
+
     problem, level = stability_problem(parameters), terminal_level(parameters)
     ingredients = problem.ingredients()
     if parameters.certificate:

@@ -51,6 +51,7 @@ class FlightFormulation:
 
     def __init__(self, parameters: TrackingParameters, solver: Solver | None = None) -> None:
         self.step = parameters.horizon_step
+        self.decrease = None  # (54) is about a fixed terminal set
         self.lag = effective_lag(parameters.rate_lag)
         self._stages = parameters.horizon
         self.solver = solver or _solver(parameters, self.lag)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,9 @@ from uav_tracking_mpc.guidance.situation import Situation
 from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
 from uav_tracking_mpc.mpc.solution import Solution
 from uav_tracking_mpc.mpc.solver import Solver
-from uav_tracking_mpc.stability.decrease import DecreaseCheck
+
+if TYPE_CHECKING:
+    from uav_tracking_mpc.stability.decrease import DecreaseCheck, DecreaseMonitor
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,11 @@ class Formulation(Protocol):
 
     solver: Solver
     step: float
+
+    @property
+    def decrease(self) -> DecreaseMonitor | None:
+        """Watches (54); None where it says nothing."""
+        ...
 
     def check(self, parameters: TrackingParameters) -> None:
         """Whether other parameters can be taken in flight.

@@ -17,7 +17,7 @@ from uav_tracking_mpc.guidance.situation import Situation
 from uav_tracking_mpc.guidance.target_filter import TargetFilter
 from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
 
-LONGEST_SUBSTEP = 0.1  # s, in which dead time is flown through
+LONGEST_SUBSTEP = 0.05  # s, in which dead time is flown through
 LATENCY_LIMIT = 0.5  # s
 # What a measurement corrects of the target's track is faded in with this time constant [s]: the
 # steps of a noisy track would go straight into the bank angle.
@@ -54,6 +54,7 @@ class Navigator:
         self._lag = tuple(max(value, 1e-3) for value in lag) if any(lag) else ()
         self._dead_time = dead_time
         self._stages = parameters.horizon_step * np.arange(parameters.horizon + 1)
+        self._times = np.zeros(len(self._stages) + 1)
         self._shares = np.exp(-self._stages / FADE_TIME)[:, np.newaxis]
         self.target.tune(parameters.target_noise, parameters.target_agility)
 
@@ -104,15 +105,21 @@ class Navigator:
         Raises:
             ValueError: No target position is known.
         """
-        estimate, fading = self.target.predict(time), self._fading(time)
+        delay = max(self._dead_time) + min(max(self.latency, 0.0), LATENCY_LIMIT)
+        self._effect = time + delay
+        self._times[0] = time
+        self._times[1:] = self._effect + self._stages
+        self._track = self.target.ahead(self._times)
+        position, velocity, acceleration = (part[0] for part in self._track)
+        fading = self._fading(time)
         self.wind = np.asarray(ground_velocity, dtype=float) - vehicle_model.velocity(vehicle)
         self._follow_acceleration(time)
         turn, pitch = (float(value) for value in np.asarray(turn_rates))
         return Situation(
             vehicle=vehicle,
-            target=estimate.position + fading[0],
-            drift=self.wind - estimate.velocity - fading[1],
-            drift_rate=-estimate.acceleration,
+            target=position + fading[0],
+            drift=self.wind - velocity - fading[1],
+            drift_rate=-acceleration,
             rates=np.array([turn, pitch, self._acceleration]),
         )
 
@@ -123,9 +130,9 @@ class Navigator:
             time: Of the situation in [s].
             situation: The latest of :meth:`situation`.
         """
-        delay = max(self._dead_time) + min(max(self.latency, 0.0), LATENCY_LIMIT)
-        positions, velocities, accelerations = self.target.ahead(time + delay + self._stages)
-        fading = self._fading(time)[:, np.newaxis] * self._shares
+        delay = self._effect - time
+        positions, velocities, accelerations = (part[1:] for part in self._track)
+        fading = self._fading(self._effect)[:, np.newaxis] * self._shares
         forecast = Forecast(
             positions + fading[0], self.wind - velocities - fading[1], -accelerations
         )

@@ -10,11 +10,9 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.guidance.direction import NEAREST, nearest_direction
-from uav_tracking_mpc.guidance.flight_formulation import FlightFormulation
 from uav_tracking_mpc.guidance.forecast import Forecast
 from uav_tracking_mpc.guidance.formulation import Formulation, Plan
 from uav_tracking_mpc.guidance.ladder import Change, Footing, Ladder, Rung
-from uav_tracking_mpc.guidance.paper_formulation import PaperFormulation
 from uav_tracking_mpc.guidance.situation import Situation
 from uav_tracking_mpc.guidance.tracking_parameters import ARTIFICIAL_ORBIT, TrackingParameters
 from uav_tracking_mpc.guidance.vector_field import VectorField
@@ -75,9 +73,13 @@ class Outlook:
 
 
 def formulation_of(parameters: TrackingParameters) -> Formulation:
-    """The formulation that the parameters ask for."""
+    """The formulation that the parameters ask for; only this one is loaded."""
     if parameters.terminal_constraint == ARTIFICIAL_ORBIT:
+        from uav_tracking_mpc.guidance.flight_formulation import FlightFormulation
+
         return FlightFormulation(parameters)
+    from uav_tracking_mpc.guidance.paper_formulation import PaperFormulation
+
     return PaperFormulation(parameters)
 
 

@@ -6,12 +6,11 @@ import numpy as np
 
 from uav_tracking_mpc.guidance.ladder import Rung
 from uav_tracking_mpc.guidance.navigator import Navigator
-from uav_tracking_mpc.guidance.paper_formulation import PaperFormulation
 from uav_tracking_mpc.guidance.pilot import Command, Pilot
 from uav_tracking_mpc.guidance.situation import Situation
 from uav_tracking_mpc.nodes.rate_keeper import RateKeeper
 from uav_tracking_mpc.nodes.sample_window import SampleWindow
-from uav_tracking_mpc.stability.status import CertificateStatus
+from uav_tracking_mpc.stability.claim import CertificateStatus
 
 LATE = 1.5  # control periods from command to command, beyond which one came late
 
@@ -26,13 +25,14 @@ class ControllerReport:
         rate: Whether it is kept.
         drift: c at the last command, shape (3,), in [m/s].
         refused: Messages that could not be used.
+        deadlines_missed: How often no command came for two control periods of wall time.
         flying: Whether a command has been sent.
     """
 
     def __init__(self, rate: float) -> None:
         self.rate = RateKeeper(rate)
         self.drift = np.zeros(3)
-        self.refused = 0
+        self.refused = self.deadlines_missed = 0
         self.flying = False
         self._sent = self._late = self._failures = 0
         self._failure = self._decrease = ""
@@ -71,6 +71,7 @@ class ControllerReport:
             "commands sent": self._sent,
             "commands late": self._late,
             "control periods missed": self.rate.missed,
+            "command deadlines missed": self.deadlines_missed,
             "control rate": self.rate.complaint() or "kept",
             "plan reused": ladder.counts[Rung.EARLIER_PLAN],
             **{f"rung {rung.value}": count for rung, count in ladder.counts.items()},
@@ -97,9 +98,9 @@ class ControllerReport:
             "state in to command out max [us]": response.max,
             "state in to command out": response.histogram,
         }
-        formulation = pilot.formulation
-        if isinstance(formulation, PaperFormulation):
-            values["cost decrease (54) checked"] = formulation.decrease.checked
-            values["cost decrease (54) failed"] = formulation.decrease.failed
+        decrease = pilot.formulation.decrease
+        if decrease is not None:
+            values["cost decrease (54) checked"] = decrease.checked
+            values["cost decrease (54) failed"] = decrease.failed
             values["cost decrease (54) last reason"] = self._decrease
         return values

@@ -35,6 +35,7 @@ from uav_tracking_mpc.nodes.conversions import (
     position_from_point,
 )
 from uav_tracking_mpc.nodes.declared_parameters import declare_parameters, follow_parameters
+from uav_tracking_mpc.nodes.peers import Peers, Promise
 from uav_tracking_mpc.nodes.run import run
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
@@ -73,17 +74,32 @@ class NmpcController(LifecycleNode):
         self._active = False
         self._failure = ""
         self._wire = CommandWire()
+        simulated = bool(self.get_parameter("use_sim_time").value)
+        self._promise = Promise(None if simulated else self.parameters.control_rate)
         self._outputs = {
             topic.name: self.create_publisher(topic.type, topic.name, topic.qos)
-            for topic in (COMMAND, PREDICTED_PATH, MARKERS, *TRACKING.values())
+            for topic in (PREDICTED_PATH, MARKERS, *TRACKING.values())
         }
+        self._outputs[COMMAND.name] = self.create_publisher(
+            COMMAND.type,
+            COMMAND.name,
+            self._promise.qos(COMMAND.qos),
+            event_callbacks=self._promise.callbacks(self._on_late),
+        )
         self._tracking_messages = {name: topic.type() for name, topic in TRACKING.items()}
         self._report = ControllerReport(self.parameters.control_rate)
         self._forget()
         self._diagnostics = diagnostics.Diagnostics(self, self._values)
-        self.create_subscription(ODOMETRY.type, ODOMETRY.name, self._on_odometry, ODOMETRY.qos)
-        self.create_subscription(AIR_VELOCITY.type, AIR_VELOCITY.name, self._on_air, ODOMETRY.qos)
-        self.create_subscription(TARGET.type, TARGET.name, self._on_target, TARGET.qos)
+        self._peers = Peers(lambda words: self._diagnostics.report(diagnostics.WARN, words))
+        for topic, callback in (
+            (ODOMETRY, self._on_odometry),
+            (AIR_VELOCITY, self._on_air),
+            (TARGET, self._on_target),
+        ):
+            events = self._peers.listening(topic)
+            self.create_subscription(
+                topic.type, topic.name, callback, topic.qos, event_callbacks=events
+            )
         self._watchdog = self.create_timer(
             self.parameters.state_timeout / 2.0,
             self._watch,
@@ -336,6 +352,15 @@ class NmpcController(LifecycleNode):
         path.publish(path_message(stamp, flown))
         markers.publish(markers_message(stamp, flown, situation.target, command.orbit))
 
+    def _on_late(self) -> None:
+        """No command in two control periods of wall time; told once with what else is."""
+        if self._active and self._report.flying:
+            self._report.deadlines_missed += 1
+            self.get_logger().warning(
+                "the control rate is not kept: a command is overdue",
+                throttle_duration_sec=WARNING_PERIOD,
+            )
+
     def _watch(self) -> None:
         if self._pilot is None or not self._active:
             return
@@ -350,7 +375,10 @@ class NmpcController(LifecycleNode):
     def _values(self) -> dict[str, object]:
         if self._pilot is None:
             return {"configured": False, "reason": self._failure}
-        return self._report.values(self._pilot, self._navigator, self._certification)
+        return {
+            **self._report.values(self._pilot, self._navigator, self._certification),
+            **self._peers.values(),
+        }
 
     def finish(self) -> None:
         """Publish the last diagnostics."""

@@ -18,6 +18,7 @@ from uav_tracking_mpc.nodes.conversions import (
     set_stamp,
 )
 from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
+from uav_tracking_mpc.nodes.peers import Peers, Promise
 from uav_tracking_mpc.nodes.run import run
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY
 from uav_tracking_mpc.simulation.plant import Plant
@@ -42,14 +43,28 @@ class UavSimulator(Node):
         self._started = False
         self._odometry, self._air_velocity = ODOMETRY.type(), AIR_VELOCITY.type()
         self._clock_message = CLOCK.type()
-        self._odometry_publisher = self.create_publisher(ODOMETRY.type, ODOMETRY.name, ODOMETRY.qos)
+        driven = self.parameters.publish_clock
+        self._promise = Promise(None if driven else self.parameters.state_rate)
+        self._odometry_publisher = self.create_publisher(
+            ODOMETRY.type,
+            ODOMETRY.name,
+            self._promise.qos(ODOMETRY.qos),
+            event_callbacks=self._promise.callbacks(lambda: None),
+        )
         self._air_publisher = self.create_publisher(
             AIR_VELOCITY.type, AIR_VELOCITY.name, AIR_VELOCITY.qos
         )
         self._clock_publisher = None
         if self.parameters.publish_clock:
             self._clock_publisher = self.create_publisher(CLOCK.type, CLOCK.name, CLOCK.qos)
-        self.create_subscription(COMMAND.type, COMMAND.name, self._on_command, COMMAND.qos)
+        self._peers = Peers(lambda words: self._diagnostics.report(diagnostics.WARN, words))
+        self.create_subscription(
+            COMMAND.type,
+            COMMAND.name,
+            self._on_command,
+            COMMAND.qos,
+            event_callbacks=self._peers.listening(COMMAND),
+        )
         self._diagnostics = diagnostics.Diagnostics(self, self._values)
         period = self._tick * 1e-9
         if self.parameters.publish_clock:
@@ -135,6 +150,8 @@ class UavSimulator(Node):
             "commands received": self._received,
             "commands refused": self._rejected,
             "failsafe": self._plant.failsafes,
+            "state deadlines missed": self._promise.broken,
+            **self._peers.values(),
         }
 
     def finish(self) -> None:

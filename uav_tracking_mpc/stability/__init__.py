@@ -19,6 +19,7 @@
 ``direct_condition``     the three together: X_f is a terminal set
 ``certificate``          the proof written down
 ``verify``               the independent checker, on ``interval`` and ``interval_matrix``
+``claim``                what a controller may claim, in words
 ``status``               certified, sampled or neither: what a controller may claim
 -----------------------  --------------------------------------------------------------------------
 ``decrease``             online check of (54)

@@ -2,33 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from uav_tracking_mpc.stability.certificate import mismatch
+from uav_tracking_mpc.stability.claim import CERTIFIED, NEITHER, SAMPLED, CertificateStatus
 from uav_tracking_mpc.stability.stability_problem import StabilityProblem
 from uav_tracking_mpc.stability.terminal import TerminalIngredients, input_limited_level
 from uav_tracking_mpc.stability.theorems import q_star
 from uav_tracking_mpc.stability.verify import verify
 from uav_tracking_mpc.stability.violation import Excess, directions
-
-CERTIFIED, SAMPLED, NEITHER = "certified", "sampled", "neither"
-
-
-@dataclass(frozen=True)
-class CertificateStatus:
-    """What a controller may claim.
-
-    Attributes:
-        status: ``certified`` (a certificate covers what is flown, and the checker confirms it),
-            ``sampled`` (none does, but no sample of X_f breaks the condition) or ``neither``.
-        reason: In words.
-    """
-
-    status: str
-    reason: str
 
 
 def certificate_status(

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 
 @dataclass(frozen=True)
@@ -112,6 +111,8 @@ def lowest_violation(
 
 def _descend(excess: Excess, hit: NDArray[np.float64]) -> Violation:
     """Minimise x'Px subject to excess(x) >= 0 from a violating state."""
+    from scipy.optimize import minimize  # slow to load, and a controller never searches
+
     weight = excess.weight
     answer = minimize(
         lambda x: float(x @ weight @ x),
@@ -148,6 +149,8 @@ def largest_ratio(
     weight = excess.weight
     samples = directions(weight, rays, np.random.default_rng(seed))
     states = np.vstack([np.sqrt(level * part) * samples for part in (1.0, 0.7, 0.4)])
+    from scipy.optimize import minimize
+
     heights = np.einsum("ki,ij,kj->k", states, weight, states)
     ratios = np.nan_to_num(excess(states) / heights, nan=-np.inf, posinf=-np.inf)
 

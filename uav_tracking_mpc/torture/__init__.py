@@ -17,9 +17,17 @@
 ``findings``         what came of every case, and in total
 ``timeline``         the campaign in one figure
 ``campaign``         cases one after the other
+-------------------  ----------------------------------------------------------------------------
+``mutations``        one field of a message, anywhere in it, gone wrong
+``mangling``         a stream of messages from a sender gone wrong
+``fingerprint``      a digest of what an object holds
+``bench``            a real node whose callbacks are called by hand
+``message_fuzz``     messages by the hundred thousand into controller and vehicle
+-------------------  ----------------------------------------------------------------------------
+``soak``             hours of flight without faults: is the orbit held, does anything grow
 ``command``          ``uav_tracking torture``
 ===================  ============================================================================
 
-Schedule, corruption, message faults, invariants, recovery, resources, findings and timeline know
-nothing of ROS.
+Schedule, corruption, mutations, mangling, fingerprint, message faults, invariants, recovery,
+resources, findings and timeline know nothing of ROS.
 """

@@ -94,14 +94,7 @@ class Observer(Node):
 
     def _on_command(self, message: Any) -> None:
         self._commanded = self.flown
-        plan = np.full((len(message.points), 3), np.nan)
-        starts = np.zeros(len(message.points))
-        for index, point in enumerate(message.points):
-            starts[index] = _seconds(point.time_from_start)
-            if point.velocities and point.accelerations:
-                # FLU pitch is positive nose down: the path-angle rate is minus the pitch rate.
-                rates, acceleration = point.velocities[0].angular, point.accelerations[0].linear
-                plan[index] = rates.z, -rates.y, acceleration.x
+        plan, starts = read_command(message)
         stamp = _seconds(message.header.stamp)
         self.violations += self._invariants.command(time.monotonic(), stamp, plan, starts)
 
@@ -113,6 +106,19 @@ class Observer(Node):
         """What was found since the last call."""
         taken, self.violations = self.violations, []
         return taken
+
+
+def read_command(message: Any) -> tuple[np.ndarray, np.ndarray]:
+    """(u_psi, u_chi, u_v) of every point, shape (n, 3), nan where it has none, and their times."""
+    plan = np.full((len(message.points), 3), np.nan)
+    starts = np.zeros(len(message.points))
+    for index, point in enumerate(message.points):
+        starts[index] = _seconds(point.time_from_start)
+        if point.velocities and point.accelerations:
+            # FLU pitch is positive nose down: the path-angle rate is minus the pitch rate.
+            rates, acceleration = point.velocities[0].angular, point.accelerations[0].linear
+            plan[index] = rates.z, -rates.y, acceleration.x
+    return plan, starts
 
 
 def _seconds(stamp: Any) -> float:
