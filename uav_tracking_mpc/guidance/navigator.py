@@ -18,6 +18,7 @@ from uav_tracking_mpc.guidance.target_filter import TargetFilter
 from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
 
 LONGEST_SUBSTEP = 0.05  # s, in which dead time is flown through
+ROUNDING = 1e-9
 LATENCY_LIMIT = 0.5  # s
 # What a measurement corrects of the target's track is faded in with this time constant [s]: the
 # steps of a noisy track would go straight into the bank angle.
@@ -105,10 +106,9 @@ class Navigator:
         Raises:
             ValueError: No target position is known.
         """
-        delay = max(self._dead_time) + min(max(self.latency, 0.0), LATENCY_LIMIT)
-        self._effect = time + delay
+        self._delay = max(self._dead_time) + min(max(self.latency, 0.0), LATENCY_LIMIT)
         self._times[0] = time
-        self._times[1:] = self._effect + self._stages
+        self._times[1:] = time + self._delay + self._stages
         self._track = self.target.ahead(self._times)
         position, velocity, acceleration = (part[0] for part in self._track)
         fading = self._fading(time)
@@ -130,15 +130,14 @@ class Navigator:
             time: Of the situation in [s].
             situation: The latest of :meth:`situation`.
         """
-        delay = self._effect - time
         positions, velocities, accelerations = (part[1:] for part in self._track)
-        fading = self._fading(self._effect)[:, np.newaxis] * self._shares
+        fading = self._fading(time + self._delay)[:, np.newaxis] * self._shares
         forecast = Forecast(
             positions + fading[0], self.wind - velocities - fading[1], -accelerations
         )
-        if delay == 0.0:
+        if self._delay == 0.0:
             return situation, forecast
-        state = self._flown_through(time, delay, situation)
+        state = self._flown_through(time, situation)
         vehicle = np.array([*state[:3], wrap_angle(state[3]), wrap_angle(state[4]), state[5]])
         vehicle[:3] += forecast.target[0]
         later = replace(
@@ -151,14 +150,14 @@ class Navigator:
         )
         return later, forecast
 
-    def _flown_through(self, time: float, delay: float, situation: Situation) -> list[float]:
+    def _flown_through(self, time: float, situation: Situation) -> list[float]:
         """State relative to the target after the delay, by the commands already under way."""
         state = [float(value) for value in (*situation.offset, *situation.vehicle[3:6])]
         if self._lag:
             state += [float(value) for value in situation.rates]
         drift, rate = list(situation.drift), list(situation.drift_rate)
-        count = math.ceil(delay / LONGEST_SUBSTEP)
-        substep = delay / count
+        count = math.ceil(self._delay / LONGEST_SUBSTEP - ROUNDING)
+        substep = self._delay / count
         for index in range(count):
             middle = time + (index + 0.5) * substep
             inputs = [
