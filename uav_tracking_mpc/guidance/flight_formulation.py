@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.angles import wrap_angle
 from uav_tracking_mpc.dynamics.envelope import GRAVITY
 from uav_tracking_mpc.dynamics.lagged_vehicle import advance
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
@@ -82,7 +81,7 @@ class FlightFormulation:
         return np.array(
             [
                 math.sqrt(x * x + y * y + z * z) - orbit.range,
-                wrap_angle(theta),
+                math.remainder(theta, 2.0 * math.pi),
                 z - orbit.altitude,
                 situation.vehicle[4],
                 situation.vehicle[5] - orbit.speed,

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics import vehicle as vehicle_model
-from uav_tracking_mpc.dynamics.angles import wrap_angle
 from uav_tracking_mpc.dynamics.lagged_vehicle import advance
 from uav_tracking_mpc.guidance.command_history import CommandHistory
 from uav_tracking_mpc.guidance.forecast import Forecast
@@ -138,7 +137,8 @@ class Navigator:
         if self._delay == 0.0:
             return situation, forecast
         state = self._flown_through(time, situation)
-        vehicle = np.array([*state[:3], wrap_angle(state[3]), wrap_angle(state[4]), state[5]])
+        turns = [math.remainder(angle, 2.0 * math.pi) for angle in state[3:5]]
+        vehicle = np.array([*state[:3], *turns, state[5]])
         vehicle[:3] += forecast.target[0]
         later = replace(
             situation,

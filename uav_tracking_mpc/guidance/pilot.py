@@ -144,6 +144,7 @@ class Pilot:
     def _take(self, parameters: TrackingParameters) -> None:
         self.parameters = parameters
         self.envelope = parameters.envelope
+        self._lower, self._upper = parameters.input_lower, parameters.input_upper
         direction = self._direction or parameters.orbit.direction  # the nearest one, chosen before
         self._choose(dataclasses.replace(parameters.orbit, direction=direction))
 
@@ -236,8 +237,10 @@ class Pilot:
     ) -> Command:
         ladder = self.ladder
         airspeed = float(vehicle[5])
-        inputs = self._blended(time, self._inside(inputs, airspeed), step)
-        inputs = self._inside(inputs, airspeed)
+        inside = self._inside(inputs, airspeed)
+        inputs = self._blended(time, inside, step)
+        if inputs is not inside:
+            inputs = self._inside(inputs, airspeed)
         self._sent, self._sent_rung = inputs[0], ladder.rung
         return Command(inputs, step, ladder.rung, ladder.reason, change, self.orbit, plan)
 
@@ -250,17 +253,18 @@ class Pilot:
             self._offset = np.zeros(3)
         elif rung is not before and not (rung.planned and before.planned):
             self._offset, self._blend_time = self._sent - inputs[0], time
+        if not 0.0 <= time - self._blend_time < BLEND_TIME or not np.any(self._offset):
+            return inputs
         ahead = time - self._blend_time + step * np.arange(len(inputs))
         share = np.clip(1.0 - ahead / BLEND_TIME, 0.0, 1.0)
-        if not share[0] > 0.0 or not np.any(self._offset):
-            return inputs
         return inputs + share[:, np.newaxis] * self._offset
 
     def _inside(self, inputs: NDArray[np.float64], airspeed: float) -> NDArray[np.float64]:
         """Inputs inside their limits; what is not finite becomes 0."""
-        parameters = self.parameters
-        lower, upper = parameters.input_lower, parameters.input_upper
         if np.isfinite(airspeed):
-            upper[0] = self.envelope.turn_rate_max(airspeed)
-            lower[0] = -upper[0]
-        return np.clip(np.nan_to_num(inputs, nan=0.0, posinf=0.0, neginf=0.0), lower, upper)
+            self._upper[0] = self.envelope.turn_rate_max(airspeed)
+            self._lower[0] = -self._upper[0]
+        finite = np.isfinite(inputs)
+        if not finite.all():
+            inputs = np.where(finite, inputs, 0.0)
+        return np.minimum(np.maximum(inputs, self._lower), self._upper)
