@@ -122,8 +122,7 @@ class Crew:
         assert np.all(plan >= lower - 1e-9)
         assert np.all(np.abs(plan[:, 0]) <= self.parameters.envelope.turn_rate_max(21.0))
         flown = self.states[-1]
-        step = np.abs(plan[0, :2] - [flown.turn_rate, flown.path_angle_rate])
-        return step
+        return np.abs(plan[0, :2] - [flown.turn_rate, flown.path_angle_rate])
 
     def end(self):
         for process in self.processes.values():
