@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, COUNTER_CLOCKWISE, DIRECTIONS
 from uav_tracking_mpc.dynamics.relative import relative_state, tracking_error
 from uav_tracking_mpc.guidance.flight_formulation import (
+    FORCE_MARGIN,
     FlightFormulation,
     constant_data,
     effective_lag,
@@ -33,8 +34,8 @@ def test_the_force_is_limited_as_the_envelope_says(airspeed):
     parameters = replace(FLIGHT, force_min=(-1.5, -4.0), force_max=(4.0, 2.5))
     data = constant_data(parameters)
     lower, upper = parameters.envelope.force_limits(airspeed)
-    assert data.force_min[0] + data.force_min[1] * airspeed == pytest.approx(lower)
-    assert data.force_max[0] + data.force_max[1] * airspeed == pytest.approx(upper)
+    assert data.force_min[0] + data.force_min[1] * airspeed == pytest.approx(lower + FORCE_MARGIN)
+    assert data.force_max[0] + data.force_max[1] * airspeed == pytest.approx(upper - FORCE_MARGIN)
 
 
 def test_lag_is_all_or_nothing():
@@ -155,7 +156,7 @@ def test_the_fence_is_kept_though_the_orbit_reaches_beyond():
     kept = plan_of(formulation(fenced), now, parameters.orbit).solution
     assert free.converged and kept.converged
     farthest = [np.hypot(*solution.states[:, :2].T).max() for solution in (free, kept)]
-    assert farthest[0] > 360.0
+    assert farthest[0] > 352.0
     assert 340.0 < farthest[1] < 350.0 + 0.01
 
 

@@ -26,6 +26,7 @@ from uav_tracking_mpc.guidance.flight_problem import (
     SMALL,
     WHERE,
     flight_problem,
+    input_span,
 )
 from uav_tracking_mpc.guidance.forecast import steady_forecast
 from uav_tracking_mpc.guidance.tracking_problem import tracking_problem
@@ -55,16 +56,11 @@ def decision_of(orbit):
     return np.array([orbit.radius, orbit.altitude, orbit.speed]) / DECISION_SCALE
 
 
-def shares_of(parameters, inputs, airspeed):
-    """Shares that give inputs (u_psi, u_chi, u_v), where no specific force limits them."""
-    lower, upper = parameters.acceleration_min, parameters.acceleration_max
-    return np.array(
-        [
-            inputs[0] / parameters.envelope.turn_rate_max(airspeed),
-            inputs[1] / parameters.pitch_rate_max,
-            (inputs[2] - 0.5 * (lower + upper)) / (0.5 * (upper - lower)),
-        ]
-    )
+def shares_of(parameters, inputs, airspeed, path_angle):
+    """Shares that give inputs (u_psi, u_chi, u_v) in a state."""
+    span = input_span(path_angle, airspeed, constant_data(parameters), np)
+    middle, half = (np.array(part) for part in span)
+    return (inputs - middle) / half
 
 
 def stage_function(problem):
@@ -96,7 +92,7 @@ def test_without_drift_the_stage_cost_is_that_of_the_paper(direction):
         relative = rng.uniform([150.0, -3.1, -140.0, -1.4, 14.0], [900.0, 3.1, 140.0, 1.4, 32.0])
         inputs = rng.uniform(parameters.input_lower, parameters.input_upper)
         vehicle = vehicle_state(relative, rng.uniform(-np.pi, np.pi), np.zeros(3))
-        shares = shares_of(parameters, inputs, relative[4])
+        shares = shares_of(parameters, inputs, relative[4], relative[3])
         cost = stage(vehicle, shares, data_of(parameters, orbit), decision_of(orbit))[1]
         # Distances are smooth where they vanish: 1 cm is added to each, in squares.
         relative[0] = np.hypot(relative[0], SMALL)
@@ -134,7 +130,7 @@ def test_a_step_is_the_papers_up_to_the_error_of_integration(step, error):
         relative = rng.uniform([150.0, -3.1, -100.0, -0.3, 14.0], [900.0, 3.1, 140.0, 0.3, 32.0])
         inputs = rng.uniform([-0.4, -0.3, -2.0], [0.4, 0.3, 2.0])
         vehicle = vehicle_state(relative, 0.7, np.zeros(3))
-        shares = shares_of(parameters, inputs, relative[4])
+        shares = shares_of(parameters, inputs, relative[4], relative[3])
         flown = stage(vehicle, shares, data_of(parameters, orbit), decision_of(orbit))[0]
         x = tracking_error(relative_state(np.array(flown).ravel(), np.zeros(3)), orbit)
         u = inputs - steady_inputs("exact", orbit)
@@ -164,10 +160,9 @@ def test_a_flight_on_the_orbit_costs_nothing_in_any_drift(drift):
 
     for azimuth in np.linspace(-3.0, 3.0, 7):
         air, turn, azimuth_rate = motion(azimuth)
-        ahead = 0.25 * azimuth_rate * 1e-3
+        ahead = 0.5 * STILL.horizon_step * azimuth_rate * 1e-3
         lead = (motion(azimuth + ahead)[1] - motion(azimuth - ahead)[1]) / 2e-3
-        shares = shares_of(parameters, (turn + lead, 0.0, 0.0), orbit.speed)
-        shares[2] = level_share(parameters, path_angle)
+        shares = shares_of(parameters, (turn + lead, 0.0, 0.0), orbit.speed, path_angle)
         state = [
             orbit.radius * np.cos(azimuth),
             orbit.radius * np.sin(azimuth),
@@ -177,14 +172,6 @@ def test_a_flight_on_the_orbit_costs_nothing_in_any_drift(drift):
             orbit.speed,
         ]
         assert float(stage(state, shares, data, decision_of(orbit))[1]) < 1e-12
-
-
-def level_share(parameters, path_angle):
-    """Share that gives no acceleration at a path angle."""
-    weight = 9.80665 * np.sin(path_angle)
-    lower = max(parameters.force_min[0] - weight, parameters.acceleration_min)
-    upper = min(parameters.force_max[0] - weight, parameters.acceleration_max)
-    return -(lower + upper) / (upper - lower)
 
 
 def test_near_the_orbit_its_inputs_are_those_of_the_paper():
@@ -202,14 +189,14 @@ def test_near_the_orbit_its_inputs_are_those_of_the_paper():
     )
     orbit, rng = parameters.orbit, np.random.default_rng(4)
     for _ in range(5):
-        size = np.array([2.0, 0.03, 1.0, 0.01, 0.2])
+        size = np.array([0.4, 0.006, 0.2, 0.002, 0.05])
         relative = orbit.steady_state + rng.uniform(-size, size)
         vehicle = vehicle_state(relative, rng.uniform(-np.pi, np.pi), np.zeros(3))
         now = small_uav.situation(*vehicle)
         plan = flight.solve(now, steady_forecast(now, parameters.horizon), orbit, None)
         expected = paper.solve(tracking_error(relative, orbit)).inputs + parameters.steady_inputs
         assert plan.solution.converged
-        assert np.abs(expected[0] - parameters.steady_inputs).max() > 0.04
+        assert np.abs(expected[0] - parameters.steady_inputs).max() > 0.01
         np.testing.assert_allclose(plan.inputs[:4], expected[:4], atol=5e-5)
 
 

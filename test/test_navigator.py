@@ -144,6 +144,7 @@ def test_latency_adds_to_the_dead_time_within_limits():
     begin = navigator.at_effect(6.0, now)[1].target[0, 0]
     for latency, counted in ((0.1, 0.1), (-1.0, 0.0), (1e9, LATENCY_LIMIT)):
         navigator.latency = latency
+        now = navigator.situation(6.0, VEHICLE, np.zeros(3), np.zeros(2))
         later, forecast = navigator.at_effect(6.0, now)
         assert forecast.target[0, 0] - begin == pytest.approx(3.0 * counted, abs=0.01)
         np.testing.assert_array_equal(later.target, forecast.target[0])

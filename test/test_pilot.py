@@ -233,6 +233,9 @@ class Constant:
     def reset(self):
         pass
 
+    def check(self, parameters):
+        """Takes everything."""
+
     def solve(self, situation, forecast, orbit, elapsed):
         status = Status.CONVERGED if self.converges else Status.FAILED
         nothing = np.zeros((0, 3))
@@ -375,7 +378,7 @@ def test_the_direction_that_was_nearest_outlasts_a_change(sense):
 @pytest.mark.parametrize(
     ("name", "value"),
     [
-        ("horizon", 25), ("horizon_step", 0.4), ("rate_lag", (0.3, 0.2, 0.2)),
+        ("horizon", 25), ("horizon_step", 0.3), ("rate_lag", (0.3, 0.2, 0.2)),
         ("dead_time", (0.0, 0.0, 0.0)), ("solver", "ipopt"), ("limit_penalty", 10.0),
         ("scheme", "rk4"), ("certificate", "file"),
     ],

@@ -17,7 +17,8 @@ from uav_tracking_mpc.guidance.situation import Situation
 from uav_tracking_mpc.guidance.target_filter import TargetFilter
 from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
 
-LONGEST_SUBSTEP = 0.1  # s, in which dead time is flown through
+LONGEST_SUBSTEP = 0.05  # s, in which dead time is flown through
+ROUNDING = 1e-9
 LATENCY_LIMIT = 0.5  # s
 # What a measurement corrects of the target's track is faded in with this time constant [s]: the
 # steps of a noisy track would go straight into the bank angle.
@@ -54,6 +55,7 @@ class Navigator:
         self._lag = tuple(max(value, 1e-3) for value in lag) if any(lag) else ()
         self._dead_time = dead_time
         self._stages = parameters.horizon_step * np.arange(parameters.horizon + 1)
+        self._times = np.zeros(len(self._stages) + 1)
         self._shares = np.exp(-self._stages / FADE_TIME)[:, np.newaxis]
         self.target.tune(parameters.target_noise, parameters.target_agility)
 
@@ -104,15 +106,20 @@ class Navigator:
         Raises:
             ValueError: No target position is known.
         """
-        estimate, fading = self.target.predict(time), self._fading(time)
+        self._delay = max(self._dead_time) + min(max(self.latency, 0.0), LATENCY_LIMIT)
+        self._times[0] = time
+        self._times[1:] = time + self._delay + self._stages
+        self._track = self.target.ahead(self._times)
+        position, velocity, acceleration = (part[0] for part in self._track)
+        fading = self._fading(time)
         self.wind = np.asarray(ground_velocity, dtype=float) - vehicle_model.velocity(vehicle)
         self._follow_acceleration(time)
         turn, pitch = (float(value) for value in np.asarray(turn_rates))
         return Situation(
             vehicle=vehicle,
-            target=estimate.position + fading[0],
-            drift=self.wind - estimate.velocity - fading[1],
-            drift_rate=-estimate.acceleration,
+            target=position + fading[0],
+            drift=self.wind - velocity - fading[1],
+            drift_rate=-acceleration,
             rates=np.array([turn, pitch, self._acceleration]),
         )
 
@@ -123,15 +130,14 @@ class Navigator:
             time: Of the situation in [s].
             situation: The latest of :meth:`situation`.
         """
-        delay = max(self._dead_time) + min(max(self.latency, 0.0), LATENCY_LIMIT)
-        positions, velocities, accelerations = self.target.ahead(time + delay + self._stages)
-        fading = self._fading(time)[:, np.newaxis] * self._shares
+        positions, velocities, accelerations = (part[1:] for part in self._track)
+        fading = self._fading(time + self._delay)[:, np.newaxis] * self._shares
         forecast = Forecast(
             positions + fading[0], self.wind - velocities - fading[1], -accelerations
         )
-        if delay == 0.0:
+        if self._delay == 0.0:
             return situation, forecast
-        state = self._flown_through(time, delay, situation)
+        state = self._flown_through(time, situation)
         vehicle = np.array([*state[:3], wrap_angle(state[3]), wrap_angle(state[4]), state[5]])
         vehicle[:3] += forecast.target[0]
         later = replace(
@@ -144,14 +150,14 @@ class Navigator:
         )
         return later, forecast
 
-    def _flown_through(self, time: float, delay: float, situation: Situation) -> list[float]:
+    def _flown_through(self, time: float, situation: Situation) -> list[float]:
         """State relative to the target after the delay, by the commands already under way."""
         state = [float(value) for value in (*situation.offset, *situation.vehicle[3:6])]
         if self._lag:
             state += [float(value) for value in situation.rates]
         drift, rate = list(situation.drift), list(situation.drift_rate)
-        count = math.ceil(delay / LONGEST_SUBSTEP)
-        substep = delay / count
+        count = math.ceil(self._delay / LONGEST_SUBSTEP - ROUNDING)
+        substep = self._delay / count
         for index in range(count):
             middle = time + (index + 0.5) * substep
             inputs = [

@@ -22,6 +22,7 @@ from uav_tracking_mpc.guidance.state_gate import StateGate, Verdict
 from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
 from uav_tracking_mpc.nodes import diagnostics
 from uav_tracking_mpc.nodes.air_data import AirData
+from uav_tracking_mpc.nodes.command_wire import CommandWire
 from uav_tracking_mpc.nodes.controller_report import ControllerReport
 from uav_tracking_mpc.nodes.conversions import (
     MessageError,
@@ -32,7 +33,6 @@ from uav_tracking_mpc.nodes.conversions import (
     nanoseconds,
     path_message,
     position_from_point,
-    set_command,
 )
 from uav_tracking_mpc.nodes.declared_parameters import declare_parameters, follow_parameters
 from uav_tracking_mpc.nodes.peers import Peers, Promise
@@ -73,7 +73,7 @@ class NmpcController(LifecycleNode):
         self._pilot: Pilot | None = None
         self._active = False
         self._failure = ""
-        self._command_message = COMMAND.type()
+        self._wire = CommandWire()
         simulated = bool(self.get_parameter("use_sim_time").value)
         self._promise = Promise(None if simulated else self.parameters.control_rate)
         self._outputs = {
@@ -284,8 +284,7 @@ class NmpcController(LifecycleNode):
         self._diagnose(command)
 
     def _send(self, stamp: int, now: float, command: Command) -> None:
-        set_command(self._command_message, stamp, command.inputs, command.step)
-        self._outputs[COMMAND.name].publish(self._command_message)
+        self._outputs[COMMAND.name].publish(self._wire.write(stamp, command.inputs, command.step))
         self._navigator.commanded(now, command.inputs, command.step)
         self._announce(command.change)
 
