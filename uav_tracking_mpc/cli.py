@@ -47,6 +47,7 @@ examples:
                                                 one of these flights
   uav_tracking benchmark                        the solver beside its peers
   uav_tracking torture --minutes 10             faults injected into real nodes
+  uav_tracking torture --soak 2                 hours of flight, watched for growth
   uav_tracking monitor --domain-id 7            watch a flight from another terminal
 """
 BAG = "mission.mcap"

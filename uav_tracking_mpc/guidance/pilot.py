@@ -111,6 +111,7 @@ class Pilot:
         self._plan_time = self._blend_time = 0.0
         self._last_time: float | None = None
         self._offset = np.zeros(3)
+        self._renewed = False
         self._sent: NDArray[np.float64] | None = None
         self._sent_rung = Rung.SILENCE
 
@@ -139,6 +140,7 @@ class Pilot:
         self.formulation.change(parameters)
         if parameters.direction != self.parameters.direction:
             self._direction = None
+        self._renewed = True
         self._take(parameters)
 
     def _take(self, parameters: TrackingParameters) -> None:
@@ -247,12 +249,16 @@ class Pilot:
     def _blended(
         self, time: float, inputs: NDArray[np.float64], step: float
     ) -> NDArray[np.float64]:
-        """Where plan, law and level flight take over from each other, their difference fades."""
+        """Where plan, law and level flight take over from each other, their difference fades.
+
+        So it does where other parameters take over: another orbit would begin at the bank limit.
+        """
         before, rung = self._sent_rung, self.ladder.rung
         if self._sent is None:
             self._offset = np.zeros(3)
-        elif rung is not before and not (rung.planned and before.planned):
+        elif self._renewed or (rung is not before and not (rung.planned and before.planned)):
             self._offset, self._blend_time = self._sent - inputs[0], time
+        self._renewed = False
         if not 0.0 <= time - self._blend_time < BLEND_TIME or not np.any(self._offset):
             return inputs
         ahead = time - self._blend_time + step * np.arange(len(inputs))

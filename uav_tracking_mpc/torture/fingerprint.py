@@ -36,7 +36,7 @@ def _feed(thing: Any, leaving_out: Collection[str], feed: Callable[[bytes], None
     elif kind is np.ndarray:
         feed(thing.tobytes())
     elif kind in (list, tuple, deque):
-        feed(b"%d" % len(thing))
+        feed(b"[%d" % len(thing))
         for item in thing:
             _feed(item, leaving_out, feed)
     elif kind is dict:
