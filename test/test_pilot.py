@@ -356,11 +356,13 @@ def test_orbit_weights_and_limits_change_in_flight_and_the_plan_goes_on():
     assert not recorder.guessed
     assert pilot.formulation.solver is recorder
     assert (after.orbit.range, after.orbit.speed) == (330.0, 24.0)
+    np.testing.assert_allclose(after.inputs[0], before.inputs[0], atol=1e-6)  # without a jump
+    after = pilot.step(0.6, now)
     assert after.inputs[0, 2] > before.inputs[0, 2] + 0.1  # faster
     assert after.inputs[0, 0] > before.inputs[0, 0] + 0.1  # outwards, to the left of a right turn
     tight = replace(wider, acceleration_max=0.05)
     pilot.change(tight)
-    assert pilot.step(0.1, now).inputs[:, 2].max() <= 0.05
+    assert pilot.step(0.7, now).inputs[:, 2].max() <= 0.05
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])
