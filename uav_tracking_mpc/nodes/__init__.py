@@ -5,6 +5,7 @@
 ``target_publisher``     where the target is
 ``nmpc_controller``      the control law
 ``controller_report``    what it has done, as numbers for /diagnostics
+``controller_views``     what it shows to people: tracking errors, path, markers
 ``command_wire``         a command as bytes, rewritten in place
 ``air_data``             the airspeed that belongs to a state
 ``rate_keeper``          whether the control rate is kept, and by how much not

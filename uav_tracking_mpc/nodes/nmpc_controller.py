@@ -11,27 +11,24 @@ from numpy.typing import NDArray
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
-from uav_tracking_mpc.dynamics import vehicle
 from uav_tracking_mpc.guidance.certification import certification
 from uav_tracking_mpc.guidance.ladder import Change, Rung
 from uav_tracking_mpc.guidance.navigator import Navigator
 from uav_tracking_mpc.guidance.pace import Pace
 from uav_tracking_mpc.guidance.pilot import Command, Outlook, Pilot
-from uav_tracking_mpc.guidance.situation import Situation
 from uav_tracking_mpc.guidance.state_gate import StateGate, Verdict
 from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
 from uav_tracking_mpc.nodes import diagnostics
 from uav_tracking_mpc.nodes.air_data import AirData
 from uav_tracking_mpc.nodes.command_wire import CommandWire
 from uav_tracking_mpc.nodes.controller_report import ControllerReport
+from uav_tracking_mpc.nodes.controller_views import ControllerViews
 from uav_tracking_mpc.nodes.conversions import (
     MessageError,
     Motion,
     air_velocity_from_twist,
-    markers_message,
     motion_from_odometry,
     nanoseconds,
-    path_message,
     position_from_point,
 )
 from uav_tracking_mpc.nodes.declared_parameters import declare_parameters, follow_parameters
@@ -40,17 +37,13 @@ from uav_tracking_mpc.nodes.run import run
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     COMMAND,
-    MARKERS,
     ODOMETRY,
-    PREDICTED_PATH,
     TARGET,
-    TRACKING,
 )
 from uav_tracking_mpc.parameters import ParameterError
 from uav_tracking_mpc.simulation.configuration import configuration_folder
 
 WARNING_PERIOD = 5.0  # s
-VIEW_PERIOD = 0.2  # s, wall time: people look at it
 LATENCY_SHARE = 0.05  # of a new measurement in the latency that the prediction starts with
 
 
@@ -76,17 +69,13 @@ class NmpcController(LifecycleNode):
         self._wire = CommandWire()
         simulated = bool(self.get_parameter("use_sim_time").value)
         self._promise = Promise(None if simulated else self.parameters.control_rate)
-        self._outputs = {
-            topic.name: self.create_publisher(topic.type, topic.name, topic.qos)
-            for topic in (PREDICTED_PATH, MARKERS, *TRACKING.values())
-        }
-        self._outputs[COMMAND.name] = self.create_publisher(
+        self._commands = self.create_publisher(
             COMMAND.type,
             COMMAND.name,
             self._promise.qos(COMMAND.qos),
             event_callbacks=self._promise.callbacks(self._on_late),
         )
-        self._tracking_messages = {name: topic.type() for name, topic in TRACKING.items()}
+        self._views = ControllerViews(self)
         self._report = ControllerReport(self.parameters.control_rate)
         self._forget()
         self._diagnostics = diagnostics.Diagnostics(self, self._values)
@@ -118,7 +107,7 @@ class NmpcController(LifecycleNode):
         self._pace = Pace(self.parameters.control_rate)
         self._origin: int | None = None  # first stamp seen [ns]; times below are since then
         self._state_time: float | None = None  # of the newest state [s]
-        self._state_arrival = self._view_time = -float("inf")  # steady [s]
+        self._state_arrival = -float("inf")  # steady [s]
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Build and check everything; failure says why and leaves the node unconfigured."""
@@ -279,12 +268,11 @@ class NmpcController(LifecycleNode):
         late = max(0.0, (self.get_clock().now().nanoseconds - stamp) * 1e-9)
         navigator.latency += LATENCY_SHARE * (min(late, 1.0) - navigator.latency)
         self._report.command(now, command, situation, (time.monotonic() - arrival) * 1e6)
-        self._publish_tracking(command)
-        self._publish_view(stamp, state, situation, command)
+        self._views.publish(stamp, state, situation.target, navigator.wind, command)
         self._diagnose(command)
 
     def _send(self, stamp: int, now: float, command: Command) -> None:
-        self._outputs[COMMAND.name].publish(self._wire.write(stamp, command.inputs, command.step))
+        self._commands.publish(self._wire.write(stamp, command.inputs, command.step))
         self._navigator.commanded(now, command.inputs, command.step)
         self._announce(command.change)
 
@@ -322,44 +310,6 @@ class NmpcController(LifecycleNode):
         change = self._pilot.fall_silent(trouble)
         self._announce(change)
         self._diagnostics.report(diagnostics.WARN, f"{trouble}: no command is sent")
-
-    def _publish_tracking(self, command: Command) -> None:
-        plan = command.plan
-        if plan is None:
-            return
-        values = (*plan.error, plan.solution.cost, plan.solution.solve_time)
-        for (name, message), value in zip(self._tracking_messages.items(), values, strict=True):
-            publisher = self._outputs[TRACKING[name].name]
-            if publisher.get_subscription_count():
-                message.data = float(value)
-                publisher.publish(message)
-
-    def _publish_view(
-        self, stamp: int, state: NDArray[np.float64], situation: Situation, command: Command
-    ) -> None:
-        path, markers = self._outputs[PREDICTED_PATH.name], self._outputs[MARKERS.name]
-        viewers = path.get_subscription_count() + markers.get_subscription_count()
-        now = time.monotonic()
-        if not viewers or now - self._view_time < VIEW_PERIOD:
-            return
-        self._view_time = now
-        states = [state]
-        for inputs in command.inputs:
-            following = vehicle.advance(states[-1], inputs, command.step)
-            following[:3] += command.step * self._navigator.wind
-            states.append(following)
-        flown = np.array(states)
-        path.publish(path_message(stamp, flown))
-        markers.publish(markers_message(stamp, flown, situation.target, command.orbit))
-
-    def _on_late(self) -> None:
-        """No command in two control periods of wall time; told once with what else is."""
-        if self._active and self._report.flying:
-            self._report.deadlines_missed += 1
-            self.get_logger().warning(
-                "the control rate is not kept: a command is overdue",
-                throttle_duration_sec=WARNING_PERIOD,
-            )
 
     def _watch(self) -> None:
         if self._pilot is None or not self._active:

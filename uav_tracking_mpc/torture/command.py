@@ -31,7 +31,7 @@ def add_torture_parser(subparsers: Any) -> argparse.ArgumentParser:
         "message. Or feed the nodes by hand (--messages), or fly for hours without faults "
         "(--soak). Exit code 0 if nothing was violated and no process was lost.",
     )
-    add_configuration_arguments(parser)
+    add_configuration_arguments(parser, "small_uav")
     add_launch_arguments(parser)
     parser.add_argument(
         "--minutes", type=_minutes, default=10.0, help="wall time of faults (default: 10)"
