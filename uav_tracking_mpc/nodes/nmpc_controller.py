@@ -311,6 +311,15 @@ class NmpcController(LifecycleNode):
         self._announce(change)
         self._diagnostics.report(diagnostics.WARN, f"{trouble}: no command is sent")
 
+    def _on_late(self) -> None:
+        """No command in two control periods of wall time; told once with what else is."""
+        if self._active and self._report.flying:
+            self._report.deadlines_missed += 1
+            self.get_logger().warning(
+                "the control rate is not kept: a command is overdue",
+                throttle_duration_sec=WARNING_PERIOD,
+            )
+
     def _watch(self) -> None:
         if self._pilot is None or not self._active:
             return
