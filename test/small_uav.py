@@ -40,6 +40,7 @@ def shared_solver() -> NewtonSolver:
 def solver() -> NewtonSolver:
     """The shared one, as new."""
     shared_solver().reset()
+    shared_solver().time_limit = float("inf")
     return shared_solver()
 
 
