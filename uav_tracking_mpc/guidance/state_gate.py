@@ -1,4 +1,4 @@
-"""Which vehicle states are believed: one odd state is a bad message, two that agree are a fact."""
+"""Which vehicle states are believed: an odd one is a bad message, several that agree are a fact."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 SPEED_LIMIT = 500.0  # m/s over ground; what moves faster has jumped
 SLACK = 50.0  # m of position that no motion need explain
+AGREEING = 3  # odd states in a row, each following the one before, that are a fact
 
 
 class Verdict(Enum):
@@ -16,7 +17,7 @@ class Verdict(Enum):
 
     USE = "use"
     DROP = "drop"  # a duplicate, or out of order: nothing to say
-    DOUBT = "doubt"  # odd: not used unless the next one agrees
+    DOUBT = "doubt"  # odd: not used unless the next ones agree
     RESTART = "restart"  # time has gone back, or the vehicle is elsewhere: start anew
 
 
@@ -38,6 +39,7 @@ class StateGate:
         """Believe the next state, whatever it is."""
         self._newest: tuple[int, NDArray[np.float64]] | None = None
         self._odd: tuple[int, NDArray[np.float64]] | None = None
+        self._agreeing = 0
         self.reason = ""
 
     def judge(self, stamp: int, position: NDArray[np.float64]) -> Verdict:
@@ -62,18 +64,19 @@ class StateGate:
             self.reason = f"pose.position jumped by {jump:.6g} m in {step:.3f} s"
         else:
             self.reason = f"header.stamp went ahead by {step:.3f} s"
-        if not self._agrees(stamp, position):
-            self._odd = stamp, position
+        self._agreeing = self._agreeing + 1 if self._follows(stamp, position) else 1
+        self._odd = stamp, position
+        if self._agreeing < AGREEING:
             return Verdict.DOUBT
         # A gap is flown on after; time gone back and a vehicle elsewhere are a new beginning.
         verdict = Verdict.RESTART if step < 0.0 or moved else Verdict.USE
         return self._believe(stamp, position, verdict)
 
     def _believe(self, stamp: int, position: NDArray[np.float64], verdict: Verdict) -> Verdict:
-        self._newest, self._odd = (stamp, position), None
+        self._newest, self._odd, self._agreeing = (stamp, position), None, 0
         return verdict
 
-    def _agrees(self, stamp: int, position: NDArray[np.float64]) -> bool:
+    def _follows(self, stamp: int, position: NDArray[np.float64]) -> bool:
         """Whether a state follows the odd one before it."""
         if self._odd is None:
             return False

@@ -8,6 +8,7 @@
 ``controller_views``     what it shows to people: tracking errors, path, markers
 ``command_wire``         a command as bytes, rewritten in place
 ``air_data``             the airspeed that belongs to a state
+``stall_guard``          whether the process has been standing still
 ``rate_keeper``          whether the control rate is kept, and by how much not
 ``monitor``              a live table in the terminal
 ``flight_recorder``      every topic of a flight

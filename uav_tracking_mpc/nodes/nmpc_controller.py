@@ -34,6 +34,7 @@ from uav_tracking_mpc.nodes.conversions import (
 from uav_tracking_mpc.nodes.declared_parameters import declare_parameters, follow_parameters
 from uav_tracking_mpc.nodes.peers import Peers, Promise
 from uav_tracking_mpc.nodes.run import run
+from uav_tracking_mpc.nodes.stall_guard import StallGuard
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     COMMAND,
@@ -44,6 +45,7 @@ from uav_tracking_mpc.parameters import ParameterError
 from uav_tracking_mpc.simulation.configuration import configuration_folder
 
 WARNING_PERIOD = 5.0  # s
+STALL_MARGIN = 0.15  # s, by which the watchdog may be late without the process having stood still
 LATENCY_SHARE = 0.05  # of a new measurement in the latency that the prediction starts with
 
 
@@ -89,6 +91,7 @@ class NmpcController(LifecycleNode):
             self.create_subscription(
                 topic.type, topic.name, callback, topic.qos, event_callbacks=events
             )
+        self._stall = StallGuard(self.parameters.state_timeout / 2.0 + STALL_MARGIN)
         self._watchdog = self.create_timer(
             self.parameters.state_timeout / 2.0,
             self._watch,
@@ -218,6 +221,7 @@ class NmpcController(LifecycleNode):
 
     def _on_odometry(self, message: Any) -> None:
         arrival = time.monotonic()
+        fresh = self._stall.alive(arrival)
         if self._pilot is None or not self._active:
             return
         try:
@@ -230,11 +234,13 @@ class NmpcController(LifecycleNode):
         if verdict is Verdict.DROP:
             return
         if verdict is Verdict.DOUBT:
-            self._refuse(f"uav/odometry: {self._gate.reason}; used if the next one agrees")
+            self._refuse(f"uav/odometry: {self._gate.reason}; used if the next ones agree")
             return
         if verdict is Verdict.RESTART:
             self._restart()
         self._state_time, self._state_arrival = self._seconds(stamp), arrival
+        if not fresh:
+            return
         self._report.rate.state(self._state_time)
         if self._pace.due(stamp):
             self._control(stamp, arrival, motion)
@@ -321,6 +327,7 @@ class NmpcController(LifecycleNode):
             )
 
     def _watch(self) -> None:
+        self._stall.alive(time.monotonic())
         if self._pilot is None or not self._active:
             return
         age = time.monotonic() - self._state_arrival
