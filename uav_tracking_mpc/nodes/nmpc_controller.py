@@ -270,6 +270,12 @@ class NmpcController(LifecycleNode):
         fresh = now - seen <= self.parameters.target_timeout
         outlook = Outlook(*navigator.at_effect(now, situation), fresh)
         command = self._pilot.step(now, outlook)
+        taken = time.monotonic() - arrival
+        if taken > self.parameters.state_timeout:
+            self._refuse(
+                f"uav/odometry: answered only after {taken:.3f} s, the command is not sent"
+            )
+            return
         self._send(stamp, now, command)
         late = max(0.0, (self.get_clock().now().nanoseconds - stamp) * 1e-9)
         navigator.latency += LATENCY_SHARE * (min(late, 1.0) - navigator.latency)
