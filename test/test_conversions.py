@@ -131,6 +131,7 @@ def good_odometry():
     [
         ("header.frame_id", "odom", "header.frame_id is 'odom', must be 'map'"),
         ("child_frame_id", "base", "child_frame_id is 'base'"),
+        ("header.stamp.nanosec", 10**9, "header.stamp.nanosec is 1000000000, must be below"),
         ("pose.pose.position.x", float("nan"), "pose.position.x is nan"),
         ("pose.pose.position.z", 1e300, "pose.position.z is 1e.300"),
         ("twist.twist.linear.y", float("inf"), "twist.linear.y is inf"),
@@ -182,6 +183,23 @@ def test_bad_command_is_refused_with_the_reason(change, words):
     change(message)
     with pytest.raises(MessageError, match=words):
         plan_from_command(message)
+
+
+@pytest.mark.parametrize(
+    ("read", "message"),
+    [
+        (motion_from_odometry, Odometry()),
+        (air_velocity_from_twist, TwistStamped()),
+        (position_from_point, PointStamped()),
+        (plan_from_command, MultiDOFJointTrajectory()),
+    ],
+)
+def test_a_stamp_that_is_no_time_is_refused(read, message):
+    """Sent back in an answer it could lie past the last time that a message can bear."""
+    message.header.frame_id = "base_link" if read is air_velocity_from_twist else "map"
+    message.header.stamp.sec, message.header.stamp.nanosec = 2**31 - 1, 2**32 - 1
+    with pytest.raises(MessageError, match="header.stamp.nanosec is 4294967295"):
+        read(message)
 
 
 def test_what_viewers_get_can_be_serialized():

@@ -5,7 +5,7 @@ import pytest
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
-from uav_tracking_mpc.nodes.conversions import set_command
+from uav_tracking_mpc.nodes.command_wire import CommandWire
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, COMMAND, ODOMETRY, TARGET
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.simulation.configuration import load_configuration
@@ -56,10 +56,10 @@ def test_an_exception_in_a_callback_is_found(ros, monkeypatch):
 
 @pytest.mark.timeout(120)
 def test_a_command_outside_the_limits_is_found(ros, monkeypatch):
-    def careless(message, stamp, plan, step):
-        set_command(message, stamp, 1.5 * plan, step)
-
-    monkeypatch.setattr("uav_tracking_mpc.nodes.nmpc_controller.set_command", careless)
+    write = CommandWire.write
+    monkeypatch.setattr(
+        CommandWire, "write", lambda wire, stamp, plan, step: write(wire, stamp, 1.5 * plan, step)
+    )
     assert found(ControllerFuzz, 500).violations["command limits"] > 10
 
 

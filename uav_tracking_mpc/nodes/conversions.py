@@ -23,6 +23,7 @@ from geometry_msgs.msg import (
 )
 from nav_msgs.msg import Odometry, Path
 from numpy.typing import NDArray
+from std_msgs.msg import Header
 from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -130,9 +131,9 @@ def motion_from_odometry(message: Odometry) -> Motion:
     """Motion of an Odometry message, whose body may roll.
 
     Raises:
-        MessageError: Wrong frame, not finite, absurd, or no unit quaternion.
+        MessageError: Wrong frame, no time, not finite, absurd, or no unit quaternion.
     """
-    _check_frame("uav/odometry", "header.frame_id", message.header.frame_id, MAP)
+    _check_header("uav/odometry", message.header, MAP)
     _check_frame("uav/odometry", "child_frame_id", message.child_frame_id, BASE_LINK)
     pose, twist = message.pose.pose, message.twist.twist
     position = _vector("uav/odometry", "pose.position", pose.position, POSITION_LIMIT)
@@ -162,9 +163,9 @@ def air_velocity_from_twist(message: TwistStamped) -> NDArray[np.float64]:
     """Velocity through the air in ``base_link``, shape (3,), in [m/s].
 
     Raises:
-        MessageError: Wrong frame, not finite, or absurd.
+        MessageError: Wrong frame, no time, not finite, or absurd.
     """
-    _check_frame("uav/air_velocity", "header.frame_id", message.header.frame_id, BASE_LINK)
+    _check_header("uav/air_velocity", message.header, BASE_LINK)
     return _vector("uav/air_velocity", "twist.linear", message.twist.linear, SPEED_LIMIT)
 
 
@@ -172,9 +173,9 @@ def position_from_point(message: PointStamped) -> NDArray[np.float64]:
     """Position, shape (3,), in [m].
 
     Raises:
-        MessageError: Wrong frame, not finite, or absurd.
+        MessageError: Wrong frame, no time, not finite, or absurd.
     """
-    _check_frame("target/position", "header.frame_id", message.header.frame_id, MAP)
+    _check_header("target/position", message.header, MAP)
     return _vector("target/position", "point", message.point, POSITION_LIMIT)
 
 
@@ -224,10 +225,10 @@ def plan_from_command(
         begins, shape (n,), in [s].
 
     Raises:
-        MessageError: Wrong frame or joint, no points, a point without rates or accelerations,
-            values that are not finite.
+        MessageError: Wrong frame or joint, no time, no points, a point without rates or
+            accelerations, values that are not finite.
     """
-    _check_frame("uav/command", "header.frame_id", message.header.frame_id, MAP)
+    _check_header("uav/command", message.header, MAP)
     if list(message.joint_names) != [BASE_LINK]:
         raise MessageError(
             f"uav/command: joint_names is {list(message.joint_names)}, must be ['{BASE_LINK}']"
@@ -330,6 +331,14 @@ def _vector(topic: str, name: str, message: Point | Vector3, limit: float) -> ND
                 f"{topic}: {name}.{axis} is {value}, must be finite and within {limit:g}"
             )
     return values
+
+
+def _check_header(topic: str, header: Header, frame: str) -> None:
+    _check_frame(topic, "header.frame_id", header.frame_id, frame)
+    if header.stamp.nanosec >= 1_000_000_000:  # as a time it could lie past the last one there is
+        raise MessageError(
+            f"{topic}: header.stamp.nanosec is {header.stamp.nanosec}, must be below 1000000000"
+        )
 
 
 def _check_frame(topic: str, name: str, frame: str, expected: str) -> None:

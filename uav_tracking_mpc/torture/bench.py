@@ -10,6 +10,7 @@ from typing import Any
 
 import rclpy
 from rclpy.parameter import Parameter
+from rclpy.serialization import deserialize_message
 
 from uav_tracking_mpc.torture.fingerprint import fingerprint
 from uav_tracking_mpc.torture.invariants import Violation
@@ -84,6 +85,8 @@ class Bench:
 
                 def tapped(message: Any) -> None:
                     publish(message)  # what cannot be serialized raises here
+                    if isinstance(message, bytes):
+                        message = deserialize_message(message, kind)
                     published(topic, message)
 
                 publisher.publish, publisher.get_subscription_count = tapped, lambda: 1

@@ -8,7 +8,7 @@ from typing import Any
 
 from uav_tracking_mpc.torture.corruption import corrupt
 from uav_tracking_mpc.torture.fault_kinds import AIR, COMMAND, CORRUPTIONS, ODOMETRY, TARGET
-from uav_tracking_mpc.torture.mutations import mutate, scale_quaternion
+from uav_tracking_mpc.torture.mutations import extreme_stamp, mutate, scale_quaternion
 
 LEAP = 1e3  # m
 OF_TOPIC = {
@@ -17,6 +17,8 @@ OF_TOPIC = {
     TARGET: ("absurd",),
     COMMAND: ("absurd", "empty"),
 }
+TWIN = 10_000_000  # ns from one message to the other that bears it out
+LATEST_NANOSECOND = 2**32 - 1  # where the field ends; a time ends at 10^9
 STRETCH = 100  # messages that one share of bad ones lasts
 SHARES = (0.0, 0.02, 0.3, 0.7, 1.0)
 
@@ -62,8 +64,11 @@ class Mangler:
         if choice < 0.15:
             return [message, message, *after]
         self._spoil(message)
-        if choice < 0.20:  # two that agree
-            return [message, copy.deepcopy(message), *after]
+        if choice < 0.25:  # two that agree
+            twin = copy.deepcopy(message)
+            stamp = twin.header.stamp
+            stamp.nanosec = min(stamp.nanosec + TWIN, LATEST_NANOSECOND)  # sometimes no time
+            return [message, twin, *after]
         return [message, *after]
 
     def _spoil(self, message: Any) -> None:
@@ -71,6 +76,8 @@ class Mangler:
         choice = rng.random()
         if choice < 0.3:
             corrupt(self._topic, rng.choice((*CORRUPTIONS, *OF_TOPIC[self._topic])), message, rng)
+        elif choice < 0.35:
+            extreme_stamp(message.header.stamp, rng)
         elif choice < 0.4 and self._topic == ODOMETRY:
             scale_quaternion(message.pose.pose.orientation, rng)
         elif choice < 0.5 and self._topic in (ODOMETRY, TARGET):

@@ -133,7 +133,8 @@ class ControllerFuzz:
             linear = message.twist.linear
             speed = math.hypot(linear.x, linear.y, linear.z)
             sane = max(map(abs, (linear.x, linear.y, linear.z))) <= 1e3 and math.isfinite(speed)
-            if sane and message.header.frame_id == "base_link":
+            timed = message.header.stamp.nanosec < 10**9
+            if sane and timed and message.header.frame_id == "base_link":
                 self._airspeed = nanoseconds(message.header.stamp), speed
         self._answered = message if topic == ODOMETRY.name else None
         self._bench.deliver(topic, message, right=self._manglers[topic].calm > 0)

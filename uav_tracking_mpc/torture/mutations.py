@@ -73,6 +73,12 @@ def _sequence(value: list[Any], rng: random.Random) -> list[Any]:
     return changed
 
 
+def extreme_stamp(stamp: Any, rng: random.Random) -> None:
+    """First or last of all times, and what only looks like a time: a second of 4.29e9 ns."""
+    stamp.sec = rng.choice(EXTREMES["int32"])
+    stamp.nanosec = rng.choice((0, 999_999_999, EXTREMES["uint32"][1] - rng.randrange(10**8)))
+
+
 def scale_quaternion(orientation: Any, rng: random.Random) -> None:
     """No unit quaternion any more, or hardly one, or the same attitude with the other sign."""
     factor = rng.choice((0.0, -1.0, 1e-200, 0.5, 0.9995, 1.0005, 1.002, 1e160, math.nan))
