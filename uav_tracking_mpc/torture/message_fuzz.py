@@ -71,8 +71,9 @@ class ControllerFuzz:
             self._parameters,
             self._published,
             roots=("_pilot", "_navigator", "_gate", "_air", "_pace", "_origin", "_state_time"),
-            # The solver's workspace is overwritten by every solve; a doubtful state is remembered.
-            leaving_out=("formulation", "parameters", "_odd", "reason"),
+            # The solver's workspace is overwritten by every solve; a doubtful state is remembered,
+            # to judge the next ones.
+            leaving_out=("formulation", "parameters", "_odd", "_agreeing", "reason"),
             refusals=lambda node: node._report.refused,
             findings=findings,
             more={"use_sim_time": True},
