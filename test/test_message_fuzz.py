@@ -18,10 +18,10 @@ TOPICS = {topic.name for topic in (ODOMETRY, AIR_VELOCITY, TARGET, COMMAND)}
 
 
 @pytest.mark.timeout(300)
-@pytest.mark.parametrize("name", ["paper", "small_uav"])
-def test_nothing_breaks(name):
+def test_nothing_breaks():
+    """The short form; the full one is `uav_tracking torture --messages 100000`."""
     told = []
-    summary = fuzz(load_configuration(name), 2000, 1, lambda *done: told.append(done))
+    summary = fuzz(load_configuration("small_uav"), 2000, 1, lambda *done: told.append(done))
     assert summary["exceptions"] == summary["violations"] == 0, summary["examples"]
     assert set(summary["messages"]) == TOPICS
     assert min(summary["messages"].values()) >= 2000
