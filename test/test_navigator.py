@@ -142,7 +142,7 @@ def test_latency_adds_to_the_dead_time_within_limits():
     navigator = seen(FLIGHT, run=(3.0, 0.0, 0.0))
     now = navigator.situation(6.0, VEHICLE, np.zeros(3), np.zeros(2))
     begin = navigator.at_effect(6.0, now)[1].target[0, 0]
-    for latency, counted in ((0.1, 0.1), (-1.0, 0.0), (1e9, LATENCY_LIMIT)):
+    for latency, counted in ((0.1, 0.1), (-1.0, 0.0), (1e9, LATENCY_LIMIT), (1e-12, 0.0)):
         navigator.latency = latency
         now = navigator.situation(6.0, VEHICLE, np.zeros(3), np.zeros(2))
         later, forecast = navigator.at_effect(6.0, now)
@@ -178,3 +178,11 @@ def test_a_change_keeps_what_is_known_of_the_target():
     before = navigator.target.predict(6.1)
     navigator.change(replace(FLIGHT, target_noise=2.0, target_agility=1.0))
     np.testing.assert_array_equal(navigator.target.predict(6.1).position, before.position)
+
+
+def test_a_latency_of_next_to_nothing_is_flown_through():
+    navigator = seen(replace(FLIGHT, dead_time=(0.0, 0.0, 0.0)))
+    navigator.latency = 1e-12
+    now = navigator.situation(6.0, VEHICLE, np.zeros(3), np.zeros(2))
+    later, _ = navigator.at_effect(6.0, now)
+    np.testing.assert_allclose(later.offset, now.offset, atol=1e-9)

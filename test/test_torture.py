@@ -43,7 +43,14 @@ def test_what_is_violated_is_found_told_and_kept(tmp_path):
     from uav_tracking_mpc.nodes.flight_bag import messages
     from uav_tracking_mpc.torture.case_bag import TOPICS
 
-    low = ["--set", "target_publisher.position=[0,0,60]", "--set", "nmpc_controller.altitude=-50.0"]
+    low = [
+        "--config",
+        "paper",
+        "--set",
+        "target_publisher.position=[0,0,60]",
+        "--set",
+        "nmpc_controller.altitude=-50.0",
+    ]
     process = torture("--minutes", 1, "--case", 0, *low, "--output", tmp_path)
     output, errors = process.communicate(timeout=100)
     assert process.returncode == 1, errors

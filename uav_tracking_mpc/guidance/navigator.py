@@ -156,7 +156,7 @@ class Navigator:
         if self._lag:
             state += [float(value) for value in situation.rates]
         drift, rate = list(situation.drift), list(situation.drift_rate)
-        count = math.ceil(self._delay / LONGEST_SUBSTEP - ROUNDING)
+        count = max(1, math.ceil(self._delay / LONGEST_SUBSTEP - ROUNDING))
         substep = self._delay / count
         for index in range(count):
             middle = time + (index + 0.5) * substep

@@ -266,9 +266,16 @@ class NmpcController(LifecycleNode):
             self._without_target(stamp, now, state)
             return
         turn_rates = (motion.turn_rate, motion.path_angle_rate)
-        situation = navigator.situation(now, state, motion.ground_velocity, turn_rates)
         fresh = now - seen <= self.parameters.target_timeout
-        outlook = Outlook(*navigator.at_effect(now, situation), fresh)
+        try:
+            situation = navigator.situation(now, state, motion.ground_velocity, turn_rates)
+            outlook = Outlook(*navigator.at_effect(now, situation), fresh)
+        except (ArithmeticError, ValueError) as error:
+            # No state that passes the checks should lead here; the aircraft is not lost over it.
+            trouble = f"the navigation failed: {error}"
+            self._send(stamp, now, self._pilot.hold(now, state, trouble))
+            self._diagnostics.report(diagnostics.ERROR, f"{trouble}: wings level")
+            return
         command = self._pilot.step(now, outlook)
         taken = time.monotonic() - arrival
         if taken > self.parameters.state_timeout:
