@@ -25,7 +25,7 @@ def test_nothing_breaks():
     assert summary["exceptions"] == summary["violations"] == 0, summary["examples"]
     assert set(summary["messages"]) == TOPICS
     assert min(summary["messages"].values()) >= 800
-    assert all(60 < summary["refused"][topic] < 600 for topic in TOPICS)
+    assert all(0 < summary["refused"][topic] < summary["messages"][topic] for topic in TOPICS)
     assert told[-1] == ("vehicle", summary["messages"][COMMAND.name])
 
 
