@@ -25,7 +25,7 @@ setup(
     package_dir={f"{NAME}.config": "config"},
     package_data={
         f"{NAME}.config": ["*.yaml", "certificates/*.json", "scenarios/*.yaml", "security/*.xml"],
-        f"{NAME}.comparison": ["*.j2"],
+        f"{NAME}.studies.comparison": ["*.j2"],
         f"{NAME}.report": ["*.j2"],
         NAME: ["py.typed"],
     },
@@ -75,8 +75,8 @@ setup(
             f"target_publisher = {NAME}.nodes.target_publisher:main",
             f"nmpc_controller = {NAME}.nodes.nmpc_controller:main",
             f"monitor = {NAME}.nodes.monitor:main",
-            f"launch_tracking = {NAME}.launch:main",
-            f"uav_tracking = {NAME}.cli:main",
+            f"launch_tracking = {NAME}.launch.launcher:main",
+            f"uav_tracking = {NAME}.cli.main:main",
         ],
     },
 )

@@ -2,9 +2,9 @@
 
 from functools import cache
 
-from uav_tracking_mpc.comparison.flights import fly_all, prepared
-from uav_tracking_mpc.comparison.results import Scenario, scenario_of
-from uav_tracking_mpc.simulation.configuration import load_configuration
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.studies.comparison.flights import fly_all, prepared
+from uav_tracking_mpc.studies.comparison.results import Scenario, scenario_of
 
 LAWS = ("nmpc", "l1")
 

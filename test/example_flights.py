@@ -20,7 +20,7 @@ from uav_tracking_mpc.dynamics.vehicle import advance
 from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
 from uav_tracking_mpc.mpc.quadratic import quadratic_problem
 from uav_tracking_mpc.simulation.flight_log import FlightLog
-from uav_tracking_mpc.stability.terminal import terminal_ingredients
+from uav_tracking_mpc.terminal.ingredients import terminal_ingredients
 
 ORBIT = Orbit(range=150.0, altitude=50.0, speed=4.0)  # Table 1
 INPUT_UPPER = np.array([np.pi / 4.0, np.pi / 4.0, 1.0])

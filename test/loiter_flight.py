@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from uav_tracking_mpc.dynamics.envelope import Envelope
 from uav_tracking_mpc.dynamics.vehicle import advance
-from uav_tracking_mpc.guidance.situation import Situation
+from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.limits._envelope import Envelope
 
 STEP = 0.05
 SMALL_UAV = Envelope(

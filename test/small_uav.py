@@ -6,12 +6,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from uav_tracking_mpc.guidance.flight_formulation import effective_lag
-from uav_tracking_mpc.guidance.flight_problem import flight_problem
-from uav_tracking_mpc.guidance.situation import Situation
-from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
+from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.formulation.flight_formulation import effective_lag
+from uav_tracking_mpc.formulation.flight_problem import flight_problem
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
-from uav_tracking_mpc.simulation.configuration import load_configuration
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.settings.tracking import TrackingParameters
 
 # Slow machines are not what is tested; nor is any budget above but that of the aircraft.
 PATIENT = "nmpc_controller.solve_time_max=5.0"

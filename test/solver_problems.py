@@ -7,10 +7,10 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
-from uav_tracking_mpc.benchmark.cases import ORBIT, START, paper_problem
 from uav_tracking_mpc.dynamics.relative import tracking_error
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
+from uav_tracking_mpc.studies.benchmark.cases import ORBIT, START, paper_problem
 
 PAPER_START = tracking_error(START, ORBIT)
 

@@ -69,7 +69,7 @@ def test_colcon_builds_an_ament_python_package(checkout):
     assert (share / "uav_tracking_mpc" / "config" / "paper.yaml").is_file()
     assert (share / "uav_tracking_mpc/config/security/uav_tracking.policy.xml").is_file()
     (library,) = installed.glob("lib/python*/site-packages")
-    program = "from uav_tracking_mpc.simulation.configuration import load_configuration as load;"
+    program = "from uav_tracking_mpc.settings.configuration import load_configuration as load;"
     program += "import uav_tracking_mpc; print(uav_tracking_mpc.__file__, load('paper').name)"
     printed = run(sys.executable, "-c", program, cwd=checkout.parent, PYTHONPATH=str(library))
     assert str(library) in printed

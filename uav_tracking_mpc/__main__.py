@@ -2,6 +2,6 @@
 
 import sys
 
-from uav_tracking_mpc.cli import main
+from uav_tracking_mpc.cli.main import main
 
 sys.exit(main())

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from uav_tracking_mpc.mpc.cold_start import ColdStart
-from uav_tracking_mpc.mpc.compilation import compile_method
+from uav_tracking_mpc.mpc.compiled_method import compile_method
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.mpc.solution import Solution, Status
 from uav_tracking_mpc.mpc.solver import Guess

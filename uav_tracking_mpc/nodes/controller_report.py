@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from uav_tracking_mpc.guidance.ladder import Rung
-from uav_tracking_mpc.guidance.navigator import Navigator
-from uav_tracking_mpc.guidance.pilot import Command, Pilot
-from uav_tracking_mpc.guidance.situation import Situation
+from uav_tracking_mpc.control.fallback import Rung
+from uav_tracking_mpc.control.pilot import Command, Pilot
+from uav_tracking_mpc.estimation.navigator import Navigator
+from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.nodes.rate_keeper import RateKeeper
 from uav_tracking_mpc.nodes.sample_window import SampleWindow
-from uav_tracking_mpc.stability.claim import CertificateStatus
+from uav_tracking_mpc.terminal.claim import CertificateStatus
 
 LATE = 1.5  # control periods from command to command, beyond which one came late
 

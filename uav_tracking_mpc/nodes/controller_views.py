@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from rclpy.node import Node
 
+from uav_tracking_mpc.control.pilot import Command
 from uav_tracking_mpc.dynamics import vehicle
-from uav_tracking_mpc.guidance.pilot import Command
 from uav_tracking_mpc.nodes.conversions import markers_message, path_message
 from uav_tracking_mpc.nodes.topics import MARKERS, PREDICTED_PATH, TRACKING
 

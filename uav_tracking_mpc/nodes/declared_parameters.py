@@ -15,7 +15,12 @@ from rcl_interfaces.msg import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from uav_tracking_mpc.parameters import ParameterError, Specification, from_mapping, specifications
+from uav_tracking_mpc.parameters.specification import (
+    ParameterError,
+    Specification,
+    from_mapping,
+    specifications,
+)
 
 T = TypeVar("T")
 

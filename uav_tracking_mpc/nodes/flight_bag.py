@@ -15,8 +15,8 @@ from rclpy.serialization import deserialize_message
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from uav_tracking_mpc.control.fallback import Rung
 from uav_tracking_mpc.dynamics.relative import steady_inputs
-from uav_tracking_mpc.guidance.ladder import Rung
 from uav_tracking_mpc.nodes.conversions import (
     Motion,
     air_velocity_from_twist,
@@ -33,7 +33,7 @@ from uav_tracking_mpc.nodes.topics import (
     TRACKING,
     Topic,
 )
-from uav_tracking_mpc.simulation.configuration import Configuration
+from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, Latency
 from uav_tracking_mpc.simulation.target_motion import target_position, target_velocity
 

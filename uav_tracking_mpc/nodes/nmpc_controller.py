@@ -11,15 +11,14 @@ from numpy.typing import NDArray
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
-from uav_tracking_mpc.guidance.certification import certification
-from uav_tracking_mpc.guidance.ladder import Change, Rung
-from uav_tracking_mpc.guidance.navigator import Navigator
-from uav_tracking_mpc.guidance.pace import Pace
-from uav_tracking_mpc.guidance.pilot import Command, Outlook, Pilot
-from uav_tracking_mpc.guidance.state_gate import StateGate, Verdict
-from uav_tracking_mpc.guidance.tracking_parameters import TrackingParameters
+from uav_tracking_mpc.control.certification import certification
+from uav_tracking_mpc.control.fallback import Change, Rung
+from uav_tracking_mpc.control.pace import Pace
+from uav_tracking_mpc.control.pilot import Command, Outlook, Pilot
+from uav_tracking_mpc.estimation.air_data import AirData
+from uav_tracking_mpc.estimation.navigator import Navigator
+from uav_tracking_mpc.estimation.state_gate import StateGate, Verdict
 from uav_tracking_mpc.nodes import diagnostics
-from uav_tracking_mpc.nodes.air_data import AirData
 from uav_tracking_mpc.nodes.command_wire import CommandWire
 from uav_tracking_mpc.nodes.controller_report import ControllerReport
 from uav_tracking_mpc.nodes.controller_views import ControllerViews
@@ -41,8 +40,9 @@ from uav_tracking_mpc.nodes.topics import (
     ODOMETRY,
     TARGET,
 )
-from uav_tracking_mpc.parameters import ParameterError
-from uav_tracking_mpc.simulation.configuration import configuration_folder
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.configuration import configuration_folder
+from uav_tracking_mpc.settings.tracking import TrackingParameters
 
 WARNING_PERIOD = 5.0  # s
 STALL_MARGIN = 0.15  # s, by which the watchdog may be late without the process having stood still

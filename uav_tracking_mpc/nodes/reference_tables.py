@@ -6,8 +6,8 @@ import sys
 from pathlib import Path
 
 from uav_tracking_mpc.nodes.topics import ALL
-from uav_tracking_mpc.parameters import Specification, specifications
-from uav_tracking_mpc.simulation.configuration import SECTIONS
+from uav_tracking_mpc.parameters.specification import Specification, specifications
+from uav_tracking_mpc.settings.configuration import SECTIONS
 
 
 def topic_table() -> str:

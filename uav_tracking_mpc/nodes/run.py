@@ -15,7 +15,7 @@ from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from uav_tracking_mpc.parameters import ParameterError
+from uav_tracking_mpc.parameters.specification import ParameterError
 
 
 def run(name: str, create: Callable[[], Node], arguments: Sequence[str] | None = None) -> int:

@@ -21,8 +21,8 @@ from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
 from uav_tracking_mpc.nodes.peers import Peers, Promise
 from uav_tracking_mpc.nodes.run import run
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY
-from uav_tracking_mpc.simulation.plant import Plant
-from uav_tracking_mpc.simulation.simulator_parameters import SimulatorParameters
+from uav_tracking_mpc.settings.simulator import SimulatorParameters
+from uav_tracking_mpc.simulation.plants.vehicle import Plant
 
 LONGEST_STEP = 0.5  # s; a jump of the clock beyond this is not flown through
 WARNING_PERIOD = 5.0  # s

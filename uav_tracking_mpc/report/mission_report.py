@@ -11,8 +11,8 @@ from typing import Any
 from jinja2 import Environment, StrictUndefined
 
 from uav_tracking_mpc.report.atomic_write import write_atomically
-from uav_tracking_mpc.report.figures import save_states, save_trajectory
-from uav_tracking_mpc.report.findings import (
+from uav_tracking_mpc.report.flight_figures import save_states, save_trajectory
+from uav_tracking_mpc.report.flight_findings import (
     UNITS,
     quantity,
     range_offset_finding,

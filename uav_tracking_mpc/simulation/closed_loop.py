@@ -8,6 +8,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.control.fallback import Rung
+from uav_tracking_mpc.control.pace import Pace
+from uav_tracking_mpc.control.pilot import Command, Outlook, Pilot
 from uav_tracking_mpc.dynamics.angles import wrap_angle
 from uav_tracking_mpc.dynamics.relative import (
     rates_function,
@@ -15,15 +18,12 @@ from uav_tracking_mpc.dynamics.relative import (
     steady_inputs,
     vehicle_state,
 )
-from uav_tracking_mpc.guidance.forecast import steady_forecast
-from uav_tracking_mpc.guidance.ladder import Rung
-from uav_tracking_mpc.guidance.navigator import Navigator
-from uav_tracking_mpc.guidance.pace import Pace
-from uav_tracking_mpc.guidance.pilot import Command, Outlook, Pilot
-from uav_tracking_mpc.guidance.situation import Situation
-from uav_tracking_mpc.simulation.configuration import Configuration
+from uav_tracking_mpc.estimation.forecast import steady_forecast
+from uav_tracking_mpc.estimation.navigator import Navigator
+from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog
-from uav_tracking_mpc.simulation.plant import Plant
+from uav_tracking_mpc.simulation.plants.vehicle import Plant
 from uav_tracking_mpc.simulation.target_motion import target_position, target_velocity
 from uav_tracking_mpc.simulation.target_sensor import TargetSensor
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.parameters import ParameterError, parameter
+from uav_tracking_mpc.parameters.specification import ParameterError, parameter
 
 MOTIONS = ("stationary", "line", "circle", "waypoints", "stop_and_go", "jump")
 

@@ -19,9 +19,9 @@ not Gauss-Newton's. The u-part of L_w is the gradient of the whole problem, so t
 makes the step also measures the KKT residual of the plan.
 """
 
-from .compilation import compiled
 from .input_box import minimise_over_box, solve_factor
 from .multipliers import stage_multipliers, terminal_multipliers
+from .numba_options import compiled
 from .stage import NA, NS, NU, NX, stage_quadratic, terminal_quadratic
 
 

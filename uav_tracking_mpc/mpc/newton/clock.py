@@ -2,7 +2,7 @@
 
 from numba import types
 
-from .compilation import compiled
+from .numba_options import compiled
 
 MONOTONIC = 1  # CLOCK_MONOTONIC of POSIX on Linux
 

@@ -14,7 +14,7 @@ different their scales.
 
 import math
 
-from .compilation import compiled
+from .numba_options import compiled
 
 PIVOT = 1e-10  # smallest accepted pivot, relative to its diagonal element
 REPLACED, SMALLEST = 1e-3, 1e-6  # what at least replaces another: relative to that, and at all

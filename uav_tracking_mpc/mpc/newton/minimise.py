@@ -10,8 +10,8 @@ import math
 
 from .backward_sweep import backward_sweep
 from .clock import now as clock
-from .compilation import compiled, entry
 from .multipliers import constraint_residual, exact_cost, merit, update_multipliers
+from .numba_options import compiled, entry
 from .rollout import rollout
 from .stage import NA, NE, NH, NP, NU, NX, N
 from .warm_start import move_on

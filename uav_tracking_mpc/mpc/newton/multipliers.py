@@ -14,7 +14,7 @@ complementary if hard; mu = penalty exactly where a soft one is violated. So |m 
 feasibility and complementarity together, in the units of c.
 """
 
-from .compilation import compiled
+from .numba_options import compiled
 from .stage import NH
 from .workspace import WORKING
 

@@ -7,7 +7,7 @@ r"""Forward simulation under a step: the dynamics hold exactly at every iterate.
     x_{i+1}^+ = f(x_i^+, u_i^+, p_i, a^+)
 """
 
-from .compilation import compiled
+from .numba_options import compiled
 from .stage import NA, NS, NU, NX, stage_values, terminal_values
 
 

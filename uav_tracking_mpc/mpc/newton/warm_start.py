@@ -2,7 +2,7 @@
 
 import math
 
-from .compilation import compiled
+from .numba_options import compiled
 from .stage import NA, NE, NH, NS, NU, N, continuation
 from .workspace import KEPT, SECOND, WORKING
 

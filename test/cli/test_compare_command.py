@@ -1,0 +1,58 @@
+"""The command from end to end, and what it refuses."""
+
+import json
+import subprocess
+
+import pytest
+from processes import command, environment
+from test_results import KEYS
+
+
+def run(*arguments, limit=110):
+    return subprocess.run(
+        command("cli.main", "compare", *map(str, arguments)),
+        capture_output=True,
+        text=True,
+        env=environment(),
+        timeout=limit,
+    )
+
+
+def test_two_laws_through_one_scenario(tmp_path):
+    finished = run(
+        "--config", "small_uav", "--scenario", "wind", "--laws", "nmpc", "l1",
+        "--set", "mission.duration=30", "--output", tmp_path, "--json",
+    )  # fmt: skip
+    assert finished.returncode == 0, finished.stderr
+    content = json.loads(finished.stdout)
+    flights = content["scenarios"]["wind"]
+    assert list(flights) == ["nmpc", "l1"]
+    assert all(set(flight) == KEYS for flight in flights.values())
+    assert flights["nmpc"]["settling_s"] < 25.0
+    assert flights["nmpc"]["range_rms_m"] < 10.0
+    assert json.loads((tmp_path / "compare.json").read_text()) == content
+    assert (tmp_path / "wind.png").is_file()
+    assert (tmp_path / "compare.html").is_file()
+
+
+def test_people_get_a_table():
+    finished = run("--scenario", "still", "--laws", "l1", "--set", "mission.duration=5")
+    assert finished.returncode == 0, finished.stderr
+    assert "range RMS" in finished.stdout
+    assert "never" in finished.stdout
+    assert "missed" not in finished.stdout  # without the controller nothing is judged
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--scenario", "storm"], "scenario is 'storm', must be a file or one of"),
+        (["--laws", "pid"], "invalid choice: 'pid'"),
+        (["--config", "mars"], "configuration is 'mars'"),
+    ],
+)
+def test_mistakes_are_explained(arguments, words):
+    finished = run(*arguments)
+    assert finished.returncode == 2
+    assert words in finished.stderr
+    assert finished.stdout == ""

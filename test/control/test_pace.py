@@ -1,0 +1,29 @@
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.control.pace import Pace
+
+
+@pytest.mark.parametrize(
+    ("rate", "expected"), [(10.0, 10.0), (15.0, 15.0), (8.0, 8.0), (20.0, 20.0), (50.0, 20.0)]
+)
+def test_commands_keep_their_rate_on_the_average_up_to_that_of_the_states(rate, expected):
+    """States at 20 Hz for 60 s."""
+    pace = Pace(rate)
+    stamps = (np.arange(1200) * 50_000_000).tolist()
+    assert sum(pace.due(stamp) for stamp in stamps) == pytest.approx(expected * 60, abs=2)
+
+
+def test_lost_time_is_not_caught_up_with():
+    pace = Pace(10.0)
+    assert pace.due(0)
+    assert pace.due(5_000_000_000)
+    assert not pace.due(5_050_000_000)
+    assert pace.due(5_100_000_000)
+
+
+def test_after_a_reset_the_next_state_is_due():
+    pace = Pace(1.0)
+    pace.due(10_000_000_000)
+    pace.reset()
+    assert pace.due(0)

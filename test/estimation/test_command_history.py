@@ -1,0 +1,53 @@
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from uav_tracking_mpc.estimation.command_history import CommandHistory
+
+PLAN = np.array([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]])
+
+
+def test_before_the_first_command_nothing_is_demanded():
+    history = CommandHistory(1.0)
+    assert history.demanded(3.0, 0) == 0.0
+    history.add(5.0, PLAN, 0.5)
+    assert [history.demanded(4.99, axis) for axis in range(3)] == [0.0, 0.0, 0.0]
+
+
+def test_a_plan_is_flown_segment_by_segment_and_its_end_is_held():
+    history = CommandHistory(1.0)
+    history.add(5.0, PLAN, 0.5)
+    demanded = [history.demanded(time, 1) for time in (5.0, 5.49, 5.5, 5.99, 6.0, 60.0)]
+    assert demanded == [0.2, 0.2, 0.5, 0.5, 0.5, 0.5]
+
+
+def test_the_newest_plan_of_a_time_counts():
+    history = CommandHistory(1.0)
+    history.add(5.0, PLAN, 0.5)
+    history.add(5.2, PLAN + 1.0, 0.5)
+    assert history.demanded(5.1, 0) == 0.1
+    assert history.demanded(5.2, 0) == 1.1
+
+
+@given(
+    st.lists(st.tuples(st.floats(0.01, 2.0), st.floats(-1.0, 1.0)), min_size=1, max_size=50),
+    st.floats(0.0, 2.0),
+    st.floats(0.0, 1.0),
+)
+def test_within_its_memory_it_is_as_one_that_forgets_nothing(steps, memory, share):
+    history, everything = CommandHistory(memory), CommandHistory(np.inf)
+    now = 0.0
+    for step, value in steps:
+        now += step
+        for kept in (history, everything):
+            kept.add(now, np.full((1, 3), value), 1.0)
+    asked = now - share * memory
+    assert history.demanded(asked, 2) == everything.demanded(asked, 2)
+    assert len(history._plans) <= memory / 0.01 + 2
+
+
+def test_reset_forgets():
+    history = CommandHistory(1.0)
+    history.add(5.0, PLAN, 0.5)
+    history.reset()
+    assert history.demanded(5.2, 0) == 0.0

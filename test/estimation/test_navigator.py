@@ -1,0 +1,188 @@
+"""Wind triangle, what is flown when a command takes effect, and the forecast, against the plant."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import small_uav
+
+from uav_tracking_mpc.dynamics.angles import angle_difference
+from uav_tracking_mpc.estimation.navigator import LATENCY_LIMIT, Navigator
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.simulation.plants.vehicle import Plant
+
+TICK = 0.05
+FLIGHT = small_uav.parameters()
+VEHICLE = np.array([300.0, -50.0, 120.0, 2.0, 0.05, 22.0])
+
+
+def seen(parameters, until=6.0, start=(5.0, -3.0, 2.0), run=(0.0, 0.0, 0.0)):
+    """Navigator that has seen a target in straight flight, 10 positions a second."""
+    navigator = Navigator(parameters)
+    for time in np.linspace(0.0, until, round(10 * until) + 1):
+        navigator.target.update(time, np.array(start) + time * np.array(run))
+    return navigator
+
+
+def test_the_drift_is_the_wind_triangle_less_the_targets_velocity():
+    wind, run = np.array([6.0, -4.0, 0.5]), np.array([3.0, 2.0, 0.0])
+    navigator = seen(FLIGHT, run=run)
+    air = 22.0 * np.array([np.cos(0.05) * np.cos(2.0), np.cos(0.05) * np.sin(2.0), np.sin(0.05)])
+    now = navigator.situation(6.0, VEHICLE, air + wind, (0.2, -0.1))
+    estimate = navigator.target.predict(6.0)
+    np.testing.assert_allclose(now.drift, wind - estimate.velocity, atol=1e-12)
+    np.testing.assert_allclose(now.drift, wind - run, atol=0.05)
+    np.testing.assert_array_equal(now.drift_rate, -estimate.acceleration)
+    np.testing.assert_allclose(now.target, [5.0 + 18.0, -3.0 + 12.0, 2.0], atol=0.05)
+    np.testing.assert_array_equal(now.vehicle, VEHICLE)
+    np.testing.assert_array_equal(now.rates, [0.2, -0.1, 0.0])  # nothing has been commanded
+
+
+def test_without_a_target_there_is_no_situation():
+    navigator = Navigator(FLIGHT)
+    with pytest.raises(ValueError, match="no target position"):
+        navigator.situation(0.0, VEHICLE, np.zeros(3), np.zeros(2))
+    navigator = seen(FLIGHT)
+    navigator.reset()
+    with pytest.raises(ValueError, match="no target position"):
+        navigator.situation(6.0, VEHICLE, np.zeros(3), np.zeros(2))
+
+
+class Flight:
+    """Plant and navigator, one command a tick: two turns, a climb and engine that vary."""
+
+    def __init__(self, dead_time, wind=(0.0, 0.0, 0.0), run=(0.0, 0.0, 0.0)):
+        lists = f"dead_time={list(dead_time)}"
+        configuration = load_configuration(
+            "small_uav",
+            [
+                f"nmpc_controller.{lists}",
+                f"uav_simulator.{lists}",
+                f"uav_simulator.wind={list(wind)}",
+            ],
+        )
+        self.parameters = configuration.controller
+        self.plant = Plant(configuration.simulator)
+        self.navigator = Navigator(self.parameters)
+        self.run, self.ticks = np.array(run), 0
+
+    @property
+    def time(self):
+        return self.ticks * TICK
+
+    def fly(self, ticks, command=True):
+        """Fly on; without commands what was commanded last is held."""
+        for _ in range(ticks):
+            if self.ticks % 2 == 0:
+                self.navigator.target.update(self.time, self.time * self.run)
+            situation = self.situation()
+            if command:
+                t = self.time
+                turn, climb = 0.2 * np.sin(1.3 * t), 0.1 * np.cos(2.1 * t)
+                # Held far longer than any delay: the last one goes on
+                plan = np.tile([turn, climb, 0.8 * np.sin(0.7 * t)], (4, 1))
+                self.navigator.commanded(t, plan, 0.5)
+                self.plant.accept(plan, t + 0.5 * np.arange(4))
+            self.plant.advance(TICK)
+            self.ticks += 1
+        return situation
+
+    def situation(self):
+        state, ground_velocity = self.plant.measured()
+        return self.navigator.situation(self.time, state, ground_velocity, self.plant.rates[:2])
+
+
+def test_the_acceleration_flown_is_told_from_the_commands():
+    """Lag 0.16 s, dead time 0.1 s: as the plant flies it, though nothing measures it."""
+    flight = Flight((0.2, 0.2, 0.1))
+    for _ in range(40):
+        flight.fly(1)
+        told = flight.situation().rates
+        np.testing.assert_allclose(told, flight.plant.rates, atol=1e-12)
+    assert abs(flight.plant.rates[2]) > 0.2
+
+
+@pytest.mark.parametrize(
+    ("dead_time", "metres"),
+    [
+        ((0.2, 0.2, 0.2), 1e-4),
+        ((0.2, 0.15, 0.1), 1e-4),
+        ((0.17, 0.2, 0.1), 5e-3),  # changes inside of a substep
+    ],
+)
+@pytest.mark.parametrize(
+    ("wind", "run"), [((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), ((7.0, -4.0, 0.0), (3.0, 2.0, 0.0))]
+)
+def test_a_command_is_computed_for_where_the_aircraft_is_when_it_takes_effect(
+    dead_time, metres, wind, run
+):
+    """The plant flies through its dead time by the commands already under way."""
+    flight = Flight(dead_time, wind, run)
+    flight.fly(120)
+    situation = flight.situation()
+    later, _ = flight.navigator.at_effect(flight.time, situation)
+    delay = max(dead_time)
+    flight.fly(round(delay / TICK), command=False)
+    state, offset = flight.plant.state, flight.plant.state[:3] - flight.time * np.array(run)
+    still = not np.any(run)
+    position = metres if still else metres + 0.05 * delay  # by the target's estimated velocity
+    np.testing.assert_allclose(later.offset, offset, atol=position)
+    np.testing.assert_allclose(later.vehicle[:3], state[:3], atol=metres if still else 0.05)
+    assert abs(angle_difference(later.vehicle[3], state[3])) < 2e-3
+    np.testing.assert_allclose(later.vehicle[4:], state[4:], atol=2e-3)
+    np.testing.assert_allclose(later.rates, flight.plant.rates, atol=0.03)
+    if dead_time[0] == 0.2:
+        np.testing.assert_allclose(later.vehicle[4:], state[4:], atol=1e-9)
+        np.testing.assert_allclose(later.rates, flight.plant.rates, atol=1e-9)
+    # Not to be had by chance: the aircraft moved by metres, and turned.
+    assert np.linalg.norm(later.offset - situation.offset) > 2.0
+
+
+def test_latency_adds_to_the_dead_time_within_limits():
+    navigator = seen(FLIGHT, run=(3.0, 0.0, 0.0))
+    now = navigator.situation(6.0, VEHICLE, np.zeros(3), np.zeros(2))
+    begin = navigator.at_effect(6.0, now)[1].target[0, 0]
+    for latency, counted in ((0.1, 0.1), (-1.0, 0.0), (1e9, LATENCY_LIMIT), (1e-12, 0.0)):
+        navigator.latency = latency
+        now = navigator.situation(6.0, VEHICLE, np.zeros(3), np.zeros(2))
+        later, forecast = navigator.at_effect(6.0, now)
+        assert forecast.target[0, 0] - begin == pytest.approx(3.0 * counted, abs=0.01)
+        np.testing.assert_array_equal(later.target, forecast.target[0])
+
+
+def test_the_forecast_follows_target_and_drift_from_the_effect_on():
+    wind, run = np.array([2.0, 5.0, 0.0]), np.array([3.0, -2.0, 0.0])
+    navigator = seen(FLIGHT, run=run)
+    air = VEHICLE[5] * np.array([np.cos(0.05) * np.cos(2.0), np.cos(0.05) * np.sin(2.0), 0.0])
+    air[2] = VEHICLE[5] * np.sin(0.05)
+    now = navigator.situation(6.0, VEHICLE, air + wind, np.zeros(2))
+    _, forecast = navigator.at_effect(6.0, now)
+    times = 6.0 + 0.2 + FLIGHT.horizon_step * np.arange(FLIGHT.horizon + 1)
+    expected = np.array([5.0, -3.0, 2.0]) + times[:, np.newaxis] * run
+    np.testing.assert_allclose(forecast.target, expected, atol=0.3)
+    np.testing.assert_allclose(forecast.drift, np.tile(wind - run, (len(times), 1)), atol=0.05)
+    np.testing.assert_allclose(forecast.drift_rate, 0.0, atol=0.05)
+
+
+def test_without_delay_the_situation_is_as_measured():
+    parameters = replace(FLIGHT, dead_time=(0.0, 0.0, 0.0))
+    navigator = seen(parameters)
+    now = navigator.situation(6.0, VEHICLE, np.zeros(3), np.zeros(2))
+    later, forecast = navigator.at_effect(6.0, now)
+    assert later is now
+    assert forecast.target.shape == (FLIGHT.horizon + 1, 3)
+
+
+def test_a_change_keeps_what_is_known_of_the_target():
+    navigator = seen(FLIGHT, run=(3.0, 0.0, 0.0))
+    before = navigator.target.predict(6.1)
+    navigator.change(replace(FLIGHT, target_noise=2.0, target_agility=1.0))
+    np.testing.assert_array_equal(navigator.target.predict(6.1).position, before.position)
+
+
+def test_a_latency_of_next_to_nothing_is_flown_through():
+    navigator = seen(replace(FLIGHT, dead_time=(0.0, 0.0, 0.0)))
+    navigator.latency = 1e-12
+    now = navigator.situation(6.0, VEHICLE, np.zeros(3), np.zeros(2))
+    later, _ = navigator.at_effect(6.0, now)
+    np.testing.assert_allclose(later.offset, now.offset, atol=1e-9)

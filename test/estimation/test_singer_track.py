@@ -1,0 +1,95 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.linalg import expm
+
+from uav_tracking_mpc.estimation.singer_track import (
+    BRIDGE_TIME,
+    FADE_TIME,
+    MANOEUVRE_TIME,
+    SingerTrack,
+    bridged,
+    singer_motion,
+)
+
+DYNAMICS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0 / MANOEUVRE_TIME]])
+
+
+def van_loan(duration):
+    """F and Q from one matrix exponential: C. F. Van Loan, IEEE Trans. Automatic Control, 1978."""
+    block = np.zeros((6, 6))
+    block[:3, :3], block[3:, 3:] = -DYNAMICS, DYNAMICS.T
+    block[2, 5] = 2.0 / MANOEUVRE_TIME
+    both = expm(block * duration)
+    return both[3:, 3:].T, both[3:, 3:].T @ both[:3, 3:]
+
+
+@pytest.mark.parametrize("duration", [1e-3, 0.1, 1.0, 2.5, 2.6, 12.0])
+def test_the_motion_is_that_of_the_matrix_exponential(duration):
+    for computed, exact in zip(singer_motion(duration), van_loan(duration), strict=True):
+        np.testing.assert_allclose(computed, exact, rtol=1e-9, atol=1e-15)
+
+
+@pytest.mark.parametrize("duration", [1e-6, 1e-3])
+def test_a_short_time_is_a_driven_triple_integrator(duration):
+    """Where the closed form of Q cancels: q dt^5 / 20, q dt^4 / 8, ..."""
+    t, q = duration, 2.0 / MANOEUVRE_TIME
+    expected = q * np.array(
+        [
+            [t**5 / 20, t**4 / 8, t**3 / 6],
+            [t**4 / 8, t**3 / 3, t**2 / 2],
+            [t**3 / 6, t**2 / 2, t],
+        ]
+    )
+    np.testing.assert_allclose(singer_motion(t)[1], expected, rtol=2 * t)
+
+
+def test_a_plain_kalman_filter_agrees():
+    """Predict and correct as in the textbook, by its short form (I - K H) P."""
+    random, noise, agility = np.random.default_rng(1), 3.0, 0.5
+    times = np.cumsum(random.uniform(0.02, 1.0, 60))
+    positions = random.normal(0.0, noise, (60, 3)) + np.outer(times, [5.0, -2.0, 0.1])
+    track = SingerTrack(times[0], positions[0], noise, agility, 10.0)
+    state, covariance = np.zeros((3, 3)), np.diag([noise**2, 100.0, agility**2])
+    state[0], H = positions[0], np.array([[1.0, 0.0, 0.0]])
+    for before, time, position in zip(times, times[1:], positions[1:], strict=False):
+        F, Q = van_loan(time - before)
+        state, covariance = F @ state, F @ covariance @ F.T + agility**2 * Q
+        K = covariance @ H.T / (H @ covariance @ H.T + noise**2)
+        state = state + K @ (position[None] - H @ state)
+        covariance = covariance - K @ H @ covariance
+        assert track.update(time, position, gate=np.inf)
+    np.testing.assert_allclose(track.state, state, rtol=1e-7, atol=1e-7)
+    np.testing.assert_allclose(track.covariance, covariance, rtol=1e-7, atol=1e-10)
+
+
+def test_a_lost_target_runs_on_and_then_slows_down():
+    assert bridged(BRIDGE_TIME) == (BRIDGE_TIME, 1.0)
+    travelled, left = bridged(1e3)
+    assert travelled == pytest.approx(BRIDGE_TIME + FADE_TIME)
+    assert left == pytest.approx(0.0)
+    h = 1e-6
+    slope = (bridged(9.0 + h)[0] - bridged(9.0 - h)[0]) / (2 * h)
+    assert slope == pytest.approx(bridged(9.0)[1])
+
+
+@settings(deadline=None)
+@given(
+    st.lists(
+        st.tuples(st.floats(1e-9, 300.0), st.lists(st.floats(-1e6, 1e6), min_size=3, max_size=3)),
+        max_size=40,
+    ),
+    st.sampled_from([1e-3, 0.1, 3.0, 1e3]),
+    st.sampled_from([1e-3, 0.5, 100.0]),
+)
+def test_the_covariance_stays_positive_definite(steps, noise, agility):
+    track, time = SingerTrack(0.0, np.zeros(3), noise, agility, 10.0), 0.0
+    for elapsed, position in steps:
+        time += elapsed
+        track.update(time, np.array(position), gate=np.inf)
+        scale = np.sqrt(np.diag(track.covariance))
+        assert np.all(scale > 0.0)
+        assert np.linalg.eigvalsh(track.covariance / np.outer(scale, scale))[0] > 0.0
+        assert np.all(np.isfinite(track.state)) and np.isfinite(track.turn_rate)
+        assert np.isfinite(track.position_std(10.0))

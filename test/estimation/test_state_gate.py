@@ -1,0 +1,65 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from uav_tracking_mpc.estimation.state_gate import AGREEING, StateGate, Verdict
+
+TICK = 50_000_000  # ns
+HERE = np.zeros(3)
+
+
+def judged(gate, steps, position=HERE, begin=10_000_000_000):
+    """Verdicts on states whose stamps are so many ticks after the begin."""
+    return [gate.judge(begin + step * TICK, position) for step in steps]
+
+
+@pytest.fixture
+def gate():
+    gate = StateGate(0.5)
+    assert judged(gate, range(5)) == [Verdict.USE] * 5
+    return gate
+
+
+def test_duplicates_and_what_comes_out_of_order_are_dropped(gate):
+    assert judged(gate, [4, 3, 1]) == [Verdict.DROP] * 3
+    assert judged(gate, [5]) == [Verdict.USE]
+
+
+@pytest.mark.parametrize("away", [-100, 1000])
+def test_one_odd_stamp_is_doubted_and_flight_goes_on(gate, away):
+    assert judged(gate, [away, 5, away + 7, away + 8, 6, 7]) == [
+        Verdict.DOUBT, Verdict.USE, Verdict.DOUBT, Verdict.DOUBT, Verdict.USE, Verdict.USE,
+    ]  # fmt: skip
+    assert "header.stamp went" in gate.reason
+
+
+def test_a_clock_that_went_back_is_believed_when_states_agree(gate):
+    doubts = [Verdict.DOUBT] * (AGREEING - 1)
+    verdicts = judged(gate, range(-100, -100 + AGREEING + 2))
+    assert verdicts == [*doubts, Verdict.RESTART, Verdict.USE, Verdict.USE]
+
+
+def test_after_a_gap_flight_goes_on_without_a_new_beginning(gate):
+    verdicts = judged(gate, range(60, 60 + AGREEING + 1))
+    assert verdicts == [Verdict.DOUBT] * (AGREEING - 1) + [Verdict.USE] * 2
+
+
+def test_a_teleport_is_a_new_beginning_when_states_agree(gate):
+    there = np.array([5e3, 0.0, 0.0])
+    assert judged(gate, [5], there) == [Verdict.DOUBT]
+    assert "pose.position jumped by 5000 m" in gate.reason
+    assert judged(gate, [6]) == [Verdict.USE]
+    verdicts = judged(gate, range(7, 7 + AGREEING), there)
+    assert verdicts == [Verdict.DOUBT] * (AGREEING - 1) + [Verdict.RESTART]
+
+
+@given(st.lists(st.tuples(st.integers(-(2**62), 2**62), st.floats(-1e7, 1e7)), max_size=30))
+def test_used_stamps_rise_but_for_a_restart(states):
+    gate, newest = StateGate(0.5), None
+    for stamp, x in states:
+        verdict = gate.judge(stamp, np.array([x, 0.0, 0.0]))
+        if verdict is Verdict.USE:
+            assert newest is None or stamp > newest
+        if verdict in (Verdict.USE, Verdict.RESTART):
+            newest = stamp

@@ -1,0 +1,211 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from uav_tracking_mpc.estimation.target_filter import FORGOTTEN, TargetFilter
+
+
+def fed(times, path, noise=0.0, agility=0.5, seed=0, dropouts=0.0):
+    random = np.random.default_rng(seed)
+    target = TargetFilter(max(noise, 0.1), agility)
+    for time in times:
+        if random.random() >= dropouts:
+            target.update(time, path(time) + noise * random.standard_normal(3))
+    return target
+
+
+def circle(time):
+    """R = 200 m at 5 m/s."""
+    angle = 5.0 * time / 200.0
+    return np.array([200.0 * np.cos(angle), 200.0 * np.sin(angle), 0.0])
+
+
+def straight(time):
+    return np.array([5.0 * time, -2.0 * time, 0.0])
+
+
+def stop_and_go(time):
+    """Runs 20 s at 6 m/s, stands 10 s, a second to stop and to go."""
+    whole, part = divmod(time, 30.0)
+    speed = np.interp(np.linspace(0.0, part, 400), [0, 1, 20, 21, 30], [0, 6, 6, 0, 0])
+    return np.array([whole * 120.0 + np.mean(speed) * part, 0.0, 0.0])
+
+
+def test_a_target_that_stands_is_where_it_was_measured():
+    target = fed(np.arange(0, 5, 0.1), lambda t: np.array([3.0, -4.0, 1.0]))
+    estimate = target.predict(10.0)
+    np.testing.assert_allclose(estimate.position, [3.0, -4.0, 1.0], atol=1e-9)
+    np.testing.assert_allclose(estimate.velocity, 0.0, atol=1e-9)
+    np.testing.assert_allclose(estimate.acceleration, 0.0, atol=1e-9)
+
+
+def test_a_straight_run_is_learned_and_predicted():
+    estimate = fed(np.arange(0, 20, 0.2), straight).predict(22.0)
+    np.testing.assert_allclose(estimate.velocity, [5.0, -2.0, 0.0], atol=0.02)
+    np.testing.assert_allclose(estimate.position, straight(22.0), atol=0.1)
+
+
+def test_irregular_times_do_no_harm():
+    times = np.cumsum(np.random.default_rng(3).uniform(0.02, 1.5, 80))
+    velocity = fed(times, lambda t: np.array([4.0 * t, 0.0, 0.0])).predict(times[-1]).velocity
+    np.testing.assert_allclose(velocity, [4.0, 0.0, 0.0], atol=0.05)
+
+
+def test_noise_is_reduced_and_the_deviation_says_by_how_much():
+    """3 m of noise at 5 Hz, a tenth of it lost, on a target that stands."""
+    standing = [
+        fed(np.arange(0, 40, 0.2), lambda t: np.zeros(3), 3.0, 0.05, seed, 0.1).predict(40.0)
+        for seed in range(20)
+    ]
+    error = np.std([estimate.position for estimate in standing])
+    assert error < 1.5
+    assert error < 1.5 * np.mean([estimate.position_std for estimate in standing])
+
+
+def test_a_circle_is_predicted_along_the_turn():
+    """10 s ahead a tangent would miss by 6 m."""
+    target = fed(np.arange(0, 60, 0.1), circle)
+    times = 59.9 + np.linspace(0.0, 10.0, 21)
+    positions, velocities, accelerations = target.ahead(times)
+    expected = np.array([circle(time) for time in times])
+    np.testing.assert_allclose(positions, expected, atol=1.5)
+    np.testing.assert_allclose(np.linalg.norm(velocities, axis=1), 5.0, atol=0.1)
+    np.testing.assert_allclose(np.linalg.norm(accelerations, axis=1), 5.0**2 / 200.0, atol=0.03)
+
+
+@pytest.mark.parametrize(
+    ("path", "bound"),
+    [(circle, 7.0), (straight, 6.5), (stop_and_go, 21.0)],
+    ids=["circle", "straight", "stop_and_go"],
+)
+def test_noisy_targets_are_predicted_5_s_ahead(path, bound):
+    """RMS error with 3 m of noise at 5 Hz and dropouts; a stop can only be told afterwards."""
+    random, target, errors = np.random.default_rng(0), TargetFilter(3.0, 0.2), []
+    for time in np.arange(0.0, 60.0, 0.2):
+        if random.random() < 0.1:
+            continue
+        target.update(time, path(time) + 3.0 * random.standard_normal(3))
+        if time > 20.0:
+            ahead = target.ahead([time, time + 5.0])[0][1]
+            errors.append(np.linalg.norm(ahead - path(time + 5.0)))
+    assert np.sqrt(np.mean(np.square(errors))) < bound
+
+
+def test_the_first_of_the_horizon_is_the_estimate_of_now():
+    target = fed(np.arange(0, 20, 0.1), circle)
+    for now in (19.5, 19.95, 21.0, 40.0):
+        estimate, ahead = target.predict(now), target.ahead(now + np.arange(5.0))
+        for one, row in zip(
+            (estimate.position, estimate.velocity, estimate.acceleration), ahead, strict=True
+        ):
+            np.testing.assert_allclose(one, row[0])
+
+
+def test_a_target_stopping_and_going_is_followed():
+    target = TargetFilter(0.1, 0.5)
+    errors = []
+    for time in np.arange(0.0, 60.0, 0.1):
+        target.update(time, stop_and_go(time))
+        errors.append(np.linalg.norm(target.predict(time).position - stop_and_go(time)))
+    assert max(errors) < 3.0
+    assert np.sqrt(np.mean(np.square(errors))) < 0.3
+
+
+def test_outliers_are_left_out_and_counted():
+    target = TargetFilter(1.0, 0.5)
+    random = np.random.default_rng(0)
+    for k, time in enumerate(np.arange(0.0, 30.0, 0.2)):
+        position = straight(time) + 0.3 * random.standard_normal(3)
+        if k % 10 == 9:
+            assert not target.update(time, position + random.uniform(50, 500, 3))
+        else:
+            assert target.update(time, position)
+    assert (target.rejected, target.jumps) == (15, 0)
+    np.testing.assert_allclose(target.predict(30.0).position, straight(30.0), atol=1.0)
+
+
+def test_outliers_in_a_row_that_do_not_agree_are_left_out():
+    target = fed(np.arange(0, 10, 0.2), straight)
+    for k, time in enumerate((10.0, 10.2, 10.4, 10.6, 10.8)):
+        assert not target.update(time, [1000.0 * (-1) ** k, 300.0 * k, 0.0])
+    assert target.jumps == 0
+    np.testing.assert_allclose(target.predict(11.0).position, straight(11.0), atol=0.5)
+
+
+def test_a_jump_is_followed_at_the_third_position():
+    target = fed(np.arange(0, 10, 0.1), straight)
+    jump = np.array([200.0, 100.0, 0.0])
+    taken = [target.update(time, straight(time) + jump) for time in (10.0, 10.1, 10.2, 10.3)]
+    assert taken == [False, False, True, True]
+    assert (target.rejected, target.jumps, target.time) == (2, 1, 10.3)
+    np.testing.assert_allclose(target.predict(10.3).position, straight(10.3) + jump, atol=0.3)
+
+
+def test_a_dropout_is_bridged_and_then_the_velocity_fades():
+    target = fed(np.arange(0, 20, 0.1), straight)
+    np.testing.assert_allclose(target.predict(24.0).position, straight(24.0), atol=0.1)
+    late = target.predict(140.0)
+    np.testing.assert_allclose(late.velocity, 0.0, atol=1e-3)
+    assert np.linalg.norm(late.position - straight(19.9)) < 16.0 * np.linalg.norm(straight(1.0))
+    assert late.position_std > target.predict(24.0).position_std > target.predict(20.0).position_std
+
+
+def test_after_a_dropout_the_target_is_believed_where_it_is():
+    target = fed(np.arange(0, 20, 0.1), straight)
+    assert target.update(40.0, straight(40.0) + np.array([10.0, 5.0, 0.0]))
+    assert target.update(20.0 + 2 * FORGOTTEN, [1e6, 0.0, 0.0])
+    np.testing.assert_array_equal(target.predict(target.time).position, [1e6, 0.0, 0.0])
+
+
+def test_late_positions_are_left_out_and_counted():
+    target = fed([0.0, 1.0, 2.0], straight)
+    before = target.predict(3.0)
+    assert not target.update(1.5, [100.0, 0.0, 0.0])
+    assert not target.update(2.0, [100.0, 0.0, 0.0])
+    assert target.late == 2
+    np.testing.assert_array_equal(target.predict(3.0).position, before.position)
+
+
+@pytest.mark.parametrize("position", [[np.nan, 0, 0], [0, 0], [np.inf, 0, 0], [[0, 0, 0]]])
+def test_what_is_no_position_is_refused_and_changes_nothing(position):
+    target = fed([0.0, 1.0], lambda t: np.zeros(3))
+    before = target.predict(2.0)
+    with pytest.raises(ValueError, match="three finite numbers"):
+        target.update(1.5, position)
+    with pytest.raises(ValueError, match="must be finite"):
+        target.update(np.nan, [0.0, 0.0, 0.0])
+    np.testing.assert_array_equal(target.predict(2.0).position, before.position)
+
+
+def test_nothing_measured_is_said():
+    target = fed([0.0], straight)
+    target.reset()
+    assert target.time is None
+    with pytest.raises(ValueError, match="no target position"):
+        target.predict(0.0)
+    with pytest.raises(ValueError, match="no target position"):
+        target.ahead([0.0])
+
+
+@settings(deadline=None)
+@given(
+    st.lists(
+        st.tuples(st.floats(-1.0, 400.0), st.lists(st.floats(-1e7, 1e7), min_size=3, max_size=3)),
+        min_size=1,
+        max_size=30,
+    ),
+    st.sampled_from([1e-3, 3.0, 1e3]),
+    st.sampled_from([1e-3, 0.5, 100.0]),
+    st.floats(-1e4, 1e4),
+)
+def test_whatever_is_measured_estimates_are_finite(steps, noise, agility, lead):
+    target, time = TargetFilter(noise, agility), 0.0
+    for elapsed, position in steps:
+        time += elapsed
+        target.update(time, position)
+        estimate = target.predict(time + lead)
+        for values in (estimate.position, estimate.velocity, estimate.acceleration):
+            assert np.all(np.isfinite(values))
+        assert np.isfinite(estimate.position_std) and estimate.position_std > 0.0
+        assert all(np.all(np.isfinite(rows)) for rows in target.ahead(time + np.arange(0.0, 9.0)))

@@ -1,0 +1,55 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from uav_tracking_mpc.estimation.turn_prediction import predict_turn
+
+KNOWN = 1e-12 * np.eye(3)  # next to nothing uncertain
+LEADS = np.linspace(0.0, 20.0, 41)
+
+
+def test_a_circle_is_predicted_round():
+    omega, radius = 0.1, 50.0
+    angle = omega * LEADS
+    circle = radius * np.array([np.cos(angle), np.sin(angle), 0.0 * angle]).T
+    state = np.array([[radius, 0, 0], [0, radius * omega, 0], [-radius * omega**2, 0, 0]])
+    positions, velocities, accelerations = predict_turn(state, KNOWN, omega, LEADS)
+    np.testing.assert_allclose(positions, circle, atol=1e-9)
+    np.testing.assert_allclose(accelerations, -(omega**2) * circle, atol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(velocities, axis=1), radius * omega)
+
+
+@pytest.mark.parametrize("turn_rate", [0.0, -0.0, 1e-9, 0.3, -0.3])
+def test_positions_velocities_and_accelerations_are_derivatives(turn_rate):
+    state = np.array([[1.0, 2.0, 3.0], [4.0, -3.0, 0.5], [0.6, 0.1, 0.0]])
+    leads = np.linspace(0.0, 10.0, 2001)
+    motion = predict_turn(state, np.diag([1.0, 0.1, 0.01]), turn_rate, leads)
+    np.testing.assert_allclose(motion[0, 0], state[0], atol=1e-8)
+    np.testing.assert_allclose(motion[1, 0], state[1], atol=1e-8)
+    for k in (0, 1):
+        slope = np.gradient(motion[k], leads, axis=0)[1:-1]
+        np.testing.assert_allclose(slope, motion[k + 1, 1:-1], atol=2e-5)
+
+
+def test_a_straight_run_goes_on():
+    state = np.array([[0.0, 0.0, 0.0], [3.0, 4.0, -1.0], [0.0, 0.0, 0.0]])
+    positions = predict_turn(state, KNOWN, 0.0, LEADS)[0]
+    np.testing.assert_allclose(positions, np.outer(LEADS, state[1]), atol=1e-4)
+
+
+def test_a_braking_target_comes_to_rest():
+    state = np.array([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [-2.0, 0.0, 0.0]])
+    velocities = predict_turn(state, KNOWN, 0.0, np.linspace(0.0, 100.0, 50))[1]
+    assert np.all(velocities[:, 0] > -1e-9)
+    assert velocities[-1, 0] == pytest.approx(0.0, abs=1e-6)
+
+
+@given(
+    st.lists(st.floats(-1e6, 1e6), min_size=9, max_size=9),
+    st.floats(1e-12, 1e6),
+    st.floats(-1e6, 1e6),
+)
+def test_predictions_are_finite(state, variance, turn_rate):
+    motion = predict_turn(np.reshape(state, (3, 3)), variance * np.eye(3), turn_rate, LEADS)
+    assert np.all(np.isfinite(motion))

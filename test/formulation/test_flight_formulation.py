@@ -1,0 +1,174 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import small_uav
+from hypothesis import given
+from hypothesis import strategies as st
+
+from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, COUNTER_CLOCKWISE, DIRECTIONS
+from uav_tracking_mpc.dynamics.relative import relative_state, tracking_error
+from uav_tracking_mpc.estimation.forecast import steady_forecast
+from uav_tracking_mpc.formulation.flight_formulation import (
+    FORCE_MARGIN,
+    FlightFormulation,
+    constant_data,
+    effective_lag,
+)
+from uav_tracking_mpc.mpc.solution import Status
+
+FLIGHT = small_uav.parameters()
+N = FLIGHT.horizon
+
+
+def formulation(parameters=FLIGHT):
+    return FlightFormulation(parameters, small_uav.solver())
+
+
+def plan_of(flight, now, orbit=FLIGHT.orbit, elapsed=None, forecast=None):
+    return flight.solve(now, forecast or steady_forecast(now, N), orbit, elapsed)
+
+
+@given(st.floats(14.0, 32.0))
+def test_the_force_is_limited_as_the_envelope_says(airspeed):
+    parameters = replace(FLIGHT, force_min=(-1.5, -4.0), force_max=(4.0, 2.5))
+    data = constant_data(parameters)
+    lower, upper = parameters.envelope.force_limits(airspeed)
+    assert data.force_min[0] + data.force_min[1] * airspeed == pytest.approx(lower + FORCE_MARGIN)
+    assert data.force_max[0] + data.force_max[1] * airspeed == pytest.approx(upper - FORCE_MARGIN)
+
+
+def test_lag_is_all_or_nothing():
+    assert effective_lag((0.0, 0.0, 0.0)) == ()
+    assert effective_lag((0.3, 0.0, 0.16)) == (0.3, 1e-3, 0.16)
+
+
+@pytest.mark.parametrize("direction", DIRECTIONS)
+@given(st.lists(st.floats(-1.0, 1.0), min_size=6, max_size=6))
+def test_without_drift_the_error_is_the_papers(direction, shares):
+    orbit = replace(FLIGHT.orbit, direction=direction)
+    now = small_uav.situation(
+        *np.array([300.0, 300.0, 100.0, 3.0, 0.2, 5.0]) * shares
+        + [0.0, 0.0, 120.0, 0.0, 0.0, 22.0],
+        target=(50.0, -20.0, 3.0),
+    )
+    expected = tracking_error(relative_state(now.vehicle, now.target), orbit)
+    error = FlightFormulation.error(None, now, orbit)
+    difference = error - expected
+    difference[1] = np.sin(difference[1])  # half turns may differ in sign
+    np.testing.assert_allclose(difference, 0.0, atol=1e-9)
+
+
+def test_in_a_drift_the_bearing_is_that_of_the_relative_velocity():
+    """Crabbing: the nose 25 degrees off the circle, the motion along it."""
+    air = np.array([-9.0, 20.0])
+    radius = FLIGHT.orbit.radius
+    now = small_uav.situation(
+        radius, 0.0, 120.0, np.arctan2(*air[::-1]), 0.0, np.hypot(*air), drift=(9.0, 1.0, 0.0)
+    )
+    orbit = replace(FLIGHT.orbit, direction=COUNTER_CLOCKWISE, speed=float(np.hypot(*air)))
+    np.testing.assert_allclose(FlightFormulation.error(None, now, orbit), 0.0, atol=1e-9)
+
+
+class Asked:
+    """A solver that keeps what it is asked and answers nothing."""
+
+    name, problem = "asked", None
+
+    def solve(self, initial_state, parameters=None, elapsed=None, guess=None):
+        self.state, self.data = np.array(initial_state), np.array(parameters)
+        self.guess = guess()
+        raise RuntimeError("this solver answers nothing")
+
+
+def guess_of(now, orbit=FLIGHT.orbit, parameters=FLIGHT):
+    asked = Asked()
+    with pytest.raises(RuntimeError, match="answers nothing"):
+        plan_of(FlightFormulation(parameters, asked), now, orbit)
+    return asked
+
+
+def test_the_guess_is_a_flight_that_leads_to_an_orbit_that_can_be_flown():
+    for now in small_uav.random_situations(10, seed=8):
+        inputs, decision = guess_of(now).guess
+        assert inputs.shape == (N, 3) and np.all(np.abs(inputs) <= 1.0)
+        radius, _, speed = decision * [100.0, 30.0, 3.0]
+        assert FLIGHT.airspeed_min <= speed <= FLIGHT.airspeed_max
+        assert radius >= 1.05 * FLIGHT.envelope.smallest_radius(speed, now.drift)
+
+
+@pytest.mark.parametrize("place", range(6))
+def test_there_is_no_guess_where_the_situation_is_not_finite(place):
+    vehicle = [300.0, 0.0, 120.0, 0.0, 0.0, 22.0]
+    vehicle[place] = np.nan
+    assert guess_of(small_uav.situation(*vehicle)).guess is None
+
+
+def test_a_state_that_is_not_finite_is_refused_and_the_last_plan_kept():
+    flight = formulation()
+    now = small_uav.situation()
+    before = plan_of(flight, now)
+    unknown = small_uav.situation(np.nan)
+    assert plan_of(flight, unknown, elapsed=0.05).solution.status is Status.REFUSED
+    after = plan_of(flight, now, elapsed=0.0)
+    assert after.solution.converged
+    assert after.solution.iterations <= min(3, before.solution.iterations)
+
+
+def test_the_plan_is_that_of_the_target_ahead():
+    """A target that will stand still: what matters is where it is at each stage, not its speed."""
+    now = small_uav.situation(target=(1000.0, 500.0, 30.0))
+    here = plan_of(formulation(), now)
+    there = plan_of(formulation(), small_uav.situation())
+    np.testing.assert_allclose(here.inputs, there.inputs, atol=1e-9)
+    assert here.step == FLIGHT.horizon_step
+
+
+def test_left_and_right_are_mirror_images():
+    drift, rates = (5.0, 3.0, 0.0), (0.1, 0.02, 0.3)
+    now = small_uav.situation(350.0, 60.0, 100.0, 2.5, 0.05, 23.0, drift=drift, rates=rates)
+    mirrored = small_uav.situation(
+        350.0, -60.0, 100.0, -2.5, 0.05, 23.0, drift=(5.0, -3.0, 0.0), rates=(-0.1, 0.02, 0.3)
+    )
+    right = plan_of(formulation(), now, replace(FLIGHT.orbit, direction=CLOCKWISE))
+    left = plan_of(formulation(), mirrored, replace(FLIGHT.orbit, direction=COUNTER_CLOCKWISE))
+    np.testing.assert_allclose(right.inputs, left.inputs * [-1.0, 1.0, 1.0], atol=2e-4)
+
+
+def test_the_floor_is_kept_over_a_target_that_is_below_it():
+    """An orbit 40 m above a target at -20 m, least height 30 m: it flies at 30 m."""
+    parameters = replace(FLIGHT, range=280.0, altitude=40.0, direction=COUNTER_CLOCKWISE)
+    radius = parameters.orbit.radius
+    now = small_uav.situation(radius, 0.0, 51.0, np.pi / 2.0, target=(0.0, 0.0, -20.0))
+    plan = plan_of(formulation(parameters), now, parameters.orbit)
+    assert plan.solution.converged
+    heights = plan.solution.states[:, 2] - 20.0
+    assert heights.min() > 30.0 - 1e-3
+    assert heights[-1] == pytest.approx(30.0, abs=0.1)
+
+
+def test_the_fence_is_kept_though_the_orbit_reaches_beyond():
+    """A fence of 350 m about the target, and an orbit of 420 m asked for."""
+    parameters = replace(FLIGHT, range=420.0, altitude=120.0, direction=COUNTER_CLOCKWISE)
+    fenced = replace(parameters, fence_radius=350.0, fence_centre=(1000.0, 0.0))
+    now = small_uav.situation(300.0, 0.0, 120.0, np.pi / 2.0, target=(1000.0, 0.0, 0.0))
+    free = plan_of(formulation(parameters), now, parameters.orbit).solution
+    kept = plan_of(formulation(fenced), now, parameters.orbit).solution
+    assert free.converged and kept.converged
+    farthest = [np.hypot(*solution.states[:, :2].T).max() for solution in (free, kept)]
+    assert farthest[0] > 352.0
+    assert 340.0 < farthest[1] < 350.0 + 0.01
+
+
+def test_changes_reach_the_solver():
+    flight = formulation()
+    now = small_uav.on_orbit(FLIGHT, 0.0, -1.0)
+    flight.change(replace(FLIGHT, solve_time_max=0.07, pitch_rate_max=0.01))
+    assert flight.solver.time_limit == 0.07
+    flight.change(replace(FLIGHT, pitch_rate_max=0.01))
+    higher = replace(FLIGHT.orbit, altitude=150.0)
+    assert np.abs(plan_of(flight, now, higher).inputs[:, 1]).max() <= 0.01 + 1e-12
+
+
+def test_ipopt_is_made_when_asked_for():
+    assert FlightFormulation(replace(FLIGHT, solver="ipopt", horizon=2)).solver.name == "ipopt"

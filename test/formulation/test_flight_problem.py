@@ -1,0 +1,297 @@
+"""The flight problem: the paper's where nothing drifts, lags or limits; solved as by IPOPT."""
+
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+import pytest
+import small_uav
+from kkt import kkt_residual
+
+from uav_tracking_mpc.dynamics.discretisation import error_dynamics
+from uav_tracking_mpc.dynamics.lagged_vehicle import advance
+from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, DIRECTIONS
+from uav_tracking_mpc.dynamics.relative import (
+    rates_function,
+    relative_state,
+    steady_inputs,
+    tracking_error,
+    vehicle_state,
+)
+from uav_tracking_mpc.estimation.forecast import steady_forecast
+from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation, constant_data
+from uav_tracking_mpc.formulation.flight_problem import (
+    DECISION_SCALE,
+    PARAMETERS,
+    SIZES,
+    SMALL,
+    WHERE,
+    flight_problem,
+    input_span,
+)
+from uav_tracking_mpc.formulation.paper_terminal import tracking_problem
+from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
+from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
+from uav_tracking_mpc.mpc.solver import Guess
+
+FLIGHT = small_uav.parameters()
+# No limit is near, nothing lags, and the horizon is long: the paper's world.
+STILL = small_uav.parameters(
+    "rate_lag=[0, 0, 0]", "dead_time=[0, 0, 0]", "direction=counter_clockwise", "scheme=rk4"
+)
+
+
+def data_of(parameters, orbit, drift=(0.0, 0.0, 0.0), drift_rate=(0.0, 0.0, 0.0)):
+    """The parameter p of a stage without floor and fence."""
+    return replace(
+        constant_data(parameters),
+        drift=drift,
+        drift_rate=drift_rate,
+        orbit=(orbit.range, orbit.altitude, orbit.speed),
+        sense=1.0 if orbit.direction == COUNTER_CLOCKWISE else -1.0,
+    ).vector()
+
+
+def decision_of(orbit):
+    return np.array([orbit.radius, orbit.altitude, orbit.speed]) / DECISION_SCALE
+
+
+def shares_of(parameters, inputs, airspeed, path_angle):
+    """Shares that give inputs (u_psi, u_chi, u_v) in a state."""
+    span = input_span(path_angle, airspeed, constant_data(parameters), np)
+    middle, half = (np.array(part) for part in span)
+    return (inputs - middle) / half
+
+
+def stage_function(problem):
+    return ca.Function(
+        "stage",
+        [problem.state, problem.inputs, problem.parameter, problem.decision],
+        [problem.next_state, problem.stage_cost],
+    )
+
+
+def test_the_data_stand_where_the_problem_looks_for_them():
+    data = constant_data(FLIGHT)
+    vector = data.vector()
+    assert vector.shape == (PARAMETERS,) == (small_uav.problem().np,)
+    for name in SIZES:
+        np.testing.assert_array_equal(vector[WHERE[name]], np.ravel(getattr(data, name)))
+
+
+@pytest.mark.parametrize("direction", DIRECTIONS)
+def test_without_drift_the_stage_cost_is_that_of_the_paper(direction):
+    """(14) at random states and inputs, on the wanted orbit; to rounding."""
+    parameters = replace(
+        STILL, direction=direction, force_min=(-60.0, -60.0), force_max=(60.0,) * 2
+    )
+    orbit, rng = parameters.orbit, np.random.default_rng(1)
+    stage = stage_function(small_uav.problem(lagged=False))
+    q, r = np.diag(parameters.state_weights), np.diag(parameters.input_weights)
+    for _ in range(50):
+        relative = rng.uniform([150.0, -3.1, -140.0, -1.4, 14.0], [900.0, 3.1, 140.0, 1.4, 32.0])
+        inputs = rng.uniform(parameters.input_lower, parameters.input_upper)
+        vehicle = vehicle_state(relative, rng.uniform(-np.pi, np.pi), np.zeros(3))
+        shares = shares_of(parameters, inputs, relative[4], relative[3])
+        cost = stage(vehicle, shares, data_of(parameters, orbit), decision_of(orbit))[1]
+        # Distances are smooth where they vanish: 1 cm is added to each, in squares.
+        relative[0] = np.hypot(relative[0], SMALL)
+        x = tracking_error(relative, orbit)
+        u = inputs - steady_inputs("exact", orbit)
+        assert float(cost) == pytest.approx(x @ q @ x + u @ r @ u, rel=1e-11)
+
+
+def test_its_motion_is_the_papers_exact_model_in_other_coordinates():
+    """(9), corrected: central difference over 0.2 ms, at random states and inputs."""
+    rates, rng, h = rates_function("exact"), np.random.default_rng(2), 1e-4
+    for _ in range(50):
+        relative = rng.uniform([150.0, -3.1, -140.0, -1.4, 14.0], [900.0, 3.1, 140.0, 1.4, 32.0])
+        inputs = rng.uniform([-0.7, -0.5, -4.0], [0.7, 0.5, 5.0])
+        vehicle = vehicle_state(relative, rng.uniform(-np.pi, np.pi), np.zeros(3)).tolist()
+        still = [0.0, 0.0, 0.0]
+        after, before = (
+            relative_state(advance(vehicle, inputs, dt, (), still, still), still) for dt in (h, -h)
+        )
+        change = after - before
+        change[1] = np.arctan2(np.sin(change[1]), np.cos(change[1]))
+        expected = np.array(rates(relative, inputs)).ravel()
+        np.testing.assert_allclose(change / (2.0 * h), expected, atol=2e-6)
+
+
+@pytest.mark.parametrize(("step", "error"), [(0.5, 3e-5), (0.25, 1e-6), (0.125, 3.5e-8)])
+def test_a_step_is_the_papers_up_to_the_error_of_integration(step, error):
+    """Against Runge-Kutta in the paper's coordinates: both are of fourth order."""
+    stage = stage_function(flight_problem(1, step, (), FLIGHT.limit_penalty))
+    parameters = replace(STILL, force_min=(-60.0, -60.0), force_max=(60.0, 60.0))
+    orbit, rng = parameters.orbit, np.random.default_rng(3)
+    dynamics = error_dynamics("exact", orbit, step, "rk4")
+    worst = 0.0
+    for _ in range(30):
+        relative = rng.uniform([150.0, -3.1, -100.0, -0.3, 14.0], [900.0, 3.1, 140.0, 0.3, 32.0])
+        inputs = rng.uniform([-0.4, -0.3, -2.0], [0.4, 0.3, 2.0])
+        vehicle = vehicle_state(relative, 0.7, np.zeros(3))
+        shares = shares_of(parameters, inputs, relative[4], relative[3])
+        flown = stage(vehicle, shares, data_of(parameters, orbit), decision_of(orbit))[0]
+        x = tracking_error(relative_state(np.array(flown).ravel(), np.zeros(3)), orbit)
+        u = inputs - steady_inputs("exact", orbit)
+        expected = np.array(dynamics(tracking_error(relative, orbit), u)).ravel()
+        difference = x - expected
+        difference[1] = np.arctan2(np.sin(difference[1]), np.cos(difference[1]))
+        worst = max(worst, np.abs(difference).max())
+    assert worst < error
+
+
+@pytest.mark.parametrize("drift", [(0.0, 0.0, 0.0), (9.0, -6.0, 0.5)])
+def test_a_flight_on_the_orbit_costs_nothing_in_any_drift(drift):
+    """At its turn rate, fed forward by half a step, there is no error to be paid for."""
+    orbit, parameters = STILL.orbit, STILL
+    stage = stage_function(small_uav.problem(lagged=False))
+    data, drift = data_of(parameters, orbit, drift), np.array(drift)
+    path_angle = -np.arcsin(drift[2] / orbit.speed)
+
+    def motion(azimuth):
+        """Air velocity, turn rate and rate of the azimuth: the module of the drifting orbit."""
+        tangent = np.array([-np.sin(azimuth), np.cos(azimuth)])
+        along = drift[:2] @ tangent
+        root = np.sqrt(orbit.speed**2 - drift @ drift + along**2)
+        speed = along + root
+        air = speed * tangent - drift[:2]
+        return air, speed**2 / (orbit.radius * root), speed / orbit.radius
+
+    for azimuth in np.linspace(-3.0, 3.0, 7):
+        air, turn, azimuth_rate = motion(azimuth)
+        ahead = 0.5 * STILL.horizon_step * azimuth_rate * 1e-3
+        lead = (motion(azimuth + ahead)[1] - motion(azimuth - ahead)[1]) / 2e-3
+        shares = shares_of(parameters, (turn + lead, 0.0, 0.0), orbit.speed, path_angle)
+        state = [
+            orbit.radius * np.cos(azimuth),
+            orbit.radius * np.sin(azimuth),
+            orbit.altitude,
+            np.arctan2(air[1], air[0]),
+            path_angle,
+            orbit.speed,
+        ]
+        assert float(stage(state, shares, data, decision_of(orbit))[1]) < 1e-12
+
+
+def test_near_the_orbit_its_inputs_are_those_of_the_paper():
+    """Same horizon, Runge-Kutta and Simpson; no lag, no drift, no limit near.
+
+    The problems differ only in how they end: the paper's in the weight P_rho, this one on the
+    orbit, which its weights hold to the wanted one. Over 10 s both are so near to the optimum of an
+    infinite horizon that 2e-5 is left, of first inputs of 0.1.
+    """
+    parameters = replace(STILL, offset_weights=(1e4, 1e4, 1e4), terminal_constraint="none")
+    paper = CasadiSolver(tracking_problem(parameters), "ipopt")
+    flight = FlightFormulation(
+        replace(parameters, terminal_constraint="artificial_orbit"),
+        NewtonSolver(small_uav.problem(lagged=False)),
+    )
+    orbit, rng = parameters.orbit, np.random.default_rng(4)
+    for _ in range(5):
+        size = np.array([0.4, 0.006, 0.2, 0.002, 0.05])
+        relative = orbit.steady_state + rng.uniform(-size, size)
+        vehicle = vehicle_state(relative, rng.uniform(-np.pi, np.pi), np.zeros(3))
+        now = small_uav.situation(*vehicle)
+        plan = flight.solve(now, steady_forecast(now, parameters.horizon), orbit, None)
+        expected = paper.solve(tracking_error(relative, orbit)).inputs + parameters.steady_inputs
+        assert plan.solution.converged
+        assert np.abs(expected[0] - parameters.steady_inputs).max() > 0.01
+        np.testing.assert_allclose(plan.inputs[:4], expected[:4], atol=5e-5)
+
+
+class Recorder:
+    """A solver that keeps what it was asked and what it answered."""
+
+    def __init__(self, solver):
+        self.solver, self.name, self.problem = solver, solver.name, solver.problem
+
+    def solve(self, initial_state, parameters=None, elapsed=None, guess=None):
+        self.asked = np.array(initial_state), np.array(parameters)
+        self.answer = self.solver.solve(initial_state, parameters, elapsed, guess)
+        return self.answer
+
+
+@pytest.fixture(scope="module")
+def plans():
+    """Answers from 20 flyable situations: (situation, x_0, p, plan)."""
+    recorder = Recorder(small_uav.shared_solver())
+    formulation = FlightFormulation(FLIGHT, recorder)
+    answers = []
+    for k, now in enumerate(small_uav.random_situations(20, seed=5)):
+        orbit = replace(FLIGHT.orbit, direction=DIRECTIONS[k % 2])
+        plan = formulation.solve(now, steady_forecast(now, FLIGHT.horizon), orbit, None)
+        answers.append((now, *recorder.asked, plan))
+    return answers
+
+
+def test_there_is_a_plan_from_wherever_the_aircraft_can_turn(plans):
+    for now, _, _, plan in plans:
+        assert plan.solution.converged, (now, plan.solution.message)
+        assert plan.solution.violation < 1e-5
+
+
+def test_every_input_of_every_plan_can_be_flown(plans):
+    """Bank, yaw, pitch, acceleration and specific force, in the state in which it is flown."""
+    envelope, slack = FLIGHT.envelope, 1e-9
+    for _, _, _, plan in plans:
+        states = plan.solution.states[:-1]
+        for inputs, state in zip(plan.inputs, states, strict=True):
+            path_angle, airspeed = state[4:6]
+            lower, upper = (
+                envelope.force_min[0] + (airspeed - 14.0) / 18.0 * np.diff(envelope.force_min)[0],
+                envelope.force_max[0] + (airspeed - 14.0) / 18.0 * np.diff(envelope.force_max)[0],
+            )
+            force = 9.80665 * np.sin(path_angle) + inputs[2]
+            bank = np.arctan(airspeed * abs(inputs[0]) / 9.80665)
+            assert bank <= envelope.bank_max + slack
+            assert abs(inputs[0]) <= envelope.yaw_rate_max + slack
+            assert abs(inputs[1]) <= envelope.pitch_rate_max + slack
+            assert envelope.acceleration_min <= inputs[2] + slack
+            assert inputs[2] <= envelope.acceleration_max + slack
+            assert lower - slack <= force <= upper + slack
+
+
+def test_every_plan_ends_on_an_orbit_that_can_be_flown(plans):
+    """At its radius and height, along it in the drift, turning as it does."""
+    for now, _, p, plan in plans:
+        radius, altitude, speed = plan.solution.decision * DECISION_SCALE
+        x, y, z, psi, chi, v, *rates = plan.solution.states[-1]
+        sense = p[0, WHERE["sense"]][0]
+        assert np.hypot(np.hypot(x, y), z) == pytest.approx(np.hypot(radius, altitude), abs=1e-3)
+        assert (z, v) == pytest.approx((altitude, speed), abs=1e-3)
+        relative = v * np.cos(chi) * np.array([np.cos(psi), np.sin(psi)]) + now.drift[:2]
+        tangent = sense * np.array([-y, x]) / np.hypot(x, y)
+        assert relative / np.hypot(*relative) == pytest.approx(tangent, abs=1e-4)
+        strength = np.hypot(*now.drift[:2])
+        sharpest = (speed + strength) ** 2 / (radius * speed)
+        assert sharpest <= 0.95 * FLIGHT.envelope.turn_rate_max(speed) + 1e-4
+        assert abs(rates[0]) <= sharpest + 1e-4 and np.abs(rates[1:]).max() < 1e-4
+
+
+def test_the_answers_satisfy_the_optimality_conditions(plans):
+    """Multipliers by non-negative least squares, derivatives by CasADi: nothing of the solver."""
+    for _, x_0, p, plan in plans[:4]:
+        np.testing.assert_array_equal(p, np.tile(p[0], (len(p), 1)))
+        assert kkt_residual(small_uav.problem(), plan.solution, x_0, p[0]) < 1e-4
+
+
+def test_no_answer_is_worse_than_ipopts(plans):
+    """IPOPT relaxes bounds by 1e-8, also those of the slacks that the penalties multiply."""
+    problem = small_uav.problem()
+    ipopt = CasadiSolver(problem, "ipopt", time_limit=60.0)
+    soft = sum(h.expression.numel() for h in problem.stage_inequalities) * problem.horizon
+    relaxed = 1e-8 * FLIGHT.limit_penalty * soft
+    compared = 0
+    for _, x_0, p, plan in plans[:6]:
+        ipopt.reset()
+        expected = ipopt.solve(x_0, p, guess=lambda plan=plan: guess_of(plan))
+        if expected.converged:
+            compared += 1
+            assert plan.solution.cost <= expected.cost * (1.0 + 1e-6) + 1.2 * relaxed
+    assert compared >= 4
+
+
+def guess_of(plan):
+    """Straight on, about the orbit that was chosen: a start that knows nothing of the answer."""
+    return Guess(np.zeros_like(plan.inputs), plan.solution.decision)

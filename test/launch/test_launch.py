@@ -1,0 +1,206 @@
+"""The launcher and its processes, for real."""
+
+import contextlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from processes import INTERRUPT, KILL, TERMINATE, alive, command, environment, nodes_of, wait_for
+
+from uav_tracking_mpc.launch.domain import LAST_DOMAIN, own_domain
+from uav_tracking_mpc.launch.shared_memory import SharedMemoryFiles
+from uav_tracking_mpc.nodes.conversions import plan_from_command, vehicle_from_odometry
+from uav_tracking_mpc.nodes.flight_bag import flight_log, messages
+from uav_tracking_mpc.nodes.topics import ALL, COMMAND, DIAGNOSTICS, ODOMETRY
+from uav_tracking_mpc.settings.configuration import load_configuration
+
+pytestmark = pytest.mark.nodes
+
+
+def mapped(process):
+    """Names of the Fast DDS files that a process maps."""
+    with contextlib.suppress(OSError):
+        lines = Path(f"/proc/{process}/maps").read_text(errors="replace").splitlines()
+        return {Path(line.split()[-1]).name for line in lines if "/dev/shm/fastrtps" in line}
+    return set()
+
+
+def left_behind(names):
+    """Which of these files, their locks and semaphores still lie there though nobody uses them."""
+    used = set().union(*(mapped(path.name) for path in Path("/proc").glob("[0-9]*")))
+    return {
+        file
+        for name in names - used
+        for file in (name, f"{name}_el", f"sem.{name}_mutex")
+        if (Path("/dev/shm") / file).exists()
+    }
+
+
+@pytest.fixture
+def launcher():
+    env = {key: value for key, value in environment().items() if key != "ROS_DOMAIN_ID"}
+    process = subprocess.Popen(
+        command("launch.launcher", "--config", "paper"),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        env=env,
+    )
+    assert process.stdout is not None
+    for line in process.stdout:
+        if "flying on commands" in line:
+            break
+    process.nodes = nodes_of(process.pid)
+    assert set(process.nodes) == {"uav_simulator", "target_publisher", "nmpc_controller"}
+    process.files = set().union(*(mapped(node) for node in process.nodes.values()))
+    assert process.files or sys.platform != "linux"
+    rests = SharedMemoryFiles()
+    rests.note(process.nodes.values())
+    yield process
+    process.kill()
+    process.wait()
+    assert wait_for(lambda: not any(alive(node) for node in process.nodes.values()), 10.0)
+    rests.remove_orphans()  # a killed launcher cannot
+
+
+@pytest.mark.timeout(90)
+@pytest.mark.parametrize("number", [INTERRUPT, TERMINATE])
+def test_signals_are_passed_on_and_nothing_stays_behind(launcher, number):
+    launcher.send_signal(number)
+    output = launcher.communicate(timeout=20)[0]
+    assert launcher.returncode == 0, output
+    assert not any(alive(node) for node in launcher.nodes.values())
+    assert "Traceback" not in output
+    assert not left_behind(launcher.files)
+
+
+@pytest.mark.timeout(90)
+@pytest.mark.parametrize("victim", ["uav_simulator", "nmpc_controller"])
+def test_a_node_that_dies_is_named_and_the_rest_is_stopped(launcher, victim):
+    os.kill(launcher.nodes[victim], KILL)
+    output = launcher.communicate(timeout=20)[0]
+    assert launcher.returncode == 1
+    assert f"{victim} died with exit code -9" in output
+    assert not any(alive(node) for node in launcher.nodes.values())
+    assert not left_behind(launcher.files)
+
+
+@pytest.mark.timeout(90)
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells children of the death")
+def test_nodes_do_not_outlive_a_killed_launcher(launcher):
+    launcher.kill()
+    assert wait_for(lambda: not any(alive(node) for node in launcher.nodes.values()), 10.0)
+
+
+@pytest.mark.timeout(60)
+def test_a_launch_may_be_ended_before_it_flies():
+    process = subprocess.Popen(command("launch.launcher"), stderr=subprocess.PIPE, text=True)
+    assert process.stderr is not None
+    assert "domain" in process.stderr.readline()
+    process.send_signal(INTERRUPT)
+    errors = process.communicate(timeout=30)[1]
+    assert process.returncode == 0
+    assert "Traceback" not in errors
+
+
+def test_two_launches_get_two_domains():
+    with own_domain(None) as first, own_domain(None) as second:
+        assert first != second
+        assert 1 <= min(first, second) <= max(first, second) <= LAST_DOMAIN
+    with own_domain(7) as asked:
+        assert asked == 7
+
+
+@pytest.mark.timeout(90)
+@pytest.mark.parametrize(
+    ("after", "words"),
+    [
+        ("domain", "interrupted"),
+        ("t   ", "of 600 s were flown"),
+    ],
+)
+def test_an_interrupted_flight_says_so(tmp_path, after, words):
+    process = subprocess.Popen(
+        command("cli.main", "fly", "--duration", "600", "--output", tmp_path),
+        stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env=environment(),
+    )
+    assert process.stderr is not None
+    for line in process.stderr:
+        if line.startswith(after):
+            break
+    process.send_signal(INTERRUPT)
+    output, errors = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert words in errors
+    assert "Traceback" not in errors
+    if "flown" in words:
+        metrics = json.loads((tmp_path / "metrics.json").read_text())
+        assert metrics["duration_s"] < 600.0
+    else:
+        assert not list(tmp_path.iterdir())
+        assert output == ""
+
+
+@pytest.fixture(scope="module")
+def flight(tmp_path_factory):
+    """A mission with real processes through the command, as a user runs it."""
+    output = tmp_path_factory.mktemp("flight")
+    env = {key: value for key, value in environment().items() if key != "ROS_DOMAIN_ID"}
+    finished = subprocess.run(
+        command("cli.main", "fly", "--duration", "90", "--output", output, "--json"),
+        capture_output=True,
+        text=True,
+        env=env,
+        timeout=110,
+    )
+    assert finished.returncode == 0, finished.stderr
+    return output, json.loads(finished.stdout)
+
+
+@pytest.mark.timeout(150)
+def test_the_mission_is_flown_recorded_and_reported(flight):
+    output, metrics = flight
+    files = {"metrics.json", "trajectory.png", "states.png", "report.html", "mission.mcap"}
+    assert {path.name for path in output.iterdir()} == files
+    assert json.loads((output / "metrics.json").read_text()) == metrics
+    assert metrics["settling_s"]["altitude"] <= 20.0
+    assert metrics["settling_s"]["range"] <= 25.0
+    assert metrics["steady_state"]["range_rms_m"] <= 0.05
+    assert metrics["steady_state"]["altitude_rms_m"] <= 0.05
+    assert metrics["solver"]["failures"] == 0
+    assert metrics["commands"]["sent"] > 500
+    assert metrics["latency_us"]["median"] > 0.0
+
+
+@pytest.mark.timeout(150)
+def test_the_bag_holds_every_topic_and_reads_back_equal(flight):
+    output, _ = flight
+    counts = dict.fromkeys((topic.name for topic in ALL), 0)
+    times = []
+    for topic, time, _ in messages(output / "mission.mcap", *ALL):
+        counts[topic.name] += 1
+        times.append(time)
+    assert all(counts.values()), counts
+    assert times == sorted(times)
+    log = flight_log(output / "mission.mcap", load_configuration("paper"))
+    states = [
+        vehicle_from_odometry(message)
+        for _, _, message in messages(output / "mission.mcap", ODOMETRY)
+    ]
+    # The airspeed comes by itself; in still air it is the ground speed, but for its rounding.
+    np.testing.assert_allclose(log.vehicle, states[-len(log.vehicle) :], atol=1e-9)
+    first = next(messages(output / "mission.mcap", COMMAND))[2]
+    np.testing.assert_array_equal(plan_from_command(first)[0][0], log.inputs[0])
+    levels = {
+        status.level
+        for _, _, message in messages(output / "mission.mcap", DIAGNOSTICS)
+        for status in message.status
+    }
+    assert b"\x00" in levels

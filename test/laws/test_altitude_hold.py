@@ -1,0 +1,59 @@
+import dataclasses
+
+import numpy as np
+import pytest
+from loiter_flight import SMALL_UAV, fly
+
+from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.laws._altitude_hold import altitude_hold
+from uav_tracking_mpc.laws.l1 import L1Loiter
+
+ORBIT = Orbit(300.0, 120.0, 22.0)
+RADIUS = ORBIT.radius
+
+
+def situation(height=120.0, path_angle=0.0, speed=22.0, climb=0.0, target=0.0):
+    vehicle = np.array([RADIUS, 0.0, height, -np.pi / 2, path_angle, speed])
+    drift = np.array([0.0, 0.0, climb])
+    return Situation(vehicle, np.array([0.0, 0.0, target]), drift, np.zeros(3), np.zeros(3))
+
+
+def test_on_the_orbit_nothing_is_asked():
+    assert altitude_hold(ORBIT, SMALL_UAV, situation()) == (0.0, 0.0)
+
+
+def test_a_climbing_target_is_climbed_after():
+    """Steady where v sin(chi) makes up for the vertical drift."""
+    following = situation(path_angle=np.arcsin(1.5 / 22.0), climb=-1.5)
+    assert altitude_hold(ORBIT, SMALL_UAV, following)[0] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_signs():
+    pitch, acceleration = altitude_hold(ORBIT, SMALL_UAV, situation(height=110.0, speed=20.0))
+    assert pitch > 0.0 and acceleration > 0.0
+
+
+@pytest.mark.parametrize("height", [60.0, 110.0, 180.0])
+def test_a_step_is_taken_without_overshoot_at_constant_airspeed(height):
+    start = situation(height=height).vehicle
+    offsets, vehicles, _ = fly(L1Loiter(ORBIT, SMALL_UAV), start, 60.0)
+    error = (offsets[:, 2] - 120.0) * np.sign(height - 120.0)
+    assert error.min() > -0.1
+    assert abs(error[-1]) < 0.01
+    np.testing.assert_allclose(vehicles[:, 5], 22.0, atol=1e-9)
+
+
+def test_no_climb_is_steeper_than_the_thrust_sustains():
+    weak = dataclasses.replace(SMALL_UAV, force_max=(1.0, 0.3))
+    _, vehicles, _ = fly(L1Loiter(ORBIT, weak), situation(height=40.0).vehicle, 30.0)
+    assert vehicles[:, 4].max() == pytest.approx(np.arcsin(weak.force_limits(22.0)[1] / 9.80665))
+    np.testing.assert_allclose(vehicles[:, 5], 22.0, atol=1e-9)
+
+
+def test_the_floor_comes_before_the_target():
+    """A target that descends below is not followed through the floor."""
+    law = L1Loiter(ORBIT, SMALL_UAV)
+    _, vehicles, _ = fly(law, situation().vehicle, 120.0, target_velocity=(0.0, 0.0, -1.5))
+    assert vehicles[:, 2].min() > SMALL_UAV.height_min - 0.1
+    assert vehicles[-1, 2] == pytest.approx(SMALL_UAV.height_min, abs=0.1)

@@ -1,0 +1,86 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from loiter_flight import SMALL_UAV, fly, range_errors
+
+from uav_tracking_mpc.dynamics.orbit import DIRECTIONS, Orbit
+from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.laws.l1 import L1Loiter
+
+WIND, RUN = (8.0, 0.0, 0.0), (0.0, 5.0, 0.0)
+finite = st.floats(allow_nan=False, allow_infinity=False)
+
+
+def law(direction="clockwise", **values):
+    return L1Loiter(Orbit(300.0, 120.0, 22.0, direction), SMALL_UAV, **values)
+
+
+def situation(x, y, psi):
+    vehicle = np.array([x, y, 120.0, psi, 0.0, 22.0])
+    return Situation(vehicle, np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3))
+
+
+@pytest.mark.parametrize("direction", DIRECTIONS)
+def test_on_the_circle_it_is_the_centripetal_acceleration(direction):
+    loiter = law(direction)
+    sense = 1.0 if direction == "counter_clockwise" else -1.0
+    on = situation(loiter.orbit.radius, 0.0, sense * np.pi / 2)
+    expected = sense * 22.0**2 / loiter.orbit.radius
+    assert loiter.lateral_acceleration(on) == pytest.approx(expected)
+    np.testing.assert_allclose(loiter.inputs(on), [expected / 22.0, 0.0, 0.0], atol=1e-12)
+
+
+def test_about_the_circle_period_and_damping_are_those_of_a_pendulum():
+    """Outside by e: omega^2 e more; outbound with e': 2 zeta omega e' more."""
+    loiter = law("counter_clockwise", period=10.0, damping=0.8)
+    omega, R, e, slip = 2 * np.pi / 10.0, loiter.orbit.radius, 2.0, 0.01
+    outside = loiter.lateral_acceleration(situation(R + e, 0.0, np.pi / 2))
+    assert outside == pytest.approx(omega**2 * e + 22.0**2 / (R + e))
+    outbound = loiter.lateral_acceleration(situation(R, 0.0, np.pi / 2 - slip))
+    speed = 22.0 * np.sin(slip)
+    centripetal = (22.0 * np.cos(slip)) ** 2 / R
+    assert outbound == pytest.approx(2 * 0.8 * omega * speed + centripetal)
+
+
+def test_far_away_it_flies_to_the_target_by_l1():
+    """A small angle nu off the line to the target: a = 4 zeta^2 v^2 / L1 sin(nu)."""
+    loiter, nu = law("counter_clockwise", period=10.0, damping=0.8), 0.1
+    distance = 0.8 * 10.0 * 22.0 / np.pi
+    expected = 4 * 0.8**2 * 22.0**2 / distance * np.sin(nu)
+    asked = loiter.lateral_acceleration(situation(5e3, 0.0, np.pi - nu))
+    assert asked == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("direction", "start"),
+    [
+        ("clockwise", [700.0, 0.0, 120.0, 0.0, 0.0, 22.0]),
+        ("clockwise", [0.0, 0.0, 90.0, 1.0, 0.0, 22.0]),
+        ("counter_clockwise", [150.0, 0.0, 60.0, np.pi, 0.0, 16.0]),
+        ("counter_clockwise", [-280.0, 0.0, 180.0, np.pi / 2, 0.1, 30.0]),
+    ],
+)
+def test_it_settles_about_a_moving_target_in_wind(direction, start):
+    loiter = law(direction)
+    offsets, vehicles, inputs = fly(loiter, start, 110.0, WIND, RUN)
+    assert np.abs(range_errors(loiter, offsets)[-400:]).max() < 0.5
+    turn_rate_max = np.array([SMALL_UAV.turn_rate_max(v) for v in vehicles[:, 5]])
+    assert np.all(np.abs(inputs[:, 0]) <= turn_rate_max)
+    (x, y, _), (x_next, y_next, _) = offsets[-2:]
+    sense = math.copysign(1.0, x * y_next - y * x_next)
+    assert sense == (1.0 if direction == "counter_clockwise" else -1.0)
+
+
+@given(
+    st.lists(finite, min_size=6, max_size=6),
+    st.lists(finite, min_size=3, max_size=3),
+    st.lists(finite, min_size=3, max_size=3),
+)
+def test_any_finite_situation_has_finite_inputs_inside_the_limits(vehicle, target, drift):
+    values = (np.array(v) for v in (vehicle, target, drift, drift[::-1], target[::-1]))
+    with np.errstate(all="ignore"):
+        inputs = law().inputs(Situation(*values))
+    assert np.all(np.abs(inputs[:2]) <= 0.785) and -1.5 <= inputs[2] <= 3.0

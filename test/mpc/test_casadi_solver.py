@@ -1,0 +1,219 @@
+import casadi as ca
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import minimize
+from test_problem import integrator
+
+from uav_tracking_mpc.dynamics.relative import tracking_error
+from uav_tracking_mpc.formulation.paper_terminal import tracking_problem
+from uav_tracking_mpc.mpc.casadi_solver import PLUGINS, CasadiSolver
+from uav_tracking_mpc.mpc.problem import Inequality
+from uav_tracking_mpc.mpc.solution import Status
+from uav_tracking_mpc.settings.tracking import TrackingParameters
+
+PAPER = TrackingParameters()
+
+
+@pytest.fixture(scope="module", params=PLUGINS)
+def paper_solver(request):
+    return CasadiSolver(tracking_problem(PAPER), request.param)
+
+
+@pytest.mark.parametrize("plugin", PLUGINS)
+@pytest.mark.parametrize(
+    ("model", "cost", "first"),
+    [
+        ("exact", 642.740, (0.6754, 0.7854, 1.0)),
+        ("paper", 722.430, (0.6793, 0.5487, 1.0)),
+    ],
+)
+def test_paper_start_costs_what_was_verified(plugin, model, cost, first, paper_start):
+    """V_N(x_o) and the first input of Section 6, verified independently."""
+    parameters = TrackingParameters(model=model)
+    solver = CasadiSolver(tracking_problem(parameters), plugin)
+    solution = solver.solve(tracking_error(paper_start, parameters.orbit))
+    assert solution.converged
+    assert solution.cost == pytest.approx(cost, abs=6e-4)
+    np.testing.assert_allclose(solution.inputs[0] + parameters.steady_inputs, first, atol=6e-5)
+
+
+def test_plan_obeys_the_model(paper_solver, paper_start):
+    """(16b): the states are those that the inputs make."""
+    solution = paper_solver.solve(tracking_error(paper_start, PAPER.orbit))
+    problem = paper_solver.problem
+    dynamics = ca.Function("f", [problem.state, problem.inputs], [problem.next_state])
+    for k, inputs in enumerate(solution.inputs):
+        following = np.array(dynamics(solution.states[k], inputs)).ravel()
+        np.testing.assert_allclose(solution.states[k + 1], following, atol=1e-6)
+
+
+def test_optimum_agrees_with_scipy():
+    """A small problem, condensed and handed to an independent optimiser."""
+    problem = integrator(horizon=8)
+    start = np.array([1.0, 0.3])
+
+    def cost(inputs):
+        x, total = start, 0.0
+        for u in inputs:
+            total += x @ x + u * u
+            x = np.array([x[0] + 0.1 * x[1], x[1] + 0.1 * u])
+        return total + x @ x
+
+    oracle = minimize(cost, np.zeros(8), bounds=[(-1.0, 1.0)] * 8, tol=1e-14)
+    solution = CasadiSolver(problem).solve(start)
+    assert solution.cost == pytest.approx(oracle.fun, rel=1e-7)
+    np.testing.assert_allclose(solution.inputs.ravel(), oracle.x, atol=1e-4)
+
+
+def test_warm_start_takes_fewer_iterations(paper_solver, paper_start):
+    paper_solver.reset()
+    cold = paper_solver.solve(tracking_error(paper_start, PAPER.orbit))
+    warm = paper_solver.solve(cold.states[1], elapsed=PAPER.horizon_step)
+    paper_solver.reset()
+    again = paper_solver.solve(cold.states[1])
+    assert warm.iterations <= again.iterations
+    assert warm.cost == pytest.approx(again.cost, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "state", [np.full(5, np.nan), [np.inf, 0, 0, 0, 0], np.zeros(4), ["a"] * 5, None]
+)
+def test_bad_state_is_refused_and_nothing_is_lost(paper_solver, paper_start, state):
+    error = tracking_error(paper_start, PAPER.orbit)
+    costs = []
+    for disturbed in (False, True):
+        paper_solver.reset()
+        first = paper_solver.solve(error)
+        if disturbed:
+            refused = paper_solver.solve(state)
+            assert refused.status is Status.REFUSED
+            assert "refused" in refused.message
+            assert np.all(np.isfinite(refused.inputs))
+        warm = paper_solver.solve(first.states[1], elapsed=1.0)
+        costs.append((warm.iterations, warm.cost))
+    assert costs[0] == costs[1]
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.tuples(*[st.floats(-1e3, 1e3)] * 5))
+def test_inputs_are_finite_and_in_the_box_from_anywhere(state):
+    solver = CasadiSolver(tracking_problem(PAPER), iteration_limit=30)
+    solution = solver.solve(state)
+    assert solution.inputs.shape == (PAPER.horizon, 3)
+    assert np.all(solution.inputs >= solver.problem.input_lower)
+    assert np.all(solution.inputs <= solver.problem.input_upper)
+
+
+@pytest.mark.parametrize("plugin", PLUGINS)
+def test_hard_terminal_set_is_infeasible_from_the_paper_start_with_ten_steps(plugin, paper_start):
+    """(16e) cannot be met from x_o with N = 10; with N = 20 it can."""
+    short = TrackingParameters(terminal_constraint="hard")
+    solution = CasadiSolver(tracking_problem(short), plugin).solve(
+        tracking_error(paper_start, short.orbit)
+    )
+    assert solution.status is Status.INFEASIBLE
+    assert "infeasible" in solution.message
+    assert solution.violation > 1.0
+    long = TrackingParameters(terminal_constraint="hard", horizon=20)
+    problem = tracking_problem(long)
+    solution = CasadiSolver(problem, plugin).solve(tracking_error(paper_start, long.orbit))
+    (terminal,) = problem.terminal_inequalities
+    excess = ca.Function("excess", [problem.state], [terminal.expression])
+    assert solution.converged
+    assert float(excess(solution.states[-1])) <= 1e-5
+
+
+def test_soft_terminal_set_is_exact_where_it_can_be_met(paper_start):
+    """Above the multiplier an L1 penalty gives the hard problem's solution."""
+    solutions = [
+        CasadiSolver(
+            tracking_problem(
+                TrackingParameters(terminal_constraint=kind, horizon=12, model="exact")
+            )
+        ).solve(np.array([20.0, 0.3, -5.0, 0.0, 0.5]))
+        for kind in ("hard", "soft")
+    ]
+    assert all(solution.converged for solution in solutions)
+    np.testing.assert_allclose(solutions[0].inputs, solutions[1].inputs, atol=1e-4)
+
+
+def test_iteration_limit_is_said(paper_start):
+    solver = CasadiSolver(tracking_problem(PAPER), "ipopt", iteration_limit=2)
+    solution = solver.solve(tracking_error(paper_start, PAPER.orbit))
+    assert solution.status in (Status.ITERATION_LIMIT, Status.INFEASIBLE)
+    assert not solution.converged
+
+
+def test_after_a_failure_the_next_solve_starts_cold(paper_start):
+    solver = CasadiSolver(tracking_problem(TrackingParameters(terminal_constraint="hard")))
+    failed = solver.solve(tracking_error(paper_start, PAPER.orbit))
+    near = np.array([1.0, 0.01, 0.5, 0.0, 0.0])
+    after, fresh = solver.solve(near, elapsed=1.0), None
+    solver.reset()
+    fresh = solver.solve(near)
+    assert not failed.converged
+    assert after.converged
+    assert after.cost == pytest.approx(fresh.cost, rel=1e-9)
+
+
+@pytest.mark.parametrize("plugin", PLUGINS)
+def test_stage_inequality_hard_and_soft(plugin):
+    """Velocity of a double integrator kept below 0.2."""
+    for penalty in (None, 1e3):
+        problem = integrator(
+            stage_inequalities=lambda x, u, penalty=penalty: (
+                Inequality(-x[1] - 0.2, penalty, "velocity"),
+            ),
+        )
+        solution = CasadiSolver(problem, plugin).solve([3.0, 0.0])
+        assert solution.converged
+        assert np.min(solution.states[:-1, 1]) == pytest.approx(-0.2, abs=1e-5)
+
+
+@pytest.mark.parametrize("plugin", PLUGINS)
+def test_soft_inequality_is_violated_where_it_must_be(plugin):
+    problem = integrator(
+        stage_inequalities=lambda x, u: (Inequality(-x[1] - 0.2, 1e3, "velocity"),)
+    )
+    solution = CasadiSolver(problem, plugin).solve([0.0, -1.0])
+    assert solution.converged
+    assert solution.states[0, 1] == pytest.approx(-1.0)
+
+
+@pytest.mark.parametrize("plugin", PLUGINS)
+def test_constant_decision_and_terminal_equality(plugin):
+    """The optimiser chooses where to rest; resting is enforced at the end."""
+    a = ca.SX.sym("a", 1)
+    problem = integrator(
+        horizon=20,
+        stage_cost=lambda x, u: ca.sumsqr(x - ca.vertcat(a, 0)) + ca.sumsqr(u) + (a - 5.0) ** 2,
+        terminal_cost=ca.SX(0),
+        terminal_equality=lambda x, u: x - ca.vertcat(a, 0),
+        decision=a,
+        decision_lower=np.array([-10.0]),
+        decision_upper=np.array([10.0]),
+        decision_guess=np.array([0.0]),
+    )
+    solution = CasadiSolver(problem, plugin).solve([0.0, 0.0])
+    assert solution.converged
+    np.testing.assert_allclose(solution.states[-1], [solution.decision[0], 0.0], atol=1e-6)
+    assert 0.1 < solution.decision[0] < 5.0
+
+
+@pytest.mark.parametrize("plugin", PLUGINS)
+def test_parameters_may_differ_from_stage_to_stage(plugin):
+    p = ca.SX.sym("p", 1)
+    problem = integrator(
+        parameter=p, stage_cost=lambda x, u: ca.sumsqr(u - p), terminal_cost=ca.SX(0)
+    )
+    values = np.linspace(-0.5, 0.5, problem.horizon + 1).reshape(-1, 1)
+    solution = CasadiSolver(problem, plugin).solve([0.0, 0.0], values)
+    np.testing.assert_allclose(solution.inputs, values[:-1], atol=1e-6)
+    assert CasadiSolver(problem, plugin).solve([0.0, 0.0], values * np.nan).status is Status.REFUSED
+
+
+def test_unknown_plugin_is_named():
+    with pytest.raises(ValueError, match="'snopt', must be one of ipopt, fatrop"):
+        CasadiSolver(integrator(), "snopt")

@@ -1,0 +1,267 @@
+from __future__ import annotations
+
+import dataclasses
+import time
+import tracemalloc
+
+import casadi as ca
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from kkt import kkt_residual
+from solver_problems import PAPER_START, paper, paper_solver, pendulum
+
+from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
+from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
+from uav_tracking_mpc.mpc.prediction_loop import closed_loop
+from uav_tracking_mpc.mpc.problem import OptimalControlProblem
+from uav_tracking_mpc.mpc.quadratic import TerminalSet
+from uav_tracking_mpc.mpc.solution import Solution, Status
+
+HARD, SOFT = None, 100.0
+
+
+def with_penalty(problem: OptimalControlProblem, penalty: float | None, level: float = 0.0):
+    (terminal,) = problem.terminal_inequalities
+    terminal = dataclasses.replace(
+        terminal, expression=terminal.expression - level, penalty=penalty
+    )
+    return dataclasses.replace(problem, terminal_inequalities=(terminal,))
+
+
+def assert_same_plan(ours: Solution, oracle: Solution, slack: float = 0.0) -> None:
+    """The same plan and cost.
+
+    IPOPT relaxes every bound by 1e-8, those of its slack variables too, so it reports a cost that
+    is too low by 1e-8 times the sum of all penalties: ``slack``.
+    """
+    assert ours.converged, ours.message
+    assert oracle.converged, oracle.message
+    assert ours.cost == pytest.approx(oracle.cost + slack, rel=1e-6, abs=0.1 * slack)
+    np.testing.assert_allclose(ours.inputs, oracle.inputs, atol=2e-5)
+    np.testing.assert_allclose(ours.states, oracle.states, rtol=1e-5, atol=1e-4)
+    np.testing.assert_allclose(ours.decision, oracle.decision, atol=1e-5)
+
+
+@pytest.fixture
+def solver() -> NewtonSolver:
+    shared = paper_solver()
+    shared.reset()
+    return shared
+
+
+def test_papers_problem_agrees_with_ipopt_and_the_published_numbers(solver):
+    ours = solver.solve(PAPER_START)
+    assert_same_plan(ours, CasadiSolver(paper(), "ipopt").solve(PAPER_START))
+    assert ours.cost == pytest.approx(642.740, abs=1e-3)
+    assert kkt_residual(paper(), ours, PAPER_START) < 1e-6
+
+
+def test_plan_obeys_the_dynamics(solver):
+    problem = paper()
+    plan = solver.solve(PAPER_START)
+    model = ca.Function("f", [problem.state, problem.inputs], [problem.next_state])
+    for i in range(problem.horizon):
+        following = np.array(model(plan.states[i], plan.inputs[i])).ravel()
+        np.testing.assert_allclose(plan.states[i + 1], following, atol=1e-9)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.tuples(
+        st.floats(-70, 250), st.floats(-4, 3), st.floats(-40, 20), st.floats(-0.4, 0.4),
+        st.floats(-3, 4),
+    )
+)  # fmt: skip
+def test_any_state_gives_inputs_that_are_finite_and_in_the_box(state):
+    solver = paper_solver()
+    solver.reset()
+    plan = solver.solve(np.array(state))
+    assert np.all(np.isfinite(plan.inputs))
+    assert np.all(plan.inputs >= solver.problem.input_lower)
+    assert np.all(plan.inputs <= solver.problem.input_upper)
+    if plan.converged:
+        assert kkt_residual(solver.problem, plan, np.array(state)) < 1e-5
+
+
+@pytest.mark.parametrize("penalty", [HARD, SOFT])
+def test_terminal_ellipsoid_active_agrees_with_ipopt(penalty):
+    problem = with_penalty(paper(ellipsoid=True), penalty)
+    state = np.array([20.0, -0.6, -8.0, 0.1, 0.0])  # the set can just be reached
+    ours = NewtonSolver(problem).solve(state)
+    assert_same_plan(ours, CasadiSolver(problem, "ipopt").solve(state))
+    assert ours.violation < 1e-6
+    assert kkt_residual(problem, ours, state) < 1e-6
+
+
+def test_soft_ellipsoid_out_of_reach_pays_the_exact_penalty():
+    problem = paper(ellipsoid=True)
+    ours = NewtonSolver(problem).solve(PAPER_START)
+    assert_same_plan(ours, CasadiSolver(problem, "ipopt").solve(PAPER_START))
+    assert kkt_residual(problem, ours, PAPER_START) < 1e-6
+
+
+def test_hard_ellipsoid_out_of_reach_is_infeasible_with_the_violation_named():
+    problem = with_penalty(paper(ellipsoid=True), HARD)
+    solution = NewtonSolver(problem).solve(PAPER_START)
+    assert solution.status is Status.INFEASIBLE
+    assert "violated" in solution.message
+    assert solution.violation > 1.0
+    assert np.all(np.isfinite(solution.inputs))
+
+
+@pytest.mark.parametrize("speed_penalty", [HARD, 0.3, 50.0])
+@pytest.mark.parametrize("push", [0.0, 0.3])
+def test_problem_with_everything_agrees_with_ipopt(speed_penalty, push):
+    problem = pendulum(speed_penalty=speed_penalty)
+    state = np.array([-0.3, 0.0])
+    p = np.full((problem.horizon + 1, 1), push)
+    ours = NewtonSolver(problem).solve(state, p)
+    slack = 1e-8 * problem.horizon * 2 * (speed_penalty or 0.0)
+    assert_same_plan(ours, CasadiSolver(problem, "ipopt").solve(state, p), slack)
+    assert ours.violation < 2e-6
+    assert kkt_residual(problem, ours, state, np.array([push])) < 1e-5
+
+
+def test_parameters_may_change_from_stage_to_stage():
+    problem = pendulum(speed_penalty=50.0)
+    p = 0.3 * np.sin(np.arange(problem.horizon + 1.0))[:, np.newaxis]
+    state = np.array([0.2, 0.1])
+    ours, oracle = (
+        solver.solve(state, p) for solver in (NewtonSolver(problem), CasadiSolver(problem, "ipopt"))
+    )
+    assert_same_plan(ours, oracle, slack=1e-8 * problem.horizon * 2 * 50.0)
+
+
+def test_closed_loop_flight_is_that_of_ipopt(solver):
+    ours = closed_loop(solver, PAPER_START, 150)
+    oracle = closed_loop(CasadiSolver(paper(), "ipopt", tolerance=1e-8), PAPER_START, 150)
+    assert ours.failures == oracle.failures == 0
+    assert np.abs(ours.states - oracle.states).max() < 1e-4  # [m, rad, m/s]
+    assert np.all(np.diff(ours.costs) <= 1e-9)
+
+
+@pytest.mark.parametrize("elapsed", [0.0, 0.02, 0.5, 1.0, 3.7, 100.0])
+def test_warm_start_converges_for_any_control_period(solver, elapsed):
+    first = solver.solve(PAPER_START)
+    where = np.array(
+        [np.interp(min(elapsed, 10.0), np.arange(11.0), column) for column in first.states.T]
+    )
+    warm = solver.solve(where, elapsed=elapsed)
+    assert warm.converged
+    assert kkt_residual(solver.problem, warm, where) < 1e-6
+
+
+def test_warm_start_saves_iterations(solver):
+    cold = solver.solve(PAPER_START)
+    warm = solver.solve(cold.states[1], elapsed=1.0)
+    assert warm.iterations < 15 < cold.iterations
+
+
+def test_warm_start_ends_with_the_continuation_and_so_stays_feasible():
+    problem = pendulum()
+    angle, push = problem.state[0], problem.parameter
+    problem = dataclasses.replace(problem, continuation=ca.sin(angle) - push)  # rests at x_N
+    solver, pushed = NewtonSolver(problem), np.array([0.1])
+    first = solver.solve(np.zeros(2), pushed)
+    assert first.converged
+    solver.time_limit = 1e-9  # what a warm solve begins with is also what it ends with
+    moved = solver.solve(first.states[1], pushed, elapsed=problem.step)
+    assert moved.status is Status.TIME_LIMIT
+    np.testing.assert_array_equal(moved.inputs[:-1], first.inputs[1:])
+    assert moved.inputs[-1] == pytest.approx(np.sin(first.decision[0]) - 0.1, abs=1e-5)
+    assert moved.violation < 1e-5
+    solver.time_limit = np.inf
+    assert solver.solve(first.states[1], pushed, elapsed=problem.step).cost <= first.cost
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        np.array([np.nan, 0, 0, 0, 0]),
+        np.array([0, np.inf, 0, 0, 0]),
+        np.zeros(4),
+        "no state",
+        None,
+    ],
+)
+def test_bad_data_are_refused_and_leave_the_warm_start_as_it_was(solver, bad):
+    first = solver.solve(PAPER_START)
+    expected = solver.solve(first.states[1], elapsed=1.0)
+    solver.reset()
+    solver.solve(PAPER_START)
+    refused = solver.solve(bad, elapsed=1.0)
+    assert refused.status is Status.REFUSED
+    assert np.all(np.isfinite(refused.inputs))
+    again = solver.solve(first.states[1], elapsed=1.0)
+    assert again.iterations == expected.iterations
+    np.testing.assert_array_equal(again.inputs, expected.inputs)
+
+
+def test_bad_parameters_are_refused():
+    problem = pendulum(speed_penalty=50.0)
+    p = np.zeros((problem.horizon + 1, 1))
+    p[3] = np.nan
+    assert NewtonSolver(problem).solve(np.zeros(2), p).status is Status.REFUSED
+
+
+def test_iteration_limit_gives_a_plan_and_a_cold_start_next():
+    limited = NewtonSolver(paper(), iteration_limit=2)
+    solution = limited.solve(PAPER_START)
+    assert solution.status is Status.ITERATION_LIMIT
+    assert np.isfinite(solution.cost)
+    shared = paper_solver()
+    shared.reset()
+    limited.iteration_limit = shared.iteration_limit
+    after = limited.solve(solution.states[1], elapsed=1.0)
+    cold = shared.solve(solution.states[1])
+    assert after.iterations == cold.iterations
+    np.testing.assert_array_equal(after.inputs, cold.inputs)
+
+
+def test_time_limit_ends_the_solve_with_the_best_plan_so_far():
+    limited = NewtonSolver(paper(), time_limit=1e-6)
+    begin = time.perf_counter()
+    solution = limited.solve(PAPER_START)
+    assert time.perf_counter() - begin < 0.05
+    assert solution.status is Status.TIME_LIMIT
+    assert "time limit" in solution.message
+    assert np.isfinite(solution.cost)
+    assert np.all(np.isfinite(solution.inputs))
+
+
+def test_state_outside_the_models_domain_is_a_failure_that_says_so(solver):
+    solution = solver.solve(np.array([-200.0, 0.0, 0.0, 0.0, 0.0]))  # negative range
+    assert solution.status in (Status.FAILED, Status.ITERATION_LIMIT)
+    assert np.all(np.isfinite(solution.inputs))
+    assert solver.solve(PAPER_START, elapsed=1.0).converged
+
+
+@pytest.mark.parametrize("name", ["tolerance", "iteration_limit", "time_limit"])
+def test_limits_that_are_not_positive_are_refused(name):
+    with pytest.raises(ValueError, match=name):
+        NewtonSolver(paper(), **{name: 0.0})
+
+
+def test_hot_path_keeps_no_memory(solver):
+    state = solver.solve(PAPER_START).states[1]
+    for _ in range(10):
+        solver.solve(state, elapsed=0.0)
+    tracemalloc.start()
+    try:
+        before = tracemalloc.get_traced_memory()[0]
+        for _ in range(1000):
+            solver.solve(state, elapsed=0.0)
+        after, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert after - before < 2000  # [bytes]
+    assert peak - before < 10_000  # one solution at a time
+
+
+def test_a_terminal_set_is_the_same_code_whatever_its_penalty():
+    soft = NewtonSolver(paper(ellipsoid=True))
+    hard = NewtonSolver(with_penalty(paper(ellipsoid=True), HARD))
+    assert soft._run is hard._run
+    assert TerminalSet(1.0).penalty is None

@@ -1,0 +1,326 @@
+"""The controller as a managed node: its transitions, and parameters set while it flies."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import time
+
+import numpy as np
+import pytest
+import rclpy
+from lifecycle_msgs.msg import State, Transition
+from lifecycle_msgs.srv import ChangeState, GetState
+from processes import run_node
+from rcl_interfaces.srv import SetParametersAtomically
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import Parameter
+
+from uav_tracking_mpc.nodes.conversions import plan_from_command
+from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
+from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
+from uav_tracking_mpc.nodes.topics import COMMAND, DIAGNOSTICS, ODOMETRY
+from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
+from uav_tracking_mpc.settings.configuration import load_configuration
+
+pytestmark = pytest.mark.nodes
+
+# On the orbit, in its clockwise turn; solves may take their time on a slow machine.
+ON_ORBIT = (
+    "nmpc_controller.direction=clockwise",
+    "nmpc_controller.solve_time_max=1.0",
+    "uav_simulator.initial_position=[274.95454169735043, 0.0, 120.0]",
+    "uav_simulator.initial_heading=-1.5707963267948966",
+)
+
+
+class Flight:
+    """Simulator, target, controller and somebody who listens and asks, in one process."""
+
+    def __init__(self, name="small_uav", *overrides):
+        self.context = rclpy.Context()
+        self.context.init(args=[], domain_id=110 + os.getpid() % 90)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        chosen = [*ON_ORBIT, *overrides] if name == "small_uav" else list(overrides)
+        self.configuration = load_configuration(name, chosen)
+        self.asker = rclpy.create_node("asker", context=self.context)
+        self.executor.add_node(self.asker)
+        self.commands, self.diagnostics, self.states = [], [], []
+        for topic, heard in (
+            (COMMAND, self.commands),
+            (ODOMETRY, self.states),
+            (DIAGNOSTICS, self.diagnostics),
+        ):
+            self.asker.create_subscription(topic.type, topic.name, heard.append, 100)
+
+    def add(self, node_class, section, **more):
+        parameters = getattr(self.configuration, section)
+        values = {
+            field.name: getattr(parameters, field.name) for field in dataclasses.fields(parameters)
+        }
+        node = node_class(
+            context=self.context,
+            parameter_overrides=[
+                Parameter(name, value=list(value) if isinstance(value, tuple) else value)
+                for name, value in (values | more).items()
+            ],
+        )
+        self.executor.add_node(node)
+        return node
+
+    def add_all(self, **controller):
+        self.add(TargetPublisher, "target")
+        self.simulator = self.add(UavSimulator, "simulator")
+        self.controller = self.add(NmpcController, "controller", **controller)
+
+    def spin(self, until, limit=20.0):
+        deadline = time.monotonic() + limit
+        while time.monotonic() < deadline:
+            self.executor.spin_once(timeout_sec=0.05)
+            if until():
+                return True
+        return False
+
+    def ask(self, kind, service, **request):
+        client = self.asker.create_client(kind, f"nmpc_controller/{service}")
+        assert self.spin(client.service_is_ready)
+        future = client.call_async(kind.Request(**request))
+        assert self.spin(future.done)
+        self.asker.destroy_client(client)
+        return future.result()
+
+    def change(self, transition):
+        return self.ask(ChangeState, "change_state", transition=Transition(id=transition)).success
+
+    def state(self):
+        return self.ask(GetState, "get_state").current_state.id
+
+    def set(self, **values):
+        wanted = [Parameter(name, value=value).to_parameter_msg() for name, value in values.items()]
+        return self.ask(
+            SetParametersAtomically, "set_parameters_atomically", parameters=wanted
+        ).result
+
+    def commanded(self, count=10, limit=20.0):
+        """Whether commands come from now on."""
+        before = len(self.commands)
+        return self.spin(lambda: len(self.commands) >= before + count, limit)
+
+    def told(self):
+        """The controller's latest diagnostics: message and values."""
+        status = next(
+            status
+            for message in reversed(self.diagnostics)
+            for status in message.status
+            if "nmpc_controller" in status.name
+        )
+        return status.message, {value.key: value.value for value in status.values}
+
+    def inputs(self):
+        return np.array([plan_from_command(message)[0][0] for message in self.commands])
+
+    def end(self):
+        for node in self.executor.get_nodes():
+            node.destroy_node()
+        self.executor.shutdown()
+        self.context.try_shutdown()
+
+
+@pytest.fixture
+def flight():
+    flight = Flight()
+    yield flight
+    flight.end()
+
+
+@pytest.mark.timeout(60)
+def test_it_flies_by_itself_unless_told_otherwise(flight):
+    flight.add_all()
+    assert flight.state() == State.PRIMARY_STATE_ACTIVE
+    assert flight.commanded()
+
+
+@pytest.mark.timeout(90)
+def test_without_autostart_a_manager_brings_it_up_and_down(flight):
+    flight.add_all(autostart=False)
+    assert flight.state() == State.PRIMARY_STATE_UNCONFIGURED
+    assert flight.spin(lambda: len(flight.states) > 30)
+    assert not flight.commands
+    assert flight.told()[1]["configured"] == "False"
+    assert flight.change(Transition.TRANSITION_CONFIGURE)
+    assert flight.state() == State.PRIMARY_STATE_INACTIVE
+    flight.spin(lambda: False, 1.0)
+    assert not flight.commands
+    assert flight.change(Transition.TRANSITION_ACTIVATE)
+    assert flight.commanded()
+
+    # Deactivated it is silent: the vehicle flies the plan to its end, then holds.
+    assert flight.change(Transition.TRANSITION_DEACTIVATE)
+    assert flight.state() == State.PRIMARY_STATE_INACTIVE
+    flight.spin(lambda: False, 0.3)
+    flight.commands.clear()
+    assert flight.spin(lambda: flight.simulator._plant.holding, 15.0)
+    assert not flight.commands
+    assert flight.told()[0] == "deactivated: no command is sent"
+    assert flight.simulator._plant.failsafes == 1
+
+    assert flight.change(Transition.TRANSITION_ACTIVATE)
+    assert flight.commanded()
+    assert not flight.simulator._plant.holding
+
+
+@pytest.mark.timeout(60)
+def test_an_orbit_that_cannot_be_flown_is_not_configured(flight):
+    """Set while unconfigured: each value is allowed, together they are not."""
+    flight.add_all(autostart=False)
+    refused = flight.set(range=130.0, altitude=120.0)
+    assert not refused.successful
+    assert "needs a turn rate" in refused.reason
+    flight.controller.parameters = dataclasses.replace(
+        flight.controller.parameters, certificate="/nowhere.json", terminal_constraint="none",
+        rate_lag=(0.0,) * 3, dead_time=(0.0,) * 3,
+    )  # fmt: skip
+    assert not flight.change(Transition.TRANSITION_CONFIGURE)
+    assert flight.state() == State.PRIMARY_STATE_UNCONFIGURED
+    assert flight.spin(lambda: flight.told()[0].startswith("cannot be configured"), 5.0)
+    words, values = flight.told()
+    assert values["configured"] == "False"
+    assert "'certificate' is '/nowhere.json'" in values["reason"]
+    assert "'certificate' is '/nowhere.json'" in words
+
+
+def test_with_autostart_that_ends_the_process():
+    code, output = run_node(
+        "nmpc_controller", "--ros-args", "-p", "certificate:=/nowhere.json",
+        "-p", "terminal_constraint:=hard",
+    )  # fmt: skip
+    fatal = [line for line in output.splitlines() if line.startswith("[FATAL]")]
+    assert (code, len(fatal)) == (2, 1), output
+    assert "'certificate' is '/nowhere.json'" in fatal[0]
+    assert "Traceback" not in output
+
+
+@pytest.mark.timeout(90)
+def test_what_is_compiled_changes_after_cleanup(flight):
+    flight.add_all()
+    assert flight.commanded()
+    refused = flight.set(limit_penalty=500.0)
+    assert not refused.successful
+    assert "must stay 1000.0 while the controller is configured" in refused.reason
+    assert flight.change(Transition.TRANSITION_DEACTIVATE)
+    assert flight.change(Transition.TRANSITION_CLEANUP)
+    assert flight.state() == State.PRIMARY_STATE_UNCONFIGURED
+    assert flight.set(horizon=20).successful
+    assert flight.controller.parameters.horizon == 20
+    assert flight.change(Transition.TRANSITION_CONFIGURE)
+    assert flight.change(Transition.TRANSITION_ACTIVATE)
+    flight.commands.clear()
+    assert flight.commanded()
+    assert len(flight.commands[-1].points) == 20
+
+
+@pytest.mark.timeout(90)
+def test_another_orbit_is_flown_without_a_jump(flight):
+    flight.add_all()
+    assert flight.commanded(40)
+    assert flight.spin(lambda: flight.told()[1].get("rung") == "optimal plan")
+    begin = len(flight.commands)
+    assert flight.set(range=340.0, altitude=140.0).successful
+    assert flight.controller.parameters.orbit.range == 340.0
+    assert flight.commanded(60)
+    steps = np.abs(np.diff(flight.inputs()[begin - 1 :], axis=0))
+    # Full bank the other way is what the new orbit asks for: half a second is spent on it.
+    limit = flight.controller.parameters.envelope.turn_rate_max(22.0)
+    assert np.max(steps[:, 0]) < 0.5 * limit
+    assert np.max(steps[:, 1]) < 0.25
+    assert np.max(steps[:, 2]) < 2.5
+    assert flight.told()[1]["rung"] == "optimal plan"
+    # It climbs and widens.
+    assert flight.spin(lambda: flight.states[-1].pose.pose.position.z > 125.0, 30.0)
+
+
+@pytest.mark.timeout(60)
+def test_what_is_refused_leaves_everything_as_it_was(flight):
+    flight.add_all()
+    assert flight.commanded()
+    before, orbit = flight.controller.parameters, flight.controller._pilot.orbit
+    for values, words in (
+        ({"range": 125.0}, "the nearest orbit that can be flown has a range of"),
+        ({"airspeed": 31.9, "range": 140.0, "altitude": 110.0}, "nearest orbit"),
+        ({"target_noise": 0.5, "range": 310.0, "airspeed": 40.0}, "airspeed"),
+        ({"target_noise": 0.5, "horizon": 30}, "'horizon' is 30"),
+        ({"range": 310.0, "altitude": float("nan")}, "altitude"),
+        ({"range": 310.0, "no_such_parameter": 1.0}, "undeclared"),
+    ):
+        answer = flight.set(**values)
+        assert not answer.successful, values
+        assert words in answer.reason, answer.reason
+        assert flight.controller.parameters == before
+        assert flight.controller._pilot.orbit == orbit
+        for name in values:
+            if hasattr(before, name):
+                assert flight.controller.get_parameter(name).value == getattr(before, name)
+    assert flight.commanded()
+    assert flight.told()[1]["rung"] == "optimal plan"
+
+
+@pytest.mark.timeout(60)
+def test_the_papers_orbit_is_fixed_in_flight():
+    flight = Flight("paper")
+    try:
+        flight.add_all()
+        assert flight.commanded()
+        answer = flight.set(range=160.0)
+        assert not answer.successful
+        assert "parameter 'range' is 160.0, must stay 150.0 in flight" in answer.reason
+        assert "artificial_orbit" in answer.reason
+        assert flight.set(target_timeout=3.0).successful
+        assert flight.commanded()
+    finally:
+        flight.end()
+
+
+@pytest.mark.timeout(60)
+def test_peers_that_go_are_told_at_once(flight):
+    flight.add_all()
+    assert flight.commanded()
+    assert flight.told()[1]["publishers of uav/odometry"] == "1"
+    flight.executor.remove_node(flight.simulator)
+    flight.simulator.destroy_node()
+    begin = time.monotonic()
+    words = "nobody publishes uav/odometry any more"
+    assert flight.spin(lambda: flight.told()[0] == words or flight.told()[0].endswith("sent"), 5.0)
+    assert time.monotonic() - begin < 2.0
+    said = [s.message for message in flight.diagnostics for s in message.status]
+    assert said.count(words) <= 2  # the event, and the second that it may stand
+    assert flight.spin(lambda: "vehicle state is lost" in flight.told()[0], 5.0)
+
+
+@pytest.mark.timeout(60)
+def test_the_vehicle_tells_that_its_controller_has_gone(flight):
+    flight.add_all()
+    assert flight.commanded()
+    flight.executor.remove_node(flight.controller)
+    flight.controller.destroy_node()
+
+    def told():
+        return [
+            status.message
+            for message in flight.diagnostics
+            for status in message.status
+            if "uav_simulator" in status.name
+        ]
+
+    assert flight.spin(lambda: "nobody publishes uav/command any more" in told(), 5.0)
+
+
+@pytest.mark.timeout(60)
+def test_commands_that_are_overdue_are_counted(flight):
+    """The states stop: of wall time, for the clock is real, two control periods pass in silence."""
+    flight.add_all()
+    assert flight.commanded(40)
+    assert flight.controller._report.deadlines_missed < 20
+    before = flight.controller._report.deadlines_missed
+    flight.executor.remove_node(flight.simulator)
+    flight.simulator.destroy_node()
+    assert flight.spin(lambda: flight.controller._report.deadlines_missed > before, 5.0)

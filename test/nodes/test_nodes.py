@@ -1,0 +1,295 @@
+"""All nodes in one process: they connect by their defaults and fly."""
+
+from __future__ import annotations
+
+import os
+import time
+
+import numpy as np
+import pytest
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import Parameter
+
+from uav_tracking_mpc.control.fallback import Rung
+from uav_tracking_mpc.dynamics import vehicle
+from uav_tracking_mpc.dynamics.relative import relative_state
+from uav_tracking_mpc.nodes.conversions import (
+    air_velocity_from_twist,
+    motion_from_odometry,
+    nanoseconds,
+    plan_from_command,
+    set_odometry,
+    set_point,
+    vehicle_from_odometry,
+)
+from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
+from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
+from uav_tracking_mpc.nodes.topics import (
+    AIR_VELOCITY,
+    COMMAND,
+    DIAGNOSTICS,
+    MARKERS,
+    ODOMETRY,
+    PREDICTED_PATH,
+    TARGET,
+    TRACKING,
+)
+from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
+from uav_tracking_mpc.parameters.specification import ParameterError
+
+pytestmark = pytest.mark.nodes
+
+
+@pytest.fixture
+def executor():
+    context = rclpy.Context()
+    context.init(args=[], domain_id=110 + os.getpid() % 90)
+    executor = SingleThreadedExecutor(context=context)
+    executor.context_of_nodes = context
+    yield executor
+    for node in executor.get_nodes():
+        node.destroy_node()
+    executor.shutdown()
+    context.try_shutdown()
+
+
+def add(executor, node_class, **parameters):
+    node = node_class(
+        context=executor.context_of_nodes,
+        parameter_overrides=[Parameter(name, value=value) for name, value in parameters.items()],
+    )
+    executor.add_node(node)
+    return node
+
+
+def listen(executor, *topics):
+    node = rclpy.create_node("listener", context=executor.context_of_nodes)
+    heard = {topic.name: [] for topic in topics}
+    for topic in topics:
+        node.create_subscription(topic.type, topic.name, heard[topic.name].append, 100)
+    executor.add_node(node)
+    return heard
+
+
+def spin(executor, until, limit):
+    deadline = time.monotonic() + limit
+    while time.monotonic() < deadline:
+        executor.spin_once(timeout_sec=0.05)
+        if until():
+            return True
+    return False
+
+
+@pytest.mark.timeout(120)
+def test_all_nodes_fly_onto_the_orbit(executor):
+    views = (PREDICTED_PATH, MARKERS, DIAGNOSTICS, *TRACKING.values())
+    heard = listen(executor, ODOMETRY, COMMAND, TARGET, *views)
+    add(executor, TargetPublisher, use_sim_time=True)
+    controller = add(executor, NmpcController, use_sim_time=True)
+    add(executor, UavSimulator, publish_clock=True, speed=10.0, start_on_command=True)
+
+    def errors():
+        if not heard[ODOMETRY.name]:
+            return np.full(5, np.inf)
+        state = vehicle_from_odometry(heard[ODOMETRY.name][-1])
+        return relative_state(state, np.zeros(3)) - controller.parameters.orbit.steady_state
+
+    assert spin(executor, lambda: np.all(np.abs(errors()[[0, 2, 4]]) < [1.0, 1.0, 0.1]), 60.0)
+    assert all(heard[topic.name] for topic in (TARGET, PREDICTED_PATH, MARKERS, DIAGNOSTICS))
+    commands = np.array([plan_from_command(message)[0][0] for message in heard[COMMAND.name]])
+    assert np.all(np.isfinite(commands))
+    assert np.all(np.abs(commands) <= [np.pi / 4, np.pi / 4, 1.0])
+    states = {nanoseconds(message.header.stamp) for message in heard[ODOMETRY.name]}
+    stamps = [nanoseconds(message.header.stamp) for message in heard[COMMAND.name]]
+    assert len(states.intersection(stamps)) > 0.9 * len(stamps)  # each bears its state's stamp
+    costs = [message.data for message in heard[TRACKING["cost"].name]]
+    assert costs[-1] < 1e-2 * costs[0]
+    names = {status.name for message in heard[DIAGNOSTICS.name] for status in message.status}
+    assert names == {
+        "uav_simulator: status",
+        "target_publisher: status",
+        "nmpc_controller: status",
+    }
+
+
+@pytest.mark.timeout(60)
+def test_controller_is_silent_without_a_target(executor):
+    heard = listen(executor, COMMAND, ODOMETRY, DIAGNOSTICS)
+    add(executor, NmpcController)
+    add(executor, UavSimulator)
+    assert spin(executor, lambda: len(heard[ODOMETRY.name]) > 30, 20.0)
+    assert not heard[COMMAND.name]
+    words = [s.message for message in heard[DIAGNOSTICS.name] for s in message.status]
+    assert "no target position: no command is sent" in words
+
+
+@pytest.mark.timeout(60)
+def test_bad_messages_are_refused_and_flight_goes_on(executor):
+    heard = listen(executor, COMMAND, DIAGNOSTICS)
+    add(executor, TargetPublisher)
+    controller = add(executor, NmpcController)
+    sender = rclpy.create_node("sender", context=executor.context_of_nodes)
+    executor.add_node(sender)
+    publisher = sender.create_publisher(ODOMETRY.type, ODOMETRY.name, ODOMETRY.qos)
+    state = np.array([180.0, 0.0, 40.0, 2.0, 0.0, 4.0])
+
+    def send():
+        send.count += 1
+        message = ODOMETRY.type()
+        set_odometry(message, send.count * 100_000_000, state, np.zeros(3))
+        if send.count % 2:
+            message.pose.pose.position.x = float("nan")
+        publisher.publish(message)
+
+    send.count = sender.get_clock().now().nanoseconds // 100_000_000
+    sender.create_timer(0.05, send)
+    assert spin(executor, lambda: len(heard[COMMAND.name]) > 20, 20.0)
+    assert controller._values()["messages refused"] > 10
+    for message in heard[COMMAND.name]:
+        assert np.all(np.isfinite(plan_from_command(message)[0]))
+
+
+@pytest.mark.timeout(60)
+def test_simulator_tells_ground_velocity_airspeed_and_rates_apart(executor):
+    heard = listen(executor, ODOMETRY, AIR_VELOCITY)
+    wind = [3.0, -2.0, 0.5]
+    simulator = add(
+        executor,
+        UavSimulator,
+        publish_clock=True,
+        speed=10.0,
+        initial_speed=8.0,
+        initial_path_angle=0.3,
+        wind=wind,
+    )
+    assert spin(
+        executor,
+        lambda: min(len(heard[name]) for name in (ODOMETRY.name, AIR_VELOCITY.name)) > 5,
+        20.0,
+    )
+    odometry, air = heard[ODOMETRY.name][-2], heard[AIR_VELOCITY.name][-2]
+    motion = motion_from_odometry(odometry)
+    airspeed = air_velocity_from_twist(air)[0]
+    assert airspeed == pytest.approx(8.0)
+    expected = vehicle.velocity(motion.state(airspeed)) + wind
+    np.testing.assert_allclose(motion.ground_velocity, expected, atol=1e-9)
+    assert motion.turn_rate == pytest.approx(0.0, abs=1e-12)
+    assert motion.path_angle_rate < -0.05  # wings level: the path angle is taken out
+    assert simulator._values()["wind north [m/s]"] == -2.0
+
+
+@pytest.mark.timeout(60)
+def test_target_is_published_late_with_the_stamp_of_measuring(executor):
+    node = rclpy.create_node("listener", context=executor.context_of_nodes)
+    ages, stamps = [], []
+
+    def on_target(message):
+        stamps.append(nanoseconds(message.header.stamp))
+        ages.append((node.get_clock().now().nanoseconds - stamps[-1]) * 1e-9)
+
+    node.create_subscription(TARGET.type, TARGET.name, on_target, 100)
+    executor.add_node(node)
+    add(executor, TargetPublisher, rate=20.0, delay=0.33, dropout=0.5)
+    assert spin(executor, lambda: len(ages) > 20, 20.0)
+    assert min(ages) >= 0.33
+    assert np.median(ages) < 0.43
+    assert np.median(np.diff(stamps)) > 0.049e9
+    assert np.max(np.diff(stamps)) > 0.09e9  # some are lost
+
+
+@pytest.mark.timeout(60)
+def test_after_the_clock_went_back_commands_flow_again(executor):
+    heard = listen(executor, COMMAND)
+    controller = add(executor, NmpcController)
+    sender = rclpy.create_node("sender", context=executor.context_of_nodes)
+    executor.add_node(sender)
+    odometry = sender.create_publisher(ODOMETRY.type, ODOMETRY.name, ODOMETRY.qos)
+    target = sender.create_publisher(TARGET.type, TARGET.name, TARGET.qos)
+    state = np.array([180.0, 0.0, 40.0, 2.0, 0.0, 4.0])
+
+    def send():
+        send.stamp += 100_000_000
+        message = ODOMETRY.type()
+        set_odometry(message, send.stamp, state, np.zeros(3))
+        odometry.publish(message)
+        message = TARGET.type()
+        set_point(message, send.stamp + send.ahead, np.zeros(3))
+        target.publish(message)
+
+    send.stamp, send.ahead = 100_000_000_000, 0
+    sender.create_timer(0.02, send)
+    assert spin(executor, lambda: len(heard[COMMAND.name]) > 5, 20.0)
+    send.stamp = 1_000_000_000
+    heard[COMMAND.name].clear()
+    assert spin(executor, lambda: len(heard[COMMAND.name]) > 5, 20.0)
+    # A target by another clock is no target: the last known place is circled.
+    send.ahead = 3_600_000_000_000
+    assert spin(executor, lambda: controller._pilot.ladder.rung is Rung.LOITER, 20.0)
+    heard[COMMAND.name].clear()
+    assert spin(executor, lambda: len(heard[COMMAND.name]) > 5, 20.0)
+    # The right clock brings it back.
+    send.ahead = 0
+    assert spin(executor, lambda: controller._pilot.ladder.rung is Rung.OPTIMAL, 20.0)
+
+
+@pytest.mark.timeout(60)
+def test_one_state_with_an_old_stamp_is_not_answered(executor):
+    heard = listen(executor, COMMAND)
+    add(executor, NmpcController)
+    sender = rclpy.create_node("sender", context=executor.context_of_nodes)
+    executor.add_node(sender)
+    odometry = sender.create_publisher(ODOMETRY.type, ODOMETRY.name, ODOMETRY.qos)
+    target = sender.create_publisher(TARGET.type, TARGET.name, TARGET.qos)
+    state = np.array([180.0, 0.0, 40.0, 2.0, 0.0, 4.0])
+
+    def send():
+        send.count += 1
+        stamp = 100_000_000_000 + send.count * 100_000_000
+        message = TARGET.type()
+        set_point(message, stamp, np.zeros(3))
+        target.publish(message)
+        message = ODOMETRY.type()
+        set_odometry(message, stamp - 5_000_000_000 * (send.count % 3 == 0), state, np.zeros(3))
+        odometry.publish(message)
+
+    send.count = 0
+    sender.create_timer(0.05, send)
+    assert spin(executor, lambda: len(heard[COMMAND.name]) > 30, 20.0)
+    stamps = [nanoseconds(message.header.stamp) for message in heard[COMMAND.name]]
+    assert stamps == sorted(stamps)
+
+
+@pytest.mark.parametrize(
+    ("node_class", "parameters", "words"),
+    [
+        (NmpcController, {"range": 40.0}, "range is 40.0 m"),
+        (NmpcController, {"horizon": 0}, "'horizon' is 0, must be an integer from 1 to 200"),
+        (NmpcController, {"state_weights": [1.0]}, "a list of 5 numbers"),
+        (NmpcController, {"airspeed": float("nan")}, "'airspeed' is nan"),
+        (UavSimulator, {"initial_speed": 50.0}, "'initial_speed' is 50.0"),
+        (TargetPublisher, {"motion": "hop"}, "must be one of stationary, line"),
+        (TargetPublisher, {"noise": "much"}, "'noise' is 'much'"),
+    ],
+)
+def test_bad_parameters_are_refused_with_name_value_and_range(
+    executor, node_class, parameters, words
+):
+    with pytest.raises(ParameterError, match=words):
+        add(executor, node_class, **parameters)
+
+
+def test_integers_may_stand_for_numbers(executor):
+    assert add(executor, NmpcController, range=160).parameters.range == 160.0
+
+
+@pytest.mark.parametrize("node_class", [UavSimulator, TargetPublisher, NmpcController])
+def test_every_parameter_is_described(executor, node_class):
+    node = add(executor, node_class)
+    from uav_tracking_mpc.parameters.specification import specifications
+
+    for specification in specifications(type(node.parameters)):
+        descriptor = node.describe_parameter(specification.name)
+        assert specification.description in descriptor.description
+        assert specification.allowed in descriptor.additional_constraints
+        assert descriptor.read_only == (node_class is not NmpcController)

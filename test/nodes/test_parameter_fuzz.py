@@ -1,0 +1,192 @@
+"""Absurd parameters, from the command line and from YAML: a node starts, or says why not.
+
+Every parameter of every node goes through the nodes' own front door, `run`, in this process; a few
+do so in processes of their own, for what a process alone can show.
+"""
+
+import os
+import signal
+
+import pytest
+import rclpy
+from processes import INTERRUPT, run_node
+from rclpy.node import Node
+
+from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
+from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
+from uav_tracking_mpc.nodes.run import run
+from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
+from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
+from uav_tracking_mpc.parameters.specification import specifications
+from uav_tracking_mpc.settings.configuration import SECTIONS
+
+pytestmark = pytest.mark.nodes
+
+NODES = {
+    "uav_simulator": UavSimulator,
+    "target_publisher": TargetPublisher,
+    "nmpc_controller": NmpcController,
+}
+ABSURD = (
+    ".nan",
+    "-.inf",
+    "1e300",
+    "-1e300",
+    "1e999",
+    "0",
+    "-1",
+    "9223372036854775807",
+    "99999999999999999999",
+    "true",
+    "banana",
+    "''",
+    "~",
+    "[]",
+    "[.nan, 1.0, 1.0]",
+    "[1.0, 1.0, 1.0, 1.0, 1.0, 1.0e300]",
+    "[true, banana]",
+    "{a: 1}",
+    "[",
+    "x" * 5000,
+)
+
+
+def last_word(node):
+    """The node is up: end it as a signal would."""
+    os.kill(os.getpid(), signal.SIGTERM)
+    return node
+
+
+def ends_well(name, create, arguments, capfd):
+    """Whether a node starts, or ends with code 2 and one line that says why."""
+    code = run(name, lambda: last_word(create()), ["--ros-args", *arguments])
+    errors = capfd.readouterr().err
+    fatal = [line for line in errors.splitlines() if line.startswith(f"[FATAL] [{name}]: ")]
+    assert "Traceback" not in errors
+    assert (code, len(fatal)) in ((0, 0), (2, 1)), (arguments, code, errors)
+    if code == 2:
+        assert len(fatal[0]) > len(f"[FATAL] [{name}]: ") + 10
+    return code == 0
+
+
+def bare(name):
+    """A node that has the parameters and nothing else: quick to make."""
+    node = Node(name)
+    declare_parameters(node, SECTIONS[name])
+    return node
+
+
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize("node", NODES)
+def test_every_parameter_from_the_command_line(node, capfd):
+    started = 0
+    for known in specifications(SECTIONS[node]):
+        for text in ABSURD:
+            arguments = ["-p", f"{known.name}:={text}"]
+            started += ends_well(node, lambda: bare(node), arguments, capfd)
+    assert started > 0  # some of it is allowed
+
+
+def one_of_each_type(node):
+    """The first parameter of each type that a node has."""
+    found = {}
+    for known in specifications(SECTIONS[node]):
+        found.setdefault((type(known.default), bool(known.choices)), known)
+    return found.values()
+
+
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize("node", NODES)
+def test_every_type_of_parameter_from_yaml(node, capfd, tmp_path):
+    file = tmp_path / "parameters.yaml"
+    for known in one_of_each_type(node):
+        for text in ABSURD:
+            file.write_text(f"/**/{node}:\n  ros__parameters:\n    {known.name}: {text}\n")
+            ends_well(node, lambda: bare(node), ["--params-file", str(file)], capfd)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "banana",
+        "[1, 2, 3]",
+        "/**:\n  ros__parameters:\n",
+        "/**:\n  ros__parameters: 3\n",
+        "/**:\n  parameters: {range: 3.0}\n",
+        "/**: &a\n  ros__parameters: *a\n",
+        "\t\x00\x01",
+        "/**:\n  ros__parameters: {" + "a: {" * 50 + "}" * 51,
+    ],
+)
+def test_files_that_are_no_configuration(text, capfd, tmp_path):
+    file = tmp_path / "parameters.yaml"
+    file.write_text(text)
+    ends_well("target_publisher", TargetPublisher, ["--params-file", str(file)], capfd)
+
+
+# What shapes the optimal control problem is compiled anew for every value: ten seconds each.
+COMPILED = (
+    "horizon",
+    "control_rate",
+    "weights",
+    "terminal",
+    "scheme",
+    "model",
+    "direction",
+    "airspeed",
+)
+
+
+def extremes(node):
+    """Both ends of what each number may be: allowed one by one, if not together."""
+    for known in specifications(SECTIONS[node]):
+        if node == "nmpc_controller" and any(word in known.name for word in COMPILED):
+            continue
+        for value in (known.lower, known.upper):
+            if value is not None:
+                number = value
+                if isinstance(known.default, tuple):
+                    number = [float(value)] * (known.size or known.multiple)
+                yield f"{known.name}:={number!r}"
+        for choice in known.choices:
+            yield f"{known.name}:={choice}"
+
+
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize("node", NODES)
+def test_whole_nodes_start_with_what_is_just_allowed_or_say_why_not(node, capfd):
+    started = sum(
+        ends_well(node, NODES[node], ["-p", assignment], capfd) for assignment in extremes(node)
+    )
+    assert started > 0
+
+
+@pytest.mark.parametrize(
+    ("node", "assignment"),
+    [
+        ("nmpc_controller", "range:=1e999"),
+        ("nmpc_controller", "state_weights:=[.nan, 1.0, 1.0, 1.0, 1.0]"),
+        ("uav_simulator", "initial_position:=[]"),
+        ("uav_simulator", "publish_clock:=banana"),
+        ("target_publisher", "seed:=99999999999999999999"),
+        ("target_publisher", "motion:={a: 1}"),
+    ],
+)
+def test_processes_end_with_one_line_and_code_2(node, assignment):
+    code, output = run_node(node, "--ros-args", "-p", assignment)
+    lines = output.strip().splitlines()
+    assert code == 2, output
+    assert len([line for line in lines if line.startswith(f"[FATAL] [{node}]: ")]) == 1
+    assert "Traceback" not in output
+
+
+def test_a_process_starts_on_what_is_just_allowed():
+    code, output = run_node(
+        "target_publisher", "--ros-args", "-p", "rate:=1000", stop=INTERRUPT, after="stationary"
+    )
+    assert code == 0, output
+
+
+def test_no_context_is_left_behind():
+    assert not rclpy.ok()

@@ -1,0 +1,94 @@
+"""The SROS 2 policy grants what the nodes do, no more and no less."""
+
+import os
+import xml.etree.ElementTree as ElementTree
+
+import pytest
+import rclpy
+from rclpy.parameter import Parameter
+
+from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
+from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
+from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
+from uav_tracking_mpc.settings.configuration import configuration_folder
+
+POLICY = configuration_folder() / "security" / "uav_tracking.policy.xml"
+NODES = ("uav_simulator", "target_publisher", "nmpc_controller")
+KINDS = {
+    ("topics", "publish"): "get_publisher_names_and_types_by_node",
+    ("topics", "subscribe"): "get_subscriber_names_and_types_by_node",
+    ("services", "reply"): "get_service_names_and_types_by_node",
+    ("services", "request"): "get_client_names_and_types_by_node",
+}
+
+
+def granted(profile, element, attribute):
+    """Absolute names that a profile allows."""
+    node = profile.get("node")
+    names = set()
+    for group in profile.findall(element):
+        if group.get(attribute) == "ALLOW":
+            for entry in group:
+                name = entry.text.strip().replace("~", f"/{node}")
+                names.add(name if name.startswith("/") else f"/{name}")
+    return names
+
+
+@pytest.fixture(scope="module")
+def profiles():
+    root = ElementTree.parse(POLICY).getroot()
+    assert root.tag == "policy" and root.get("version") == "0.2.0"
+    found = {}
+    for enclave in root.findall("enclaves/enclave"):
+        (profile,) = enclave.findall("profiles/profile")
+        assert enclave.get("path") == f"/uav_tracking/{profile.get('node')}"
+        assert profile.get("ns") == "/"
+        found[profile.get("node")] = profile
+    return found
+
+
+@pytest.fixture(scope="module")
+def graph():
+    """What each node does: kind and node to names; every clock driven and followed."""
+    context = rclpy.Context()
+    context.init(args=[], domain_id=110 + os.getpid() % 90)
+
+    def make(node_class, **parameters):
+        overrides = [Parameter(name, value=value) for name, value in parameters.items()]
+        return node_class(context=context, parameter_overrides=overrides)
+
+    nodes = [
+        make(UavSimulator, publish_clock=True),
+        make(TargetPublisher, use_sim_time=True),
+        make(NmpcController, use_sim_time=True),
+    ]
+    found = {
+        (kind, node.get_name()): {name for name, _ in getattr(node, question)(node.get_name(), "/")}
+        for node in nodes
+        for kind, question in KINDS.items()
+    }
+    # The simulator hears /clock when another drives it.
+    nodes.append(make(UavSimulator, use_sim_time=True))
+    hears = nodes[-1].get_subscriber_names_and_types_by_node("uav_simulator", "/")
+    found[("topics", "subscribe"), "uav_simulator"] |= {name for name, _ in hears}
+    yield found
+    for node in nodes:
+        node.destroy_node()
+    context.try_shutdown()
+
+
+def test_there_is_an_enclave_for_each_node(profiles):
+    assert set(profiles) == set(NODES)
+
+
+@pytest.mark.nodes
+@pytest.mark.parametrize("kind", KINDS, ids=" ".join)
+@pytest.mark.parametrize("node", NODES)
+def test_the_policy_grants_exactly_what_the_node_does(profiles, graph, node, kind):
+    assert granted(profiles[node], *kind) == graph[kind, node]
+
+
+def test_nothing_is_granted_by_pattern_or_denied(profiles):
+    text = POLICY.read_text()
+    assert "*" not in text
+    assert "DENY" not in text

@@ -1,0 +1,87 @@
+from dataclasses import dataclass
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from uav_tracking_mpc.parameters.specification import (
+    ParameterError,
+    from_mapping,
+    parameter,
+    specifications,
+)
+
+
+@dataclass(frozen=True)
+class Example:
+    """Parameters of every kind."""
+
+    rate: float = parameter(10.0, "A rate.", unit="Hz", lower=1.0, upper=100.0)
+    count: int = parameter(3, "A count.", lower=1, upper=5)
+    active: bool = parameter(True, "A switch.")
+    kind: str = parameter("a", "A choice.", choices=("a", "b"))
+    weights: tuple[float, ...] = parameter((1.0, 2.0), "Weights.", size=2, lower=0.0)
+    points: tuple[float, ...] = parameter((0.0, 0.0, 0.0), "Points.", multiple=3)
+
+
+def test_missing_values_take_their_defaults():
+    assert from_mapping(Example, {}) == Example()
+
+
+def test_an_integer_may_stand_for_a_number():
+    value = from_mapping(Example, {"rate": 20}).rate
+    assert value == 20.0
+    assert isinstance(value, float)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"rate": 0.5}, "parameter 'rate' is 0.5, must be a number from 1 to 100 Hz"),
+        ({"rate": float("nan")}, "is nan"),
+        ({"rate": float("inf")}, "is inf"),
+        ({"rate": "fast"}, "is 'fast'"),
+        ({"rate": True}, "is True"),
+        ({"rate": None}, "is None"),
+        ({"count": 2.0}, "parameter 'count' is 2.0, must be an integer from 1 to 5"),
+        ({"count": 6}, "is 6"),
+        ({"active": 1}, "must be true or false"),
+        ({"kind": "c"}, "must be one of a, b"),
+        ({"weights": [1.0]}, "a list of 2 numbers of at least 0"),
+        ({"weights": [1.0, -1.0]}, "is .1.0, -1.0."),
+        ({"weights": "12"}, "is '12'"),
+        ({"weights": [1.0, "x"]}, "must be a list"),
+        ({"points": [1.0, 2.0]}, "a multiple of 3"),
+        ({"speed": 1.0}, "'speed' is unknown, known are: rate, count"),
+    ],
+)
+def test_what_is_not_allowed_is_named_with_value_and_range(values, message):
+    with pytest.raises(ParameterError, match=message):
+        from_mapping(Example, values)
+
+
+SCALARS = st.one_of(
+    st.none(), st.booleans(), st.integers(), st.floats(), st.text(), st.lists(st.floats())
+)
+
+
+@given(st.sampled_from(specifications(Example)), SCALARS)
+def test_any_value_is_either_taken_in_its_own_type_or_refused(specification, value):
+    try:
+        checked = specification.check(value)
+    except ParameterError:
+        return
+    assert type(checked) is type(specification.default)
+
+
+def test_every_parameter_of_the_package_is_described_and_its_default_allowed():
+    from uav_tracking_mpc.settings.configuration import SECTIONS
+
+    for section in SECTIONS.values():
+        for specification in specifications(section):
+            assert specification.description.endswith(".")
+            assert specification.check(specification.default) == specification.default
+            numeric = isinstance(specification.default, (int, float, tuple))
+            if numeric and not isinstance(specification.default, bool):
+                assert specification.lower is not None, specification.name
+                assert specification.upper is not None, specification.name

@@ -1,0 +1,162 @@
+import pytest
+import yaml
+
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.configuration import (
+    configuration_names,
+    load_configuration,
+    scenario_names,
+)
+
+
+@pytest.mark.parametrize("name", configuration_names())
+def test_every_configuration_that_comes_along_is_allowed(name):
+    assert load_configuration(name).name == name
+
+
+def test_paper_is_table_1(paper_start):
+    from uav_tracking_mpc.dynamics.relative import relative_state
+
+    paper = load_configuration("paper")
+    assert (paper.controller.range, paper.controller.altitude) == (150.0, 50.0)
+    assert (paper.controller.airspeed, paper.controller.horizon) == (4.0, 10)
+    assert paper.mission.duration == 150.0
+    start = relative_state(paper.simulator.initial_state, paper.target.position)
+    assert start == pytest.approx(paper_start)
+
+
+def test_the_controller_of_small_uav_knows_its_aircraft():
+    """Lag, dead time and limits are those of the simulated one; its start and orbit are flyable."""
+    small = load_configuration("small_uav")
+    controller, simulator = small.controller, small.simulator
+    for name in (
+        "rate_lag", "dead_time", "bank_max", "yaw_rate_max", "pitch_rate_max", "acceleration_min",
+        "acceleration_max",
+    ):  # fmt: skip
+        assert getattr(controller, name) == getattr(simulator, name)
+    assert simulator.speed_min <= controller.airspeed_min
+    assert controller.airspeed_max <= simulator.speed_max
+    assert controller.terminal_constraint == "artificial_orbit"
+    x, y, z = simulator.initial_position
+    assert (x * x + y * y + z * z) ** 0.5 == pytest.approx(600.0)
+    assert controller.envelope.refusal(controller.orbit, [10.0, 5.0, 0.0]) == ""
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        ["uav_simulator.wind=[8.0, 0.0, 0.0]", "uav_simulator.gust_intensity=1.5"],
+        ["target_publisher.motion=line", "target_publisher.speed=6.0"],
+        ["target_publisher.motion=circle", "target_publisher.dropout=0.3"],
+        ["uav_simulator.position_noise=1.0", "nmpc_controller.fence_radius=2000.0"],
+    ],
+)
+def test_small_uav_is_the_base_of_flights_in_wind_after_moving_targets(overrides):
+    assert load_configuration("small_uav", overrides).mission.plant == "vehicle"
+
+
+def test_overrides_win():
+    configuration = load_configuration(
+        "paper", ["nmpc_controller.model=paper", "mission.duration=20"]
+    )
+    assert configuration.controller.model == "paper"
+    assert configuration.mission.duration == 20.0
+
+
+def test_yaml_is_a_ros_parameter_file_that_loads_again(tmp_path):
+    configuration = load_configuration("paper", ["target_publisher.rate=7.0"])
+    file = tmp_path / "again.yaml"
+    file.write_text(configuration.yaml())
+    document = yaml.safe_load(file.read_text())
+    assert document["/**/target_publisher"]["ros__parameters"]["rate"] == 7.0
+    again = load_configuration(str(file))
+    assert again.controller == configuration.controller
+    assert again.target == configuration.target
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[1, 2", "cannot be read"),
+        ("just text", "holds no sections"),
+        ("pilot: {ros__parameters: {}}", "section 'pilot' is unknown"),
+        ("nmpc_controller: {range: 1}", "has no ros__parameters"),
+        ("nmpc_controller: {ros__parameters: {rnage: 1.0}}", "'rnage' is unknown"),
+        (
+            "/**/nmpc_controller: {ros__parameters: {range: far}}",
+            "'nmpc_controller': .*far",
+        ),
+        ("a: !!python/object/apply:os.system ['true']", "cannot be read"),
+    ],
+)
+def test_bad_files_are_refused_with_the_reason(tmp_path, text, message):
+    file = tmp_path / "bad.yaml"
+    file.write_text(text)
+    with pytest.raises(ParameterError, match=message):
+        load_configuration(str(file))
+
+
+@pytest.mark.parametrize("name", ["nowhere", "../paper", "paper.yaml", ""])
+def test_unknown_configuration_lists_the_known(name):
+    with pytest.raises(ParameterError, match="must be a file or one of .*paper"):
+        load_configuration(name)
+
+
+@pytest.mark.parametrize(
+    "override", ["range=1", "nmpc_controller.range", "pilot.range=1", "nmpc_controller.=1"]
+)
+def test_bad_overrides_say_what_they_must_be(override):
+    with pytest.raises(ParameterError, match="SECTION.PARAMETER=VALUE"):
+        load_configuration("paper", [override])
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [("1.6e2", 160.0), ("1e3", 1000.0), ("2E+2", 200.0), ("150", 150.0)]
+)
+def test_numbers_may_have_exponents(text, value):
+    override = f"nmpc_controller.range={text}"
+    assert load_configuration("paper", [override]).controller.range == value
+
+
+@pytest.mark.parametrize("text", ["2:30", "0x96", "1_000", "9" * 400])
+def test_what_only_looks_like_a_number_is_refused(text):
+    with pytest.raises(ParameterError, match="'range' is"):
+        load_configuration("paper", [f"nmpc_controller.range={text}"])
+
+
+@pytest.mark.parametrize("name", scenario_names())
+def test_every_scenario_that_comes_along_says_what_it_is(name):
+    scenario = load_configuration("small_uav", scenario=name).scenario
+    assert scenario.title
+    assert scenario.description.endswith(".")
+
+
+def test_a_scenario_replaces_what_it_names_and_overrides_win():
+    plain = load_configuration("small_uav")
+    tight = load_configuration(
+        "small_uav", ["uav_simulator.wind=[-9, 0, 0]"], scenario="tight_headwind"
+    )
+    assert tight.name == "small_uav"
+    assert (tight.controller.range, tight.target.motion) == (180.0, "line")
+    assert tight.simulator.wind == (-9.0, 0.0, 0.0)
+    assert tight.controller.state_weights == plain.controller.state_weights
+    assert plain.scenario is None
+    assert "/**/scenario" not in tight.yaml()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("scenario: {ros__parameters: {name: x}}", "section 'scenario': parameter 'name'"),
+        ("weather: {ros__parameters: {}}", "'weather' is unknown, known are: .*scenario"),
+    ],
+)
+def test_bad_scenarios_are_refused_with_the_reason(tmp_path, text, message):
+    file = tmp_path / "bad.yaml"
+    file.write_text(text)
+    with pytest.raises(ParameterError, match=message):
+        load_configuration("small_uav", scenario=str(file))
+    with pytest.raises(
+        ParameterError, match="scenario is 'storm', must be a file or one of .*wind"
+    ):
+        load_configuration("small_uav", scenario="storm")

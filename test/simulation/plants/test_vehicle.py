@@ -1,0 +1,276 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from uav_tracking_mpc.dynamics.relative import relative_state
+from uav_tracking_mpc.dynamics.vehicle import advance, velocity
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.simulator import SimulatorParameters
+from uav_tracking_mpc.simulation.plants.vehicle import Plant
+
+LEVEL_FLIGHT = SimulatorParameters(initial_speed=5.0, initial_path_angle=0.2)
+
+
+def test_default_start_is_the_papers(paper_start):
+    np.testing.assert_allclose(
+        relative_state(SimulatorParameters().initial_state, np.zeros(3)), paper_start, atol=1e-12
+    )
+
+
+def test_plan_is_flown_segment_by_segment():
+    plant = Plant(LEVEL_FLIGHT)
+    plan = [[0.1, 0.0, 0.5], [-0.2, 0.1, 0.0]]
+    plant.accept(plan, [0.0, 1.0])
+    expected = advance(advance(plant.state, plan[0], 1.0), plan[1], 1.0)
+    for _ in range(20):
+        plant.advance(0.1)
+    np.testing.assert_allclose(plant.state, expected, atol=1e-12)
+    assert plant.failsafes == 0
+
+
+def test_when_the_plan_is_over_the_wings_are_levelled():
+    plant = Plant(LEVEL_FLIGHT)
+    plant.accept([[0.3, 0.1, 0.5]], [0.0])
+    for _ in range(200):
+        plant.advance(0.05)
+    assert plant.holding
+    assert plant.failsafes == 1
+    heading, path_angle, speed = plant.state[3:]
+    plant.advance(1.0)
+    assert plant.state[3] == pytest.approx(heading)
+    assert path_angle == pytest.approx(0.0, abs=1e-3)
+    assert plant.state[5] == pytest.approx(speed)
+
+
+def test_a_new_plan_ends_the_hold():
+    plant = Plant(LEVEL_FLIGHT)
+    plant.advance(1.0)
+    plant.accept([[0.3, 0.0, 0.0]], [plant.time])
+    plant.advance(0.1)
+    assert not plant.holding
+    assert plant.failsafes == 0  # waiting for the first command is no failsafe
+
+
+def test_commands_are_saturated():
+    plant = Plant(LEVEL_FLIGHT)
+    plant.accept([[9.0, -9.0, 9.0]], [0.0])
+    np.testing.assert_allclose(plant.inputs(), [np.pi / 4, -np.pi / 4, 1.0])
+
+
+def test_speed_stays_inside_its_limits():
+    plant = Plant(SimulatorParameters(initial_speed=1.0, speed_max=2.0))
+    plant.accept([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]], [0.0, 5.0])
+    speeds = [plant.advance(0.3)[5] for _ in range(33)]
+    assert max(speeds) == pytest.approx(2.0)
+    assert min(speeds) >= 0.0
+
+
+@pytest.mark.parametrize(
+    ("plan", "starts"),
+    [
+        ([[np.nan, 0, 0]], [0.0]),
+        ([[0, 0, 0]], [np.inf]),
+        ([], []),
+        ([[0, 0]], [0.0]),
+        ([[0, 0, 0]] * 2, [1.0, 1.0]),
+        ([[0, 0, 0]] * 2, [1.0]),
+    ],
+)
+def test_a_bad_plan_is_refused_and_the_present_one_stays(plan, starts):
+    plant = Plant(LEVEL_FLIGHT)
+    plant.accept([[0.1, 0.0, 0.0]], [0.0])
+    with pytest.raises(ValueError, match="plan"):
+        plant.accept(plan, starts)
+    np.testing.assert_allclose(plant.inputs(), [0.1, 0.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("values", "name"),
+    [
+        ({"speed_min": 9.0, "speed_max": 8.0}, "speed_min"),
+        ({"initial_speed": 30.0}, "initial_speed"),
+    ],
+)
+def test_limits_that_do_not_fit_are_named(values, name):
+    with pytest.raises(ParameterError, match=name):
+        SimulatorParameters(**values)
+
+
+def test_a_plan_from_the_future_is_refused():
+    plant = Plant(LEVEL_FLIGHT)
+    with pytest.raises(ValueError, match=r"begins 3600.000 s from now"):
+        plant.accept([[0.3, 0.0, 0.0]], [3600.0])
+    assert not plant.commanded
+
+
+def test_a_plan_older_than_the_one_that_is_flown_is_refused():
+    plant = Plant(LEVEL_FLIGHT)
+    plant.accept([[0.1, 0.0, 0.0]], [0.5])
+    with pytest.raises(ValueError, match="older"):
+        plant.accept([[0.2, 0.0, 0.0]], [0.4])
+
+
+SMALL_UAV = SimulatorParameters(
+    initial_position=(300.0, 0.0, 120.0),
+    initial_speed=22.0,
+    speed_min=14.0,
+    speed_max=32.0,
+    acceleration_min=-1.5,
+    acceleration_max=3.0,
+)
+INNER_LOOP = {"rate_lag": (0.3, 0.13, 0.16), "dead_time": (0.17, 0.2, 0.1)}
+WIND = {"wind": (6.0, -3.0, 0.2), "gust_intensity": 8.0}
+PLAN = np.array([[0.4, 0.1, 0.5], [-0.3, -0.2, 1.5], [0.2, 0.05, -0.5]])
+
+
+def fly(plant, duration, step=0.05, plan=PLAN):
+    plant.accept(plan, plant.time + np.arange(len(plan)))
+    return np.array([plant.advance(step) for _ in range(round(duration / step))])
+
+
+def test_inner_loop_against_scipy():
+    """(3) with lags and dead times, integrated piece by piece between the delayed commands."""
+    plant = Plant(replace(SMALL_UAV, **INNER_LOOP))
+    start = plant.state
+    flown = fly(plant, 2.5)[-1]
+    lag, dead = np.array(INNER_LOOP["rate_lag"]), np.array(INNER_LOOP["dead_time"])
+
+    def rates(t, x):
+        wanted = [
+            PLAN[int(t - delay), axis] if t >= delay else 0.0 for axis, delay in enumerate(dead)
+        ]
+        return np.concatenate([velocity(x[:6]), x[6:], (wanted - x[6:]) / lag])
+
+    x, begin = np.concatenate([start, np.zeros(3)]), 0.0
+    for end in sorted({*(dead + 0.0), *(dead + 1.0), *(dead + 2.0), 2.5}):
+        x = solve_ivp(
+            lambda t, x, at=0.5 * (begin + end): rates(at, x),
+            (begin, end),
+            x,
+            method="DOP853",
+            rtol=1e-11,
+            atol=1e-11,
+        ).y[:, -1]
+        begin = end
+    np.testing.assert_allclose(flown, x[:6], atol=1e-6)
+    np.testing.assert_allclose(plant.rates, x[6:], atol=1e-6)
+
+
+def test_without_inner_loop_and_wind_the_vehicle_is_flown_bit_for_bit():
+    plant = Plant(SMALL_UAV)
+    plant.accept(PLAN, np.arange(3.0))
+    expected = plant.state
+    for k in range(60):
+        expected = advance(expected, PLAN[k // 20], 0.05)
+        np.testing.assert_array_equal(plant.advance(0.05), expected)
+        np.testing.assert_array_equal(plant.rates, PLAN[k // 20])
+
+
+def test_dead_time_alone_shifts_the_commands():
+    delayed = Plant(replace(SMALL_UAV, dead_time=(0.175, 0.175, 0.175)))
+    fly(delayed, 1.0)
+    prompt = Plant(SMALL_UAV)
+    prompt.state = advance(prompt.state, np.zeros(3), 0.175)
+    prompt.accept(PLAN, np.arange(3.0))
+    prompt.advance(0.825)
+    np.testing.assert_allclose(delayed.state, prompt.state, atol=1e-9)
+
+
+def test_steady_wind_carries_the_vehicle_along():
+    still, moved = Plant(SMALL_UAV), Plant(replace(SMALL_UAV, wind=(6.0, -3.0, 0.2)))
+    fly(still, 2.0)
+    fly(moved, 2.0)
+    np.testing.assert_allclose(moved.state[:3] - still.state[:3], [12.0, -6.0, 0.4], atol=1e-9)
+    np.testing.assert_array_equal(moved.state[3:], still.state[3:])
+    np.testing.assert_array_equal(moved.wind, [6.0, -3.0, 0.2])
+    np.testing.assert_allclose(
+        moved.ground_velocity, velocity(moved.state) + moved.wind, atol=1e-12
+    )
+
+
+def test_ground_velocity_is_the_derivative_of_the_position():
+    """Within a gust, which is held for 20 ms."""
+    plant = Plant(replace(SMALL_UAV, **WIND, **INNER_LOOP))
+    fly(plant, 1.0)
+    ground, before = plant.ground_velocity, plant.state
+    plant.advance(1e-5)
+    np.testing.assert_allclose((plant.state[:3] - before[:3]) / 1e-5, ground, atol=1e-3)
+
+
+def test_the_same_seed_flies_the_same_at_any_rate():
+    """But for the command that changes between two steps; here all changes are on both grids."""
+    parameters = replace(SMALL_UAV, **WIND, **INNER_LOOP)
+    coarse = fly(Plant(parameters), 2.0, step=0.05)[-1]
+    np.testing.assert_array_equal(fly(Plant(parameters), 2.0, step=0.05)[-1], coarse)
+    np.testing.assert_allclose(fly(Plant(parameters), 2.0, step=0.01)[-1], coarse, atol=2e-3)
+    other = fly(Plant(replace(parameters, seed=1)), 2.0)[-1]
+    assert np.linalg.norm(other[:3] - coarse[:3]) > 0.1
+
+
+def test_bank_limits_the_turn():
+    """g tan(45 deg) / 22 m/s = 0.446 rad/s, tighter when slower."""
+    plant = Plant(replace(SMALL_UAV, bank_max=np.pi / 4, yaw_rate_max=2.0))
+    plant.accept([[0.9, 0.0, 0.0]], [0.0])
+    assert plant.inputs()[0] == pytest.approx(9.80665 / 22.0)
+    plant.state = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 14.0])
+    assert plant.inputs()[0] == pytest.approx(9.80665 / 14.0)
+    plant.accept([[-0.9, 0.0, 0.0]], [0.0])
+    assert plant.inputs()[0] == pytest.approx(-9.80665 / 14.0)
+
+
+def test_lagging_engine_stays_inside_the_speed_limits():
+    plant = Plant(replace(SMALL_UAV, **INNER_LOOP))
+    speeds = fly(plant, 20.0, plan=[[0.0, 0.0, 3.0]] * 12 + [[0.0, 0.0, -1.5]] * 20)[:, 5]
+    assert speeds.max() == pytest.approx(32.0, abs=1e-9)
+    assert speeds.max() <= 32.0 + 1e-9
+    assert speeds[-1] < 25.0  # and it leaves the limit when told to
+    assert plant.rates[2] == pytest.approx(-1.5, abs=1e-3)
+
+
+def test_wings_are_levelled_through_the_inner_loop_too():
+    plant = Plant(replace(SMALL_UAV, initial_path_angle=0.3, **INNER_LOOP))
+    plant.accept([[0.4, 0.1, 1.0]], [0.0])
+    for _ in range(400):
+        plant.advance(0.05)
+    assert plant.failsafes == 1
+    np.testing.assert_allclose(plant.rates, 0.0, atol=1e-4)
+    assert abs(plant.state[4]) < 1e-4
+
+
+def test_sensors_without_noise_tell_the_truth():
+    plant = Plant(replace(SMALL_UAV, **WIND))
+    fly(plant, 1.0)
+    state, ground = plant.measured()
+    np.testing.assert_array_equal(state, plant.state)
+    np.testing.assert_array_equal(ground, plant.ground_velocity)
+
+
+def test_sensor_noise_is_as_large_as_told():
+    plant = Plant(
+        replace(
+            SMALL_UAV,
+            initial_heading=3.14,
+            position_noise=2.0,
+            attitude_noise=0.02,
+            airspeed_noise=0.5,
+            velocity_noise=0.3,
+        )
+    )
+    measured = [plant.measured() for _ in range(4000)]
+    states, grounds = (np.array(values) for values in zip(*measured, strict=True))
+    assert np.all(np.abs(states[:, 3]) <= np.pi)
+    error = states - plant.state
+    error[:, 3] = np.angle(np.exp(1j * error[:, 3]))
+    np.testing.assert_allclose(error.std(axis=0), [2, 2, 2, 0.02, 0.02, 0.5], rtol=0.06)
+    np.testing.assert_allclose((grounds - plant.ground_velocity).std(axis=0), 0.3, rtol=0.06)
+    np.testing.assert_allclose(error.mean(axis=0), 0.0, atol=0.15)
+
+
+def test_looking_does_not_change_the_flight():
+    """Sensors have their own numbers: however often they are read, the gusts stay."""
+    parameters = replace(SMALL_UAV, **WIND, position_noise=1.0)
+    looked, alone = Plant(parameters), Plant(parameters)
+    looked.measured()
+    np.testing.assert_array_equal(fly(looked, 1.0), fly(alone, 1.0))

@@ -1,0 +1,239 @@
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.dynamics.angles import angle_difference
+from uav_tracking_mpc.report.metrics import metrics
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.simulation.closed_loop import SimulationError, simulate
+
+
+@pytest.mark.parametrize(
+    ("model", "after_10_s", "after_20_s", "cost", "altitude", "range_"),
+    [
+        (
+            "exact",
+            [186.470, 0.0250, 43.953, 0.3279, 5.3815],
+            [150.842, 1.3476, 49.951, 0.0118, 4.0044],
+            618.65,
+            16.0,
+            20.0,
+        ),
+        (
+            "paper",
+            [188.197, 0.0206, 38.142, 0.3672, 5.9172],
+            [151.660, 1.2484, 49.915, 0.0282, 4.0096],
+            701.37,
+            18.0,
+            21.0,
+        ),
+    ],
+)
+def test_the_published_simulation_to_the_printed_digits(
+    model, after_10_s, after_20_s, cost, altitude, range_, weights
+):
+    """Section 6, Euler plant, N = 10; the numbers were verified independently."""
+    configuration = load_configuration("paper", [f"nmpc_controller.model={model}"])
+    log = simulate(configuration)
+    half_digit = [6e-4, 6e-5, 6e-4, 6e-5, 6e-5]
+    assert np.all(np.abs(log.relative[10] - after_10_s) < half_digit)
+    assert np.all(np.abs(log.relative[20] - after_20_s) < half_digit)
+    q, r = weights
+    inputs = log.inputs - log.steady_inputs
+    stage_costs = np.einsum("ki,ij,kj->k", log.error[:-1], q, log.error[:-1]) + np.einsum(
+        "ki,ij,kj->k", inputs, r, inputs
+    )
+    assert np.sum(stage_costs) == pytest.approx(cost, abs=6e-3)
+    assert np.all(np.diff(log.cost) <= 1e-9)  # V_N falls at every step
+    settling = metrics(log)["settling_s"]
+    assert (settling["altitude"], settling["range"]) == (altitude, range_)
+    assert log.failures == 0
+
+
+@pytest.fixture(scope="module")
+def vehicle_flight():
+    return simulate(load_configuration("paper", ["mission.plant=vehicle"]))
+
+
+def test_exact_model_holds_the_orbit_on_the_true_vehicle(vehicle_flight):
+    numbers = metrics(vehicle_flight)
+    assert numbers["settling_s"]["altitude"] <= 20.0
+    assert numbers["settling_s"]["range"] <= 25.0
+    assert numbers["steady_state"]["range_rms_m"] <= 0.05
+    assert numbers["steady_state"]["altitude_rms_m"] <= 0.05
+    assert numbers["solver"]["failures"] == 0
+
+
+def test_simulation_is_deterministic(vehicle_flight):
+    again = simulate(load_configuration("paper", ["mission.plant=vehicle", "mission.duration=20"]))
+    count = len(again.time)
+    np.testing.assert_array_equal(again.vehicle, vehicle_flight.vehicle[:count])
+
+
+@pytest.mark.parametrize("direction", ["clockwise", "counter_clockwise"])
+def test_five_orbits_across_the_half_turn_without_a_jump(direction):
+    """Heading and azimuth cross +-pi in every orbit; no command may notice."""
+    log = simulate(
+        load_configuration(
+            "paper",
+            [
+                "mission.plant=vehicle",
+                "mission.duration=260",
+                "nmpc_controller.range=60.0",
+                "nmpc_controller.altitude=30.0",
+                "nmpc_controller.airspeed=8.0",
+                f"nmpc_controller.direction={direction}",
+                "nmpc_controller.control_rate=5.0",
+            ],
+        )
+    )
+    azimuth = np.unwrap(np.arctan2(log.vehicle[:, 1], log.vehicle[:, 0]))
+    settled = log.time > 40.0
+    orbits = abs(azimuth[-1] - azimuth[settled][0]) / (2 * np.pi)
+    assert orbits > 5.0
+    wraps = np.abs(np.diff(log.vehicle[:, 3])) > np.pi
+    assert np.sum(wraps) >= 5
+    late = log.command_time > 40.0
+    assert np.max(np.abs(np.diff(log.inputs[late], axis=0))) < 1e-3
+
+
+def test_paper_model_leaves_a_range_offset_on_the_true_vehicle():
+    """(11) turns too slowly: it holds the vehicle outside the orbit."""
+    log = simulate(
+        load_configuration("paper", ["mission.plant=vehicle", "nmpc_controller.model=paper"])
+    )
+    late = log.time > 100.0
+    assert np.mean(log.error[late, 0]) == pytest.approx(0.0284, abs=5e-4)
+    assert np.std(log.error[late, 0]) < 1e-6
+
+
+def test_a_moving_noisy_target_is_followed():
+    log = simulate(
+        load_configuration(
+            "paper",
+            [
+                "mission.plant=vehicle",
+                "target_publisher.motion=line",
+                "target_publisher.speed=0.5",
+                "target_publisher.noise=0.5",
+                "nmpc_controller.target_noise=0.5",
+                "nmpc_controller.target_agility=0.05",
+            ],
+        )
+    )
+    assert np.max(np.abs(log.error[log.time > 100.0, 0])) < 15.0
+
+
+@pytest.fixture(scope="module")
+def small_uav_flight():
+    overrides = ["mission.duration=40", "nmpc_controller.solve_time_max=5.0"]
+    return simulate(load_configuration("small_uav", overrides))
+
+
+def test_the_small_aircraft_settles_on_its_orbit(small_uav_flight):
+    log = small_uav_flight
+    assert log.failures == 0
+    assert log.commands.sent == 800
+    assert (log.commands.plan_reused, log.commands.failsafe) == (0, 0)
+    late = log.time > 20.0
+    assert np.max(np.abs(log.error[late, 0])) < 10.0
+    assert np.max(np.abs(log.error[-1] - [0.0, log.error[-1, 1], 0.0, 0.0, 0.0])) < 1e-3
+
+
+def test_the_small_aircraft_keeps_its_limits(small_uav_flight):
+    """Bank, airspeed, path angle and height of the flown states; the start is inside them."""
+    log, envelope = small_uav_flight, load_configuration("small_uav").controller.envelope
+    x, y, z, psi, chi, v = log.vehicle.T
+    turn = np.gradient(np.unwrap(psi), log.time)
+    assert np.all(np.abs(turn) * v / 9.80665 < np.tan(envelope.bank_max) * 1.02)
+    assert envelope.airspeed_min <= v.min() and v.max() <= envelope.airspeed_max
+    # Gradients and lags: the limits hold at the plan's stages, 0.5 s apart.
+    assert envelope.path_angle_min - 0.01 < chi.min() and chi.max() < envelope.path_angle_max + 0.01
+    assert z.min() > envelope.height_min
+    assert np.min(np.sqrt(x**2 + y**2 + z**2)) > envelope.distance_min
+    force = 9.80665 * np.sin(chi[:-1]) + np.diff(v) / np.diff(log.time)
+    assert force.max() < 1.01 * 3.0 and force.min() > 1.01 * -1.5
+
+
+def test_the_small_aircraft_follows_a_target_in_wind():
+    """Target at 5 m/s, wind of 8 m/s with gusts, measured with noise and gaps."""
+    log = simulate(
+        load_configuration(
+            "small_uav",
+            [
+                "mission.duration=40",
+                "nmpc_controller.solve_time_max=5.0",
+                "nmpc_controller.target_noise=1.0",
+                "uav_simulator.wind=[8.0, 0.0, 0.0]",
+                "uav_simulator.gust_intensity=1.0",
+                "target_publisher.motion=line",
+                "target_publisher.speed=5.0",
+                "target_publisher.noise=1.0",
+                "target_publisher.dropout=0.2",
+            ],
+        )
+    )
+    late = log.time > 20.0
+    assert np.max(np.abs(log.error[late, 0])) < 15.0
+    assert np.sqrt(np.mean(log.error[late, 0] ** 2)) < 5.0
+    assert log.commands.failsafe == 0
+
+
+def test_bearing_error_near_the_half_turn_is_flown_through():
+    """Started flying straight away from where it should: theta error close to pi."""
+    log = simulate(
+        load_configuration(
+            "paper",
+            [
+                "mission.plant=vehicle",
+                "uav_simulator.initial_heading=1.5",
+                "uav_simulator.initial_speed=4.0",
+                "mission.duration=80",
+            ],
+        )
+    )
+    assert abs(log.error[-1, 0]) < 1.0
+    assert abs(float(angle_difference(log.relative[-1, 1], np.pi / 2))) < 0.05
+
+
+HARD_DAY = [
+    "mission.plant=vehicle",
+    "mission.duration=60",
+    "uav_simulator.initial_speed=4.0",
+    "uav_simulator.wind=[0.6, -0.3, 0.0]",
+    "uav_simulator.gust_intensity=1.0",
+    "uav_simulator.rate_lag=[0.3, 0.13, 0.16]",
+    "uav_simulator.dead_time=[0.17, 0.2, 0.1]",
+    "uav_simulator.position_noise=1.0",
+    "uav_simulator.attitude_noise=0.01",
+    "uav_simulator.airspeed_noise=0.1",
+    "target_publisher.dropout=0.3",
+    "target_publisher.delay=0.3",
+    "target_publisher.noise=1.0",
+]
+
+
+def test_wind_lag_noise_and_dropouts_are_flown_and_reproducible():
+    log = simulate(load_configuration("paper", HARD_DAY))
+    again = simulate(load_configuration("paper", HARD_DAY))
+    np.testing.assert_array_equal(log.vehicle, again.vehicle)
+    assert log.command_time[0] == pytest.approx(0.3)  # before, no target was known
+    travelled = np.gradient(log.vehicle[:, :3], log.time, axis=0)
+    error = travelled - log.ground_velocity
+    assert np.sqrt(np.mean(error**2)) < 0.05  # between the samples there are gusts
+    assert np.abs(log.error[-1, 0]) < 40.0  # a controller that knows no wind is not lost in it
+    other = simulate(load_configuration("paper", [*HARD_DAY, "uav_simulator.seed=1"]))
+    assert not np.allclose(log.vehicle[-1], other.vehicle[-1])
+
+
+def test_a_target_that_is_never_seen_is_said():
+    with pytest.raises(SimulationError, match=r"never seen in 5 s: see target_publisher.dropout"):
+        simulate(
+            load_configuration(
+                "paper",
+                [
+                    "mission.plant=vehicle",
+                    "mission.duration=5",
+                    "target_publisher.dropout=1.0",
+                ],
+            )
+        )

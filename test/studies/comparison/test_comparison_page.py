@@ -1,0 +1,20 @@
+import json
+
+from compared_flights import compared
+
+from uav_tracking_mpc.studies.comparison.comparison_page import write_comparison
+from uav_tracking_mpc.studies.comparison.results import as_json
+
+
+def test_the_folder_tells_the_comparison(tmp_path):
+    scenarios = [compared("still"), compared("gusts")]
+    numbers = as_json("small_uav", scenarios)
+    write_comparison(numbers, scenarios, tmp_path / "new")
+    names = {path.name for path in (tmp_path / "new").iterdir()}
+    assert names == {"compare.json", "compare.html", "summary.png", "still.png", "gusts.png"}
+    assert json.loads((tmp_path / "new" / "compare.json").read_text()) == numbers
+    page = (tmp_path / "new" / "compare.html").read_text()
+    assert page.count("data:image/png;base64,") == 3
+    assert "Wind with gusts" in page
+    assert "gusts: settled never" in page
+    assert "http" not in page

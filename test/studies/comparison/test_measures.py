@@ -1,0 +1,111 @@
+"""Closed forms: flights whose bank, force and errors are known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from example_flights import ORBIT, orbiting
+
+from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.studies.comparison.measures import (
+    GRAVITY,
+    flown_bank,
+    flown_force,
+    measures,
+    violations,
+)
+
+LIMITS = TrackingParameters(airspeed_min=2.0, airspeed_max=8.0, bank_max=0.1, height_min=20.0)
+STEADY = orbiting(301, step=0.1)
+
+
+def with_vehicle(column, values, log=STEADY):
+    vehicle = log.vehicle.copy()
+    vehicle[:, column] = values
+    return replace(log, vehicle=vehicle)
+
+
+def test_a_perfect_orbit_has_no_error_and_breaks_no_limit():
+    flight = measures(STEADY, LIMITS)
+    for value in (flight.range_rms_m, flight.altitude_rms_m, flight.airspeed_rms_mps):
+        assert value == pytest.approx(0.0, abs=1e-9)
+    assert flight.bank_rate_rms_dps == pytest.approx(0.0, abs=1e-6)
+    assert flight.settling_s == 0.0
+    assert flight.envelope_violations == 0
+    assert flight.violations == {}
+
+
+def test_bank_of_the_steady_turn_is_that_of_its_centripetal_acceleration():
+    bank = flown_bank(STEADY)
+    assert len(bank) == len(STEADY.time) - 1
+    expected = -np.arctan(ORBIT.speed**2 / (GRAVITY * ORBIT.radius))  # clockwise: to the right
+    np.testing.assert_allclose(bank, expected, rtol=1e-9)
+
+
+def test_bank_rate_of_a_bank_that_swings():
+    """tan(bank) = v psi' / g is small for psi' = 0.01 sin(w t): RMS v 0.01 w / (g sqrt 2)."""
+    log, w = orbiting(6001, step=0.01), 2.0 * np.pi / 5.0
+    log = with_vehicle(3, -0.01 / w * np.cos(w * log.time), log)
+    expected = np.degrees(ORBIT.speed * 0.01 * w / GRAVITY / np.sqrt(2.0))
+    assert measures(log, LIMITS).bank_rate_rms_dps == pytest.approx(expected, rel=1e-3)
+
+
+def test_force_carries_the_climb_and_the_acceleration():
+    log = with_vehicle(4, np.full(301, 0.1))
+    np.testing.assert_allclose(flown_force(log), GRAVITY * np.sin(0.1), rtol=1e-12)
+    log = with_vehicle(5, 3.0 + 0.5 * STEADY.time, log)
+    np.testing.assert_allclose(flown_force(log), GRAVITY * np.sin(0.1) + 0.5, rtol=1e-9)
+
+
+def test_errors_count_over_the_last_third_and_settling_over_all():
+    height = 50.0 + np.where(STEADY.time < 15.0, 40.0, 0.3)
+    flight = measures(with_vehicle(2, height), LIMITS)
+    assert flight.altitude_rms_m == pytest.approx(0.3)
+    assert flight.settling_s == pytest.approx(15.0)
+    never = measures(with_vehicle(2, np.full(301, 100.0)), LIMITS)
+    assert never.settling_s is None
+
+
+@pytest.mark.parametrize(
+    ("column", "inside", "outside", "name"),
+    [
+        (5, 8.07, 8.09, "airspeed"),
+        (5, 1.99, 1.97, "airspeed"),
+        (4, 1.21, 1.22, "path angle"),
+        (2, 19.9, 19.7, "height"),
+    ],
+)
+def test_a_limit_may_be_passed_by_one_percent(column, inside, outside, name):
+    values = STEADY.vehicle[:, column].copy()
+    values[100:107] = inside
+    assert not violations(with_vehicle(column, values), LIMITS)[name].any()
+    values[100:107] = outside
+    found = violations(with_vehicle(column, values), LIMITS)[name]
+    assert list(np.flatnonzero(found)) == list(range(100, 107))
+
+
+def test_distance_bank_force_and_fence():
+    assert violations(STEADY, replace(LIMITS, distance_min=149.0))["distance"].sum() == 0
+    assert violations(STEADY, replace(LIMITS, range=200.0, distance_min=152.0))["distance"].all()
+    turning = with_vehicle(3, 0.3 * STEADY.time)  # bank 0.122
+    assert violations(turning, LIMITS)["bank"].sum() == 300  # intervals
+    climbing = with_vehicle(4, np.full(301, 0.25))  # force 2.43
+    weak = replace(LIMITS, force_max=(2.0, 3.0))  # 2.33 at 4 m/s
+    assert violations(climbing, weak)["force"].sum() == 300
+    assert not violations(climbing, LIMITS)["force"].any()
+    assert "fence" not in violations(STEADY, LIMITS)
+    fenced = replace(LIMITS, fence_radius=155.0, fence_centre=(-20.0, 0.0))
+    assert 0 < violations(STEADY, fenced)["fence"].sum() < 301
+
+
+def test_a_sample_beyond_two_limits_counts_once():
+    log = with_vehicle(5, np.full(301, 9.0), with_vehicle(2, np.full(301, 10.0)))
+    flight = measures(log, LIMITS)
+    assert flight.violations["airspeed"] == flight.violations["height"] == 301
+    assert flight.envelope_violations == 301
+
+
+def test_what_is_no_number_is_no_value_inside_a_limit():
+    values = STEADY.vehicle[:, 5].copy()
+    values[7] = np.nan
+    assert violations(with_vehicle(5, values), LIMITS)["airspeed"][7]

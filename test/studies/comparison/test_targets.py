@@ -1,0 +1,82 @@
+import pytest
+
+from uav_tracking_mpc.settings.configuration import load_configuration, scenario_names
+from uav_tracking_mpc.studies.comparison.measures import Measures
+from uav_tracking_mpc.studies.comparison.targets import TARGETS, Target, missed, target_of
+
+TARGET = Target(range_rms=0.1, settling=20.0)
+GOOD = {
+    "range_rms_m": 0.05,
+    "settling_s": 15.0,
+    "altitude_rms_m": 0.1,
+    "airspeed_rms_mps": 0.1,
+    "bank_rate_rms_dps": 1.0,
+    "envelope_violations": 0,
+    "violations": {},
+}
+
+
+def flight(**changes):
+    return Measures(**{**GOOD, **changes})
+
+
+def judged(scenario, own, *others):
+    configuration = load_configuration("small_uav", scenario=scenario)
+    laws = dict(zip(("l1", "vector_field"), others, strict=False))
+    return missed(TARGET, configuration, {"nmpc": own, **laws})
+
+
+def test_every_scenario_that_comes_along_has_a_target():
+    assert set(TARGETS) == set(scenario_names())
+    small_uav = load_configuration("small_uav", scenario="wind")
+    assert target_of(small_uav, "wind") == Target(0.1, 20.0)
+    assert target_of(small_uav, "storm") is None
+    assert target_of(load_configuration("paper", scenario="wind"), "wind") is None
+
+
+def test_a_good_flight_misses_nothing():
+    assert judged("wind", flight(), flight(range_rms_m=0.06)) == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"range_rms_m": 0.2}, "range RMS 0.200 m, at most 0.1 m"),
+        ({"range_rms_m": float("nan")}, "range RMS nan m"),
+        ({"settling_s": 21.0}, "settled after 21.0 s, at most 20 s"),
+        ({"settling_s": None}, "settled never"),
+        ({"airspeed_rms_mps": 0.4}, "airspeed RMS 0.40 m/s"),
+        (
+            {"envelope_violations": 3, "violations": {"bank": 2, "force": 1}},
+            "3 samples outside the envelope (bank 2, force 1)",
+        ),
+    ],
+)
+def test_each_miss_is_said(changes, words):
+    assert judged("wind", flight(**changes))[0].startswith(words)
+
+
+def test_what_counts_depends_on_the_scenario():
+    assert judged("gusts", flight(airspeed_rms_mps=0.4)) == []
+    assert judged("wind", flight(bank_rate_rms_dps=9.0)) == []
+    assert judged("noisy_target", flight(bank_rate_rms_dps=9.0)) == [
+        "bank rate RMS 9.00 deg/s, at most 5 deg/s"
+    ]
+
+
+@pytest.mark.parametrize("scenario", ["wind", "headwind", "circling_target", "gusts"])
+def test_where_air_or_target_moves_it_must_be_better_than_both(scenario):
+    better, same = flight(range_rms_m=0.06), flight()
+    assert judged(scenario, flight(), better, better) == []
+    assert "must be below 0.050 m" in judged(scenario, flight(), better, same)[0]
+
+
+def test_elsewhere_it_may_be_worse_by_a_little():
+    assert judged("still", flight(), flight(range_rms_m=0.01)) == []
+    far = judged("still", flight(range_rms_m=0.09), flight(range_rms_m=0.01))
+    assert far == ["range RMS 0.090 m, 0.010 m by the better classical law"]
+
+
+def test_without_the_controller_nothing_is_judged():
+    configuration = load_configuration("small_uav", scenario="wind")
+    assert missed(TARGET, configuration, {"l1": flight(settling_s=None)}) == []

@@ -1,0 +1,94 @@
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.studies.faults.invariants import Invariants, Limits
+
+LIMITS = Limits(
+    lower=np.array([-0.8, -0.8, -1.0]),
+    upper=np.array([0.8, 0.8, 1.0]),
+    state_age=0.5,
+    transport=0.2,
+    floor=0.0,
+    fence=500.0,
+)
+PLAN = [[0.1, 0.0, 0.5], [0.8, -0.8, 1.0]]
+STARTS = [0.0, 1.0]
+
+
+@pytest.fixture
+def invariants():
+    judge = Invariants(LIMITS)
+    judge.target([0.0, 0.0, 0.0])
+    return judge
+
+
+def names(violations):
+    return [violation.invariant for violation in violations]
+
+
+def test_what_is_inside_every_limit_is_fine(invariants):
+    assert invariants.state(1.0, [100.0, 0.0, 50.0]) == []
+    assert invariants.command(1.0, 1.0, PLAN, STARTS) == []
+
+
+@pytest.mark.parametrize(
+    ("plan", "starts", "invariant"),
+    [
+        ([[np.nan, 0.0, 0.0]], [0.0], "command finite"),
+        ([[0.0, np.inf, 0.0]], [0.0], "command finite"),
+        ([[0.0, 0.0, 0.0], [0.81, 0.0, 0.0]], STARTS, "command limits"),  # in the plan as well
+        ([[0.0, 0.0, -1.1]], [0.0], "command limits"),
+        (PLAN, [1.0, 1.0], "command order"),
+        ([], [], "command complete"),
+    ],
+)
+def test_commands_outside_the_limits_are_found(invariants, plan, starts, invariant):
+    assert names(invariants.command(0.0, 0.0, plan, starts)) == [invariant]
+
+
+@pytest.mark.parametrize(
+    ("position", "invariant"),
+    [
+        ([0.0, 0.0, -0.1], "altitude floor"),
+        ([400.0, 400.0, 50.0], "geofence"),
+        ([np.nan, 0.0, 50.0], "vehicle finite"),
+    ],
+)
+def test_the_vehicle_is_watched(invariants, position, invariant):
+    assert names(invariants.state(0.0, position)) == [invariant]
+
+
+def fly(judge, stamps, begin=0.0):
+    """States delivered as soon as they are sent, five times as fast as real time."""
+    for stamp in stamps:
+        judge.state(stamp, [100.0, 0.0, 50.0])
+        judge.delivered(begin + stamp / 5.0, stamp)
+
+
+def test_a_command_from_an_old_state_is_found(invariants):
+    fly(invariants, np.arange(0.0, 10.0, 0.05))
+    newest = 9.95
+    now = newest / 5.0
+    # What was delivered 0.2 s of wall time ago, 1 s of flight, is known; 0.5 s more are allowed.
+    assert invariants.command(now, newest - 1.4, PLAN, STARTS) == []
+    assert names(invariants.command(now, newest - 1.6, PLAN, STARTS)) == ["state age"]
+
+
+def test_a_state_that_was_never_delivered_is_not_held_against_the_controller(invariants):
+    fly(invariants, np.arange(0.0, 5.0, 0.05))
+    for stamp in np.arange(5.0, 20.0, 0.05):
+        invariants.state(stamp, [100.0, 0.0, 50.0])
+    assert invariants.command(4.0, 4.95, PLAN, STARTS) == []
+
+
+def test_a_tampered_stamp_is_no_state(invariants):
+    fly(invariants, np.arange(0.0, 5.0, 0.05))
+    invariants.delivered(1.0, 1e9)
+    assert invariants.command(4.0, 4.95, PLAN, STARTS) == []
+
+
+def test_a_vehicle_that_starts_anew_makes_no_command_old(invariants):
+    fly(invariants, np.arange(0.0, 50.0, 0.05))
+    fly(invariants, np.arange(0.0, 5.0, 0.05), begin=20.0)
+    assert invariants.command(30.0, 4.95, PLAN, STARTS) == []
+    assert names(invariants.command(30.0, 1.0, PLAN, STARTS)) == ["state age"]

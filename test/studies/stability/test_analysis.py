@@ -1,0 +1,56 @@
+"""The whole analysis, and the levels that it must reach."""
+
+import pytest
+
+pytest.importorskip("flint")
+
+from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.studies.stability.analysis import analyse
+from uav_tracking_mpc.studies.stability.analysis_text import as_json, as_words
+from uav_tracking_mpc.terminal.stability_problem import paper_problem
+
+
+@pytest.fixture(scope="module")
+def model_11():
+    return analyse(paper_problem("paper"))
+
+
+def test_levels_of_11(model_11):
+    assert model_11.theorem3.proved >= 0.22
+    assert model_11.decrease.proved >= 4.7
+    assert model_11.refuted
+    assert model_11.certified
+
+
+def test_every_proved_level_is_below_its_violation(model_11):
+    for reach in (model_11.theorem2, model_11.theorem3, model_11.decrease):
+        assert reach.proved < reach.violation
+
+
+def test_lipschitz_bounds_are_close(model_11):
+    bound = model_11.lipschitz
+    assert bound.lower <= bound.upper <= 1.05 * bound.lower
+
+
+def test_json_keys(model_11):
+    content = as_json(model_11)
+    assert set(content["conditions"]["theorem3"]) == {"holds", "left", "right"}
+    for key in ("theorem3", "decrease", "inputs", "certified"):
+        assert content["varrho"][key] > 0.0
+    assert content["lipschitz"]["upper"] >= content["lipschitz"]["lower"]
+    assert content["certified"] is True
+
+
+def test_words_name_what_binds(model_11):
+    assert "CERTIFIED" in as_words(model_11)
+    assert "u_chi" in as_words(model_11)
+
+
+def test_orbit_too_tight_for_the_turn_rate_says_so():
+    found = analyse(
+        paper_problem(orbit=Orbit(range=51.0, altitude=50.0, speed=9.0)), time_limit=0.2
+    )
+    assert not found.certified
+    assert "steady input" in found.binding
+    assert as_json(found)["varrho"]["certified"] == 0.0
+    assert "NOT CERTIFIED" in as_words(found)

@@ -1,0 +1,43 @@
+"""Maps of X_N on a coarse grid."""
+
+import numpy as np
+
+from uav_tracking_mpc.studies.stability.attraction import (
+    Slice,
+    attraction_map,
+    default_slices,
+    save_maps,
+)
+from uav_tracking_mpc.terminal.stability_problem import PAPER_INITIAL_STATE, paper_problem
+
+PROBLEM, LEVEL = paper_problem(), 2.87
+SMALL = Slice(
+    "range", np.array([150.0, 212.83]), "speed", np.array([0.0, 4.0]), PAPER_INITIAL_STATE
+)
+
+
+def test_papers_start_is_infeasible_at_10_and_feasible_at_20():
+    answers = {n: attraction_map(PROBLEM, LEVEL, SMALL, n, workers=1, show=False) for n in (10, 20)}
+    assert not answers[10].marked_feasible
+    assert answers[20].marked_feasible
+    assert np.all(answers[20].feasible >= answers[10].feasible)
+
+
+def test_without_terminal_set_everything_is_feasible():
+    assert attraction_map(PROBLEM, None, SMALL, 10, workers=1, show=False).feasible.all()
+
+
+def test_slices_vary_what_they_say():
+    first, second = default_slices(PROBLEM, 5)
+    assert (first.second, second.second) == ("bearing", "speed")
+    state = first.state(1, 2)
+    assert state[0] == first.first_values[1]
+    assert state[1] == first.second_values[2]
+    assert state[4] == PAPER_INITIAL_STATE[4]
+
+
+def test_archive_round_trip(tmp_path):
+    found = attraction_map(PROBLEM, None, SMALL, 5, workers=1, show=False)
+    save_maps([found], str(tmp_path / "maps.npz"))
+    stored = np.load(tmp_path / "maps.npz")
+    np.testing.assert_array_equal(stored["0_feasible"], found.feasible)

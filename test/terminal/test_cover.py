@@ -1,0 +1,62 @@
+"""Branch and bound: complete trees, honest failures, the level of Theorem 3."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("flint")
+
+from uav_tracking_mpc.terminal.cover import prove
+from uav_tracking_mpc.terminal.direct_condition import decrease
+from uav_tracking_mpc.terminal.quadratic_bound import lipschitz_bound
+from uav_tracking_mpc.terminal.stability_problem import paper_problem
+from uav_tracking_mpc.terminal.terminal_dynamics import ClosedLoopBalls
+from uav_tracking_mpc.terminal.theorems import (
+    largest_lipschitz,
+    theorem_quantities,
+)
+
+PROBLEM = paper_problem()
+PARTS = PROBLEM.ingredients()
+
+
+def test_theorem3_holds_up_to_level_1_5_on_the_exact_model():
+    found = theorem_quantities(PARTS, PROBLEM.state_weight, PROBLEM.input_weight, 0.0, 10)
+    limit = largest_lipschitz(found.contraction, found.theorem3.left)
+    loop = ClosedLoopBalls("exact", "euler", PROBLEM.orbit, PROBLEM.step, PARTS.gain)
+    bound = lipschitz_bound(loop, PARTS.weight, PARTS.closed_loop, limit, 1.5)
+    assert prove(bound, time_limit=30.0).proved
+    beyond = lipschitz_bound(loop, PARTS.weight, PARTS.closed_loop, limit, 1.61)
+    assert not prove(beyond, box_limit=200).proved
+
+
+def test_tree_is_complete_and_counts_add_up():
+    proof = prove(decrease(PROBLEM, PARTS, 2.8))
+    assert proof.proved
+    assert proof.leaves == proof.tree.count(".") == len(proof.multipliers)
+    assert proof.boxes == len(proof.tree) == 2 * proof.leaves - 1
+
+
+def test_limits_end_a_proof_with_where_it_stopped():
+    for options, word in (({"box_limit": 5}, "boxes"), ({"time_limit": 0.0}, "limit")):
+        proof = prove(decrease(PROBLEM, PARTS, 11.0), **options)
+        assert not proof.proved
+        assert proof.tree == ""
+        assert word in proof.stuck.reason
+        assert len(proof.stuck.center) == 5
+
+
+def test_progress_is_told():
+    told = []
+    prove(decrease(PROBLEM, PARTS, 5.0), progress=lambda share, boxes: told.append((share, boxes)))
+    shares = [share for share, _ in told]
+    assert told
+    assert shares == sorted(shares)
+    assert shares[-1] <= 1.0
+
+
+def test_asymmetric_weight_is_refused():
+    crooked = PARTS.weight.copy()
+    crooked[0, 1] = np.nextafter(crooked[0, 1], 1.0)
+    loop = ClosedLoopBalls("exact", "euler", PROBLEM.orbit, PROBLEM.step, PARTS.gain)
+    with pytest.raises(ValueError, match="symmetric"):
+        lipschitz_bound(loop, crooked, PARTS.closed_loop, 0.1, 1.0)

@@ -1,0 +1,142 @@
+"""The checker accepts what the prover writes, and nothing else."""
+
+import copy
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("flint")
+
+from uav_tracking_mpc.dynamics import relative
+from uav_tracking_mpc.terminal import interval as interval_module
+from uav_tracking_mpc.terminal import interval_matrix
+from uav_tracking_mpc.terminal import verify as verify_module
+from uav_tracking_mpc.terminal.certificate import certificate, digest
+from uav_tracking_mpc.terminal.direct_condition import prove_direct_condition
+from uav_tracking_mpc.terminal.stability_problem import paper_problem
+from uav_tracking_mpc.terminal.verify import verify
+
+
+def write(problem, level):
+    parts = problem.ingredients()
+    proved = prove_direct_condition(problem, parts, level, time_limit=20.0)
+    return json.loads(json.dumps(certificate(problem, parts, proved)))
+
+
+@pytest.fixture(scope="module")
+def written():
+    return write(paper_problem(), 2.87)
+
+
+def ample(model, factor):
+    base = paper_problem(model)
+    return replace(
+        base, input_lower=factor * base.input_lower, input_upper=factor * base.input_upper
+    )
+
+
+def test_accepts_what_the_prover_writes(written):
+    assert verify(written) is None
+
+
+@pytest.mark.parametrize(
+    ("problem", "level"),
+    [
+        (paper_problem(), 0.01),
+        (paper_problem(), 1.3),
+        (paper_problem("paper"), 2.8),
+        (paper_problem("paper9"), 2.0),
+        (ample("exact", 2.0), 11.4),  # all three bounds doubled: U allows 11.51
+        (ample("paper", 4.0), 4.6),
+        (paper_problem(scaling=5.0), 2.0),
+        (paper_problem(step=0.5), 1.0),
+        (paper_problem(scheme="rk4"), 0.8),
+    ],
+)
+def test_accepts_every_kind(problem, level):
+    assert verify(write(problem, level)) is None
+
+
+def change(path, value):
+    def apply(content):
+        place = content
+        for key in path[:-1]:
+            place = place[key]
+        place[path[-1]] = value(place[path[-1]]) if callable(value) else value
+
+    return apply
+
+
+CORRUPTIONS = {
+    "level raised": change(["level"], lambda v: 1.01 * v),
+    "level not a number": change(["level"], "much"),
+    "level negative": change(["level"], -1.0),
+    "gain changed": change(["gain", 0, 1], lambda v: -v),
+    "weight changed": change(["weight", 0, 0], lambda v: 1.5 * v),
+    "weight not symmetric": change(["weight", 0, 1], lambda v: v + 1e-3),
+    "weight not definite": change(["weight", 0, 0], -1.0),
+    "tree cut short": change(["tree"], lambda v: v[:-1]),
+    "tree too long": change(["tree"], lambda v: v + "."),
+    "tree pruned to its root": lambda c: (
+        change(["tree"], ".")(c),
+        change(["multipliers"], [0.0])(c),
+        change(["statistics", "leaves"], 1)(c),
+    ),
+    "tree with an unknown mark": change(["tree"], lambda v: "7" + v[1:]),
+    "a multiplier is missing": change(["multipliers"], lambda v: v[:-1]),
+    "a multiplier is negative": change(["multipliers"], lambda v: [*v[:-1], -1.0]),
+    "root box smaller": change(["root"], lambda v: [0.9 * e for e in v]),
+    "inputs narrower than proved": change(["problem", "input_upper", 1], 0.5),
+    "another speed": change(["problem", "orbit", "speed"], 5.0),
+    "another range": change(["problem", "orbit", "range"], 60.0),
+    "another direction": change(["problem", "orbit", "direction"], "counter_clockwise"),
+    "another model": change(["problem", "model"], "paper"),
+    "another scheme": change(["problem", "scheme"], "rk4"),
+    "another step": change(["problem", "step_s"], 1.2),
+    "another rho": change(["problem", "scaling"], 2.0),
+    "heavier state weight": change(["problem", "state_weight", 4, 4], 3.0),
+    "heavier input weight": change(["problem", "input_weight", 0, 0], 3.0),
+    "unknown format": change(["format"], "certificate 0"),
+    "no tree": lambda c: c.pop("tree"),
+    "leaves miscounted": change(["statistics", "leaves"], 3),
+}
+
+
+@pytest.mark.parametrize("name", CORRUPTIONS)
+def test_rejects_a_corrupted_certificate_even_with_a_fresh_digest(written, name):
+    content = copy.deepcopy(written)
+    CORRUPTIONS[name](content)
+    assert verify(content) is not None
+    content["digest"] = digest(content)
+    assert verify(content) is not None
+
+
+def test_rejects_a_wrong_digest(written):
+    assert "digest" in verify({**written, "digest": "0" * 64})
+
+
+def test_shares_no_code_with_the_prover():
+    source = Path(verify_module.__file__).read_text() + Path(interval_module.__file__).read_text()
+    source += Path(interval_matrix.__file__).read_text()
+    imported = {line.split()[1] for line in source.splitlines() if line.startswith("from uav_")}
+    allowed = ("uav_tracking_mpc.dynamics.", "uav_tracking_mpc.terminal.interval")
+    assert all(name.startswith(allowed) for name in imported)
+    assert "flint" not in source
+
+
+def test_rejects_content_that_is_no_certificate():
+    assert verify({}) is not None
+
+
+def test_rejects_when_the_model_has_a_sign_error(written, monkeypatch):
+    right = relative.exact_rates
+
+    def wrong(state, inputs):
+        rates = right(state, inputs)
+        rates[2] = -rates[2]
+        return rates
+
+    monkeypatch.setitem(relative.MODELS, "exact", wrong)
+    assert verify(written) is not None

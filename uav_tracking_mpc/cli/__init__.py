@@ -1,0 +1,1 @@
+"""The ``uav_tracking`` command."""

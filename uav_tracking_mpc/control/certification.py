@@ -1,0 +1,52 @@
+"""What may be claimed of the terminal set that the parameters fly."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, TrackingParameters
+from uav_tracking_mpc.terminal.claim import CertificateStatus
+
+BY_CONSTRUCTION = "by construction"
+WHY = (
+    "every plan ends on an orbit that can be flown on, so it can always be continued while the "
+    "model holds"
+)
+
+
+def certification(parameters: TrackingParameters, folder: Path) -> CertificateStatus:
+    """Certified, sampled, neither, or given by construction, with the reason.
+
+    Args:
+        parameters: What is flown; with ``certificate`` set, that file counts.
+        folder: Otherwise, where the certificates lie among which one may fit.
+
+    Raises:
+        ParameterError: The file of ``certificate`` cannot be read.
+    """
+    if parameters.terminal_constraint == ARTIFICIAL_ORBIT:
+        return CertificateStatus(BY_CONSTRUCTION, WHY)
+    # Half a second of loading: a controller that comes back in flight has no time for it.
+    from uav_tracking_mpc.formulation.paper_terminal import stability_problem, terminal_level
+    from uav_tracking_mpc.terminal.certificate import mismatch, read_certificate
+    from uav_tracking_mpc.terminal.status import certificate_status
+
+    problem, level = stability_problem(parameters), terminal_level(parameters)
+    ingredients = problem.ingredients()
+    if parameters.certificate:
+        try:
+            chosen = read_certificate(Path(parameters.certificate))
+        except (OSError, ValueError) as error:
+            raise ParameterError(
+                f"parameter 'certificate' is {parameters.certificate!r}, must be a certificate "
+                f"written by `uav_tracking stability`: {error}"
+            ) from error
+        return certificate_status(problem, ingredients, level, chosen)
+    fitting = None
+    if level is not None:
+        for path in sorted(folder.glob("*.json")):
+            content = read_certificate(path)
+            if mismatch(content, problem, ingredients, level) is None:
+                fitting = content
+    return certificate_status(problem, ingredients, level, fitting)

@@ -1,0 +1,33 @@
+"""Which way round: as asked for, or the nearer one, kept once chosen."""
+
+from __future__ import annotations
+
+import math
+
+from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, COUNTER_CLOCKWISE
+from uav_tracking_mpc.estimation.situation import Situation
+
+NEAREST = "nearest"
+# A choice is kept until the flight goes against it by more than this angle from the tangent: half
+# a right angle beyond the one at which the other direction becomes the nearer.
+HYSTERESIS = math.radians(135.0)
+
+
+def nearest_direction(situation: Situation, present: str | None = None) -> str:
+    """Direction of the orbit to which the relative velocity needs to turn less.
+
+    Args:
+        situation: Where the aircraft is and goes.
+        present: Direction that is flown, if one is: kept but for a flight clearly against it.
+    """
+    x, y, _ = situation.offset
+    w_x, w_y, _ = situation.relative_velocity
+    speed_distance = math.hypot(x, y) * math.hypot(w_x, w_y)
+    # Cosine of the angle between relative velocity and counter-clockwise tangent.
+    along = (x * w_y - y * w_x) / speed_distance if speed_distance > 0.0 else 0.0
+    if present is None:
+        return COUNTER_CLOCKWISE if along > 0.0 else CLOCKWISE
+    follows = along if present == COUNTER_CLOCKWISE else -along
+    if not follows < math.cos(HYSTERESIS):  # also where it is no number
+        return present
+    return CLOCKWISE if present == COUNTER_CLOCKWISE else COUNTER_CLOCKWISE

@@ -1,0 +1,40 @@
+"""What the horizon will see of target and wind."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.estimation.situation import Situation
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """Target and drift at the stages 0..N of a plan.
+
+    Attributes:
+        target: Position in ``map``, shape (N + 1, 3), in [m].
+        drift: c, shape (N + 1, 3), in [m/s].
+        drift_rate: c', shape (N + 1, 3), in [m/s^2].
+    """
+
+    target: NDArray[np.float64]
+    drift: NDArray[np.float64]
+    drift_rate: NDArray[np.float64]
+
+
+def steady_forecast(situation: Situation, stages: int) -> Forecast:
+    """Present drift and target throughout.
+
+    Args:
+        situation: Present target and drift.
+        stages: N.
+    """
+    ahead = (stages + 1, 1)
+    return Forecast(
+        np.tile(situation.target, ahead),
+        np.tile(situation.drift, ahead),
+        np.zeros((stages + 1, 3)),
+    )

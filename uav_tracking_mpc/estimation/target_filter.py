@@ -1,0 +1,161 @@
+"""Where the target is and will be, from measured positions that may be wrong, late or missing.
+
+A position that the track can hardly explain is left out. Should the next ones be left out too and
+agree with each other, then the target has jumped, or turned harder than it may, and the track
+starts anew from them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from uav_tracking_mpc.estimation.singer_track import SingerTrack, bridged
+from uav_tracking_mpc.estimation.turn_prediction import predict_turn
+
+GATE = 16.27  # chi-square of 3 degrees of freedom: one good position in a thousand is left out
+JUMP = 3  # positions left out in a row that agree: the target is there
+FORGOTTEN = 300.0  # s without a position after which nothing is left of the track
+REWIND = 1.0  # s before the newest position for which the past is told
+
+
+@dataclass(frozen=True)
+class TargetEstimate:
+    """What is known of the target at one time.
+
+    Attributes:
+        position: In ``map``, shape (3,), in [m].
+        velocity: Shape (3,), in [m/s].
+        acceleration: Shape (3,), in [m/s^2].
+        position_std: Standard deviation of the position on each axis in [m].
+    """
+
+    position: NDArray[np.float64]
+    velocity: NDArray[np.float64]
+    acceleration: NDArray[np.float64]
+    position_std: float
+
+
+class TargetFilter:
+    """Position, velocity and acceleration of a target from positions that come noisy at any rate.
+
+    Args:
+        noise: Standard deviation of a measured position in [m].
+        agility: Standard deviation of the target's acceleration in [m/s^2].
+        speed: Standard deviation of the velocity before anything is known of it in [m/s].
+
+    Attributes:
+        rejected: Positions left out so far because the track could not explain them.
+        late: Positions left out so far because they were not newer than the newest.
+        jumps: How often the track started anew from positions that had been left out.
+    """
+
+    def __init__(self, noise: float, agility: float, speed: float = 10.0) -> None:
+        self._noise, self._agility, self._speed = noise, agility, speed
+        self.reset()
+
+    def tune(self, noise: float, agility: float) -> None:
+        """Believe other standard deviations, from the next track on."""
+        self._noise, self._agility = noise, agility
+
+    def reset(self) -> None:
+        """Forget the target."""
+        self._track: SingerTrack | None = None
+        self._rival: SingerTrack | None = None  # of positions left out in a row
+        self._rival_count = 0
+        self.rejected = self.late = self.jumps = 0
+
+    @property
+    def time(self) -> float | None:
+        """Time of the newest position taken in, in [s]; None before the first."""
+        return None if self._track is None else self._track.time
+
+    def update(self, time: float, position: ArrayLike) -> bool:
+        """Take in one measured position.
+
+        Args:
+            time: When it was measured in [s].
+            position: In ``map``, shape (3,), in [m].
+
+        Returns:
+            False if it was left out: late, or not to be believed.
+
+        Raises:
+            ValueError: The position is not three finite numbers, or the time not one; the filter
+                is unchanged.
+        """
+        measured = np.asarray(position, dtype=float)
+        if measured.shape != (3,) or not np.all(np.isfinite(measured)):
+            raise ValueError(f"target position is {position!r}, must be three finite numbers")
+        if not np.isfinite(time):
+            raise ValueError(f"time of the target position is {time!r} s, must be finite")
+        if self._track is None or time - self._track.time > FORGOTTEN:
+            self._track, self._rival = self._begin(time, measured), None
+            return True
+        newest = self._track if self._rival is None else self._rival
+        if time <= newest.time:
+            self.late += 1
+            return False
+        if self._track.update(time, measured, GATE):
+            self._rival = None
+            return True
+        return self._doubt(time, measured)
+
+    def _begin(self, time: float, position: NDArray[np.float64]) -> SingerTrack:
+        return SingerTrack(time, position, self._noise, self._agility, self._speed)
+
+    def _doubt(self, time: float, position: NDArray[np.float64]) -> bool:
+        """Hold a position that was left out against those left out just before."""
+        if self._rival is not None and self._rival.update(time, position, GATE):
+            self._rival_count += 1
+            if self._rival_count == JUMP:
+                self._track, self._rival = self._rival, None
+                self.jumps += 1
+                return True
+        else:
+            self._rival, self._rival_count = self._begin(time, position), 1
+        self.rejected += 1
+        return False
+
+    def predict(self, time: float) -> TargetEstimate:
+        """Estimate at a time: on from the newest position, or up to a second back from it.
+
+        Raises:
+            ValueError: Nothing has been measured yet.
+        """
+        track = self._known()
+        positions, velocities, accelerations = self.ahead(np.array([time]))
+        # Back in time that of the newest position stands in.
+        deviation = track.position_std(min(max(time - track.time, 0.0), FORGOTTEN))
+        return TargetEstimate(positions[0], velocities[0], accelerations[0], deviation)
+
+    def ahead(
+        self, times: ArrayLike
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Positions [m], velocities [m/s] and accelerations [m/s^2] over a horizon.
+
+        Args:
+            times: When, shape (n,), ascending, the first being now, in [s]. If the target has not
+                been seen for a while the velocity of now is faded, and held over the horizon.
+
+        Returns:
+            Three arrays of shape (n, 3).
+
+        Raises:
+            ValueError: Nothing has been measured yet.
+        """
+        track = self._known()
+        ages = np.asarray(times, dtype=float) - track.time
+        travelled, left = bridged(min(float(ages[0]), FORGOTTEN))
+        leads = np.maximum(travelled + left * (ages - ages[0]), -REWIND)
+        positions, velocities, accelerations = predict_turn(
+            track.state, track.covariance, track.turn_rate, leads
+        )
+        return positions, left * velocities, left * left * accelerations
+
+    def _known(self) -> SingerTrack:
+        if self._track is None:
+            raise ValueError("no target position has been received yet")
+        return self._track

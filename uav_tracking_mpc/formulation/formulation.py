@@ -1,0 +1,72 @@
+"""What a formulation of the tracking problem offers: from a situation to a plan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.estimation.forecast import Forecast
+from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.mpc.solution import Solution
+from uav_tracking_mpc.mpc.solver import Solver
+from uav_tracking_mpc.settings.tracking import TrackingParameters
+
+if TYPE_CHECKING:
+    from uav_tracking_mpc.terminal.decrease import DecreaseCheck, DecreaseMonitor
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Answer of a formulation.
+
+    Attributes:
+        inputs: (u_psi, u_chi, u_v) at 0, T_s, 2 T_s, ..., shape (N, 3), held in between.
+        step: T_s in [s].
+        error: Tracking error x, shape (5,).
+        solution: What the solver said.
+        decrease: Whether the optimal cost fell as (54) says; None where that cannot be told.
+    """
+
+    inputs: NDArray[np.float64]
+    step: float
+    error: NDArray[np.float64]
+    solution: Solution
+    decrease: DecreaseCheck | None = None
+
+
+class Formulation(Protocol):
+    """One way to pose the tracking problem, with its solver."""
+
+    solver: Solver
+    step: float
+
+    @property
+    def decrease(self) -> DecreaseMonitor | None:
+        """Watches (54); None where it says nothing."""
+        ...
+
+    def check(self, parameters: TrackingParameters) -> None:
+        """Whether other parameters can be taken in flight.
+
+        Raises:
+            ParameterError: They can only be taken at the start.
+        """
+        ...
+
+    def change(self, parameters: TrackingParameters) -> None:
+        """Fly other parameters, which pass :meth:`check`, from now on."""
+        ...
+
+    def solve(
+        self, situation: Situation, forecast: Forecast, orbit: Orbit, elapsed: float | None
+    ) -> Plan:
+        """Best plan from a situation."""
+        ...
+
+    def reset(self) -> None:
+        """Forget the last plan."""
+        ...

@@ -1,0 +1,98 @@
+"""The paper's problem (14)-(16), fed with a situation: no drift, no envelope, one orbit."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.dynamics.relative import relative_state, tracking_error
+from uav_tracking_mpc.estimation.forecast import Forecast
+from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.formulation.formulation import Plan
+from uav_tracking_mpc.formulation.paper_terminal import (
+    stability_problem,
+    terminal_level,
+    tracking_problem,
+)
+from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
+from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
+from uav_tracking_mpc.mpc.solver import Solver
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.terminal.decrease import decrease_monitor
+
+# Its orbit, weights and limits are part of the terminal ingredients and of the compiled equations.
+CHANGEABLE = (
+    "solve_time_max", "plan_age_max", "state_timeout", "target_timeout", "target_noise",
+    "target_agility",
+    "control_rate",
+)  # fmt: skip
+
+
+class PaperFormulation:
+    """Problem of :mod:`tracking_problem` and its solver.
+
+    Args:
+        parameters: What is flown.
+        solver: Of this problem; made as the parameters say by default.
+    """
+
+    def __init__(self, parameters: TrackingParameters, solver: Solver | None = None) -> None:
+        self.parameters = parameters
+        self.step = parameters.horizon_step
+        self.solver = solver or _solver(parameters)
+        self.decrease = decrease_monitor(stability_problem(parameters), terminal_level(parameters))
+        self._steady_inputs = parameters.steady_inputs
+        self._target = np.full(3, np.nan)
+
+    def check(self, parameters: TrackingParameters) -> None:
+        """Whether only timeouts and filter settings have changed.
+
+        Raises:
+            ParameterError: Something else has.
+        """
+        for field in dataclasses.fields(parameters):
+            name = field.name
+            before, after = getattr(self.parameters, name), getattr(parameters, name)
+            if before != after and name not in CHANGEABLE:
+                raise ParameterError(
+                    f"parameter '{name}' is {after!r}, must stay {before!r} in flight unless "
+                    "terminal_constraint is 'artificial_orbit'"
+                )
+
+    def change(self, parameters: TrackingParameters) -> None:
+        """Take new timeouts and filter settings."""
+        self.parameters = parameters
+        if isinstance(self.solver, NewtonSolver):
+            self.solver.time_limit = parameters.solve_time_max
+
+    def reset(self) -> None:
+        """Forget the last plan."""
+        self.solver.reset()
+        self.decrease.reset()
+
+    def solve(
+        self, situation: Situation, forecast: Forecast, orbit: Orbit, elapsed: float | None
+    ) -> Plan:
+        """Best plan from a situation; the target is taken to stand and the air to be still."""
+        error = tracking_error(relative_state(situation.vehicle, situation.target), orbit)
+        solution = self.solver.solve(error, elapsed=elapsed)
+        moved = bool(np.any(np.abs(situation.target - self._target) > 0.0))
+        self._target = situation.target
+        decrease = self.decrease.step(
+            solution.cost if solution.converged else float("nan"),
+            error,
+            solution.states[-1],
+            target_moved=moved,
+            fraction=1.0 if elapsed is None else elapsed / self.step,
+        )
+        return Plan(solution.inputs + self._steady_inputs, self.step, error, solution, decrease)
+
+
+def _solver(parameters: TrackingParameters) -> Solver:
+    problem = tracking_problem(parameters)
+    if parameters.solver == "newton":
+        return NewtonSolver(problem, time_limit=parameters.solve_time_max)
+    return CasadiSolver(problem, parameters.solver, time_limit=parameters.solve_time_max)

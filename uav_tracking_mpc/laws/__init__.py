@@ -1,0 +1,54 @@
+"""Guidance laws, one file each: where the aircraft is in, turn, climb and acceleration out.
+
+==================  ==============================================================
+``vector_field``    Lyapunov loiter vector field; also the controller's fallback
+``l1``              L1 capture and circle tracking, as ArduPilot's
+==================  ==============================================================
+
+A law is a subclass of :class:`GuidanceLaw` in a file of its own name. It is found by that name, by an
+entry point in the group ``uav_tracking_mpc.laws``, or as ``path.py:Class``.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.dynamics.orbit import Orbit
+
+if TYPE_CHECKING:
+    from uav_tracking_mpc.estimation.situation import Situation
+    from uav_tracking_mpc.limits._envelope import Envelope
+
+
+class GuidanceLaw(ABC):
+    """A law that circles the target.
+
+    Args:
+        orbit: What to fly.
+        envelope: What can be flown.
+
+    Attributes:
+        name: By which it is found.
+    """
+
+    name: ClassVar[str]
+
+    def __init__(self, orbit: Orbit, envelope: Envelope) -> None:
+        self.orbit = orbit
+        self.envelope = envelope
+
+    @abstractmethod
+    def inputs(self, situation: Situation) -> NDArray[np.float64]:
+        """Inputs for the present situation.
+
+        Args:
+            situation: Aircraft, target and drift now.
+
+        Returns:
+            (u_psi, u_chi, u_v), shape (3,), in [rad/s, rad/s, m/s^2], finite and inside the
+            envelope.
+        """

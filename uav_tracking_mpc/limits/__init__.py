@@ -1,0 +1,1 @@
+"""What the aircraft can fly and where it may."""

@@ -1,0 +1,150 @@
+"""What people add is found by name: in its room, by an entry point, or as ``path.py:Class``.
+
+A room keeps one thing a file, and the file's name is the thing's name: ``laws/l1.py`` holds the law
+``l1``. Files that begin with an underscore are shared parts. An installed package adds a thing
+through an entry point whose group is the room, for example in its ``setup.py``::
+
+    entry_points={"uav_tracking_mpc.laws": ["pursuit = my_package.pursuit:Pursuit"]}
+
+Listing names imports nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import sys
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+PACKAGE = Path(__file__).parents[1]
+
+
+class ExtensionError(ValueError):
+    """There is no extension of that name, or it is not what its base asks for."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of thing that people add.
+
+    Attributes:
+        title: What people call it.
+        room: Package that holds those that come with the project; also the entry points' group.
+        base: Name of the base class in that package.
+    """
+
+    title: str
+    room: str
+    base: str
+
+    @property
+    def base_class(self) -> type:
+        """The base of all of this kind."""
+        return getattr(importlib.import_module(self.room), self.base)
+
+    @property
+    def own_names(self) -> list[str]:
+        """Names of those that come with the project, sorted."""
+        folder = PACKAGE.joinpath(*self.room.split(".")[1:])
+        return sorted(path.stem for path in folder.glob("*.py") if path.stem[0] != "_")
+
+    @property
+    def names(self) -> list[str]:
+        """Names of all that are installed, sorted."""
+        return sorted({*self.own_names, *(point.name for point in self._entry_points())})
+
+    def find(self, name: str) -> type[Any]:
+        """Class of a name.
+
+        Args:
+            name: Of one that is installed, or ``path.py:Class``, or ``module:Class``.
+
+        Raises:
+            ExtensionError: There is none, it cannot be loaded, or it does not derive from the base.
+        """
+        if ":" in name:
+            return self._checked(name, _loaded(self.title, name))
+        if name in self.own_names:
+            module = importlib.import_module(f"{self.room}.{name}")
+            return self._of_module(name, module)
+        for point in self._entry_points():
+            if point.name == name:
+                return self._checked(name, point.load())
+        raise ExtensionError(
+            f"{self.title} is {name!r}, must be one of {', '.join(self.names)}, or path.py:Class"
+        )
+
+    def all(self) -> dict[str, type[Any]]:
+        """Classes of all that are installed, by name."""
+        return {name: self.find(name) for name in self.names}
+
+    def _entry_points(self) -> list[metadata.EntryPoint]:
+        return list(metadata.entry_points(group=self.room))
+
+    def _of_module(self, name: str, module: ModuleType) -> type[Any]:
+        base = self.base_class
+        for value in vars(module).values():
+            if isinstance(value, type) and issubclass(value, base):
+                if value.__module__ == module.__name__ and value.__dict__.get("name") == name:
+                    return value
+        raise ExtensionError(f"{module.__file__} holds no {self.base} whose name is {name!r}")
+
+    def _checked(self, name: str, value: Any) -> type[Any]:
+        if not (isinstance(value, type) and issubclass(value, self.base_class)):
+            raise ExtensionError(f"{self.title} {name!r} must derive from {self.room}.{self.base}")
+        return value
+
+
+def _loaded(title: str, reference: str) -> Any:
+    """Value of ``path.py:Class`` or ``module:Class``."""
+    where, _, attribute = reference.rpartition(":")
+    try:
+        module = _module_of_file(Path(where)) if where.endswith(".py") else _module(where)
+    except ExtensionError:
+        raise
+    except Exception as error:  # whatever the user's file raises while it is loaded
+        raise ExtensionError(
+            f"{title} {reference!r} cannot be loaded: {type(error).__name__}: {error}"
+        ) from error
+    try:
+        return getattr(module, attribute)
+    except AttributeError:
+        raise ExtensionError(f"{title} {reference!r}: {where} has no {attribute}") from None
+
+
+def _module(name: str) -> ModuleType:
+    return importlib.import_module(name)
+
+
+def _module_of_file(path: Path) -> ModuleType:
+    path = path.resolve()
+    if not path.is_file():
+        raise ExtensionError(f"there is no file {path}")
+    # Under one name in every process, so that what is defined there can be pickled.
+    name = f"extension_{path.stem}"
+    present = sys.modules.get(name)
+    if present is not None and present.__file__ == str(path):
+        return present
+    specification = importlib.util.spec_from_file_location(name, path)
+    assert specification is not None and specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    sys.modules[name] = module
+    try:
+        specification.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
+    return module
+
+
+GUIDANCE_LAW = Kind("guidance law", "uav_tracking_mpc.laws", "GuidanceLaw")
+LIMIT = Kind("limit", "uav_tracking_mpc.limits", "Limit")
+PREDICTION_MODEL = Kind("prediction model", "uav_tracking_mpc.dynamics.models", "PredictionModel")
+PLANT = Kind("plant", "uav_tracking_mpc.simulation.plants", "Plant")
+TARGET_MOTION = Kind("target motion", "uav_tracking_mpc.simulation.motions", "TargetMotion")
+VEHICLE_LINK = Kind("vehicle link", "uav_tracking_mpc.links", "VehicleLink")
+FAULT = Kind("fault", "uav_tracking_mpc.studies.faults.kinds", "Fault")

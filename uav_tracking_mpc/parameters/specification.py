@@ -1,0 +1,162 @@
+"""Parameters described once: name, type, default, unit, meaning, allowed values.
+
+A set of parameters is a frozen dataclass whose fields are made by :func:`parameter`. From the same
+description come the checks, the ROS declarations, the tables in the README and ``--help``.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar, cast
+
+from uav_tracking_mpc.parameters.registry import Kind
+
+Value = bool | int | float | str | tuple[float, ...]
+T = TypeVar("T")
+
+
+class ParameterError(ValueError):
+    """A parameter has a value that is not allowed; the message names all three."""
+
+
+@dataclass(frozen=True)
+class Specification:
+    """Description of one parameter.
+
+    Attributes:
+        name: As in YAML and on the ROS command line.
+        default: Also gives the type: bool, int, float, str or a tuple of floats.
+        description: What it does, for people.
+        unit: SI unit, or "".
+        lower: Least value allowed (of every element), or None.
+        upper: Greatest value allowed (of every element), or None.
+        choices: The only values allowed, or () for any.
+        size: Number of elements of a tuple; 0 for any multiple of ``multiple``.
+        multiple: A tuple's length must be a multiple of this.
+        extension: The value names one of this kind: an installed one, or ``path.py:Class``.
+        fixed: Whether it can only be set at the start, not while the node is configured.
+    """
+
+    name: str
+    default: Value
+    description: str
+    unit: str = ""
+    lower: float | None = None
+    upper: float | None = None
+    choices: tuple[str, ...] = ()
+    size: int = 0
+    multiple: int = 1
+    extension: Kind | None = None
+    fixed: bool = False
+
+    @property
+    def allowed(self) -> str:
+        """The allowed values in words."""
+        kind = {bool: "true or false", int: "an integer", float: "a number", str: "text"}
+        if self.choices:
+            return "one of " + ", ".join(self.choices)
+        if self.extension is not None:
+            return f"one of {', '.join(self.extension.names)}, or path.py:Class"
+        if isinstance(self.default, tuple):
+            count = str(self.size) if self.size else f"a multiple of {self.multiple}"
+            words = f"a list of {count} numbers"
+        else:
+            words = kind[type(self.default)]
+        unit = f" {self.unit}" if self.unit else ""
+        if self.lower is not None and self.upper is not None:
+            words += f" from {self.lower:g} to {self.upper:g}{unit}"
+        elif self.lower is not None:
+            words += f" of at least {self.lower:g}{unit}"
+        elif self.upper is not None:
+            words += f" of at most {self.upper:g}{unit}"
+        return words
+
+    def check(self, value: Any) -> Value:
+        """The value in the parameter's own type.
+
+        An integer is taken where a number is asked for; nothing else is converted.
+
+        Raises:
+            ParameterError: Wrong type, not finite, out of range, wrong length, not a choice.
+        """
+        checked = self._convert(value)
+        numbers = checked if isinstance(checked, tuple) else (checked,)
+        for number in numbers:
+            if isinstance(number, bool) or not isinstance(number, (int, float)):
+                continue
+            low = self.lower is not None and number < self.lower
+            high = self.upper is not None and number > self.upper
+            if not math.isfinite(number) or low or high:
+                raise self._error(value)
+        if self.choices and checked not in self.choices:
+            raise self._error(value)
+        if self.extension is not None and ":" not in str(checked):
+            if checked not in self.extension.names:
+                raise self._error(value)
+        return checked
+
+    def _convert(self, value: Any) -> Value:
+        if isinstance(self.default, tuple):
+            if isinstance(value, (str, bytes)) or not hasattr(value, "__iter__"):
+                raise self._error(value)
+            elements = tuple(value)
+            if not all(_is_number(element) for element in elements):
+                raise self._error(value)
+            if len(elements) != self.size if self.size else len(elements) % self.multiple:
+                raise self._error(value)
+            return tuple(self._float(element) for element in elements)
+        if isinstance(self.default, bool):
+            if isinstance(value, bool):
+                return value
+        elif isinstance(self.default, int):
+            if isinstance(value, int) and not isinstance(value, bool):
+                return value
+        elif isinstance(self.default, float):
+            if _is_number(value):
+                return self._float(value)
+        elif isinstance(value, str):
+            return value
+        raise self._error(value)
+
+    def _float(self, value: float) -> float:
+        try:
+            return float(value)
+        except OverflowError:  # an integer beyond every float
+            raise self._error(value) from None
+
+    def _error(self, value: Any) -> ParameterError:
+        return ParameterError(f"parameter '{self.name}' is {value!r}, must be {self.allowed}")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def parameter(default: Any, description: str, **limits: Any) -> Any:
+    """Dataclass field of a parameter; ``limits`` are the other attributes of a Specification."""
+    metadata = {"description": description, **limits}
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def specifications(parameters: type) -> tuple[Specification, ...]:
+    """Specifications of a parameter dataclass, in the order of its fields."""
+    fields: tuple[dataclasses.Field[Any], ...] = dataclasses.fields(parameters)
+    return tuple(
+        Specification(field.name, cast(Value, field.default), **field.metadata) for field in fields
+    )
+
+
+def from_mapping(parameters: type[T], values: Mapping[str, Any]) -> T:
+    """Build a parameter dataclass from names and values; what is missing takes its default.
+
+    Raises:
+        ParameterError: An unknown name, or a value that is not allowed.
+    """
+    known = {specification.name: specification for specification in specifications(parameters)}
+    for name in values:
+        if name not in known:
+            raise ParameterError(f"parameter '{name}' is unknown, known are: {', '.join(known)}")
+    return parameters(**{name: known[name].check(value) for name, value in values.items()})

@@ -1,0 +1,1 @@
+"""Parameters described once, and configurations."""

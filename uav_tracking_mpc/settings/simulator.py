@@ -1,0 +1,162 @@
+"""The simulated aircraft and its air, as parameters."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.parameters.specification import ParameterError, parameter
+
+
+@dataclass(frozen=True)
+class SimulatorParameters:
+    """Where the simulated vehicle starts and what it can do.
+
+    The default start is the paper's x_o = [212.83, -pi/4, 20, 0, 0] (Section 6) about a target at
+    the origin; the paper leaves the azimuth free, here it is East.
+
+    Raises:
+        ParameterError: A lower limit is not below its upper limit, or the start is outside them.
+    """
+
+    initial_position: tuple[float, ...] = parameter(
+        (math.sqrt(212.83**2 - 20.0**2), 0.0, 20.0),
+        "Position at the start in map.",
+        unit="m",
+        size=3,
+        lower=-1e6,
+        upper=1e6,
+    )
+    initial_heading: float = parameter(
+        0.75 * math.pi,
+        "Heading at the start, counter-clockwise from East.",
+        unit="rad",
+        lower=-math.pi,
+        upper=math.pi,
+    )
+    initial_path_angle: float = parameter(
+        0.0, "Path angle at the start, positive up.", unit="rad", lower=-1.5, upper=1.5
+    )
+    initial_speed: float = parameter(0.0, "Speed at the start.", unit="m/s", lower=0.0, upper=400.0)
+    state_rate: float = parameter(
+        20.0, "How often the state is published.", unit="Hz", lower=1.0, upper=1000.0
+    )
+    speed: float = parameter(
+        1.0, "Simulated over wall time, when /clock is driven.", lower=0.01, upper=1000.0
+    )
+    publish_clock: bool = parameter(False, "Drive /clock; the other nodes then need use_sim_time.")
+    wait_for_subscribers: int = parameter(
+        0, "Time stands still until so many listen to the state.", lower=0, upper=100
+    )
+    start_on_command: bool = parameter(
+        False, "Hold the vehicle where it starts until the first command arrives."
+    )
+    yaw_rate_max: float = parameter(
+        math.pi / 4, "Yaw rates beyond this are cut.", unit="rad/s", lower=1e-3, upper=10.0
+    )
+    pitch_rate_max: float = parameter(
+        math.pi / 4, "Path-angle rates beyond this are cut.", unit="rad/s", lower=1e-3, upper=10.0
+    )
+    acceleration_min: float = parameter(
+        -1.0, "Accelerations below this are cut.", unit="m/s^2", lower=-100.0, upper=-1e-3
+    )
+    acceleration_max: float = parameter(
+        1.0, "Accelerations above this are cut.", unit="m/s^2", lower=1e-3, upper=100.0
+    )
+    speed_min: float = parameter(
+        0.0, "The vehicle does not fly slower.", unit="m/s", lower=0.0, upper=400.0
+    )
+    speed_max: float = parameter(
+        20.0, "The vehicle does not fly faster.", unit="m/s", lower=0.1, upper=400.0
+    )
+    bank_max: float = parameter(
+        0.5 * math.pi,
+        "Yaw rates beyond the coordinated turn at this bank, g tan(bank_max) / v, are cut.",
+        unit="rad",
+        lower=0.01,
+        upper=0.5 * math.pi,
+    )
+    rate_lag: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Time constants with which yaw rate, path-angle rate and acceleration follow commands.",
+        unit="s",
+        size=3,
+        lower=0.0,
+        upper=10.0,
+    )
+    dead_time: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Dead times before yaw rate, path-angle rate and acceleration begin to follow.",
+        unit="s",
+        size=3,
+        lower=0.0,
+        upper=5.0,
+    )
+    wind: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Mean velocity of the air in map: where it blows to.",
+        unit="m/s",
+        size=3,
+        lower=-100.0,
+        upper=100.0,
+    )
+    gust_intensity: float = parameter(
+        0.0,
+        "Dryden gusts: W20, wind speed at 20 ft; 7.7 is light, 15.4 moderate, 23.2 severe.",
+        unit="m/s",
+        lower=0.0,
+        upper=50.0,
+    )
+    position_noise: float = parameter(
+        0.0,
+        "Standard deviation of the measured position, each axis.",
+        unit="m",
+        lower=0.0,
+        upper=1e3,
+    )
+    velocity_noise: float = parameter(
+        0.0,
+        "Standard deviation of the measured ground velocity, each axis.",
+        unit="m/s",
+        lower=0.0,
+        upper=100.0,
+    )
+    attitude_noise: float = parameter(
+        0.0,
+        "Standard deviation of the measured heading and path angle.",
+        unit="rad",
+        lower=0.0,
+        upper=1.0,
+    )
+    airspeed_noise: float = parameter(
+        0.0, "Standard deviation of the measured airspeed.", unit="m/s", lower=0.0, upper=100.0
+    )
+    seed: int = parameter(0, "Seed of gusts and sensor noise.", lower=0, upper=2**31 - 1)
+
+    def __post_init__(self) -> None:
+        """Check the speed limits against each other and the start."""
+        if not self.speed_min < self.speed_max:
+            raise ParameterError(
+                f"parameter 'speed_min' is {self.speed_min}, must be below 'speed_max' = "
+                f"{self.speed_max} m/s"
+            )
+        if not self.speed_min <= self.initial_speed <= self.speed_max:
+            raise ParameterError(
+                f"parameter 'initial_speed' is {self.initial_speed}, must be from 'speed_min' = "
+                f"{self.speed_min} to 'speed_max' = {self.speed_max} m/s"
+            )
+
+    @property
+    def initial_state(self) -> NDArray[np.float64]:
+        """(x, y, z, psi, chi, v) at the start, shape (6,)."""
+        return np.array(
+            [
+                *self.initial_position,
+                self.initial_heading,
+                self.initial_path_angle,
+                self.initial_speed,
+            ]
+        )

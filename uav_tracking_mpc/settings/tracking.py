@@ -1,0 +1,275 @@
+"""Parameters of the tracking controller: orbit, model, horizon, weights and limits (Table 1)."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.control.direction import NEAREST
+from uav_tracking_mpc.dynamics.discretisation import SCHEMES
+from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, DIRECTIONS, Orbit
+from uav_tracking_mpc.dynamics.relative import MODELS, steady_inputs
+from uav_tracking_mpc.limits._envelope import Envelope
+from uav_tracking_mpc.mpc.quadratic import TERMINAL_CONSTRAINTS
+from uav_tracking_mpc.parameters.specification import ParameterError, parameter
+
+ARTIFICIAL_ORBIT = "artificial_orbit"
+SOLVERS = ("newton", "ipopt")  # fatrop may never return, see CasadiSolver
+
+
+@dataclass(frozen=True)
+class TrackingParameters:
+    """What the controller is asked to do. The defaults are those of the paper's Table 1 and (59).
+
+    Raises:
+        ParameterError: The values do not fit together: no such orbit, or inputs that cannot hold
+            it.
+    """
+
+    range: float = parameter(
+        150.0, "Distance to the target to hold, r_d.", unit="m", lower=1.0, upper=1e5
+    )
+    altitude: float = parameter(
+        50.0, "Height above the target to hold, z_d.", unit="m", lower=-1e4, upper=1e4
+    )
+    airspeed: float = parameter(4.0, "Speed to hold, v_d.", unit="m/s", lower=0.1, upper=300.0)
+    direction: str = parameter(
+        "clockwise",
+        "Sense of the orbit seen from above; nearest needs the artificial orbit.",
+        choices=(*DIRECTIONS, NEAREST),
+    )
+    model: str = parameter(
+        "exact", "Prediction model: exact, or the paper's (11) or (9).", choices=tuple(MODELS)
+    )
+    scheme: str = parameter("euler", "Discretisation of the model.", choices=tuple(SCHEMES))
+    horizon: int = parameter(10, "Stages of the horizon, N.", lower=1, upper=200)
+    horizon_step: float = parameter(
+        1.0, "Time from stage to stage, T_s.", unit="s", lower=0.001, upper=10.0
+    )
+    control_rate: float = parameter(
+        10.0, "How often a new command is computed.", unit="Hz", lower=0.1, upper=1000.0
+    )
+    state_weights: tuple[float, ...] = parameter(
+        (0.008, 0.09, 0.05, 0.04, 0.9),
+        "Diagonal of Q: range, bearing, altitude, path angle, speed.",
+        size=5,
+        lower=1e-9,
+        upper=1e9,
+    )
+    input_weights: tuple[float, ...] = parameter(
+        (1.0, 1.0, 1.0),
+        "Diagonal of R: yaw rate, pitch rate, acceleration.",
+        size=3,
+        lower=1e-9,
+        upper=1e9,
+    )
+    terminal_scaling: float = parameter(
+        2.5, "rho: terminal weight P_rho = rho P.", lower=1.0, upper=1e3
+    )
+    terminal_constraint: str = parameter(
+        "none",
+        "End of every plan: free, the paper's set (16e) penalised exactly or enforced, or an "
+        "orbit that the optimiser chooses (for wind, moving targets, envelope and lag).",
+        choices=(*TERMINAL_CONSTRAINTS, ARTIFICIAL_ORBIT),
+    )
+    offset_weights: tuple[float, ...] = parameter(
+        (0.06, 0.5, 2.0),
+        "Of the artificial orbit's distance to the wanted one: range, altitude, airspeed.",
+        size=3,
+        lower=1e-9,
+        upper=1e9,
+    )
+    terminal_penalty: float = parameter(
+        100.0, "Weight of a violation of the soft terminal set.", lower=1e-3, upper=1e6
+    )
+    certificate: str = parameter(
+        "", "File of the terminal set's certificate; empty for those that come with the package."
+    )
+    yaw_rate_max: float = parameter(
+        math.pi / 4, "Greatest yaw rate u_psi, either way.", unit="rad/s", lower=1e-3, upper=10.0
+    )
+    pitch_rate_max: float = parameter(
+        math.pi / 4,
+        "Greatest path-angle rate u_chi, either way.",
+        unit="rad/s",
+        lower=1e-3,
+        upper=10.0,
+    )
+    acceleration_min: float = parameter(
+        -1.0, "Least acceleration u_v.", unit="m/s^2", lower=-100.0, upper=-1e-3
+    )
+    acceleration_max: float = parameter(
+        1.0, "Greatest acceleration u_v.", unit="m/s^2", lower=1e-3, upper=100.0
+    )
+    airspeed_min: float = parameter(0.0, "Least airspeed.", unit="m/s", lower=0.0, upper=300.0)
+    airspeed_max: float = parameter(20.0, "Greatest airspeed.", unit="m/s", lower=0.1, upper=400.0)
+    path_angle_min: float = parameter(
+        -1.2, "Steepest descent.", unit="rad", lower=-1.5, upper=-0.01
+    )
+    path_angle_max: float = parameter(1.2, "Steepest climb.", unit="rad", lower=0.01, upper=1.5)
+    bank_max: float = parameter(
+        1.4, "Greatest bank angle of a coordinated turn.", unit="rad", lower=0.01, upper=1.5
+    )
+    force_min: tuple[float, ...] = parameter(
+        (-20.0, -20.0),
+        "Least thrust less drag, over mass, at airspeed_min and at airspeed_max.",
+        unit="m/s^2",
+        size=2,
+        lower=-100.0,
+        upper=100.0,
+    )
+    force_max: tuple[float, ...] = parameter(
+        (20.0, 20.0),
+        "Greatest thrust less drag, over mass, at airspeed_min and at airspeed_max.",
+        unit="m/s^2",
+        size=2,
+        lower=-100.0,
+        upper=100.0,
+    )
+    height_min: float = parameter(-1e5, "Least height z in map.", unit="m", lower=-1e5, upper=1e5)
+    distance_min: float = parameter(
+        0.0, "Least distance to the target.", unit="m", lower=0.0, upper=1e5
+    )
+    fence_radius: float = parameter(
+        0.0, "Radius of the circle not to be left; 0 for none.", unit="m", lower=0.0, upper=1e6
+    )
+    fence_centre: tuple[float, ...] = parameter(
+        (0.0, 0.0), "Its centre in map.", unit="m", size=2, lower=-1e7, upper=1e7
+    )
+    limit_penalty: float = parameter(
+        1000.0,
+        "Weight of a violated limit of airspeed (per m/s), path angle (per 0.1 rad), height or "
+        "distance (per 5 m) or fence (per 10 m).",
+        lower=1.0,
+        upper=1e6,
+    )
+    rate_lag: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Time constants of the aircraft's turn rate, path-angle rate and acceleration.",
+        unit="s",
+        size=3,
+        lower=0.0,
+        upper=5.0,
+    )
+    dead_time: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Time until a command of turn rate, path-angle rate, acceleration begins to act.",
+        unit="s",
+        size=3,
+        lower=0.0,
+        upper=2.0,
+    )
+    solver: str = parameter("newton", "Solver of the optimal control problem.", choices=SOLVERS)
+    solve_time_max: float = parameter(
+        0.05,
+        "Budget of one solve; past it the earlier plan is flown.",
+        unit="s",
+        lower=1e-4,
+        upper=10.0,
+    )
+    plan_age_max: float = parameter(
+        2.0,
+        "How long an earlier plan may stand in for a solve that failed.",
+        unit="s",
+        lower=0.0,
+        upper=60.0,
+    )
+    state_timeout: float = parameter(
+        0.5, "Age at which the vehicle's state counts as lost.", unit="s", lower=0.01, upper=60.0
+    )
+    target_timeout: float = parameter(
+        5.0, "Age at which the target's position counts as lost.", unit="s", lower=0.01, upper=600.0
+    )
+    target_noise: float = parameter(
+        0.1,
+        "Standard deviation of the target's measured position, for the filter.",
+        unit="m",
+        lower=1e-3,
+        upper=1e3,
+    )
+    target_agility: float = parameter(
+        0.5,
+        "How hard the target may accelerate, for the filter.",
+        unit="m/s^2",
+        lower=1e-3,
+        upper=100.0,
+    )
+
+    autostart: bool = parameter(
+        True, "Configure and activate at the start; else a lifecycle manager does."
+    )
+
+    def __post_init__(self) -> None:
+        """Check what no single range can: the orbit exists, and can be held."""
+        try:
+            orbit = self.orbit
+        except ValueError as error:
+            raise ParameterError(f"parameters 'range', 'altitude', 'airspeed': {error}") from error
+        turn_rate = abs(self.steady_inputs[0])
+        if turn_rate >= self.yaw_rate_max:
+            raise ParameterError(
+                f"parameter 'yaw_rate_max' is {self.yaw_rate_max:.6g}, must exceed "
+                f"{turn_rate:.6g} rad/s, the steady turn rate of an orbit of radius "
+                f"{orbit.radius:.6g} m at {self.airspeed:.6g} m/s"
+            )
+        try:
+            refusal = self.envelope.refusal(orbit, np.zeros(3))
+        except ValueError as error:
+            raise ParameterError(f"the limits contradict each other: {error}") from error
+        if refusal:
+            raise ParameterError(f"parameters 'range', 'altitude', 'airspeed': {refusal}")
+        self._check_artificial_orbit()
+
+    def _check_artificial_orbit(self) -> None:
+        """Refuse what only the problem with the artificial orbit knows, or does not know."""
+        if self.terminal_constraint == ARTIFICIAL_ORBIT:
+            if self.model != "exact":
+                raise ParameterError(
+                    f"parameter 'model' is '{self.model}', must be 'exact' with "
+                    f"terminal_constraint '{ARTIFICIAL_ORBIT}'"
+                )
+            return
+        defaults = {"rate_lag": (0.0,) * 3, "dead_time": (0.0,) * 3}
+        for name, default in defaults.items():
+            if getattr(self, name) != default:
+                raise ParameterError(
+                    f"parameter '{name}' is {list(getattr(self, name))}, must be all 0 unless "
+                    f"terminal_constraint is '{ARTIFICIAL_ORBIT}'"
+                )
+        if self.direction == NEAREST:
+            raise ParameterError(
+                f"parameter 'direction' is '{NEAREST}', must be {' or '.join(DIRECTIONS)} unless "
+                f"terminal_constraint is '{ARTIFICIAL_ORBIT}'"
+            )
+
+    @property
+    def orbit(self) -> Orbit:
+        """The reference; clockwise where the nearest direction is to be chosen."""
+        direction = CLOCKWISE if self.direction == NEAREST else self.direction
+        return Orbit(self.range, self.altitude, self.airspeed, direction)
+
+    @property
+    def envelope(self) -> Envelope:
+        """Limits of the aircraft and of where it may fly."""
+        return Envelope(
+            **{field.name: getattr(self, field.name) for field in dataclasses.fields(Envelope)}
+        )
+
+    @property
+    def steady_inputs(self) -> NDArray[np.float64]:
+        """u_ss of the prediction model, shape (3,), in [rad/s, rad/s, m/s^2]."""
+        return steady_inputs(self.model, self.orbit)
+
+    @property
+    def input_lower(self) -> NDArray[np.float64]:
+        """Lower bounds of (u_psi, u_chi, u_v), shape (3,)."""
+        return np.array([-self.yaw_rate_max, -self.pitch_rate_max, self.acceleration_min])
+
+    @property
+    def input_upper(self) -> NDArray[np.float64]:
+        """Upper bounds of (u_psi, u_chi, u_v), shape (3,)."""
+        return np.array([self.yaw_rate_max, self.pitch_rate_max, self.acceleration_max])

@@ -1,0 +1,113 @@
+"""The comparison as one object: what ``compare.json`` holds."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from uav_tracking_mpc.settings.configuration import Configuration
+from uav_tracking_mpc.simulation.flight_log import FlightLog
+from uav_tracking_mpc.studies.comparison.flights import NMPC
+from uav_tracking_mpc.studies.comparison.measures import Measures, measures
+from uav_tracking_mpc.studies.comparison.targets import Target, missed, target_of
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """All flights through one scenario.
+
+    Attributes:
+        name: Of its file.
+        configuration: What was flown.
+        logs: Flight of each law.
+        measures: Of these flights.
+    """
+
+    name: str
+    configuration: Configuration
+    logs: Mapping[str, FlightLog]
+    measures: Mapping[str, Measures]
+
+    @property
+    def title(self) -> str:
+        """What people call it."""
+        about = self.configuration.scenario
+        return about.title if about is not None and about.title else self.name
+
+    @property
+    def description(self) -> str:
+        """What happens in it."""
+        about = self.configuration.scenario
+        return "" if about is None else about.description
+
+    @property
+    def target(self) -> Target | None:
+        """What the predictive controller is to reach, if that is set."""
+        return target_of(self.configuration, self.name)
+
+    @property
+    def missed(self) -> list[str]:
+        """What it missed of that, in words."""
+        target = self.target
+        return [] if target is None else missed(target, self.configuration, self.measures)
+
+
+def scenario_of(
+    name: str, configuration: Configuration, laws: Sequence[str], logs: Sequence[FlightLog]
+) -> Scenario:
+    """Flights of each law through a scenario, measured."""
+    flights = dict(zip(laws, logs, strict=True))
+    limits = configuration.controller
+    return Scenario(
+        name=name,
+        configuration=configuration,
+        logs=flights,
+        measures={law: measures(log, limits) for law, log in flights.items()},
+    )
+
+
+def as_json(config: str, scenarios: Sequence[Scenario]) -> dict[str, Any]:
+    """The comparison as plain values, never NaN.
+
+    Returns:
+        - ``config``
+        - ``scenarios.<scenario>.<law>``: as :class:`Measures`
+        - ``targets.<scenario>``: ``range_rms_m``, ``settling_s`` and what was ``missed``, where
+          targets are set and the predictive controller flew
+        - ``solves.<scenario>``: of the predictive controller: ``count``, ``not_converged``,
+          ``median_us``, ``p99_us``, ``max_us``
+    """
+    flown = [each for each in scenarios if NMPC in each.logs]
+    numbers = {
+        "config": config,
+        "scenarios": {
+            each.name: {law: dataclasses.asdict(flight) for law, flight in each.measures.items()}
+            for each in scenarios
+        },
+        "targets": {
+            each.name: {
+                "range_rms_m": each.target.range_rms,
+                "settling_s": each.target.settling,
+                "missed": each.missed,
+            }
+            for each in flown
+            if each.target is not None
+        },
+        "solves": {each.name: _solves(each.logs[NMPC]) for each in flown},
+    }
+    return json.loads(json.dumps(numbers), parse_constant=lambda _: None)
+
+
+def _solves(log: FlightLog) -> dict[str, Any]:
+    times = 1e6 * log.solve_time[np.isfinite(log.solve_time)]
+    numbers: dict[str, Any] = {"count": len(times), "not_converged": log.failures}
+    if len(times):
+        numbers["median_us"] = float(np.median(times))
+        numbers["p99_us"] = float(np.percentile(times, 99.0))
+        numbers["max_us"] = float(np.max(times))
+    return numbers

@@ -1,0 +1,96 @@
+"""What the predictive controller is to reach with ``small_uav``, and whether it does."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from uav_tracking_mpc.settings.configuration import Configuration
+from uav_tracking_mpc.studies.comparison.flights import NMPC
+from uav_tracking_mpc.studies.comparison.measures import Measures
+
+CONFIGURATION = "small_uav"
+AIRSPEED_RMS = 0.3  # m/s, where the air has no gusts
+BANK_RATE_RMS = 5.0  # deg/s, where the target's position is noisy
+WORSE_BY = 0.05  # m of range RMS, over the better classical law
+
+
+@dataclass(frozen=True)
+class Target:
+    """Of one scenario.
+
+    Attributes:
+        range_rms: In [m].
+        settling: In [s].
+    """
+
+    range_rms: float
+    settling: float
+
+
+TARGETS = {
+    "still": Target(0.05, 20.0),
+    "wind": Target(0.1, 20.0),
+    "crosswind": Target(0.15, 25.0),
+    "headwind": Target(0.2, 35.0),
+    "tight_headwind": Target(0.6, 45.0),
+    "circling_target": Target(0.5, 30.0),
+    "gusts": Target(0.4, 20.0),
+    "noisy_target": Target(1.0, 30.0),
+}
+
+
+def target_of(configuration: Configuration, scenario: str) -> Target | None:
+    """Target of a scenario; None where none is set."""
+    return TARGETS.get(scenario) if configuration.name == CONFIGURATION else None
+
+
+def missed(
+    target: Target, configuration: Configuration, flights: Mapping[str, Measures]
+) -> list[str]:
+    """What the predictive controller missed, in words; empty if it reached everything.
+
+    Args:
+        target: Of the scenario.
+        configuration: Of the scenario.
+        flights: Each law's flight through it; without one of the predictive controller nothing
+            is judged, without classical laws nothing is compared.
+    """
+    if NMPC not in flights:
+        return []
+    own = flights[NMPC]
+    words = []
+    if not own.range_rms_m <= target.range_rms:
+        words.append(f"range RMS {own.range_rms_m:.3f} m, at most {target.range_rms:g} m")
+    if own.settling_s is None or own.settling_s > target.settling:
+        when = "never" if own.settling_s is None else f"after {own.settling_s:.1f} s"
+        words.append(f"settled {when}, at most {target.settling:g} s")
+    if own.envelope_violations:
+        limits = ", ".join(f"{name} {count}" for name, count in own.violations.items())
+        words.append(f"{own.envelope_violations} samples outside the envelope ({limits})")
+    gusty = configuration.simulator.gust_intensity > 0.0
+    if not gusty and not own.airspeed_rms_mps <= AIRSPEED_RMS:
+        words.append(f"airspeed RMS {own.airspeed_rms_mps:.2f} m/s, at most {AIRSPEED_RMS:g} m/s")
+    if configuration.target.noise > 0.0 and not own.bank_rate_rms_dps <= BANK_RATE_RMS:
+        words.append(
+            f"bank rate RMS {own.bank_rate_rms_dps:.2f} deg/s, at most {BANK_RATE_RMS:g} deg/s"
+        )
+    others = [flight.range_rms_m for law, flight in flights.items() if law != NMPC]
+    if others:
+        words += _compared(own.range_rms_m, min(others), _disturbed(configuration))
+    return words
+
+
+def _disturbed(configuration: Configuration) -> bool:
+    """Whether target or air moves."""
+    simulator, target = configuration.simulator, configuration.target
+    moves = target.motion != "stationary" and target.speed > 0.0
+    return moves or any(simulator.wind) or simulator.gust_intensity > 0.0
+
+
+def _compared(own: float, best: float, disturbed: bool) -> list[str]:
+    if disturbed and not own < best:
+        return [f"range RMS {own:.3f} m, must be below {best:.3f} m of the better classical law"]
+    if not own <= best + WORSE_BY:
+        return [f"range RMS {own:.3f} m, {best:.3f} m by the better classical law"]
+    return []

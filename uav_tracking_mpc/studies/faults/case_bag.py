@@ -1,0 +1,39 @@
+"""The messages of one case: kept in memory, written as an MCAP bag if the case failed."""
+
+from __future__ import annotations
+
+from collections import deque
+from pathlib import Path
+
+from uav_tracking_mpc.nodes.flight_bag import FlightBag
+from uav_tracking_mpc.nodes.topics import DIAGNOSTICS, Topic
+from uav_tracking_mpc.studies.faults.fault_relay import ORDERS, RELAYED, raw
+
+MOST = 100_000  # messages; a case has a tenth of it
+BEFORE = 1_000_000_000  # ns of what came before the case
+
+# Of every relayed topic both sides: as sent (under ``raw``) and as received.
+TOPICS = (*(raw(topic) for topic in RELAYED), *RELAYED, DIAGNOSTICS, ORDERS)
+
+
+class CaseBag:
+    """The latest messages of every topic."""
+
+    def __init__(self) -> None:
+        self._messages: deque[tuple[Topic, int, bytes]] = deque(maxlen=MOST)
+
+    def add(self, topic: Topic, time: int, data: bytes) -> None:
+        """Keep a serialized message heard at ``time`` [ns]."""
+        self._messages.append((topic, time, data))
+
+    def begin(self, time: int) -> None:
+        """A case begins at ``time`` [ns]: forget what came long before."""
+        while self._messages and self._messages[0][1] < time - BEFORE:
+            self._messages.popleft()
+
+    def write(self, path: Path) -> None:
+        """Write what is kept as an MCAP file."""
+        bag = FlightBag(path, TOPICS)
+        for topic, time, data in self._messages:
+            bag.write(topic, time, data)
+        bag.close()

@@ -1,0 +1,148 @@
+"""What came of every case, and in total."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from uav_tracking_mpc.studies.faults.fault_kinds import FAMILIES, KINDS
+from uav_tracking_mpc.studies.faults.invariants import Violation
+
+
+@dataclass
+class CaseFindings:
+    """What came of one case.
+
+    Attributes:
+        index: Its number in the schedule.
+        kinds: Kinds of its faults.
+        begin: Since the campaign began, wall time [s].
+        end: Likewise.
+        recovery: From the last fault's end to the orbit [s] of simulated time; None: never.
+        violations: Of each invariant how often, and the first in words.
+    """
+
+    index: int
+    kinds: tuple[str, ...]
+    begin: float
+    end: float = 0.0
+    recovery: float | None = None
+    violations: dict[str, tuple[int, str]] = field(default_factory=dict)
+
+    def add(self, violation: Violation) -> None:
+        """Take in a violation; the same again only counts."""
+        count, detail = self.violations.get(violation.invariant, (0, violation.detail))
+        self.violations[violation.invariant] = (count + 1, detail)
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """What a campaign was and found.
+
+    Attributes:
+        config: Name of the configuration.
+        seed: Of the schedule.
+        minutes: Length asked for.
+        speed: Simulated over wall time.
+        cases: One after the other.
+        deaths: Processes lost that nobody killed.
+        growth: Of each process watched to the end: memory in percent an hour, None: too short.
+        range_errors: (wall time since the beginning [s], r - r_d [m]).
+        storms: Parameters asked for, answered, accepted.
+    """
+
+    config: str
+    seed: int
+    minutes: float
+    speed: float
+    cases: list[CaseFindings]
+    deaths: int
+    growth: dict[str, float | None]
+    range_errors: list[tuple[float, float]]
+    storms: dict[str, int]
+
+    def summary(self) -> dict[str, Any]:
+        """Keys and values as ``--json`` prints them.
+
+        ``violations`` counts pairs of case and invariant: a thousand messages that break one rule
+        in one case are one violation. ``worst_recovery_s`` is None if the aircraft never came back
+        in some case.
+        """
+        recoveries = [case.recovery for case in self.cases]
+        known = [recovery for recovery in recoveries if recovery is not None]
+        worst = max(known) if known and len(known) == len(recoveries) else None
+        growths = [value for value in self.growth.values() if value is not None]
+        return {
+            "config": self.config,
+            "seed": self.seed,
+            "minutes": self.minutes,
+            "speed": self.speed,
+            "cases": len(self.cases),
+            "faults": sum(len(case.kinds) for case in self.cases),
+            "kinds": len({kind for case in self.cases for kind in case.kinds}),
+            "violations": sum(len(case.violations) for case in self.cases),
+            "deaths": self.deaths,
+            "worst_recovery_s": worst,
+            "rss_growth_percent": max(growths, default=0.0),
+            "rss_growth_percent_by_node": self.growth,
+            "parameters": self.storms,
+            "per_kind": per_kind(self.cases),
+            "failing_cases": [
+                {
+                    "case": case.index,
+                    "kinds": list(case.kinds),
+                    "recovery_s": case.recovery,
+                    "violations": {
+                        name: {"count": count, "first": detail}
+                        for name, (count, detail) in case.violations.items()
+                    },
+                }
+                for case in self.cases
+                if case.violations
+            ],
+        }
+
+
+def per_kind(cases: Iterable[CaseFindings]) -> dict[str, dict[str, Any]]:
+    """Of each kind that was injected: how often, violations and worst recovery of its cases.
+
+    Faults that came together share what came of them.
+    """
+    found: dict[str, dict[str, Any]] = {}
+    for case in cases:
+        for kind in case.kinds:
+            row = found.setdefault(kind, {"faults": 0, "violations": 0, "worst_recovery_s": 0.0})
+            row["faults"] += 1
+            row["violations"] += len(case.violations)
+            worst = row["worst_recovery_s"]
+            never = worst is None or case.recovery is None
+            row["worst_recovery_s"] = None if never else max(worst, case.recovery)
+    order = list(KINDS)
+    return dict(sorted(found.items(), key=lambda item: order.index(item[0])))
+
+
+def table(summary: dict[str, Any]) -> str:
+    """The summary for people."""
+    lines = [f"{'kind':28} {'faults':>6} {'violations':>10} {'worst recovery':>14}"]
+    rows = summary["per_kind"]
+    for family in FAMILIES:
+        for name, row in rows.items():
+            if KINDS[name].family == family:
+                worst = row["worst_recovery_s"]
+                words = "never" if worst is None else f"{worst:.1f} s"
+                lines.append(f"{name:28} {row['faults']:6d} {row['violations']:10d} {words:>14}")
+    worst = summary["worst_recovery_s"]
+    lines.append(
+        f"{summary['faults']} faults of {summary['kinds']} kinds in {summary['cases']} cases: "
+        f"{summary['violations']} violations, {summary['deaths']} deaths, worst recovery "
+        f"{'never' if worst is None else f'{worst:.1f} s'}, memory "
+        f"{summary['rss_growth_percent']:+.1f} % an hour"
+    )
+    for case in summary["failing_cases"]:
+        for name, found in case["violations"].items():
+            lines.append(
+                f"case {case['case']} ({', '.join(case['kinds'])}): {name}, "
+                f"{found['count']} times: {found['first']}"
+            )
+    return "\n".join(lines)

@@ -1,0 +1,129 @@
+"""Node ``observer``: hears both sides of every topic and judges what it hears.
+
+It reads the messages itself: nothing of the controller's own code is between the wire and the
+judgement.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import time
+from typing import Any
+
+import numpy as np
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
+
+from uav_tracking_mpc.nodes.topics import COMMAND, DIAGNOSTICS, ODOMETRY, TARGET, Topic
+from uav_tracking_mpc.studies.faults.case_bag import TOPICS, CaseBag
+from uav_tracking_mpc.studies.faults.fault_relay import raw
+from uav_tracking_mpc.studies.faults.invariants import Invariants, Limits, Violation
+from uav_tracking_mpc.studies.faults.recovery import FlownTime, Recovery
+
+QUEUE = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
+LED = 1.0  # s of simulated time without a command after which the aircraft counts as left alone
+
+
+class Observer(Node):
+    """Ears of a campaign.
+
+    Args:
+        limits: What the messages are held to.
+        orbit: (range, altitude) to be on [m].
+        recovery: Told of every state.
+
+    Attributes:
+        bag: The messages of the present case.
+        flown: Simulated time that was flown [s].
+        range_error: The latest r - r_d [m], nan before the first.
+        violations: Found and not yet taken.
+        heard: Steady time [s] of each node's latest diagnostics, by its name.
+    """
+
+    def __init__(
+        self, limits: Limits, orbit: tuple[float, float], recovery: Recovery, **options: Any
+    ) -> None:
+        super().__init__("observer", **options)
+        self._invariants = Invariants(limits)
+        self._range, self._altitude = orbit
+        self._recovery = recovery
+        self._flown = FlownTime()
+        self._target: np.ndarray | None = None
+        self._commanded = -math.inf  # flown time of the latest command [s]
+        self.bag = CaseBag()
+        self.flown = 0.0
+        self.range_error = math.nan
+        self.violations: list[Violation] = []
+        self.heard: dict[str, float] = {}
+        judges = {
+            raw(ODOMETRY).name: self._on_state,
+            ODOMETRY.name: self._on_delivered,
+            raw(TARGET).name: self._on_target,
+            raw(COMMAND).name: self._on_command,
+            DIAGNOSTICS.name: self._on_diagnostics,
+        }
+        for topic in TOPICS:
+            callback = functools.partial(self._on_message, topic, judges.get(topic.name))
+            self.create_subscription(topic.type, topic.name, callback, QUEUE, raw=True)
+
+    def _on_message(self, topic: Topic, judge: Any, data: bytes) -> None:
+        self.bag.add(topic, time.time_ns(), data)
+        if judge is not None:
+            judge(deserialize_message(data, topic.type))
+
+    def _on_state(self, message: Any) -> None:
+        position = _vector(message.pose.pose.position)
+        stamp = _seconds(message.header.stamp)
+        self.violations += self._invariants.state(stamp, position)
+        self.flown = self._flown.state(stamp)
+        if self._target is None:
+            return
+        offset = position - self._target
+        self.range_error = float(np.linalg.norm(offset)) - self._range
+        led = self.flown - self._commanded < LED
+        self._recovery.state(self.flown, self.range_error, float(offset[2]) - self._altitude, led)
+
+    def _on_delivered(self, message: Any) -> None:
+        self._invariants.delivered(time.monotonic(), _seconds(message.header.stamp))
+
+    def _on_target(self, message: Any) -> None:
+        self._target = _vector(message.point)
+        self._invariants.target(self._target)
+
+    def _on_command(self, message: Any) -> None:
+        self._commanded = self.flown
+        plan, starts = read_command(message)
+        stamp = _seconds(message.header.stamp)
+        self.violations += self._invariants.command(time.monotonic(), stamp, plan, starts)
+
+    def _on_diagnostics(self, message: Any) -> None:
+        for status in message.status:
+            self.heard[status.name.partition(":")[0]] = time.monotonic()
+
+    def take_violations(self) -> list[Violation]:
+        """What was found since the last call."""
+        taken, self.violations = self.violations, []
+        return taken
+
+
+def read_command(message: Any) -> tuple[np.ndarray, np.ndarray]:
+    """(u_psi, u_chi, u_v) of every point, shape (n, 3), nan where it has none, and their times."""
+    plan = np.full((len(message.points), 3), np.nan)
+    starts = np.zeros(len(message.points))
+    for index, point in enumerate(message.points):
+        starts[index] = _seconds(point.time_from_start)
+        if point.velocities and point.accelerations:
+            # FLU pitch is positive nose down: the path-angle rate is minus the pitch rate.
+            rates, acceleration = point.velocities[0].angular, point.accelerations[0].linear
+            plan[index] = rates.z, -rates.y, acceleration.x
+    return plan, starts
+
+
+def _seconds(stamp: Any) -> float:
+    return float(stamp.sec + 1e-9 * stamp.nanosec)
+
+
+def _vector(message: Any) -> np.ndarray:
+    return np.array([message.x, message.y, message.z], dtype=float)

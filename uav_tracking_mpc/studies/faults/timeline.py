@@ -1,0 +1,51 @@
+"""A campaign in one figure: how far from the orbit, what was injected, what came of it."""
+
+from __future__ import annotations
+
+import matplotlib
+
+from uav_tracking_mpc.report.figure_style import BLUE, GREEN, GREY, STYLE, VERMILLION, new_figure
+from uav_tracking_mpc.report.figure_style import png as as_png
+from uav_tracking_mpc.studies.faults.fault_findings import Campaign
+from uav_tracking_mpc.studies.faults.fault_kinds import FAMILIES, KINDS
+
+
+def timeline(campaign: Campaign, tolerance: float, limit: float) -> bytes:
+    """The figure as PNG.
+
+    Args:
+        campaign: What to draw.
+        tolerance: Range error within which the aircraft counts as on its orbit [m].
+        limit: Time allowed for a recovery [s].
+    """
+    with matplotlib.rc_context(STYLE):
+        figure = new_figure(9.0, 6.5)
+        upper, middle, lower = figure.subplots(
+            3, 1, sharex=True, gridspec_kw={"height_ratios": (2, 2.4, 1.6)}
+        )
+        times = [time / 60.0 for time, _ in campaign.range_errors]
+        upper.plot(times, [error for _, error in campaign.range_errors], color=BLUE, linewidth=0.8)
+        upper.axhspan(-tolerance, tolerance, color=GREEN, alpha=0.15, linewidth=0)
+        upper.set_ylabel("r - r_d [m]")
+        upper.set_title(
+            f"{campaign.config}, seed {campaign.seed}: true range error; "
+            f"the band is {tolerance:g} m wide either way"
+        )
+        for case in campaign.cases:
+            color = VERMILLION if case.violations else GREY
+            width = max(case.end - case.begin, 0.2) / 60.0
+            for kind in case.kinds:
+                row = FAMILIES.index(KINDS[kind].family)
+                middle.broken_barh([(case.begin / 60.0, width)], (row - 0.4, 0.8), color=color)
+            height = limit if case.recovery is None else case.recovery
+            lower.plot(case.begin / 60.0, height, "o", markersize=3, color=color)
+        middle.set_yticks(range(len(FAMILIES)), [name.replace("_", " ") for name in FAMILIES])
+        middle.invert_yaxis()
+        middle.set_title("cases by what they strike; with violations in red")
+        lower.axhline(limit, color=VERMILLION, linewidth=0.8, linestyle="--")
+        lower.set_ylim(bottom=0.0)
+        lower.set_ylabel("recovery [s]")
+        lower.set_title(f"simulated time from the last fault to the orbit; allowed {limit:g} s")
+        lower.set_xlabel("wall time [min]")
+        figure.tight_layout()
+        return as_png(figure)

@@ -1,0 +1,296 @@
+"""Section 5 of the paper for one configuration: the theorems, their levels, and the direct proof.
+
+Four levels varrho of the ellipsoid x'P_rho x <= varrho come out of it: up to which Theorem 3 can be
+applied, up to which the decrease itself is proved, up to which U allows, and the certified one, at
+which the direct condition holds in all its parts. Every level is proved at the value that is
+reported; the smallest level at which a counterexample is known is reported beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from uav_tracking_mpc.terminal.admissible import Limit, domain_limits, input_limits, lowest
+from uav_tracking_mpc.terminal.ball import PRECISION, flint
+from uav_tracking_mpc.terminal.cover import Proof, prove
+from uav_tracking_mpc.terminal.direct_condition import (
+    DirectCondition,
+    decrease,
+    prove_direct_condition,
+)
+from uav_tracking_mpc.terminal.ingredients import TerminalIngredients
+from uav_tracking_mpc.terminal.quadratic_bound import is_violated, lipschitz_bound
+from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
+from uav_tracking_mpc.terminal.terminal_dynamics import ClosedLoopBalls
+from uav_tracking_mpc.terminal.theorems import (
+    TheoremQuantities,
+    largest_lipschitz,
+    q_star,
+    theorem_quantities,
+)
+from uav_tracking_mpc.terminal.violation import (
+    Excess,
+    Violation,
+    largest_ratio,
+    lowest_violation,
+)
+
+Say = Callable[[str], None]
+_SHARES = (0.98, 0.95, 0.9, 0.8, 0.65, 0.45, 0.25)  # of the level at which a violation is known
+
+
+@dataclass(frozen=True)
+class LevelBound:
+    """How far a condition reaches.
+
+    Attributes:
+        proved: It holds on every ellipsoid up to this level; 0 if none could be proved.
+        violation: The lowest level at which a state breaks it, or None if none was found.
+        state: That state, error coordinates, length 5.
+        proof: The proof at ``proved``.
+    """
+
+    proved: float
+    violation: float | None
+    state: tuple[float, ...] | None
+    proof: Proof | None
+
+
+@dataclass(frozen=True)
+class LipschitzBound:
+    """L(varrho) of (31), a true maximum, from both sides.
+
+    Attributes:
+        level: varrho.
+        lower: Attained at ``state``.
+        upper: Proved; infinite if nothing was.
+        state: Where ``lower`` is attained, length 5.
+    """
+
+    level: float
+    lower: float
+    upper: float
+    state: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """Everything that ``uav_tracking stability`` reports on a configuration.
+
+    Attributes:
+        problem: The configuration.
+        ingredients: K, P, P_rho.
+        quantities: Theorems 2 and 3 with the proved Lipschitz constant at the terminal level.
+        lipschitz: L at the terminal level.
+        theorem2: How far (29) reaches.
+        theorem3: How far (41) reaches.
+        decrease: How far the decrease itself reaches, whatever U is.
+        inputs: The input limit that binds first.
+        domain: The domain limit that binds first.
+        direct: The direct condition at the terminal level, None where no level is possible.
+        refuted: The known counterexample to the decrease is confirmed in ball arithmetic.
+    """
+
+    problem: StabilityProblem
+    ingredients: TerminalIngredients
+    quantities: TheoremQuantities
+    lipschitz: LipschitzBound
+    theorem2: LevelBound
+    theorem3: LevelBound
+    decrease: LevelBound
+    inputs: Limit
+    domain: Limit
+    direct: DirectCondition | None
+    refuted: bool
+
+    @property
+    def certified(self) -> bool:
+        """Whether there is a proved terminal set."""
+        return self.direct is not None and self.direct.holds
+
+    @property
+    def level(self) -> float:
+        """The certified varrho, 0 if there is none."""
+        return self.direct.level if self.direct is not None and self.direct.holds else 0.0
+
+    @property
+    def binding(self) -> str:
+        """Which limit is in the way of a larger terminal set, in words."""
+        if self.direct is None:
+            return obstacle(self.inputs, self.domain)
+        levels = {
+            f"U: {self.inputs.name}": self.inputs.level,
+            f"the model's domain: {self.domain.name}": self.domain.level,
+            "the decrease of V_f": self.decrease.proved,
+        }
+        return min(levels, key=lambda name: levels[name])
+
+
+def obstacle(inputs: Limit, domain: Limit) -> str:
+    """Why not even a small ellipsoid is a terminal set."""
+    if inputs.level <= 0.0:
+        return f"{inputs.name}: the steady input of the orbit is outside it"
+    if domain.level <= 0.0:
+        return f"{domain.name}: not even at the orbit"
+    return "the decrease of V_f"
+
+
+def analyse(
+    problem: StabilityProblem, say: Say | None = None, time_limit: float = 12.0
+) -> Analysis:
+    """Carry out Section 5.
+
+    Args:
+        problem: The configuration.
+        say: Told in words what is being done.
+        time_limit: Of each single proof in [s].
+    """
+    say = say or (lambda text: None)
+    ingredients, dynamics = problem.ingredients(), problem.dynamics()
+    weight, gain = ingredients.weight, ingredients.gain
+    star = q_star(problem.state_weight, problem.input_weight, gain)
+    inputs = lowest(input_limits(problem, gain, weight))
+    domain = lowest(domain_limits(problem, weight))
+    loop = ClosedLoopBalls(problem.model, problem.scheme, problem.orbit, problem.step, gain)
+
+    say("decrease of V_f: searching for violations")
+    ceiling = 0.9999 * domain.level
+    excess = Excess(dynamics, gain, weight, weight - star)
+    found = lowest_violation(excess, ceiling) if ceiling > 0.0 else None
+    say("decrease of V_f: proving")
+    reach = _reach(lambda level: decrease(problem, ingredients, level), found, ceiling, time_limit)
+    refuted = found is not None and is_violated(
+        decrease(problem, ingredients, found.level * (1.0 + 1e-9)), found.state
+    )
+
+    direct = None
+    top = min(inputs.level, domain.level, reach.proved) * (1.0 - 1e-6)
+    if top > 0.0:
+        say(f"direct condition: proving at level {top:.4g}")
+        for share in (1.0, *_SHARES[2:]):
+            direct = prove_direct_condition(
+                problem, ingredients, share * top, time_limit=time_limit
+            )
+            if direct.holds:
+                break
+
+    # The level at which L is wanted: the terminal set's, or whatever U would allow.
+    level = direct.level if direct is not None else max(min(inputs.level, ceiling), 0.1)
+    say(f"Lipschitz constant at level {level:.4g}")
+    lipschitz = lipschitz_constant(problem, ingredients, level, loop, time_limit)
+    quantities = theorem_quantities(
+        ingredients,
+        problem.state_weight,
+        problem.input_weight,
+        lipschitz.upper,
+        problem.horizon,
+    )
+    theorems = []
+    for name, allowance in (
+        ("2", quantities.theorem2.left),
+        ("3", quantities.theorem3.left),
+    ):
+        say(f"Theorem {name}: how far its condition reaches")
+        constant = largest_lipschitz(quantities.contraction, allowance)
+        theorems.append(lipschitz_reach(problem, ingredients, constant, ceiling, loop, time_limit))
+    return Analysis(
+        problem=problem,
+        ingredients=ingredients,
+        quantities=quantities,
+        lipschitz=lipschitz,
+        theorem2=theorems[0],
+        theorem3=theorems[1],
+        decrease=reach,
+        inputs=inputs,
+        domain=domain,
+        direct=direct,
+        refuted=refuted,
+    )
+
+
+def lipschitz_constant(
+    problem: StabilityProblem,
+    ingredients: TerminalIngredients,
+    level: float,
+    loop: ClosedLoopBalls | None = None,
+    time_limit: float = 12.0,
+) -> LipschitzBound:
+    """L(varrho) of (31): a maximum found from below, and a bound proved from above.
+
+    Args:
+        problem: The configuration.
+        ingredients: A_K and P_rho.
+        level: varrho.
+        loop: The closed loop in ball arithmetic, if it is at hand.
+        time_limit: Of each proof in [s].
+    """
+    weight, linear = ingredients.weight, ingredients.closed_loop
+    loop = loop or ClosedLoopBalls(
+        problem.model, problem.scheme, problem.orbit, problem.step, ingredients.gain
+    )
+    zero = np.zeros_like(weight)
+    best = largest_ratio(Excess(problem.dynamics(), ingredients.gain, weight, zero, linear), level)
+    upper, left = float("inf"), 2.0 * time_limit
+    for factor in (1.01, 1.03, 1.05, 1.15, 1.5, 2.0):
+        constant = factor * best.level
+        with flint().ctx.workprec(PRECISION):
+            bound = lipschitz_bound(loop, weight, linear, constant, level)
+        proof = prove(bound, time_limit=min(time_limit, left))
+        if proof.proved:
+            upper = constant
+            break
+        left -= proof.seconds
+        if left <= 0.0:
+            break
+    return LipschitzBound(level, best.level, upper, tuple(best.state.tolist()))
+
+
+def lipschitz_reach(
+    problem: StabilityProblem,
+    ingredients: TerminalIngredients,
+    constant: float,
+    ceiling: float,
+    loop: ClosedLoopBalls,
+    time_limit: float = 12.0,
+) -> LevelBound:
+    """The largest varrho with L(varrho) <= constant, proved and refuted.
+
+    Args:
+        problem: The configuration.
+        ingredients: A_K and P_rho.
+        constant: What (29) or (41) leaves for L.
+        ceiling: Levels above are not looked at.
+        loop: The closed loop in ball arithmetic.
+        time_limit: Of each proof in [s].
+    """
+    weight, linear = ingredients.weight, ingredients.closed_loop
+    excess = Excess(problem.dynamics(), ingredients.gain, weight, constant**2 * weight, linear)
+    found = lowest_violation(excess, ceiling) if ceiling > 0.0 and constant > 0.0 else None
+
+    def bound(level: float) -> Any:
+        with flint().ctx.workprec(PRECISION):
+            return lipschitz_bound(loop, weight, linear, constant, level)
+
+    return _reach(bound, found, ceiling if constant > 0.0 else 0.0, time_limit)
+
+
+def _reach(
+    bound: Callable[[float], Any], found: Violation | None, ceiling: float, time_limit: float
+) -> LevelBound:
+    """Prove a bound as near to its known violation as the time allows."""
+    limit = ceiling if found is None else min(found.level, ceiling)
+    violation = None if found is None else found.level
+    state = None if found is None else tuple(found.state.tolist())
+    left = 2.0 * time_limit
+    for share in _SHARES if limit > 0.0 else ():
+        proof = prove(bound(share * limit), time_limit=min(time_limit, left))
+        if proof.proved:
+            return LevelBound(share * limit, violation, state, proof)
+        left -= proof.seconds
+        if left <= 0.0:
+            break
+    return LevelBound(0.0, violation, state, None)

@@ -1,0 +1,187 @@
+"""Fly many random states of X_f on the discrete model: does what was proved show?
+
+Under kappa_l three things are proved, and counted here: the state stays in X_f, the input in U,
+V_f falls by at least the stage cost. Under the NMPC with the hard terminal set the optimal cost
+falls and inputs stay in U; that x itself stays in X_f is not a theorem (the optimum may leave and
+return: its cost stays below varrho all the same) and is counted as an observation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.formulation.paper_problem import (
+    SolverFactory,
+    newton_solver,
+    tracking_problem,
+)
+from uav_tracking_mpc.studies.parallel import parallel_map
+from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
+from uav_tracking_mpc.terminal.theorems import q_star
+from uav_tracking_mpc.terminal.violation import directions
+
+
+@dataclass(frozen=True)
+class CampaignResult:
+    """Counts over all flights.
+
+    Attributes:
+        law: ``kappa_l`` or ``nmpc``.
+        flights: States flown.
+        steps: Steps flown in all.
+        left: Flights in which the state left X_f.
+        outside_inputs: Flights in which the input left U.
+        cost_rose: Flights in which the cost did not fall at some step.
+        failures: Flights in which a solve failed.
+        largest_height: Largest V_f seen over varrho.
+    """
+
+    law: str
+    flights: int
+    steps: int
+    left: int
+    outside_inputs: int
+    cost_rose: int
+    failures: int
+    largest_height: float
+
+    @property
+    def clean(self) -> bool:
+        """Nothing happened that the proof excludes."""
+        return not (self.outside_inputs or self.cost_rose or self.failures or self.left)
+
+
+def random_states(
+    problem: StabilityProblem, level: float, count: int, seed: int = 0
+) -> NDArray[np.float64]:
+    """States uniform in the volume of X_f, shape (count, 5), error coordinates.
+
+    Args:
+        problem: The configuration.
+        level: varrho.
+        count: How many.
+        seed: Of the generator.
+    """
+    generator = np.random.default_rng(seed)
+    radius = np.sqrt(level) * generator.uniform(0.0, 1.0, (count, 1)) ** 0.2
+    return radius * directions(problem.ingredients().weight, count, generator)
+
+
+def fly_local(
+    problem: StabilityProblem, level: float, states: NDArray[np.float64], steps: int = 60
+) -> CampaignResult:
+    """Fly kappa_l from every state.
+
+    Args:
+        problem: The configuration.
+        level: varrho.
+        states: Shape (count, 5).
+        steps: Of every flight.
+    """
+    parts, dynamics = problem.ingredients(), problem.dynamics()
+    lower, upper = problem.deviation_bounds()
+    star = q_star(problem.state_weight, problem.input_weight, parts.gain)
+    x = np.asarray(states, dtype=float)
+    count = len(x)
+    left, outside, rose = (np.zeros(count, dtype=bool) for _ in range(3))
+    height = np.einsum("ki,ij,kj->k", x, parts.weight, x)
+    largest = float(height.max())
+    for _ in range(steps):
+        u = x @ parts.gain.T
+        outside |= np.any((u < lower - 1e-12) | (u > upper + 1e-12), axis=1)
+        stage = np.einsum("ki,ij,kj->k", x, star, x)
+        x = np.array(dynamics(x.T, u.T)).T
+        following = np.einsum("ki,ij,kj->k", x, parts.weight, x)
+        # Below a rounding floor there is no decrease left to see.
+        rose |= ~(following <= height - stage + 1e-12 * level)
+        left |= ~(following <= level * (1.0 + 1e-12))
+        height = following
+        largest = max(largest, float(height.max()))
+    return CampaignResult(
+        "kappa_l",
+        count,
+        count * steps,
+        int(left.sum()),
+        int(outside.sum()),
+        int(rose.sum()),
+        0,
+        largest / level,
+    )
+
+
+@dataclass(frozen=True)
+class _Piece:
+    problem: StabilityProblem
+    level: float
+    states: NDArray[np.float64]
+    steps: int
+    solver: SolverFactory
+
+
+def fly_nmpc(
+    problem: StabilityProblem,
+    level: float,
+    states: NDArray[np.float64],
+    steps: int = 20,
+    solver: SolverFactory = newton_solver,
+    workers: int | None = None,
+    show: bool = True,
+) -> CampaignResult:
+    """Fly the NMPC with the hard terminal set from every state.
+
+    Args:
+        problem: The configuration; its N counts.
+        level: varrho.
+        states: Shape (count, 5).
+        steps: Of every flight; it ends sooner once the cost is below a millionth of varrho.
+        solver: Makes the solver; at module level, so that processes can find it.
+        workers: Processes.
+        show: Progress bar on stderr.
+    """
+    chunks = np.array_split(np.asarray(states, dtype=float), max(1, len(states) // 50))
+    pieces = [_Piece(problem, level, chunk, steps, solver) for chunk in chunks]
+    parts = parallel_map(_fly_piece, pieces, workers, "NMPC flights", show)
+    flown, count, left, outside, rose, failures = (
+        int(sum(part[i] for part in parts)) for i in range(6)
+    )
+    largest = max(part[6] for part in parts)
+    return CampaignResult("nmpc", flown, count, left, outside, rose, failures, largest)
+
+
+def _fly_piece(piece: _Piece) -> tuple[int, int, int, int, int, int, float]:
+    problem, level = piece.problem, piece.level
+    dynamics, weight = problem.dynamics(), problem.ingredients().weight
+    lower, upper = problem.deviation_bounds()
+    solver = piece.solver(tracking_problem(problem, level))
+    flown = left = outside = rose = failures = 0
+    largest = 0.0
+    for start in piece.states:
+        solver.reset()
+        x, cost, elapsed = start, np.inf, None
+        flags = [False] * 3
+        failed = False
+        for _ in range(piece.steps):
+            solution = solver.solve(x, elapsed=elapsed)
+            flown += 1
+            if not solution.converged:
+                failed = True
+                break
+            if np.isfinite(cost):
+                # Solvers stop at a tolerance: allow it, not more.
+                flags[2] |= bool(solution.cost > cost + 1e-7 * level)
+            cost = solution.cost
+            u = solution.inputs[0]
+            flags[1] |= bool(np.any(u < lower - 1e-9) or np.any(u > upper + 1e-9))
+            x = np.array(dynamics(x, u)).ravel()
+            height = float(x @ weight @ x)
+            flags[0] |= height > level * (1.0 + 1e-9)
+            largest = max(largest, height / level)
+            elapsed = problem.step
+            if cost < 1e-6 * level:
+                break
+        left, outside, rose = left + flags[0], outside + flags[1], rose + flags[2]
+        failures += failed
+    return len(piece.states), flown, left, outside, rose, failures, largest

@@ -1,0 +1,1 @@
+"""Terminal ingredients, their proof, certificates."""

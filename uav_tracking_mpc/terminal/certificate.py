@@ -1,0 +1,144 @@
+"""The certificate: a proof written down, so that others can check it and a controller can cite it.
+
+It holds the model, every parameter, P, K, varrho, the tree of boxes with the multiplier of each
+leaf, how much work it was, and the versions of the libraries that did it; a digest covers it all.
+Whether it is true is for ``verify`` to say, which knows nothing of how it was found. Whether it
+speaks of the configuration that is flown is for :func:`certificate_status`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import platform
+from dataclasses import asdict
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from uav_tracking_mpc.terminal.direct_condition import SLACK, DirectCondition
+from uav_tracking_mpc.terminal.ingredients import TerminalIngredients
+from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
+
+FORMAT = "uav_tracking_mpc terminal set certificate 1"
+TOLERANCE = 1e-11  # relative, of P and K recomputed elsewhere: far below the proof's slack
+
+
+def problem_parameters(problem: StabilityProblem) -> dict[str, Any]:
+    """Everything that the terminal set depends on, as JSON values. N is not among it."""
+    return {
+        "model": problem.model,
+        "scheme": problem.scheme,
+        "step_s": float(problem.step),
+        "orbit": asdict(problem.orbit),
+        "state_weight": np.asarray(problem.state_weight, dtype=float).tolist(),
+        "input_weight": np.asarray(problem.input_weight, dtype=float).tolist(),
+        "scaling": float(problem.scaling),
+        "input_lower": np.asarray(problem.input_lower, dtype=float).tolist(),
+        "input_upper": np.asarray(problem.input_upper, dtype=float).tolist(),
+    }
+
+
+def certificate(
+    problem: StabilityProblem, ingredients: TerminalIngredients, proved: DirectCondition
+) -> dict[str, Any]:
+    """Write a proved direct condition down.
+
+    Raises:
+        ValueError: It is not proved; a certificate never says yes to that.
+    """
+    if not proved.holds:
+        raise ValueError(f"no certificate at level {proved.level:.6g}: {proved.reason}")
+    proof = proved.decrease
+    content: dict[str, Any] = {
+        "format": FORMAT,
+        "problem": problem_parameters(problem),
+        "gain": ingredients.gain.tolist(),
+        "weight": ingredients.weight.tolist(),
+        "level": float(proved.level),
+        "slack": SLACK,
+        "root": list(proof.half),
+        "tree": proof.tree,
+        "multipliers": list(proof.multipliers),
+        "statistics": {
+            "boxes": proof.boxes,
+            "leaves": proof.leaves,
+            "depth": proof.depth,
+            "seconds": round(proof.seconds, 3),
+        },
+        "versions": _versions(),
+    }
+    content["digest"] = digest(content)
+    return content
+
+
+def _versions() -> dict[str, str]:
+    found = {"python": platform.python_version()}
+    for name in ("uav_tracking_mpc", "python-flint", "casadi", "numpy", "scipy"):
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "not installed as a package"
+    return found
+
+
+def digest(content: dict[str, Any]) -> str:
+    """SHA-256 of the content without its digest, in one canonical spelling of JSON."""
+    rest = {key: value for key, value in content.items() if key != "digest"}
+    text = json.dumps(rest, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def write_certificate(content: dict[str, Any], path: Path) -> None:
+    """Write a certificate to a file."""
+    path.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n")
+
+
+def read_certificate(path: Path) -> dict[str, Any]:
+    """Read a certificate; nothing in it is believed yet.
+
+    Raises:
+        ValueError: The file holds no JSON object.
+    """
+    content = json.loads(path.read_text())
+    if not isinstance(content, dict):
+        raise ValueError(f"{path} holds no JSON object, so no certificate")
+    return content
+
+
+def mismatch(
+    content: dict[str, Any],
+    problem: StabilityProblem,
+    ingredients: TerminalIngredients,
+    level: float,
+) -> str | None:
+    """Why a certificate says nothing about a configuration, or None if it does cover it.
+
+    Args:
+        content: The certificate.
+        problem: What is flown.
+        ingredients: K and P_rho that are flown.
+        level: varrho that is flown.
+    """
+    try:
+        if content["format"] != FORMAT:
+            return f"format is {content['format']!r}, must be {FORMAT!r}"
+        if content["digest"] != digest(content):
+            return "digest does not match the content: the file was changed"
+        flown, proved = problem_parameters(problem), content["problem"]
+        for key, value in flown.items():
+            if proved[key] != value:
+                return f"{key} is {value} in flight, {proved[key]} in the certificate"
+        for name, matrix in (("gain", ingredients.gain), ("weight", ingredients.weight)):
+            stored = np.array(content[name], dtype=float)
+            if stored.shape != matrix.shape or not np.allclose(
+                stored, matrix, rtol=TOLERANCE, atol=TOLERANCE * float(np.abs(matrix).max())
+            ):
+                return f"{name} in flight differs from the certificate's"
+        if not 0.0 < level <= content["level"] * (1.0 + 1e-12):
+            return f"level in flight is {level:.6g}, proved up to {content['level']:.6g}"
+    except (KeyError, TypeError, ValueError) as error:
+        return f"malformed certificate: {error!r}"
+    return None

@@ -1,0 +1,148 @@
+"""Prove a quadratic bound on all of X_f: halve boxes until each one passes its test.
+
+The boxes form a tree. Its root holds X_f; a node is a box that was halved, a leaf one on which the
+bound is proved. Written in preorder, one character a node (the coordinate that was halved, or a dot
+for a leaf), the tree is the proof's certificate: it covers the root by construction, and whoever
+distrusts the search needs only to test the leaves again.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from uav_tracking_mpc.terminal.ball import PRECISION, flint
+from uav_tracking_mpc.terminal.box_check import BoxTest
+from uav_tracking_mpc.terminal.quadratic_bound import QuadraticBound
+
+DEPTH_LIMIT = 80
+
+
+@dataclass(frozen=True)
+class Stuck:
+    """Where a proof stopped.
+
+    Attributes:
+        reason: In words.
+        center: Middle of the box, error coordinates, length 5.
+        half: Its half-widths, length 5.
+        excess: Bound for the left side minus the right one there.
+    """
+
+    reason: str
+    center: tuple[float, ...]
+    half: tuple[float, ...]
+    excess: float
+
+
+@dataclass(frozen=True)
+class Proof:
+    """Outcome: proved, or not proved and where it got stuck. Never "false": that is a search's job.
+
+    Attributes:
+        proved: The bound holds for every x of X_f.
+        half: Half-widths of the root box, length 5.
+        tree: The boxes in preorder (empty unless proved).
+        multipliers: m of the test on each leaf, in the order of the tree (empty unless proved).
+        boxes: Boxes tested.
+        leaves: Boxes on which the bound was proved.
+        depth: Largest number of halvings.
+        seconds: Wall time.
+        stuck: Where it stopped, if it did.
+    """
+
+    proved: bool
+    half: tuple[float, ...]
+    tree: str
+    multipliers: tuple[float, ...]
+    boxes: int
+    leaves: int
+    depth: int
+    seconds: float
+    stuck: Stuck | None = None
+
+
+def prove(
+    bound: QuadraticBound,
+    box_limit: int = 40_000,
+    time_limit: float = 30.0,
+    progress: Callable[[float, int], None] | None = None,
+) -> Proof:
+    """Prove the bound on x' P x <= varrho.
+
+    Args:
+        bound: What to prove.
+        box_limit: Give up after so many boxes.
+        time_limit: Give up after so many seconds.
+        progress: Called now and then with the proved share of the root's volume and the boxes.
+    """
+    begin = time.perf_counter()
+    module = flint()
+    with module.ctx.workprec(PRECISION):
+        test = BoxTest(bound)
+        half = test.root()
+        stack = [(np.zeros(len(half)), half, 0, 0.0)]
+        tree: list[str] = []
+        multipliers: list[float] = []
+        leaves = boxes = depth = 0
+        share = 0.0
+        stuck = None
+        while stack:
+            center, width, level, multiplier = stack.pop()
+            verdict = test(center, width, multiplier)
+            boxes += 1
+            depth = max(depth, level)
+            if verdict.proved:
+                tree.append(".")
+                multipliers.append(verdict.multiplier)
+                leaves += 1
+                share += 0.5**level
+                if progress is not None and leaves % 50 == 0:
+                    progress(share, boxes)
+                continue
+            reason = None
+            if level >= DEPTH_LIMIT:
+                reason = (
+                    f"a box halved {DEPTH_LIMIT} times still fails: the bound is tight or false"
+                )
+            elif boxes >= box_limit:
+                reason = f"limit of {box_limit} boxes reached, {share:.1%} of the volume proved"
+            elif time.perf_counter() - begin > time_limit:
+                reason = f"limit of {time_limit:g} s reached, {share:.1%} of the volume proved"
+            if reason is None:
+                width = width.copy()
+                width[verdict.cut] /= 2.0
+                if not _exact_sum(center[verdict.cut], width[verdict.cut]):
+                    reason = "boxes got too small to be halved exactly: the bound is tight or false"
+            if reason is not None:
+                stuck = Stuck(reason, tuple(center.tolist()), tuple(width.tolist()), verdict.excess)
+                break
+            tree.append(str(verdict.cut))
+            for side in (1.0, -1.0):
+                child = center.copy()
+                child[verdict.cut] += side * width[verdict.cut]
+                stack.append((child, width, level + 1, verdict.multiplier))
+    return Proof(
+        proved=stuck is None,
+        half=tuple(half.tolist()),
+        tree="".join(tree) if stuck is None else "",
+        multipliers=tuple(multipliers) if stuck is None else (),
+        boxes=boxes,
+        leaves=leaves,
+        depth=depth,
+        seconds=time.perf_counter() - begin,
+        stuck=stuck,
+    )
+
+
+def _exact_sum(center: float, width: float) -> bool:
+    """Whether center + width and center - width are doubles: the error of the rounded sum is 0."""
+    for part in (width, -width):
+        total = center + part
+        back = total - center
+        if (center - (total - back)) + (part - back) != 0.0:
+            return False
+    return True

@@ -1,0 +1,142 @@
+r"""Does the optimal cost fall as (54) says? Checked online, step by step.
+
+With a proved terminal set the argument of (49)-(51) gives, for the nominal model,
+
+.. math:: V_N(x_{k+1}) \le V_N(x_k) - L(x_k, u_k) \le V_N(x_k) - \xi |x_k|_{P_\rho}^2
+
+which is (54) with the constant xi of (52) in the place of c_3: c_3 = xi + (rho - 1) sigma - b is
+only smaller, and negative where (41) fails. What breaks it in flight is not the theorem but one
+of its hypotheses, and which one is usually known.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
+from uav_tracking_mpc.terminal.theorems import xi
+
+
+@dataclass(frozen=True)
+class DecreaseCheck:
+    """One step.
+
+    Attributes:
+        held: V_N(k+1) is not above the bound.
+        cost: V_N(k+1).
+        bound: Right side of (54).
+        reason: Why it failed, in words; "" where it held.
+    """
+
+    held: bool
+    cost: float
+    bound: float
+    reason: str
+
+
+class DecreaseMonitor:
+    """Compares each optimal cost with the bound (54) that the step before implies.
+
+    Args:
+        rate: c_3 of (54), or xi with a proved terminal set.
+        weight: P_rho, shape (5, 5).
+        level: varrho of the terminal set; None if none is enforced.
+        tolerance: Relative to V_N(k): what a solver's own tolerance may add.
+    """
+
+    def __init__(
+        self,
+        rate: float,
+        weight: NDArray[np.float64],
+        level: float | None,
+        tolerance: float = 1e-6,
+    ) -> None:
+        self.rate = rate
+        self.weight = np.asarray(weight, dtype=float)
+        self.level = level
+        self.tolerance = tolerance
+        self.checked = 0
+        self.failed = 0
+        self._last: tuple[float, float, bool, bool] | None = None
+
+    def reset(self) -> None:
+        """Forget the step before: after a fault, or when the reference changed."""
+        self._last = None
+
+    def step(
+        self,
+        cost: float,
+        error: NDArray[np.float64],
+        final_error: NDArray[np.float64] | None = None,
+        *,
+        target_moved: bool = False,
+        saturated: bool = False,
+        converged: bool = True,
+        fraction: float = 1.0,
+    ) -> DecreaseCheck | None:
+        """Take the result of one solve and compare it with the one before.
+
+        Args:
+            cost: V_N(x_k).
+            error: x_k, shape (5,).
+            final_error: x_N of the plan, shape (5,), to see whether it ends in X_f.
+            target_moved: The target has moved, or the wind changed, since the step before.
+            saturated: The command was cut back outside the problem (envelope, rate limits).
+            converged: The solver reached its tolerance.
+            fraction: Time since the step before over T_s. Below 1 the stage cost of that time is
+                asked for: between the steps of the discrete model (54) is a heuristic.
+
+        Returns:
+            None at the first step and after one without a finite cost.
+        """
+        error = np.asarray(error, dtype=float)
+        inside = self._ends_inside(final_error)
+        previous, check = self._last, None
+        if previous is not None and np.isfinite(cost):
+            last_cost, fall, was_inside, was_saturated = previous
+            bound = last_cost - min(max(fraction, 0.0), 1.0) * fall
+            held = bool(cost <= bound + self.tolerance * max(abs(last_cost), 1e-12))
+            reason = ""
+            if not held:
+                reason = _reason(was_inside, converged, target_moved, was_saturated)
+                self.failed += 1
+            self.checked += 1
+            check = DecreaseCheck(held, float(cost), float(bound), reason)
+        self._last = None
+        if np.isfinite(cost):
+            fall = self.rate * float(error @ self.weight @ error)
+            self._last = (float(cost), fall, inside, saturated)
+        return check
+
+    def _ends_inside(self, final_error: NDArray[np.float64] | None) -> bool:
+        if final_error is None or self.level is None:
+            return False
+        x = np.asarray(final_error, dtype=float)
+        return bool(x @ self.weight @ x <= self.level * (1.0 + 1e-6))
+
+
+def _reason(was_inside: bool, converged: bool, target_moved: bool, saturated: bool) -> str:
+    """The first hypothesis of Theorem 3 that is known to be broken."""
+    if target_moved:
+        return "target or wind moved: the bound holds for a target at rest"
+    if not converged:
+        return "solver did not converge: the cost is not the optimal one"
+    if saturated:
+        return "saturation: the command flown is not the one planned"
+    if not was_inside:
+        return "terminal set not reached: the plan before did not end in X_f"
+    return "unknown: disturbance, sampling or model error"
+
+
+def decrease_monitor(problem: StabilityProblem, level: float | None) -> DecreaseMonitor:
+    """The monitor of a configuration: (54) with xi.
+
+    Args:
+        problem: The configuration.
+        level: varrho of the terminal set that the controller uses, None if none.
+    """
+    weight = problem.ingredients().weight
+    return DecreaseMonitor(xi(problem.state_weight, weight), weight, level)

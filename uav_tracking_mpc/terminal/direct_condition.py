@@ -1,0 +1,107 @@
+"""The direct condition: what makes x'P_rho x <= varrho a terminal set, proved without a constant L.
+
+For every x of X_f:
+
+1. V_f(f(x, Kx)) - V_f(x) + L(x, Kx) <= 0: all that the proofs of Theorems 2 and 3 use. It makes
+   X_f invariant under kappa_l and the optimal cost fall by at least the stage cost, (51);
+2. K x + u_ss in U, (25);
+3. r > |z|, so d > 0, and |x_2| < pi: the model is defined there.
+
+1 is proved with a slack of a millionth of V_f, so that P and K recomputed on another machine,
+equal to eleven digits but not to the last bit, are covered too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from uav_tracking_mpc.terminal.admissible import Limit, domain_limits, input_limits, lowest
+from uav_tracking_mpc.terminal.ball import PRECISION, flint
+from uav_tracking_mpc.terminal.cover import Proof, prove
+from uav_tracking_mpc.terminal.ingredients import TerminalIngredients
+from uav_tracking_mpc.terminal.quadratic_bound import QuadraticBound, decrease_bound
+from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
+from uav_tracking_mpc.terminal.terminal_dynamics import ClosedLoopBalls
+
+SLACK = 1e-6
+Progress = Callable[[float, int], None]
+
+
+@dataclass(frozen=True)
+class DirectCondition:
+    """The three parts at one level.
+
+    Attributes:
+        level: varrho.
+        decrease: Proof of part 1.
+        inputs: The input limit that binds first.
+        domain: The domain limit that binds first.
+    """
+
+    level: float
+    decrease: Proof
+    inputs: Limit
+    domain: Limit
+
+    @property
+    def holds(self) -> bool:
+        """Whether all three parts are proved."""
+        return self.decrease.proved and self.level <= min(self.inputs.level, self.domain.level)
+
+    @property
+    def reason(self) -> str:
+        """Proved, or what is in the way, in words."""
+        if self.domain.level < self.level:
+            return f"not proved: {self.domain.name} only up to level {self.domain.level:.6g}"
+        if self.inputs.level < self.level:
+            return f"not proved: {self.inputs.name} binds at level {self.inputs.level:.6g}"
+        if self.decrease.stuck is not None:
+            return f"not proved: decrease of V_f, {self.decrease.stuck.reason}"
+        return "proved"
+
+
+def decrease(
+    problem: StabilityProblem, ingredients: TerminalIngredients, level: float
+) -> QuadraticBound:
+    """Part 1 at one level, as the inequality to prove."""
+    loop = ClosedLoopBalls(
+        problem.model, problem.scheme, problem.orbit, problem.step, ingredients.gain
+    )
+    with flint().ctx.workprec(PRECISION):
+        return decrease_bound(
+            loop,
+            ingredients.weight,
+            ingredients.gain,
+            problem.state_weight,
+            problem.input_weight,
+            level,
+            SLACK,
+        )
+
+
+def prove_direct_condition(
+    problem: StabilityProblem,
+    ingredients: TerminalIngredients,
+    level: float,
+    box_limit: int = 40_000,
+    time_limit: float = 30.0,
+    progress: Progress | None = None,
+) -> DirectCondition:
+    """Prove that x'P_rho x <= level is a terminal set of the configuration.
+
+    Args:
+        problem: The configuration.
+        ingredients: K and P_rho, taken as exact.
+        level: varrho.
+        box_limit: See :func:`uav_tracking_mpc.terminal.cover.prove`.
+        time_limit: In [s].
+        progress: See :func:`uav_tracking_mpc.terminal.cover.prove`.
+    """
+    bound = decrease(problem, ingredients, level)
+    return DirectCondition(
+        level=level,
+        decrease=prove(bound, box_limit, time_limit, progress),
+        inputs=lowest(input_limits(problem, ingredients.gain, ingredients.weight)),
+        domain=lowest(domain_limits(problem, ingredients.weight)),
+    )

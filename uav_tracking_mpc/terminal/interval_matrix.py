@@ -1,0 +1,153 @@
+"""Columns and matrices of intervals, and CasADi functions on them: the checker's linear algebra."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.terminal.interval import Interval
+
+Column = list[Interval]
+Matrix = list[list[Interval]]
+
+
+def evaluate(function: ca.Function, inputs: list[Column]) -> list[Column]:
+    """Walk the instructions of a CasADi function with intervals."""
+    work: dict[int, Interval] = {}
+    outputs: list[Column] = [[Interval(0.0)] * function.nnz_out(i) for i in range(function.n_out())]
+    for k in range(function.n_instructions()):
+        code, ins, outs = (
+            function.instruction_id(k),
+            function.instruction_input(k),
+            function.instruction_output(k),
+        )
+        if code == ca.OP_OUTPUT:
+            outputs[outs[0]][outs[1]] = work[ins[0]]
+        elif code == ca.OP_INPUT:
+            work[outs[0]] = inputs[ins[0]][ins[1]]
+        elif code == ca.OP_CONST:
+            work[outs[0]] = Interval(function.instruction_constant(k))
+        else:
+            work[outs[0]] = _operate(code, [work[i] for i in ins])
+    return outputs
+
+
+def _operate(code: int, arguments: Column) -> Interval:
+    a, b = arguments[0], arguments[-1]
+    if code == ca.OP_ADD:
+        return a + b
+    if code == ca.OP_SUB:
+        return a - b
+    if code == ca.OP_MUL:
+        return a * b
+    if code == ca.OP_DIV:
+        return a / b
+    if code == ca.OP_NEG:
+        return -a
+    if code == ca.OP_SQ:
+        return a.square()
+    if code == ca.OP_TWICE:
+        return a * 2.0
+    if code == ca.OP_INV:
+        return a.inverse()
+    if code == ca.OP_SQRT:
+        return a.sqrt()
+    if code == ca.OP_SIN:
+        return a.sin()
+    if code == ca.OP_COS:
+        return a.cos()
+    if code == ca.OP_ASSIGN:
+        return a
+    raise ValueError(f"operation {code} of the model is not known here")
+
+
+def unpack(function: ca.Function, index: int, entries: Column) -> Matrix:
+    """Dense matrix from the nonzeros of one output of a CasADi function; zeros are exact."""
+    sparsity = function.sparsity_out(index)
+    full = [[Interval(0.0) for _ in range(sparsity.size2())] for _ in range(sparsity.size1())]
+    rows, columns = sparsity.get_triplet()
+    for i, j, entry in zip(rows, columns, entries, strict=True):
+        full[i][j] = entry
+    return full
+
+
+def definite(matrix: Matrix) -> NDArray[np.bool_]:
+    """Where every symmetric matrix in the interval matrix is positive definite (LDL')."""
+    rows = [list(row) for row in matrix]
+    good: Any = np.asarray(True)
+    with np.errstate(invalid="ignore", over="ignore"):
+        for k in range(len(rows)):
+            pivot = rows[k][k]
+            good = good & (pivot.lower > 0.0)
+            for i in range(k + 1, len(rows)):
+                factor = rows[i][k] / pivot
+                for j in range(k + 1, i + 1):
+                    rows[i][j] = rows[i][j] - factor * rows[j][k]
+    return np.asarray(good)
+
+
+def inverse_of(p: NDArray[np.float64]) -> Matrix:
+    """Enclosure of P^-1: W near it and R = I - PW give |P^-1 - W| <= |W| |R| / (1 - |R|)."""
+    indices = range(len(p))
+    w = np.linalg.inv(p)
+    w = 0.5 * (w + w.T)
+    both = product(constant(p), constant(w))
+    squares = total(
+        (Interval(float(i == j)) - both[i][j]).square() for i in indices for j in indices
+    )
+    residual = Interval(0.0, squares.upper).sqrt()
+    if not residual.upper < 1e-3:
+        raise ValueError("P cannot be inverted")
+    size = total(Interval(v).square() for v in w.ravel()).sqrt()
+    radius = (size * residual / (Interval(1.0) - residual)).upper
+    return [[Interval(w[i, j]) + Interval(-radius, radius) for j in indices] for i in indices]
+
+
+def reach(row: NDArray[np.float64], inverse: Matrix, level: float) -> Interval:
+    """Largest c'x over x'Px <= level: sqrt(level c'P^-1 c)."""
+    return (quadratic(inverse, [Interval(v) for v in row]) * level).sqrt()
+
+
+def constant(values: NDArray[np.float64]) -> Matrix:
+    """Matrix of numbers, taken as exact."""
+    return [[Interval(entry) for entry in row] for row in values]
+
+
+def columns(values: NDArray[np.float64]) -> Column:
+    """Columns of an array of shape (m, n): n intervals of m numbers each."""
+    return [Interval(values[:, i]) for i in range(values.shape[1])]
+
+
+def transpose(matrix: Matrix) -> Matrix:
+    """The transposed matrix."""
+    return [list(row) for row in zip(*matrix, strict=True)]
+
+
+def product(left: Matrix, right: Matrix) -> Matrix:
+    """Product of two matrices."""
+    columns = transpose(right)
+    return [
+        [total(a * b for a, b in zip(row, column, strict=True)) for column in columns]
+        for row in left
+    ]
+
+
+def times(matrix: Matrix, column: Column) -> Column:
+    """Matrix times column."""
+    return [total(a * b for a, b in zip(row, column, strict=True)) for row in matrix]
+
+
+def quadratic(matrix: Matrix, column: Column) -> Interval:
+    """Quadratic form x'Mx."""
+    return total(a * b for a, b in zip(column, times(matrix, column), strict=True))
+
+
+def total(terms: Any) -> Interval:
+    """Sum of intervals."""
+    total = Interval(0.0)
+    for term in terms:
+        total = total + term
+    return total
