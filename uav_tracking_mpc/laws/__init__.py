@@ -5,8 +5,8 @@
 ``l1``              L1 capture and circle tracking, as ArduPilot's
 ==================  ==============================================================
 
-A law is a subclass of :class:`GuidanceLaw` in a file of its own name. It is found by that name, by an
-entry point in the group ``uav_tracking_mpc.laws``, or as ``path.py:Class``.
+A law is a subclass of :class:`GuidanceLaw` in a file of its own name. It is found by that name, by
+an entry point in the group ``uav_tracking_mpc.laws``, or as ``path.py:Class``.
 """
 
 from __future__ import annotations

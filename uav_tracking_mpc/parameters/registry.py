@@ -88,9 +88,10 @@ class Kind:
     def _of_module(self, name: str, module: ModuleType) -> type[Any]:
         base = self.base_class
         for value in vars(module).values():
-            if isinstance(value, type) and issubclass(value, base):
-                if value.__module__ == module.__name__ and value.__dict__.get("name") == name:
-                    return value
+            if not (isinstance(value, type) and issubclass(value, base)):
+                continue
+            if value.__module__ == module.__name__ and value.__dict__.get("name") == name:
+                return value
         raise ExtensionError(f"{module.__file__} holds no {self.base} whose name is {name!r}")
 
     def _checked(self, name: str, value: Any) -> type[Any]:

@@ -93,10 +93,13 @@ class Specification:
                 raise self._error(value)
         if self.choices and checked not in self.choices:
             raise self._error(value)
-        if self.extension is not None and ":" not in str(checked):
-            if checked not in self.extension.names:
-                raise self._error(value)
+        if self.extension is not None and not self._is_extension(str(checked)):
+            raise self._error(value)
         return checked
+
+    def _is_extension(self, name: str) -> bool:
+        assert self.extension is not None
+        return ":" in name or name in self.extension.names
 
     def _convert(self, value: Any) -> Value:
         if isinstance(self.default, tuple):
