@@ -153,11 +153,12 @@ class Navigator:
 
     def _flown_through(self, time: float, situation: Situation) -> Any:
         """State relative to the target after the delay, by the commands already under way."""
-        model, numbers = self._model, self._model.numbers.tolist()
+        model = self._model
         state = model.initial(situation.offset, situation.vehicle[3:], situation.rates)
         drift, rate = situation.drift.tolist(), situation.drift_rate.tolist()
         count = max(1, math.ceil(self._delay / LONGEST_SUBSTEP - ROUNDING))
         substep = self._delay / count
+        numbers = model.numbers(substep).tolist()
         for index in range(count):
             middle = time + (index + 0.5) * substep
             inputs = [

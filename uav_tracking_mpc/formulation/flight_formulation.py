@@ -70,7 +70,7 @@ class FlightFormulation:
             "offset_reach": OFFSET_REACH * reach,
             # Held commands lag by tau, and by half a step behind what they follow.
             "lead": float(self.model.lags[0]) + 0.5 * self.step,
-            "model": self.model.numbers,
+            "model": self.model.numbers(self.step),
             **{part_of(limit): limit.numbers(nowhere) for limit in self.envelope.limits},
         }
         for name, values in parts.items():
@@ -166,7 +166,7 @@ class FlightFormulation:
             return None
         law = VectorField(orbit, self.envelope)
         state, shares = self.model.State(*x_0.tolist()), np.zeros((self._stages, 3))
-        numbers = self.model.numbers.tolist()
+        numbers = self.model.numbers(self.step).tolist()
         for stage in range(self._stages):
             target = forecast.target[stage]
             x, y, z, psi, chi, v, *rates = state

@@ -25,6 +25,7 @@ Everything that may change in flight is a parameter of one compiled problem: see
 from __future__ import annotations
 
 from collections.abc import Sequence
+from types import ModuleType
 from typing import Any
 
 import casadi as ca
@@ -81,9 +82,10 @@ class FlightProblem:
         penalty: float,
     ) -> None:
         self.model, self.limits, self.step = model, tuple(limits), step
+        self._of_inputs = [limit for limit in limits if type(limit).inputs is not Limit.inputs]
         nowhere = np.zeros((1, 3))
         sizes = {part_of(limit): limit.numbers(nowhere).shape[1] for limit in limits}
-        self.layout = Layout({**OWN_SIZES, "model": len(model.numbers), **sizes})
+        self.layout = Layout({**OWN_SIZES, "model": len(model.numbers(step)), **sizes})
         self._penalty = penalty
         self.problem = self._problem(horizon)
 
@@ -148,17 +150,18 @@ class FlightProblem:
             state.airspeed - v_a,
         )  # fmt: skip
 
-    def _numbers(self, p: Any) -> list[Any]:
-        return [self.layout.part(p, part_of(limit)) for limit in self.limits]
-
-    def _inputs(self, shares: Any, state: Any, p: Any) -> list[Any]:
-        middle, half = input_span(self.limits, self._numbers(p), _motion(state), ca)
+    def _inputs(self, shares: Any, state: Any, p: ca.SX) -> list[Any]:
+        middle, half = self._span(_motion(state), p, ca)
         return [middle[axis] + half[axis] * shares[axis] for axis in range(3)]
 
-    def _shares(self, inputs: Sequence[Any], state: Any, p: Any) -> ca.SX:
+    def _shares(self, inputs: Sequence[Any], state: Any, p: ca.SX) -> ca.SX:
         """Input shares of (u_psi, u_chi, u_v) in a state."""
-        middle, half = input_span(self.limits, self._numbers(p), _motion(state), ca)
+        middle, half = self._span(_motion(state), p, ca)
         return ca.vertcat(*[(inputs[axis] - middle[axis]) / half[axis] for axis in range(3)])
+
+    def _span(self, motion: Motion, p: Any, xp: ModuleType) -> tuple[list[Any], list[Any]]:
+        told = [self.layout.part(p, part_of(limit)) for limit in self._of_inputs]
+        return input_span(self._of_inputs, told, motion, xp)
 
     def span(self, state: Any, p: Any) -> tuple[list[Any], list[Any]]:
         """Middle and half width of (u_psi, u_chi, u_v) in states: see :func:`input_span`.
@@ -170,12 +173,12 @@ class FlightProblem:
         Returns:
             Three values each, in [rad/s, rad/s, m/s^2], scalar or of shape (n,).
         """
-        return input_span(self.limits, self._numbers(p), _motion(state), np)
+        return self._span(_motion(state), p, np)
 
     def _stage_inequalities(self, motion: Motion, p: ca.SX) -> list[Inequality]:
         found = []
-        for limit, numbers in zip(self.limits, self._numbers(p), strict=True):
-            bound = limit.stage(motion, numbers, ca)
+        for limit in self.limits:
+            bound = limit.stage(motion, self.layout.part(p, part_of(limit)), ca)
             if bound is not None:
                 found.append(_inequality(bound, self._penalty, limit.label))
         return found
@@ -183,8 +186,8 @@ class FlightProblem:
     def _orbit_inequalities(self, shape: OrbitShape, p: ca.SX) -> list[Inequality]:
         too_much = shape.drift - DRIFT_SHARE * shape.airspeed
         found = [Inequality(too_much, None, "drift about the orbit")]
-        for limit, numbers in zip(self.limits, self._numbers(p), strict=True):
-            bound = limit.orbit(shape, numbers, ca)
+        for limit in self.limits:
+            bound = limit.orbit(shape, self.layout.part(p, part_of(limit)), ca)
             if bound is not None:
                 penalty = None if limit.hard_on_orbit else self._penalty
                 found.append(_inequality(bound, penalty, f"{limit.label} on the orbit"))

@@ -44,10 +44,13 @@ class VehicleModel:
     name: ClassVar[str]
     State: ClassVar[Any]
 
-    @property
     @abstractmethod
-    def numbers(self) -> NDArray[np.float64]:
-        """What the problem is told of this model, shape (k,): may change in flight."""
+    def numbers(self, duration: float) -> NDArray[np.float64]:
+        """What a step is told of this model, shape (k,): may change in flight.
+
+        Args:
+            duration: Of the step in [s].
+        """
 
     @property
     @abstractmethod
@@ -62,7 +65,7 @@ class VehicleModel:
             state: A ``State``.
             inputs: (u_psi, u_chi, u_v), three values in [rad/s, rad/s, m/s^2].
             duration: In [s].
-            numbers: As :attr:`numbers`, shape (k,).
+            numbers: Of this duration, as of :meth:`numbers`, shape (k,).
             drift: Of the air as seen from the target.
 
         Returns:

@@ -73,15 +73,21 @@ class Lagged(VehicleModel):
         upper=5.0,
     )
 
-    @property
-    def numbers(self) -> NDArray[np.float64]:
-        """Time constants tau, shape (3,), in [s], never 0."""
-        return np.maximum(self.rate_lag, SHORTEST_LAG)
+    def numbers(self, duration: float) -> NDArray[np.float64]:
+        """See :meth:`VehicleModel.numbers`.
+
+        Returns:
+            tau (1 - e^(-t/tau)) after half the step and after all of it in [s], and e^(-t/tau)
+            after all of it, for each of the three rates, shape (9,).
+        """
+        tau = self.lags
+        half, whole = np.exp(-0.5 * duration / tau), np.exp(-duration / tau)
+        return np.concatenate([tau * (1.0 - half), tau * (1.0 - whole), whole])
 
     @property
     def lags(self) -> NDArray[np.float64]:
-        """See :attr:`VehicleModel.lags`: those of the model, none of them 0."""
-        return self.numbers
+        """See :attr:`VehicleModel.lags`: none of them is 0."""
+        return np.maximum(self.rate_lag, SHORTEST_LAG)
 
     def step(
         self, state: LaggedState, inputs: Any, duration: float, numbers: Any, drift: Drift
@@ -90,19 +96,18 @@ class Lagged(VehicleModel):
         xp = ca if isinstance(state.heading, ca.SX) else math
         angles = (state.heading, state.path_angle, state.airspeed)
         rates = (state.turn_rate, state.path_angle_rate, state.acceleration)
+        excess = [rate - u for rate, u in zip(rates, _three(inputs), strict=True)]
 
-        def after(time: float) -> tuple[list[Any], list[Any]]:
-            """Heading, path angle and airspeed, and their rates."""
-            moved, following = [], []
-            for angle, rate, u, tau in zip(angles, rates, inputs, _three(numbers), strict=True):
-                left = xp.exp(-time / tau)
-                moved.append(angle + u * time + (rate - u) * tau * (1.0 - left))
-                following.append(u + (rate - u) * left)
-            return moved, following
+        def after(time: float, first: int) -> list[Any]:
+            """Heading, path angle and airspeed."""
+            return [
+                angles[axis] + inputs[axis] * time + excess[axis] * numbers[first + axis]
+                for axis in range(3)
+            ]
 
-        end, end_rates = after(duration)
-        begin, middle = air_velocity(*angles, xp), air_velocity(*after(0.5 * duration)[0], xp)
-        last = air_velocity(*end, xp)
+        halfway, end = after(0.5 * duration, 0), after(duration, 3)
+        end_rates = [inputs[axis] + excess[axis] * numbers[6 + axis] for axis in range(3)]
+        begin, middle, last = (air_velocity(*at, xp) for at in (angles, halfway, end))
         position = [
             start
             + duration / 6.0 * (begin[axis] + 4.0 * middle[axis] + last[axis])
