@@ -94,4 +94,4 @@ def velocity(state: ArrayLike) -> NDArray[np.float64]:
         state: (x, y, z, psi, chi, v), shape (6,).
     """
     _, _, _, psi, chi, v = np.asarray(state, dtype=float).tolist()
-    return np.array(air_velocity(psi, chi, v, math))
+    return np.array(air_velocity(psi, chi, v, np))
