@@ -3,7 +3,8 @@
 ====================  ================================================================
 ``angles``            wrapping
 ``frames``            REP-103: ENU, FLU, quaternions, signs on the wire
-``vehicle``           (3) in ``map``, advanced exactly under held inputs
+``vehicle``           (3): velocity of the air path, and the state under held inputs, exact
+``paper_numbers``     Table 1, (59) and the initial state of the paper
 ``orbit``             the reference (r_d, z_d, v_d) and its direction
 ``gravity``           standard gravity
 ``lagged_vehicle``    (3) behind inner loops that lag, in a drift, for numbers and symbols

@@ -13,12 +13,26 @@ from uav_tracking_mpc.dynamics.relative import NU, NX, rates_function, steady_in
 
 
 def euler(rates: ca.Function, state: ca.SX, inputs: ca.SX, step: float) -> ca.SX:
-    """One forward Euler step, as in (10)."""
+    """One forward Euler step, as in (10).
+
+    Args:
+        rates: CasADi function (state, inputs) -> time derivative of the state.
+        state: Where the step begins, shape (nx, 1).
+        inputs: Held over the step, shape (nu, 1).
+        step: T_s in [s].
+    """
     return state + step * rates(state, inputs)
 
 
 def runge_kutta4(rates: ca.Function, state: ca.SX, inputs: ca.SX, step: float) -> ca.SX:
-    """One classical Runge-Kutta step with the inputs held."""
+    """One classical Runge-Kutta step with the inputs held.
+
+    Args:
+        rates: CasADi function (state, inputs) -> time derivative of the state.
+        state: Where the step begins, shape (nx, 1).
+        inputs: Held over the step, shape (nu, 1).
+        step: T_s in [s].
+    """
     k1 = rates(state, inputs)
     k2 = rates(state + 0.5 * step * k1, inputs)
     k3 = rates(state + 0.5 * step * k2, inputs)
@@ -66,7 +80,7 @@ def linearise(
     Args:
         dynamics: CasADi function (x, u) -> x+.
         state: Where to linearise, shape (nx,); the origin by default.
-        inputs: Shape (nu,); the origin by default.
+        inputs: Likewise, shape (nu,).
 
     Returns:
         A, shape (nx, nx), and B, shape (nx, nu).
