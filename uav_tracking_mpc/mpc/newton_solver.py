@@ -40,7 +40,7 @@ class NewtonSolver:
 
     Args:
         problem: What to solve.
-        tolerance: Of the KKT residual: the gradient of the Lagrangian projected on the input box,
+        tolerance: Of the KKT residual [-]: the gradient of the Lagrangian projected on the input box,
             relative to 1 + its largest component before projection, and the residuals of
             constraints and complementarity in the units of the constraints.
         iteration_limit: Newton iterations from each initial guess.

@@ -66,6 +66,10 @@ def closed_loop_functions(model: str, scheme: str) -> ClosedLoopFunctions:
 def steady_balls(model: str, orbit: Orbit) -> tuple[list[Any], list[Any]]:
     """x_ss and u_ss of an orbit in ball arithmetic, pi/2 and the drift being exact.
 
+    Args:
+        model: Name in :data:`uav_tracking_mpc.dynamics.relative.MODELS`.
+        orbit: Reference.
+
     Raises:
         ArithmeticError: The model's other rates do not vanish there: no steady state.
     """
@@ -110,11 +114,11 @@ class ClosedLoopBalls:
         self._second = BallFunction(functions.second)
 
     def value_and_jacobian(self, x: list[Any]) -> tuple[list[Any], Any]:
-        """F and its Jacobian (an ``arb_mat``) over the box x of balls."""
+        """Value f and Jacobian (an ``arb_mat``) over the box ``x`` of balls."""
         value, jacobian = self._first(x, self._numbers)
         rows = [jacobian[i::NX] for i in range(NX)]  # CasADi stores by columns
         return value, flint().arb_mat(rows)
 
     def curvature(self, x: list[Any]) -> list[list[Any]]:
-        """Nonzeros of the upper triangles of the Hessians, as :attr:`pattern`, over the box x."""
+        """Nonzeros of the upper triangles of the Hessians, as :attr:`pattern`, over the box ``x``."""
         return self._second(x, self._numbers)
