@@ -58,7 +58,7 @@ def course_from_quaternion(x: float, y: float, z: float, w: float) -> tuple[floa
 
 
 def rotation_from_quaternion(x: float, y: float, z: float, w: float) -> NDArray[np.float64]:
-    """Rotation matrix, shape (3, 3), that takes vectors from ``base_link`` to ``map``; roll included.
+    """Rotation matrix, shape (3, 3), from ``base_link`` to ``map``; roll included.
 
     Args:
         x: First component of the unit quaternion of ``base_link`` in ``map`` [-].
@@ -77,7 +77,7 @@ def rotation_from_quaternion(x: float, y: float, z: float, w: float) -> NDArray[
 
 
 def rotation_from_course(heading: float, path_angle: float) -> NDArray[np.float64]:
-    """Rotation matrix, shape (3, 3), that takes vectors from ``base_link`` to ``map``.
+    """Rotation matrix, shape (3, 3), from ``base_link`` to ``map``.
 
     Args:
         heading: psi in [rad].

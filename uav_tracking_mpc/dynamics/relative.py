@@ -1,8 +1,8 @@
 """Motion of the UAV relative to its target: state (r, theta, z, chi, v), Section 3 of the paper.
 
-theta = psi - phi - pi with the azimuth phi = atan2(y, x) of the UAV seen from the target; inputs are
-(u_psi, u_chi, u_v). Each model's equations stand here once, as CasADi expressions, and every
-derivative that the package uses is made from them by machine.
+theta = psi - phi - pi with phi = atan2(y, x), the azimuth of the UAV seen from the target; the
+inputs are (u_psi, u_chi, u_v). Each model's equations stand here once, as CasADi expressions, and
+every derivative that the package uses is made from them by machine.
 
 ========= ==========================================================================================
 ``exact``  the kinematics (3) in these coordinates, no approximation
@@ -27,7 +27,6 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc.dynamics.angles import wrap_angle
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.vehicle import INPUT_NAMES, air_velocity
-
 
 
 class RelativeState(NamedTuple):

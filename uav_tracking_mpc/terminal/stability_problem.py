@@ -8,8 +8,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.discretisation import error_dynamics, linearise
 from uav_tracking_mpc.dynamics import paper_numbers
+from uav_tracking_mpc.dynamics.discretisation import error_dynamics, linearise
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import steady_inputs
 from uav_tracking_mpc.terminal.ingredients import TerminalIngredients, terminal_ingredients

@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.discretisation import SCHEMES
+from uav_tracking_mpc.dynamics.discretisation import error_step
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, Orbit
 from uav_tracking_mpc.dynamics.relative import NU, NX, rates_function
 from uav_tracking_mpc.terminal.ball import PRECISION, BallFunction, flint
@@ -47,7 +47,7 @@ def closed_loop_functions(model: str, scheme: str) -> ClosedLoopFunctions:
     x_ss, u_ss = ca.SX.sym("x_ss", NX), ca.SX.sym("u_ss", NU)
     gain, step = ca.SX.sym("K", NU, NX), ca.SX.sym("T_s")
     numbers = ca.vertcat(x_ss, u_ss, ca.vec(gain), step)
-    following = SCHEMES[scheme](rates_function(model), x_ss + x, u_ss + gain @ x, step) - x_ss  # type: ignore[arg-type]
+    following = error_step(model, scheme, x, gain @ x, x_ss, u_ss, step)
     jacobian = ca.densify(ca.jacobian(following, x))
     curvature, pattern = [], []
     for row in range(NX):
@@ -120,5 +120,5 @@ class ClosedLoopBalls:
         return value, flint().arb_mat(rows)
 
     def curvature(self, x: list[Any]) -> list[list[Any]]:
-        """Nonzeros of the upper triangles of the Hessians, as :attr:`pattern`, over the box ``x``."""
+        """Nonzeros of the Hessians' upper triangles, as :attr:`pattern`, over the box ``x``."""
         return self._second(x, self._numbers)

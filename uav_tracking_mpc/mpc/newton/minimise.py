@@ -29,7 +29,7 @@ SHORTEST = 1e-4  # of the step lengths tried
 ROUNDING = 1e-13  # error of the merit, relative to 1 + its size
 INNER = 0.1  # gradient, against the constraint residual, at which multipliers move
 SHORT = 0.3
-AS_PREDICTED = 0.1  # relative error of the predicted change, up to which a full step ends at a minimum
+AS_PREDICTED = 0.1  # relative error of the change up to which a full step ends at a minimum
 DAMPING_START, DAMPING_LIMIT, DAMPING_GROWTH = 1e-2, 1e8, 10.0
 
 
