@@ -78,7 +78,7 @@ def backward_sweep(w, now, curvature, damping):
 
 @compiled
 def held(slope, value, lower, upper):
-    """Whether a ``value`` is at a bound, ``lower`` or ``upper``, and its ``slope`` holds it there."""
+    """Whether a ``value`` is at its ``lower`` or ``upper`` bound and ``slope`` holds it there."""
     return (slope >= 0.0 and value <= lower) or (slope <= 0.0 and value >= upper)
 
 
