@@ -31,7 +31,7 @@ UNIT = re.compile(r"\[[^\]]+\]")
 SHAPE = re.compile(r"\bshapes?\b|\bscalar\b", re.IGNORECASE)
 SECTION = re.compile(r"^(Args|Attributes|Returns|Yields|Raises|Example|Examples|Note):\s*$")
 ENTRY = re.compile(r"^\*{0,2}(\w+)( \([^)]*\))?: (.*)$")
-REFERENCE = re.compile(r"\b[Ss]ee\s+:meth:`~?(?:[\w.]*\.)?(\w+)\.(\w+)`")
+REFERENCE = re.compile(r"\b[Ss]ee\s+:(?:meth|attr):`~?(?:[\w.]*\.)?(\w+)\.(\w+)`")
 NUMBA = {"compiled", "entry", "intrinsic"}
 
 

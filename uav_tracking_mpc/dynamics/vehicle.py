@@ -7,6 +7,7 @@ Under held inputs (3) has a closed solution, so nothing is integrated numericall
 from __future__ import annotations
 
 import math
+from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,23 +25,23 @@ class VehicleState(NamedTuple):
         x: Position East in ``map`` [m].
         y: Position North [m].
         z: Height [m].
-        psi: Heading, counter-clockwise from East [rad].
-        chi: Path angle, positive when climbing [rad].
-        v: Airspeed [m/s].
+        heading: psi, counter-clockwise from East [rad].
+        path_angle: chi, positive when climbing [rad].
+        airspeed: v [m/s].
     """
 
     x: float
     y: float
     z: float
-    psi: float
-    chi: float
-    v: float
+    heading: float
+    path_angle: float
+    airspeed: float
 
 
 STATE_NAMES = VehicleState._fields
 
 
-def air_velocity(psi: Any, chi: Any, v: Any, xp: Any = np) -> tuple[Any, Any, Any]:
+def air_velocity(psi: Any, chi: Any, v: Any, xp: ModuleType) -> tuple[Any, Any, Any]:
     """Velocity through the air in ``map``: the right side of (3a)-(3c), where it stands once.
 
     Args:
@@ -115,4 +116,4 @@ def velocity(state: ArrayLike) -> NDArray[np.float64]:
         state: (x, y, z, psi, chi, v), shape (6,).
     """
     _, _, _, psi, chi, v = np.asarray(state, dtype=float)
-    return np.array(air_velocity(psi, chi, v))
+    return np.array(air_velocity(psi, chi, v, np))
