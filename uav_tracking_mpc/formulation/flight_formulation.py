@@ -134,8 +134,7 @@ class FlightFormulation:
         Args:
             situation: Where the plan begins.
         """
-        attitude = situation.vehicle[3:]
-        return np.array(self.model.initial(situation.offset, attitude, situation.rates))
+        return np.array(self.model.initial(situation.vehicle, situation.target, situation.rates))
 
     def data(self, forecast: Forecast, orbit: Orbit) -> NDArray[np.float64]:
         """P of every stage, shape (N + 1, np): one array, filled anew at each call.
