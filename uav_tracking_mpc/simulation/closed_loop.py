@@ -23,15 +23,12 @@ from uav_tracking_mpc.estimation.navigator import Navigator
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog
-from uav_tracking_mpc.simulation.plants.vehicle import Plant
-from uav_tracking_mpc.simulation.target_motion import target_position, target_velocity
+from uav_tracking_mpc.simulation.motions import motion_of
+from uav_tracking_mpc.simulation.plants import SimulationError
+from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
 from uav_tracking_mpc.simulation.target_sensor import TargetSensor
 
 Progress = Callable[[float], None]
-
-
-class SimulationError(RuntimeError):
-    """The flight left what the model can describe; the message says where."""
 
 
 class LoiterLaw(Protocol):
@@ -116,7 +113,7 @@ def _euler_mission(configuration: Configuration, progress: Progress) -> FlightLo
     pilot = Pilot(tracking)
     rates = rates_function(tracking.model)
     step = tracking.horizon_step
-    target = target_position(configuration.target, 0.0)
+    target = motion_of(configuration.target).position(0.0)
     relative, heading = relative_state(start, target), float(start[3])
     still = np.zeros(3)
     recorder = _Recorder()
@@ -158,10 +155,10 @@ def fly_vehicle(
         SimulationError: The target was never seen.
     """
     tracking, simulator = configuration.controller, configuration.simulator
-    plant = Plant(simulator)
+    plant = VehiclePlant(simulator)
     navigator = Navigator(tracking)
     pilot = Pilot(tracking) if law is None else None
-    sensor = TargetSensor(configuration.target)
+    sensor = TargetSensor(configuration.target, motion_of(configuration.target))
     recorder = _Recorder()
     tick = 1.0 / simulator.state_rate
     pace = Pace(tracking.control_rate)
@@ -169,18 +166,23 @@ def fly_vehicle(
     count = round(configuration.mission.duration * simulator.state_rate)
     for k in range(count + 1):
         now = k * tick
-        target = target_position(configuration.target, now)
+        target = motion_of(configuration.target).position(now)
         recorder.states.append((now, plant.state, target))
         recorder.velocities.append(
-            (plant.ground_velocity, target_velocity(configuration.target, now))
+            (plant.ground_velocity, motion_of(configuration.target).velocity(now))
         )
         if k % target_ticks == 0:
             sensor.measure(now)
         for stamp, position in sensor.delivered(now):
             navigator.see_target(stamp, position)
         if k < count and navigator.target.time is not None and pace.due(round(now * 1e9)):
-            state, ground_velocity = plant.measured()
-            situation = navigator.situation(now, state, ground_velocity, plant.rates[:2])
+            seen = plant.measured()
+            situation = navigator.situation(
+                now,
+                seen.state(seen.airspeed or 0.0),
+                seen.ground_velocity,
+                (seen.turn_rate, seen.path_angle_rate),
+            )
             if pilot is not None:
                 fresh = now - navigator.target.time <= tracking.target_timeout
                 command = pilot.step(now, Outlook(*navigator.at_effect(now, situation), fresh))
@@ -200,4 +202,4 @@ def fly_vehicle(
             "target_publisher.dropout and target_publisher.delay"
         )
     solver = pilot.formulation.solver.name if pilot is not None else "none"
-    return recorder.log(configuration, "vehicle", solver, plant.failsafes)
+    return recorder.log(configuration, "vehicle", solver, plant.plan.failsafes)
