@@ -66,7 +66,13 @@ class FlightBag:
         }
 
     def write(self, topic: Topic, time: int, message: bytes) -> None:
-        """Append a serialized message, sent at ``time`` [ns]."""
+        """Append a message.
+
+        Args:
+            topic: On which it was sent.
+            time: When it was heard in [ns].
+            message: Serialized.
+        """
         self._writer.write(self._connections[topic.name], time, message)
 
     def close(self) -> None:
@@ -87,7 +93,15 @@ def absolute(topic: Topic) -> str:
 
 
 def messages(path: Path, *topics: Topic) -> Iterator[tuple[Topic, int, Any]]:
-    """(topic, time sent [ns], message) of a bag, in the order they were sent."""
+    """Messages of a bag, in the order in which they were heard.
+
+    Args:
+        path: Of the bag.
+        topics: Of which messages are wanted.
+
+    Yields:
+        (topic, time in [ns] at which it was heard, message) of each.
+    """
     wanted = {absolute(topic): topic for topic in topics}
     with Reader(path) as reader:
         connections = [c for c in reader.connections if c.topic in wanted]

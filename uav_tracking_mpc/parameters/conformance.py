@@ -31,7 +31,7 @@ def require_array(value: Any, shape: tuple[int, ...], largest: float, words: str
     Args:
         value: To be checked.
         shape: That it must have.
-        largest: Greatest magnitude that is plausible, in the value's own unit.
+        largest: Greatest plausible magnitude, in the [unit] of the value.
         words: What the value is.
 
     Raises:
