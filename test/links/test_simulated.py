@@ -2,9 +2,11 @@ import collections
 
 import numpy as np
 import pytest
+from uav_tracking_mpc.control.controller import Controller
 
 from uav_tracking_mpc.links import LinkError
 from uav_tracking_mpc.links.simulated import SimulatedLink
+from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 
 CRUISE = SimulatorParameters(initial_speed=15.0, initial_path_angle=0.2, speed_max=40.0)
@@ -56,3 +58,20 @@ def test_an_aircraft_that_is_lost_is_said():
     )
     with SimulatedLink("euler", start) as link, pytest.raises(LinkError, match="is lost: at"):
         collections.deque((link.measured(1.0) for _ in range(200)), maxlen=0)
+
+
+def test_a_loop_of_ones_own_flies_onto_the_orbit():
+    """Nothing but the link and the controller, as a user would write it."""
+    configuration = load_configuration("small_uav", ["nmpc_controller.solve_time_max=5.0"])
+    controller = Controller(configuration.controller, stopwatch=lambda: 0.0)
+    target, distances = np.zeros(3), []
+    with SimulatedLink(parameters=configuration.simulator) as link:
+        while link.now() < 40.0:
+            state = link.measured(1.0)
+            controller.see_target(state.stamp, target)
+            command = controller.step(state, link.now())
+            if command is not None:
+                assert link.command(command.stamp, command.inputs, command.step) == ""
+            distances.append(np.linalg.norm(state.position - target))
+    assert distances[0] > 590.0
+    assert np.max(np.abs(np.array(distances[-200:]) - 300.0)) < 1.0

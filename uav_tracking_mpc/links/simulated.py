@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import LinkError, VehicleLink
-from uav_tracking_mpc.parameters.registry import PLANT, ExtensionError
+from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
-from uav_tracking_mpc.simulation.plants import Plant, SimulationError
+from uav_tracking_mpc.simulation.plants import Plant, SimulationError, plant_named
 
 
 class SimulatedLink(VehicleLink):
@@ -42,8 +42,8 @@ class SimulatedLink(VehicleLink):
     def connect(self, timeout: float) -> None:
         """See :meth:`VehicleLink.connect`."""
         try:
-            self._flown = PLANT.find(self.address or self._parameters.plant)(self._parameters)
-        except (ExtensionError, SimulationError) as error:
+            self._flown = plant_named(self.address or self._parameters.plant)(self._parameters)
+        except (ParameterError, SimulationError) as error:
             raise LinkError(f"there is no such simulated aircraft: {error}") from error
 
     def close(self) -> None:

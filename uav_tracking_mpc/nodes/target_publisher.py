@@ -12,8 +12,6 @@ from uav_tracking_mpc.nodes.conversions import set_point
 from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
 from uav_tracking_mpc.nodes.run import run
 from uav_tracking_mpc.nodes.topics import TARGET
-from uav_tracking_mpc.parameters.registry import ExtensionError
-from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.target import TargetParameters
 from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.simulation.target_sensor import TargetSensor
@@ -34,10 +32,7 @@ class TargetPublisher(Node):
     def __init__(self, **options: Any) -> None:
         super().__init__("target_publisher", **options)
         self.parameters = declare_parameters(self, TargetParameters)
-        try:
-            self._motion = motion_of(self.parameters)
-        except ExtensionError as error:
-            raise ParameterError(f"parameter 'motion': {error}") from error
+        self._motion = motion_of(self.parameters)
         self._sensor = TargetSensor(self.parameters, self._motion)
         simulated = bool(self.get_parameter("use_sim_time").value)
         self._start = 0 if simulated else self.get_clock().now().nanoseconds

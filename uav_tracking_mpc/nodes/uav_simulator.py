@@ -10,6 +10,7 @@ import numpy as np
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
+from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes import diagnostics
 from uav_tracking_mpc.nodes.conversions import (
     MessageError,
@@ -23,10 +24,9 @@ from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
 from uav_tracking_mpc.nodes.peers import Peers, Promise
 from uav_tracking_mpc.nodes.run import run
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY
-from uav_tracking_mpc.parameters.registry import PLANT, ExtensionError
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
-from uav_tracking_mpc.simulation.plants import Plant, SimulationError
+from uav_tracking_mpc.simulation.plants import Plant, SimulationError, plant_named
 
 LONGEST_STEP = 0.5  # s; a jump of the clock beyond this is not flown through
 WARNING_PERIOD = 5.0  # s
@@ -46,6 +46,7 @@ class UavSimulator(Node):
         super().__init__("uav_simulator", **options)
         self.parameters = declare_parameters(self, SimulatorParameters)
         self._plant = _plant(self.parameters)
+        self._truth, self._failure = self._plant.truth, ""
         self._tick = round(1e9 / self.parameters.state_rate)
         self._now = 0 if self.parameters.publish_clock else self.get_clock().now().nanoseconds
         self._start = self._now
@@ -108,7 +109,10 @@ class UavSimulator(Node):
         if self._clock_publisher is not None:
             set_stamp(self._clock_message.clock, self._now)
             self._clock_publisher.publish(self._clock_message)
-        seen = self._plant.measured()
+        if not self._failure:
+            self._publish(self._plant.measured())
+
+    def _publish(self, seen: Measurement) -> None:
         rates = np.array([seen.turn_rate, seen.path_angle_rate, 0.0])
         state = seen.state(math.nan if seen.airspeed is None else seen.airspeed)
         set_odometry(self._odometry, self._now, state, rates, seen.ground_velocity)
@@ -141,16 +145,19 @@ class UavSimulator(Node):
         self._report()
 
     def _fly(self, duration: float) -> None:
+        if self._failure:
+            return
         try:
             self._plant.advance(duration)
-        except SimulationError as error:
-            self.get_logger().error(
-                f"the plant stands still: {error}", throttle_duration_sec=WARNING_PERIOD
-            )
+            self._truth = self._plant.truth
+        except Exception as error:  # whatever a user's plant raises, the node goes on
+            self._failure = f"the plant failed, its state is not published: {error}"
 
     def _report(self) -> None:
         plan = self._plant.plan
-        if plan.commanded and plan.holding:
+        if self._failure:
+            self._diagnostics.report(diagnostics.ERROR, self._failure)
+        elif plan.commanded and plan.holding:
             self._diagnostics.report(
                 diagnostics.WARN, "no plan left to fly: holding wings level until a command comes"
             )
@@ -160,7 +167,7 @@ class UavSimulator(Node):
             self._diagnostics.report(diagnostics.WARN, "waiting for the first command")
 
     def _values(self) -> dict[str, object]:
-        truth = self._plant.truth
+        truth = self._truth
         x, y, z = truth.position.tolist()
         east, north, up = self._plant.wind.tolist()
         return {
@@ -187,8 +194,8 @@ class UavSimulator(Node):
 
 def _plant(parameters: SimulatorParameters) -> Plant:
     try:
-        return PLANT.find(parameters.plant)(parameters)
-    except (ExtensionError, SimulationError) as error:
+        return plant_named(parameters.plant)(parameters)
+    except SimulationError as error:
         raise ParameterError(f"parameter 'plant': {error}") from error
 
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from uav_tracking_mpc.parameters.conformance import ConformanceError
-from uav_tracking_mpc.parameters.registry import TARGET_MOTION, ExtensionError
+from uav_tracking_mpc.parameters.registry import TARGET_MOTION
+from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.target import TargetParameters
 from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.simulation.motions._check import check_motion
@@ -18,7 +19,7 @@ def test_every_motion_passes(name):
 
 def test_the_parameters_name_the_motion():
     assert isinstance(motion_of(TargetParameters(motion="line")), Line)
-    with pytest.raises(ExtensionError, match="must be one of circle, jump, line"):
+    with pytest.raises(ParameterError, match="'motion': .* must be one of circle, jump, line"):
         motion_of(TargetParameters(motion="swim"))
 
 

@@ -23,7 +23,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.parameters.registry import TARGET_MOTION
+from uav_tracking_mpc.parameters.registry import TARGET_MOTION, ExtensionError
+from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.target import TargetParameters
 
 
@@ -70,6 +71,10 @@ def motion_of(parameters: TargetParameters) -> TargetMotion:
         parameters: Name and figures of the motion.
 
     Raises:
-        ExtensionError: There is no motion of that name.
+        ParameterError: There is no motion of that name.
     """
-    return TARGET_MOTION.find(parameters.motion)(parameters)
+    try:
+        motion = TARGET_MOTION.find(parameters.motion)
+    except ExtensionError as error:
+        raise ParameterError(f"parameter 'motion': {error}") from error
+    return motion(parameters)

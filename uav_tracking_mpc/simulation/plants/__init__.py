@@ -20,7 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.parameters.registry import PLANT
+from uav_tracking_mpc.parameters.registry import PLANT, ExtensionError
+from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.plan_follower import PlanFollower
@@ -104,6 +105,21 @@ class Plant(ABC):
         return self._sensors.measure(self.truth)
 
 
+def plant_named(name: str) -> type[Plant]:
+    """Class of a plant.
+
+    Args:
+        name: Of one that is installed, or ``path.py:Class``.
+
+    Raises:
+        ParameterError: There is no such plant.
+    """
+    try:
+        return PLANT.find(name)
+    except ExtensionError as error:
+        raise ParameterError(f"parameter 'plant': {error}") from error
+
+
 def plant_of(configuration: Configuration) -> Plant:
     """The plant that a mission names.
 
@@ -111,7 +127,7 @@ def plant_of(configuration: Configuration) -> Plant:
         configuration: Of the mission.
 
     Raises:
-        ExtensionError: There is no plant of that name.
+        ParameterError: There is no plant of that name.
         SimulationError: The plant cannot fly the mission.
     """
-    return PLANT.find(configuration.mission.plant).of(configuration)
+    return plant_named(configuration.mission.plant).of(configuration)
