@@ -26,11 +26,11 @@ from uav_tracking_mpc.launch.shared_memory import SharedMemoryFiles
 from uav_tracking_mpc.parameters.specification import ParameterError, specifications
 from uav_tracking_mpc.settings.configuration import (
     Configuration,
-    MissionParameters,
     load_configuration,
     scenario_names,
 )
-from uav_tracking_mpc.simulation.closed_loop import SimulationError
+from uav_tracking_mpc.settings.mission import MissionParameters
+from uav_tracking_mpc.simulation.plants import SimulationError
 
 NODES = ("uav_simulator", "target_publisher", "nmpc_controller")
 START_LIMIT = 60.0  # s of wall time for the first command

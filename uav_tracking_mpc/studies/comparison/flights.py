@@ -16,8 +16,8 @@ from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.closed_loop import LoiterLaw, fly_vehicle
 from uav_tracking_mpc.simulation.flight_log import FlightLog
-from uav_tracking_mpc.simulation.plants.vehicle import Plant
-from uav_tracking_mpc.simulation.target_motion import target_position, target_velocity
+from uav_tracking_mpc.simulation.motions import motion_of
+from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
 from uav_tracking_mpc.studies.parallel import parallel_map
 
 NMPC = "nmpc"
@@ -79,9 +79,9 @@ def start_direction(configuration: Configuration) -> str:
     """Direction of the orbit; where the nearest is asked for, that of the true start."""
     if configuration.controller.direction != NEAREST:
         return configuration.controller.direction
-    plant, still = Plant(configuration.simulator), np.zeros(3)
-    drift = plant.wind - target_velocity(configuration.target, 0.0)
-    target = target_position(configuration.target, 0.0)
+    plant, still = VehiclePlant(configuration.simulator), np.zeros(3)
+    motion = motion_of(configuration.target)
+    drift, target = plant.wind - motion.velocity(0.0), motion.position(0.0)
     return nearest_direction(Situation(plant.state, target, drift, still, still))
 
 

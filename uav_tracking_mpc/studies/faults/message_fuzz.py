@@ -30,7 +30,7 @@ from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY, TARGET
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.settings.configuration import Configuration
-from uav_tracking_mpc.simulation.plants.vehicle import Plant
+from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
 from uav_tracking_mpc.studies.faults.fault_campaign import limits
 from uav_tracking_mpc.studies.faults.invariants import ROUNDING, Invariants, Violation
 from uav_tracking_mpc.studies.faults.mangling import Mangler
@@ -93,7 +93,7 @@ class ControllerFuzz:
 
     def _take_off(self) -> None:
         rng, orbit = self._rng, self._parameters.orbit
-        self._plant = Plant(self._configuration.simulator)
+        self._plant = VehiclePlant(self._configuration.simulator)
         self._start = rng.choice(CLOCKS)
         distance, azimuth = orbit.range * rng.uniform(0.0, 3.0), rng.uniform(-math.pi, math.pi)
         self._plant.state[0] = distance * math.cos(azimuth)
