@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from uav_tracking_mpc.launch.domain import DomainError, domain_number
 from uav_tracking_mpc.launch.flight import FlightInterruptedError, launch
 from uav_tracking_mpc.launch.supervisor import LaunchError
+from uav_tracking_mpc.parameters.registry import ExtensionError
 from uav_tracking_mpc.parameters.specification import ParameterError, specifications
 from uav_tracking_mpc.settings.configuration import (
     Configuration,
@@ -43,7 +44,7 @@ def explained(program: str) -> Iterator[Ending]:
         ending.code, message = 128 + error.signal, str(error)
     except KeyboardInterrupt:
         ending.code, message = 128 + signal.SIGINT, "interrupted"
-    except ParameterError as error:
+    except (ParameterError, ExtensionError) as error:
         ending.code, message = 2, str(error)
     except ModuleNotFoundError as error:
         if error.name is None or error.name.startswith("uav_tracking_mpc"):
