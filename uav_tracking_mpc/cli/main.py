@@ -16,12 +16,12 @@ from rich.progress import Progress
 from uav_tracking_mpc import __version__
 from uav_tracking_mpc.formulation.paper_terminal import stability_problem
 from uav_tracking_mpc.launch.domain import domain_number
+from uav_tracking_mpc.launch.flight import launch
 from uav_tracking_mpc.launch.launcher import (
     add_configuration_arguments,
     add_launch_arguments,
     add_mission_arguments,
     explained,
-    launch,
     mission_configuration,
 )
 from uav_tracking_mpc.report.mission_report import write_report
