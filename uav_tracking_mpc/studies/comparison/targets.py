@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from uav_tracking_mpc.settings.configuration import Configuration
-from uav_tracking_mpc.studies.comparison.flights import NMPC
+from uav_tracking_mpc.studies.comparison.law_names import NMPC
 from uav_tracking_mpc.studies.comparison.measures import Measures
 
 CONFIGURATION = "small_uav"
@@ -41,7 +41,12 @@ TARGETS = {
 
 
 def target_of(configuration: Configuration, scenario: str) -> Target | None:
-    """Target of a scenario; None where none is set."""
+    """Target of a scenario; None where none is set.
+
+    Args:
+        configuration: What was flown.
+        scenario: Name of the scenario.
+    """
     return TARGETS.get(scenario) if configuration.name == CONFIGURATION else None
 
 
