@@ -1,4 +1,3 @@
-"""Standard gravity."""
+"""Gravity, once for all."""
 
-# Resolution 2 of the 3rd General Conference on Weights and Measures (1901), in [m/s^2].
-GRAVITY = 9.80665
+GRAVITY = 9.80665  # m/s^2, standard gravity: 3rd General Conference on Weights and Measures, 1901
