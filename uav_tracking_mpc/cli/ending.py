@@ -50,7 +50,8 @@ def explanation(error: BaseException) -> tuple[int, str] | None:
         return _missing(error)
     # Only now: what raises these errors takes longer to import than help takes to print.
     from uav_tracking_mpc.launch.domain import DomainError
-    from uav_tracking_mpc.launch.launcher import FlightInterruptedError, LaunchError
+    from uav_tracking_mpc.launch.flight import FlightInterruptedError
+    from uav_tracking_mpc.launch.supervisor import LaunchError
     from uav_tracking_mpc.parameters.registry import ExtensionError
     from uav_tracking_mpc.parameters.specification import ParameterError
     from uav_tracking_mpc.simulation.closed_loop import SimulationError

@@ -38,7 +38,7 @@ def run(arguments: argparse.Namespace) -> int:
     Returns:
         Exit code.
     """
-    from uav_tracking_mpc.launch.launcher import launch
+    from uav_tracking_mpc.launch.flight import launch
 
     configuration = chosen_configuration(arguments, arguments.scenario)
     bag = arguments.output / BAG

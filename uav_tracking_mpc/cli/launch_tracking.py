@@ -34,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     add_mission_arguments(parser, plant="uav_simulator.plant")
     add_domain_argument(parser, "ROS domain to fly in (default: one that no other launch uses)")
     parsed = parser.parse_args(arguments)
-    from uav_tracking_mpc.launch.launcher import FlightInterruptedError, launch
+    from uav_tracking_mpc.launch.flight import FlightInterruptedError, launch
 
     # A launcher runs until somebody ends it: a signal is no failure, as for a node.
     with explained("launch_tracking") as ending, suppress(FlightInterruptedError):
