@@ -185,7 +185,12 @@ def _add_extension(
 ) -> None:
     metavar = "NAME|FILE.py:CLASS"
     _add_setting(
-        parser, name, parameter, str, metavar, f"{words}: {', '.join(kind.names)} (sets {parameter})"
+        parser,
+        name,
+        parameter,
+        str,
+        metavar,
+        f"{words}: {', '.join(kind.names)} (sets {parameter})",
     )
 
 

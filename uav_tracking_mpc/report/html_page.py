@@ -10,7 +10,9 @@ from typing import Any
 from jinja2 import Environment, StrictUndefined
 
 
-def render(package: str, template: str, filters: dict[str, Callable[..., str]], **values: Any) -> str:
+def render(
+    package: str, template: str, filters: dict[str, Callable[..., str]], **values: Any
+) -> str:
     """Fill in a template.
 
     Args:

@@ -44,6 +44,4 @@ def _shown(results: Iterable[R], count: int, label: str, show: bool) -> list[R]:
     from rich.console import Console
     from rich.progress import track
 
-    return list(
-        track(results, label, total=count, console=Console(stderr=True), disable=not show)
-    )
+    return list(track(results, label, total=count, console=Console(stderr=True), disable=not show))
