@@ -183,15 +183,8 @@ def chosen_configuration(
 def _add_extension(
     parser: argparse.ArgumentParser, name: str, parameter: str, kind: Kind, words: str
 ) -> None:
-    metavar = "NAME|FILE.py:CLASS"
-    _add_setting(
-        parser,
-        name,
-        parameter,
-        str,
-        metavar,
-        f"{words}: {', '.join(kind.names)} (sets {parameter})",
-    )
+    words = f"{words}: {', '.join(kind.names)} (sets {parameter})"
+    _add_setting(parser, name, parameter, str, "NAME|FILE.py:CLASS", words)
 
 
 def _add_setting(

@@ -27,13 +27,8 @@ GREY = "#7F7F7F"
 LIGHT_GREY = "#D9D9D9"
 BLACK = "#1A1A1A"
 LAWS = {"nmpc": BLUE, "l1": VERMILLION, "vector_field": GREEN}
-OTHERS = (
-    "#CC79A7",
-    "#E69F00",
-    "#56B4E9",
-    "#7A5195",
-    "#8C6D31",
-)  # things without a colour of theirs
+# Where no colour is reserved.
+OTHERS = ("#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#8C6D31")
 
 DPI = 160
 

@@ -28,7 +28,7 @@ def converged(results: dict[str, Any]) -> bool:
     """Whether our solver converged from nearly all cold starts of every case.
 
     Args:
-        results: What :func:`~uav_tracking_mpc.studies.benchmark.benchmark_study.benchmark` returned.
+        results: Of :func:`~uav_tracking_mpc.studies.benchmark.benchmark_study.benchmark`.
     """
     shares = [figures[OURS]["converged_share"] for figures in results["cases"].values()]
     return all(share is None or share >= LEAST_CONVERGED for share in shares)
@@ -38,7 +38,7 @@ def in_words(results: dict[str, Any]) -> list[Any]:
     """Lines of text and a table of rich.
 
     Args:
-        results: What :func:`~uav_tracking_mpc.studies.benchmark.benchmark_study.benchmark` returned.
+        results: Of :func:`~uav_tracking_mpc.studies.benchmark.benchmark_study.benchmark`.
     """
     return [
         benchmark_table(results).as_rich(),
@@ -52,7 +52,7 @@ def benchmark_table(results: dict[str, Any]) -> Table:
     """One row for every solver on every case.
 
     Args:
-        results: What :func:`~uav_tracking_mpc.studies.benchmark.benchmark_study.benchmark` returned.
+        results: Of :func:`~uav_tracking_mpc.studies.benchmark.benchmark_study.benchmark`.
     """
     rows = []
     for case, solvers in results["cases"].items():
@@ -83,7 +83,7 @@ def save(results: dict[str, Any], output: Path) -> None:
     """Write ``benchmark.json`` and, where the horizon was swept, ``solve_time.png``.
 
     Args:
-        results: What :func:`~uav_tracking_mpc.studies.benchmark.benchmark_study.benchmark` returned.
+        results: Of :func:`~uav_tracking_mpc.studies.benchmark.benchmark_study.benchmark`.
         output: Folder, made if it is not there.
     """
     output.mkdir(parents=True, exist_ok=True)

@@ -36,8 +36,8 @@ def benchmark(
     Returns:
         ``cases.<case>.<solver>`` as
         :func:`uav_tracking_mpc.studies.benchmark.solver_timing.summary`, with the ratios of
-        the medians to ours (``ratios``: each solver alone, ``ratios_alternating``: in turns at every
-        step), missions a second, the sweep of the horizon, and the duration.
+        the medians to ours (``ratios``: each solver alone; ``ratios_alternating``: in turns at
+        every step), missions a second, the sweep of the horizon, and the duration.
     """
     begin = time.perf_counter()
     if quick:

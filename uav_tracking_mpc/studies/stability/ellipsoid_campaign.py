@@ -185,9 +185,10 @@ def _fly_piece(piece: _Piece) -> list[_Flight]:
     solver = piece.solver(tracking_problem(problem, level))
     flights = []
     for start in piece.states:
-        height, cost = 0.0, np.inf
+        steps, height, cost = 0, 0.0, np.inf
         outside = rose = failed = False
-        for step, solution in enumerate(islice(solutions(solver, start), piece.steps), 1):
+        for solution in islice(solutions(solver, start), piece.steps):
+            steps += 1
             failed = not solution.converged
             if failed:
                 break
@@ -198,5 +199,5 @@ def _fly_piece(piece: _Piece) -> list[_Flight]:
             height = max(height, float(following @ weight @ following))
             if cost < 1e-6 * level:
                 break
-        flights.append(_Flight(step, height, outside, rose, failed))
+        flights.append(_Flight(steps, height, outside, rose, failed))
     return flights

@@ -1,4 +1,4 @@
-"""Everything that is computed of one configuration: analysis, the paper's numbers, campaigns, maps."""
+"""All that is computed of one configuration: analysis, the paper's numbers, campaigns, maps."""
 
 from __future__ import annotations
 
