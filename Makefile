@@ -1,7 +1,7 @@
 # make demo     fly the paper's mission with three ROS 2 nodes and write output/demo/report.html
 # make test     lint, type-check and test
 # make docs     write the tables of the README from the code
-# make figures  fly the comparison again for docs/flight.md: its table and its pictures
+# make figures  fly the comparison again for docs/flight.md: table, pictures, docs/flight.gif
 # All keep their environment in .venv; PYTHON chooses the interpreter (3.10 to 3.13).
 
 PYTHON ?= python3
@@ -46,3 +46,5 @@ docs: $(VENV)/test
 figures: $(VENV)/demo
 	$(CLEAN) $(BIN)/uav_tracking compare --config small_uav --output output/compare --page docs/flight.md
 	cp output/compare/*.png docs/flight/
+	$(CLEAN) $(BIN)/uav_tracking simulate --config small_uav --scenario circling_target --animation --output output/flight
+	cp output/flight/flight.gif docs/

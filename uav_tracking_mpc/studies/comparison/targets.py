@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.simulation.motions import motion_of
-from uav_tracking_mpc.studies.comparison.flights import NMPC
+from uav_tracking_mpc.studies.comparison.law_names import NMPC
 from uav_tracking_mpc.studies.comparison.measures import Measures
 
 CONFIGURATION = "small_uav"
@@ -42,7 +42,12 @@ TARGETS = {
 
 
 def target_of(configuration: Configuration, scenario: str) -> Target | None:
-    """Target of a scenario; None where none is set."""
+    """Target of a scenario; None where none is set.
+
+    Args:
+        configuration: What was flown.
+        scenario: Name of the scenario.
+    """
     return TARGETS.get(scenario) if configuration.name == CONFIGURATION else None
 
 
