@@ -57,17 +57,13 @@ class FlightFormulation:
         self._data = np.zeros((self._stages + 1, PARAMETERS))
         self.change(parameters)
 
-    def check(self, parameters: TrackingParameters) -> None:
-        """Everything that the problem is told can be taken in flight."""
-
     def change(self, parameters: TrackingParameters) -> None:
         """Fly other orbits, weights and limits from now on."""
         self.parameters = parameters
         self.envelope = parameters.envelope
         self._constant = constant_data(parameters)
         self._data[:] = self._constant.vector()
-        if isinstance(self.solver, NewtonSolver):
-            self.solver.time_limit = parameters.solve_time_max
+        self.solver.time_limit = parameters.solve_time_max
 
     def reset(self) -> None:
         """Forget the last plan."""

@@ -15,12 +15,12 @@ from rclpy.serialization import deserialize_message
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from uav_tracking_mpc.control.fallback import Rung
+from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.relative import steady_inputs
+from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes.conversions import (
-    Motion,
     air_velocity_from_twist,
-    motion_from_odometry,
+    measurement_from_odometry,
     nanoseconds,
     plan_from_command,
 )
@@ -105,7 +105,7 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
     Raises:
         ValueError: The bag holds no command.
     """
-    states: list[tuple[int, Motion]] = []
+    states: list[tuple[int, Measurement]] = []
     commands = []
     airspeeds: list[tuple[int, float]] = []
     heard, sent = [], []  # wall time at which the recorder heard each of them [ns]
@@ -115,7 +115,7 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
     topics = (ODOMETRY, AIR_VELOCITY, COMMAND, DIAGNOSTICS, *(TRACKING[name] for name in values))
     for topic, time, message in messages(path, *topics):
         if topic is ODOMETRY:
-            states.append((nanoseconds(message.header.stamp), motion_from_odometry(message)))
+            states.append((nanoseconds(message.header.stamp), measurement_from_odometry(message)))
             heard.append(time)
         elif topic is AIR_VELOCITY:
             speed = float(np.linalg.norm(air_velocity_from_twist(message)))
@@ -176,7 +176,8 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
             plan_reused=int(controller.get("plan reused", 0)),
             failsafe=int(simulator.get("failsafe", 0))
             + sum(
-                int(controller.get(f"rung {rung.value}", 0)) for rung in (Rung.LOITER, Rung.HOLD)
+                int(controller.get(f"mode {mode.value}", 0))
+                for mode in (FallbackMode.LOITER, FallbackMode.HOLD)
             ),
         ),
         latency=latency,
@@ -186,7 +187,7 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
 
 
 def _airspeeds(
-    flown: list[tuple[int, Motion]], measured: list[tuple[int, float]]
+    flown: list[tuple[int, Measurement]], measured: list[tuple[int, float]]
 ) -> NDArray[np.float64]:
     """Airspeed at each state, shape (n,), in [m/s]; of still air where none was measured."""
     if not measured:

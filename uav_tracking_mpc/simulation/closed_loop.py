@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.control.fallback import Rung
-from uav_tracking_mpc.control.pace import Pace
-from uav_tracking_mpc.control.pilot import Command, Outlook, Pilot
+from uav_tracking_mpc.control.command import Command
+from uav_tracking_mpc.control.controller import Controller
+from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.angles import wrap_angle
 from uav_tracking_mpc.dynamics.relative import (
     rates_function,
@@ -18,9 +18,8 @@ from uav_tracking_mpc.dynamics.relative import (
     steady_inputs,
     vehicle_state,
 )
-from uav_tracking_mpc.estimation.forecast import steady_forecast
-from uav_tracking_mpc.estimation.navigator import Navigator
-from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.dynamics.vehicle import velocity
+from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog
 from uav_tracking_mpc.simulation.plants.vehicle import Plant
@@ -32,16 +31,6 @@ Progress = Callable[[float], None]
 
 class SimulationError(RuntimeError):
     """The flight left what the model can describe; the message says where."""
-
-
-class LoiterLaw(Protocol):
-    """A law that answers a situation at once, such as those in ``guidance``."""
-
-    name: str
-
-    def inputs(self, situation: Situation) -> NDArray[np.float64]:
-        """Inputs (u_psi, u_chi, u_v), shape (3,)."""
-        ...
 
 
 class _Recorder:
@@ -62,10 +51,10 @@ class _Recorder:
         ground_velocity, targets_velocity = (
             np.array(self.velocities).transpose(1, 0, 2) if self.velocities else (None, None)
         )
-        rungs = [command.rung for command in commands]
+        modes = [command.mode for command in commands]
         solutions = [command.solution for command in commands]
         unsolved = sum(solution is not None and not solution.converged for solution in solutions)
-        off_plan = sum(not rung.planned for rung in rungs)
+        off_plan = sum(not (mode.planned or mode.nominal) for mode in modes)
         return FlightLog(
             config=configuration.name,
             duration=configuration.mission.duration,
@@ -87,7 +76,7 @@ class _Recorder:
             failures=unsolved,
             commands=CommandCounts(
                 sent=len(commands),
-                plan_reused=rungs.count(Rung.EARLIER_PLAN),
+                plan_reused=modes.count(FallbackMode.EARLIER_PLAN),
                 failsafe=failsafes + off_plan,
             ),
             ground_velocity=ground_velocity,
@@ -113,12 +102,15 @@ def _euler_mission(configuration: Configuration, progress: Progress) -> FlightLo
     One command a step T_s; the target stands still, as (9) demands.
     """
     tracking, start = configuration.controller, configuration.simulator.initial_state
-    pilot = Pilot(tracking)
+    # One state a step is all that there is: it may be as old as that.
+    controller = Controller(
+        dataclasses.replace(tracking, state_timeout=2.0 * tracking.horizon_step),
+        stopwatch=lambda: 0.0,
+    )
     rates = rates_function(tracking.model)
     step = tracking.horizon_step
     target = target_position(configuration.target, 0.0)
     relative, heading = relative_state(start, target), float(start[3])
-    still = np.zeros(3)
     recorder = _Recorder()
     for k in range(max(1, round(configuration.mission.duration / step))):
         if not relative[0] > abs(relative[2]):
@@ -129,9 +121,9 @@ def _euler_mission(configuration: Configuration, progress: Progress) -> FlightLo
             )
         vehicle = vehicle_state(relative, float(heading - relative[1] - np.pi), target)  # (4)
         recorder.states.append((k * step, vehicle, target))
-        situation = Situation(vehicle, target, still, still, still)
-        forecast = steady_forecast(situation, tracking.horizon)
-        command = pilot.step(k * step, Outlook(situation, forecast))
+        controller.see_target(k * step, target)
+        command = controller.step(_measurement(k * step, vehicle, velocity(vehicle)), k * step)
+        assert command is not None
         recorder.commands.append((k * step, command))
         inputs = command.inputs[0]
         relative = relative + step * np.array(rates(relative, inputs)).ravel()  # (10)
@@ -141,30 +133,36 @@ def _euler_mission(configuration: Configuration, progress: Progress) -> FlightLo
     if relative[0] > abs(relative[2]):
         vehicle = vehicle_state(relative, float(heading - relative[1] - np.pi), target)
         recorder.states.append(((k + 1) * step, vehicle, target))
-    return recorder.log(configuration, "euler", pilot.formulation.solver.name, 0)
+    return recorder.log(configuration, "euler", tracking.solver, 0)
 
 
-def fly_vehicle(
-    configuration: Configuration, progress: Progress | None = None, law: LoiterLaw | None = None
-) -> FlightLog:
+def _measurement(
+    time: float,
+    state: NDArray[np.float64],
+    ground_velocity: NDArray[np.float64],
+    rates: tuple[float, float] = (0.0, 0.0),
+) -> Measurement:
+    heading, path_angle, airspeed = (float(value) for value in state[3:])
+    turns = (heading, path_angle, *rates)
+    return Measurement(time, state[:3], ground_velocity, *turns, airspeed)
+
+
+def fly_vehicle(configuration: Configuration, progress: Progress | None = None) -> FlightLog:
     """Fly the exact vehicle at the rates at which the nodes run.
 
     Args:
         configuration: What to fly.
         progress: Called with the simulated time in [s] after each control step.
-        law: Flown in the place of the predictive controller, with the same navigation.
 
     Raises:
         SimulationError: The target was never seen.
     """
     tracking, simulator = configuration.controller, configuration.simulator
     plant = Plant(simulator)
-    navigator = Navigator(tracking)
-    pilot = Pilot(tracking) if law is None else None
+    controller = Controller(tracking, stopwatch=lambda: 0.0)
     sensor = TargetSensor(configuration.target)
     recorder = _Recorder()
     tick = 1.0 / simulator.state_rate
-    pace = Pace(tracking.control_rate)
     target_ticks = max(1, round(simulator.state_rate / configuration.target.rate))
     count = round(configuration.mission.duration * simulator.state_rate)
     for k in range(count + 1):
@@ -177,27 +175,23 @@ def fly_vehicle(
         if k % target_ticks == 0:
             sensor.measure(now)
         for stamp, position in sensor.delivered(now):
-            navigator.see_target(stamp, position)
-        if k < count and navigator.target.time is not None and pace.due(round(now * 1e9)):
+            controller.see_target(stamp, position)
+        if k < count:
             state, ground_velocity = plant.measured()
-            situation = navigator.situation(now, state, ground_velocity, plant.rates[:2])
-            if pilot is not None:
-                fresh = now - navigator.target.time <= tracking.target_timeout
-                command = pilot.step(now, Outlook(*navigator.at_effect(now, situation), fresh))
-            else:
-                assert law is not None
-                inputs = law.inputs(situation)[np.newaxis]
-                command = Command(inputs, 1.0, Rung.LOITER, "", None, tracking.orbit, None)
-            navigator.commanded(now, command.inputs, command.step)
-            recorder.commands.append((now, command))
-            plant.accept(command.inputs, now + command.step * np.arange(len(command.inputs)))
-            if progress is not None:
-                progress(now)
+            turn, climb, _ = plant.rates.tolist()
+            measurement = _measurement(now, state, ground_velocity, (turn, climb))
+            command = controller.step(measurement, now)
+            if command is not None:
+                recorder.commands.append((now, command))
+                plant.accept(command.inputs, now + command.step * np.arange(len(command.inputs)))
+                if progress is not None:
+                    progress(now)
         plant.advance(tick)
     if not recorder.commands:
         raise SimulationError(
             f"the target was never seen in {configuration.mission.duration:g} s: see "
             "target_publisher.dropout and target_publisher.delay"
         )
-    solver = pilot.formulation.solver.name if pilot is not None else "none"
+    formulation = controller.formulation
+    solver = "none" if formulation is None else formulation.solver.name
     return recorder.log(configuration, "vehicle", solver, plant.failsafes)

@@ -8,19 +8,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from uav_tracking_mpc.control.direction import NEAREST, nearest_direction
+from uav_tracking_mpc.control.direction import nearest_direction
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.laws.l1 import L1Loiter
 from uav_tracking_mpc.laws.vector_field import VectorField
 from uav_tracking_mpc.settings.configuration import Configuration
-from uav_tracking_mpc.settings.tracking import TrackingParameters
-from uav_tracking_mpc.simulation.closed_loop import LoiterLaw, fly_vehicle
+from uav_tracking_mpc.settings.tracking import NEAREST, PREDICTIVE
+from uav_tracking_mpc.simulation.closed_loop import fly_vehicle
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 from uav_tracking_mpc.simulation.plants.vehicle import Plant
 from uav_tracking_mpc.simulation.target_motion import target_position, target_velocity
 from uav_tracking_mpc.studies.parallel import parallel_map
 
-NMPC = "nmpc"
+NMPC = PREDICTIVE
 LAWS = (NMPC, L1Loiter.name, VectorField.name)
 # Longer than any solve takes: with the budget of a real flight the load of the machine would
 # decide which plan is flown, and no flight could be repeated.
@@ -87,12 +87,6 @@ def start_direction(configuration: Configuration) -> str:
 
 def fly(task: Task) -> FlightLog:
     """Fly one law through one scenario."""
-    return fly_vehicle(task.configuration, law=_law(task.law, task.configuration.controller))
-
-
-def _law(name: str, parameters: TrackingParameters) -> LoiterLaw | None:
-    """The classical law of a name; None for the predictive controller."""
-    if name == NMPC:
-        return None
-    law = L1Loiter if name == L1Loiter.name else VectorField
-    return law(parameters.orbit, parameters.envelope)
+    configuration = task.configuration
+    controller = dataclasses.replace(configuration.controller, law=task.law)
+    return fly_vehicle(dataclasses.replace(configuration, controller=controller))

@@ -17,12 +17,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from uav_tracking_mpc.control.direction import NEAREST, nearest_direction
+from uav_tracking_mpc.control.direction import nearest_direction
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
-from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.settings.tracking import NEAREST, TrackingParameters
 from uav_tracking_mpc.studies.parallel import parallel_map
 
 STEPS = 40  # of a flight
