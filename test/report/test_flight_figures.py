@@ -10,11 +10,11 @@ import matplotlib
 import numpy as np
 import pytest
 from example_flights import ORBIT, log_of, orbiting, paper_flight
+from uav_tracking_mpc.report.flight_figures import save_states, save_trajectory
 
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
 from uav_tracking_mpc.report import states, trajectory
 from uav_tracking_mpc.report.figure_style import BLUE, DPI
-from uav_tracking_mpc.report.flight_figures import save_states, save_trajectory
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
 
