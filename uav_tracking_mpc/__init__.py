@@ -21,4 +21,4 @@ Equation numbers are those of "On the Stability of Nonlinear Model Predictive Co
 Tracking". Units are SI and radians throughout; frames follow REP-103.
 """
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
