@@ -22,7 +22,7 @@ from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, TrackingParamet
 LEVELLING_TIME = 1.0  # s, in which wings-level flight takes the path angle out
 # Compiled in, or part of what is claimed of the controller.
 FIXED = (
-    "horizon", "horizon_step", "rate_lag", "dead_time", "terminal_constraint", "model", "scheme",
+    "horizon", "horizon_step", "terminal_constraint", "limits", "vehicle_model", "model", "scheme",
     "solver", "limit_penalty", "certificate", "autostart",
 )  # fmt: skip
 BLEND_TIME = 0.5  # s, in which the command moves over from one kind of guidance to another

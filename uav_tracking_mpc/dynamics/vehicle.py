@@ -8,6 +8,8 @@ State ``(x, y, z, psi, chi, v)``: position in ``map`` [m], heading and path angl
 from __future__ import annotations
 
 import math
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -69,7 +71,27 @@ def _helix(angle: float, rate: float, speed: float, acceleration: float, time: f
     return direction * (speed * time * first + acceleration * time**2 * second)
 
 
+def air_velocity(psi: Any, chi: Any, v: Any, xp: ModuleType) -> tuple[Any, Any, Any]:
+    """Velocity through the air in ``map``: the right side of (3a)-(3c).
+
+    Args:
+        psi: Heading in [rad].
+        chi: Path angle in [rad].
+        v: Airspeed in [m/s].
+        xp: ``math`` or ``numpy`` for numbers, ``casadi`` for symbols.
+
+    Returns:
+        East, north and up in [m/s].
+    """
+    level = v * xp.cos(chi)
+    return level * xp.cos(psi), level * xp.sin(psi), v * xp.sin(chi)
+
+
 def velocity(state: ArrayLike) -> NDArray[np.float64]:
-    """Velocity through the air in ``map``, shape (3,), in [m/s]: the right side of (3a)-(3c)."""
-    psi, chi, v = np.asarray(state, dtype=float)[3:6]
-    return np.array([v * np.cos(chi) * np.cos(psi), v * np.cos(chi) * np.sin(psi), v * np.sin(chi)])
+    """Velocity through the air in ``map``, shape (3,), in [m/s].
+
+    Args:
+        state: (x, y, z, psi, chi, v), shape (6,).
+    """
+    _, _, _, psi, chi, v = np.asarray(state, dtype=float).tolist()
+    return np.array(air_velocity(psi, chi, v, math))

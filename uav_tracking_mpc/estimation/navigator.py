@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics import vehicle as vehicle_model
-from uav_tracking_mpc.dynamics.lagged_vehicle import advance
+from uav_tracking_mpc.dynamics.vehicle_models import Drift
 from uav_tracking_mpc.estimation.command_history import CommandHistory
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.situation import Situation
@@ -50,9 +51,9 @@ class Navigator:
     def change(self, parameters: TrackingParameters) -> None:
         """Use other parameters from now on; what is known of the target is kept."""
         self._parameters = parameters
-        lag, dead_time = parameters.rate_lag, parameters.dead_time
-        self._lag = tuple(max(value, 1e-3) for value in lag) if any(lag) else ()
-        self._dead_time = dead_time
+        self._model = parameters.vehicle
+        self._lag = float(self._model.lags[2])
+        self._dead_time = parameters.dead_time
         self._stages = parameters.horizon_step * np.arange(parameters.horizon + 1)
         self._times = np.zeros(len(self._stages) + 1)
         self._shares = np.exp(-self._stages / FADE_TIME)[:, np.newaxis]
@@ -146,25 +147,25 @@ class Navigator:
             target=forecast.target[0],
             drift=forecast.drift[0],
             drift_rate=forecast.drift_rate[0],
-            rates=np.array(state[6:9]) if self._lag else situation.rates,
+            rates=np.array(state[6:9]),
         )
         return later, forecast
 
-    def _flown_through(self, time: float, situation: Situation) -> list[float]:
+    def _flown_through(self, time: float, situation: Situation) -> Any:
         """State relative to the target after the delay, by the commands already under way."""
-        state = [float(value) for value in (*situation.offset, *situation.vehicle[3:6])]
-        if self._lag:
-            state += [float(value) for value in situation.rates]
-        drift, rate = list(situation.drift), list(situation.drift_rate)
+        model = self._model
+        state = model.initial(situation.offset, situation.vehicle[3:], situation.rates)
+        drift, rate = situation.drift.tolist(), situation.drift_rate.tolist()
         count = max(1, math.ceil(self._delay / LONGEST_SUBSTEP - ROUNDING))
         substep = self._delay / count
+        numbers = model.numbers(substep).tolist()
         for index in range(count):
             middle = time + (index + 0.5) * substep
             inputs = [
                 self._history.demanded(middle - self._dead_time[axis], axis) for axis in range(3)
             ]
             now = [drift[axis] + index * substep * rate[axis] for axis in range(3)]
-            state = advance(state, inputs, substep, self._lag, now, rate)
+            state = model.step(state, inputs, substep, numbers, Drift(now, rate))
         return state
 
     def _follow_acceleration(self, time: float) -> None:
@@ -174,5 +175,5 @@ class Navigator:
         if not elapsed > 0.0:
             return
         demanded = self._history.demanded(time - 0.5 * elapsed - self._dead_time[2], 2)
-        share = -math.expm1(-elapsed / self._lag[2]) if self._lag else 1.0
+        share = -math.expm1(-elapsed / self._lag)
         self._acceleration += share * (demanded - self._acceleration)

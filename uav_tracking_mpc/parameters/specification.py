@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar, cast
 
@@ -152,12 +152,61 @@ def specifications(parameters: type) -> tuple[Specification, ...]:
     )
 
 
+def gathered(name: str, owners: Iterable[type]) -> type[Any]:
+    """Frozen dataclass with the parameters of several others, such as all limits, and no methods.
+
+    Args:
+        name: Of the class.
+        owners: Dataclasses of parameters. Two may share one if they describe it alike.
+
+    Raises:
+        ParameterError: Two describe a parameter of one name differently.
+    """
+    found: dict[str, dataclasses.Field[Any]] = {}
+    for owner in owners:
+        for field in dataclasses.fields(owner):
+            known = found.setdefault(field.name, field)
+            if (known.default, known.metadata) != (field.default, field.metadata):
+                raise ParameterError(
+                    f"parameter '{field.name}' of {owner.__name__} is described differently "
+                    "elsewhere, must have a name of its own"
+                )
+    fields = []
+    for field in found.values():
+        copy: Any = dataclasses.field(default=field.default, metadata=field.metadata)
+        fields.append((field.name, field.type, copy))
+    return dataclasses.make_dataclass(name, fields, frozen=True)
+
+
+def taken(owner: type[T], values: object) -> T:
+    """A dataclass of parameters made from the attributes of another.
+
+    Args:
+        owner: The dataclass.
+        values: Has an attribute for each of its fields.
+    """
+    fields: tuple[dataclasses.Field[Any], ...] = dataclasses.fields(owner)  # type: ignore[arg-type]
+    return owner(**{field.name: getattr(values, field.name) for field in fields})
+
+
+def resolved(parameters: type[T], values: Mapping[str, Any]) -> type[T]:
+    """The dataclass that describes the values: some of them may bring parameters of their own.
+
+    Args:
+        parameters: A dataclass of parameters; one with a class method ``extended`` says itself.
+        values: By name, as far as they are known.
+    """
+    extended = getattr(parameters, "extended", None)
+    return parameters if extended is None else cast("type[T]", extended(values))
+
+
 def from_mapping(parameters: type[T], values: Mapping[str, Any]) -> T:
     """Build a parameter dataclass from names and values; what is missing takes its default.
 
     Raises:
         ParameterError: An unknown name, or a value that is not allowed.
     """
+    parameters = resolved(parameters, values)
     known = {specification.name: specification for specification in specifications(parameters)}
     for name in values:
         if name not in known:
