@@ -18,6 +18,7 @@ extensions = [
     "sphinx.ext.apidoc",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
+    "command_help",
     "cross_references",
     "mathml",
 ]
