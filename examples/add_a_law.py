@@ -20,7 +20,7 @@ CLIMB_GAIN, PATH_ANGLE_GAIN, SPEED_GAIN = 0.45, 1.5, 0.8  # 1/s
 
 
 class PurePursuit(GuidanceLaw):
-    r"""Turns on the circle that leads through a point L away, at an angle eta off the course:
+    r"""Turns on the circle that leads through a point L away, at an angle eta off the course.
 
     .. math:: u_\psi = \frac{2 v \sin\eta}{L}
     """

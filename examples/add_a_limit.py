@@ -4,8 +4,7 @@ The limit is this one class: its parameters, and one inequality for stages and o
 optimiser bends every plan round the cylinder, orbits that would cut it are left, and flown states
 inside it are counted as violations::
 
-    uav_tracking simulate --config small_uav --limit examples/add_a_limit.py:NoFlyCylinder \\
-        --set nmpc_controller.cylinder_centre=[420,0]
+    uav_tracking simulate --config small_uav --limit examples/add_a_limit.py:NoFlyCylinder
 """
 
 from dataclasses import dataclass

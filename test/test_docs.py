@@ -1,4 +1,4 @@
-"""What the documentation says is what the code does. The build itself is tested by ``make docs``."""
+"""What the documentation says is what the code does. ``make docs`` tests the build itself."""
 
 import re
 from pathlib import Path

@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+import pytest
+
 from uav_tracking_mpc.cli.main import main
 
 ROOT = Path(__file__).parents[1]
@@ -26,11 +28,10 @@ def test_its_snippet_names_what_the_package_has():
 
 def test_its_commands_are_known(capsys):
     for command in set(re.findall(r"uav_tracking (\w+)", TEXT)):
-        try:
+        with pytest.raises(SystemExit) as ending:
             main([command, "--help"])
-        except SystemExit as ending:
-            assert ending.code == 0, command
-    capsys.readouterr()
+        assert ending.value.code == 0, command
+        capsys.readouterr()
 
 
 def test_its_ros_commands_have_their_arguments_behind_ros_args():

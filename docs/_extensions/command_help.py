@@ -1,4 +1,4 @@
-"""Directive ``command-help``: what a command prints with ``--help``, asked when the site is built."""
+"""Directive ``command-help``: what a command prints with ``--help``, asked at every build."""
 
 import os
 import subprocess

@@ -1,8 +1,8 @@
 """What docstrings mean, where plain Sphinx would take it for something else.
 
-A docstring says ``:meth:`GuidanceLaw.inputs```, not the whole path: what ends in that name is meant,
-if there is one such thing in the package. A reference that leads nowhere ends the build. Types in
-signatures may be of other packages, which have no page here.
+A docstring says ``:meth:`GuidanceLaw.inputs```, not the whole path: what ends in that name is
+meant, if there is one such thing in the package. A reference that leads nowhere ends the build.
+Types in signatures may be of other packages, which have no page here.
 """
 
 import re
