@@ -30,7 +30,7 @@ class CasadiSolver:
         problem: What to solve.
         plugin: ``ipopt`` or ``fatrop``. fatrop is four times as fast, but has been seen never to
             return where the model has no value (a state outside its domain): not for flight.
-        tolerance: Of the plugin's scaled optimality conditions.
+        tolerance: Of the plugin's scaled optimality conditions [-].
         iteration_limit: Per solve.
         time_limit: Wall time per solve in [s], IPOPT only, which looks at it once an iteration.
 

@@ -11,7 +11,14 @@ from uav_tracking_mpc.mpc.solver import Solver
 
 
 class ClosedLoop(NamedTuple):
-    """A flight: states (steps + 1, nx), inputs (steps, nu), V_N at each step, and failures."""
+    """A flight on the prediction model.
+
+    Attributes:
+        states: x_0, x_1, ..., shape (steps + 1, nx).
+        inputs: u_0 of each plan, shape (steps, nu).
+        costs: V_N at each step, shape (steps,).
+        failures: Solves that did not converge.
+    """
 
     states: NDArray[np.float64]
     inputs: NDArray[np.float64]
@@ -32,7 +39,7 @@ def closed_loop(
         solver: Solves the problem; forgets what it knew.
         initial_state: x_0, shape (nx,).
         steps: Number of steps.
-        parameters: The same at every step, see :meth:`Solver.solve`.
+        parameters: The same at every step, of either shape that :meth:`Solver.solve` takes.
     """
     problem = solver.problem
     states = np.empty((steps + 1, problem.nx))

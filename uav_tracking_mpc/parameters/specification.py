@@ -31,8 +31,8 @@ class Specification:
         default: Also gives the type: bool, int, float, str or a tuple of floats.
         description: What it does, for people.
         unit: SI unit, or "".
-        lower: Least value allowed (of every element), or None.
-        upper: Greatest value allowed (of every element), or None.
+        lower: Least value allowed (of every element) in [unit], or None.
+        upper: Greatest value allowed (of every element) in [unit], or None.
         choices: The only values allowed, or () for any.
         size: Number of elements of a tuple; 0 for any multiple of ``multiple``.
         multiple: A tuple's length must be a multiple of this.
@@ -78,6 +78,9 @@ class Specification:
         """The value in the parameter's own type.
 
         An integer is taken where a number is asked for; nothing else is converted.
+
+        Args:
+            value: As it came from YAML, ROS or Python.
 
         Raises:
             ParameterError: Wrong type, not finite, out of range, wrong length, not a choice.
@@ -139,13 +142,19 @@ def _is_number(value: Any) -> bool:
 
 
 def parameter(default: Any, description: str, **limits: Any) -> Any:
-    """Dataclass field of a parameter; ``limits`` are the other attributes of a Specification."""
+    """Dataclass field of a parameter.
+
+    Args:
+        default: Its default; also gives its type.
+        description: What it does, for people.
+        limits: The other attributes of a :class:`Specification`, but for its name.
+    """
     metadata = {"description": description, **limits}
     return dataclasses.field(default=default, metadata=metadata)
 
 
 def specifications(parameters: type) -> tuple[Specification, ...]:
-    """Specifications of a parameter dataclass, in the order of its fields."""
+    """Specifications of a dataclass of ``parameters``, in the order of its fields."""
     fields: tuple[dataclasses.Field[Any], ...] = dataclasses.fields(parameters)
     return tuple(
         Specification(field.name, cast(Value, field.default), **field.metadata) for field in fields
@@ -202,6 +211,10 @@ def resolved(parameters: type[T], values: Mapping[str, Any]) -> type[T]:
 
 def from_mapping(parameters: type[T], values: Mapping[str, Any]) -> T:
     """Build a parameter dataclass from names and values; what is missing takes its default.
+
+    Args:
+        parameters: The dataclass.
+        values: By name of the parameter.
 
     Raises:
         ParameterError: An unknown name, or a value that is not allowed.
