@@ -26,7 +26,7 @@ test: lint
 
 test-long: $(VENV)/test
 	$(PYTEST) -m long
-	$(CLEAN) .ci/kernels $(BIN)/python -m pytest -m "not nodes and not long" -n 2
+	$(CLEAN) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python test/on_every_processor.py -m "not nodes and not long" -n 2
 
 lint: $(VENV)/test
 	$(BIN)/ruff check .
