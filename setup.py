@@ -77,7 +77,7 @@ setup(
             f"target_publisher = {NAME}.nodes.target_publisher:main",
             f"nmpc_controller = {NAME}.nodes.nmpc_controller:main",
             f"monitor = {NAME}.nodes.monitor:main",
-            f"launch_tracking = {NAME}.launch.launcher:main",
+            f"launch_tracking = {NAME}.cli.launch_tracking:main",
             f"uav_tracking = {NAME}.cli.main:main",
         ],
     },

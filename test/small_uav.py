@@ -23,9 +23,14 @@ def parameters(*overrides: str) -> TrackingParameters:
 
 
 @lru_cache
-def problem():
+def flight():
     """The flight problem with the configuration's horizon; the only one that is compiled."""
-    return flight_problem(parameters()).problem
+    return flight_problem(parameters())
+
+
+def problem():
+    """The same, as a solver takes it."""
+    return flight().problem
 
 
 @lru_cache

@@ -10,19 +10,19 @@ from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.vehicle import advance
 from uav_tracking_mpc.limits._envelope import Envelope
 
-VALUES = dict(
-    airspeed_min=14.0,
-    airspeed_max=32.0,
-    path_angle_min=math.radians(-9.0),
-    path_angle_max=math.radians(14.0),
-    bank_max=math.radians(45.0),
-    yaw_rate_max=0.785,
-    pitch_rate_max=0.785,
-    acceleration_min=-1.5,
-    acceleration_max=3.0,
-    force_min=(-1.2, -4.0),
-    force_max=(5.0, 1.0),
-)
+VALUES = {
+    "airspeed_min": 14.0,
+    "airspeed_max": 32.0,
+    "path_angle_min": math.radians(-9.0),
+    "path_angle_max": math.radians(14.0),
+    "bank_max": math.radians(45.0),
+    "yaw_rate_max": 0.785,
+    "pitch_rate_max": 0.785,
+    "acceleration_min": -1.5,
+    "acceleration_max": 3.0,
+    "force_min": (-1.2, -4.0),
+    "force_max": (5.0, 1.0),
+}
 SMALL_UAV = Envelope(**VALUES)
 STILL = np.zeros(3)
 

@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("flint")
 
-from uav_tracking_mpc.dynamics import relative
+from uav_tracking_mpc.dynamics.relative_models.exact import Exact
 from uav_tracking_mpc.terminal import box_verification, interval, interval_matrix
 from uav_tracking_mpc.terminal import verify as verify_module
 from uav_tracking_mpc.terminal.certificate import certificate, digest
@@ -130,12 +130,12 @@ def test_rejects_content_that_is_no_certificate():
 
 
 def test_rejects_when_the_model_has_a_sign_error(written, monkeypatch):
-    right = relative.exact_rates
+    right = Exact.rates
 
-    def wrong(state, inputs):
-        rates = right(state, inputs)
+    def wrong(self, state, inputs):
+        rates = right(self, state, inputs)
         rates[2] = -rates[2]
         return rates
 
-    monkeypatch.setitem(relative.MODELS, "exact", wrong)
+    monkeypatch.setattr(Exact, "rates", wrong)
     assert verify(written) is not None

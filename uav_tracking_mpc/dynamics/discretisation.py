@@ -53,7 +53,7 @@ def error_step(
     """Tracking-error form of one step, (10)-(11): x+ = Phi(x_ss + x, u_ss + u) - x_ss.
 
     Args:
-        model: Name in :data:`uav_tracking_mpc.dynamics.relative.MODELS`.
+        model: Name of a relative model.
         scheme: Name in :data:`SCHEMES`.
         x: Deviation from the steady state, shape (5, 1).
         u: Deviation from the steady inputs, shape (3, 1).
@@ -68,7 +68,7 @@ def error_dynamics(model: str, orbit: Orbit, step: float, scheme: str = "euler")
     """Tracking-error form f(x, u) of a model, (10)-(11): x+ = f(x, u), f(0, 0) = 0.
 
     Args:
-        model: Name in :data:`uav_tracking_mpc.dynamics.relative.MODELS`.
+        model: Name of a relative model.
         orbit: Reference; x and u are deviations from its steady state and steady inputs.
         step: T_s in [s].
         scheme: Name in :data:`SCHEMES`.

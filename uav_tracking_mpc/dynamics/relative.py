@@ -1,23 +1,10 @@
-"""Motion of the UAV relative to its target: state (r, theta, z, chi, v), Section 3 of the paper.
+"""Motion of the UAV relative to its target, Section 3 of the paper: coordinates and steady orbits.
 
-theta = psi - phi - pi with phi = atan2(y, x), the azimuth of the UAV seen from the target; the
-inputs are (u_psi, u_chi, u_v). Each model's equations stand here once, as CasADi expressions, and
-every derivative that the package uses is made from them by machine.
-
-========= ==========================================================================================
-``exact``  the kinematics (3) in these coordinates, no approximation
-``paper``  (11) as printed: (9) with r^2 - z_p^2 replaced by r^2 cos^2(chi)
-``paper9`` (9) as printed
-========= ==========================================================================================
-
-(6), (7) and hence (9) replace d/r by cos(chi) and z/r by sin(chi), d = sqrt(r^2 - z^2): true only
-when the path angle equals the target's elevation. Their steady turns differ from the true one, so
-a controller that predicts with them holds a constant range offset on the true vehicle.
+The models themselves stand in :mod:`uav_tracking_mpc.dynamics.relative_models`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import casadi as ca
@@ -26,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics.angles import wrap_angle
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.dynamics.vehicle import INPUT_NAMES, air_velocity
+from uav_tracking_mpc.dynamics.vehicle import INPUT_NAMES
+from uav_tracking_mpc.parameters.registry import RELATIVE_MODEL
 
 
 class RelativeState(NamedTuple):
@@ -51,71 +39,20 @@ STATE_NAMES = RelativeState._fields
 NX, NU = len(STATE_NAMES), len(INPUT_NAMES)
 _BEARING = STATE_NAMES.index("bearing")
 
-Rates = Callable[[ca.SX, ca.SX], ca.SX]
-
-
-def exact_rates(state: ca.SX, inputs: ca.SX) -> ca.SX:
-    """Time derivative of the relative state, exact: the velocity (3a)-(3c) seen from the target.
-
-    Args:
-        state: (r, theta, z, chi, v), shape (5, 1).
-        inputs: (u_psi, u_chi, u_v), shape (3, 1).
-    """
-    r, theta, z, chi, v = ca.vertsplit(state)
-    u_psi, u_chi, u_v = ca.vertsplit(inputs)
-    d = ca.sqrt(r**2 - z**2)
-    # theta is the heading counted from the direction that points at the target.
-    inward, across, climb = air_velocity(theta, chi, v, ca)
-    return ca.vertcat((climb * z - inward * d) / r, across / d + u_psi, climb, u_chi, u_v)
-
-
-def paper_rates(state: ca.SX, inputs: ca.SX) -> ca.SX:
-    """Rates behind (11) as printed; written for any bearing, (11) is at theta = pi/2 + x_2.
-
-    Args:
-        state: (r, theta, z, chi, v), shape (5, 1).
-        inputs: (u_psi, u_chi, u_v), shape (3, 1).
-    """
-    r, theta, _, chi, v = ca.vertsplit(state)
-    u_psi, u_chi, u_v = ca.vertsplit(inputs)
-    return ca.vertcat(
-        v * (ca.sin(chi) ** 2 - ca.cos(theta) * ca.cos(chi) ** 2),  # (9a), (11a)
-        v * ca.cos(chi) ** 2 * ca.sin(theta) / (r * (1.0 - ca.sin(chi) ** 2)) + u_psi,  # (11b)
-        v * ca.sin(chi),  # (9c), (11c)
-        u_chi,  # (9d), (11d)
-        u_v,  # (9e), (11e)
-    )
-
-
-def paper9_rates(state: ca.SX, inputs: ca.SX) -> ca.SX:
-    """Rates (9) as printed: those of :func:`paper_rates` but for the bearing.
-
-    Args:
-        state: (r, theta, z, chi, v), shape (5, 1).
-        inputs: (u_psi, u_chi, u_v), shape (3, 1).
-    """
-    r, theta, z, chi, v = ca.vertsplit(state)
-    rates = paper_rates(state, inputs)
-    bearing_rate = v * r * ca.cos(chi) ** 2 * ca.sin(theta) / (r**2 - z**2) + inputs[0]  # (9b)
-    return ca.vertcat(rates[0], bearing_rate, rates[2:])
-
-
-MODELS: dict[str, Rates] = {"exact": exact_rates, "paper": paper_rates, "paper9": paper9_rates}
-
 
 def rates_function(model: str) -> ca.Function:
     """CasADi function (state (5,), inputs (3,)) -> rates (5,) of a model.
 
     Args:
-        model: Name in :data:`MODELS`.
+        model: Name of a relative model.
 
     Raises:
-        ValueError: No model of that name.
+        ExtensionError: No model of that name.
     """
-    if model not in MODELS:
-        raise ValueError(f"model is {model!r}, must be one of {', '.join(MODELS)}")
     state, inputs = ca.SX.sym("x", NX), ca.SX.sym("u", NU)
-    return ca.Function(f"{model}_rates", [state, inputs], [MODELS[model](state, inputs)])
+    components = RelativeState(*ca.vertsplit(state))
+    rates = RELATIVE_MODEL.find(model)().rates(components, ca.vertsplit(inputs))
+    return ca.Function("rates", [state, inputs], [ca.vertcat(*rates)])
 
 
 def steady_inputs(model: str, orbit: Orbit) -> NDArray[np.float64]:
@@ -124,7 +61,7 @@ def steady_inputs(model: str, orbit: Orbit) -> NDArray[np.float64]:
     The turn rate cancels the model's own drift in bearing: every model has theta' = ... + u_psi.
 
     Args:
-        model: Name in :data:`MODELS`.
+        model: Name of a relative model.
         orbit: The orbit to hold.
     """
     drift = RelativeState(*rates_function(model)(orbit.steady_state, np.zeros(NU)).full().ravel())

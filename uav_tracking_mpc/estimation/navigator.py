@@ -154,7 +154,7 @@ class Navigator:
     def _flown_through(self, time: float, situation: Situation) -> Any:
         """State relative to the target after the delay, by the commands already under way."""
         model = self._model
-        state = model.initial(situation.offset, situation.vehicle[3:], situation.rates)
+        state = model.initial(situation.vehicle, situation.target, situation.rates)
         drift, rate = situation.drift.tolist(), situation.drift_rate.tolist()
         count = max(1, math.ceil(self._delay / LONGEST_SUBSTEP - ROUNDING))
         substep = self._delay / count
@@ -175,5 +175,5 @@ class Navigator:
         if not elapsed > 0.0:
             return
         demanded = self._history.demanded(time - 0.5 * elapsed - self._dead_time[2], 2)
-        share = -math.expm1(-elapsed / self._lag)
+        share = -math.expm1(-elapsed / self._lag) if self._lag else 1.0
         self._acceleration += share * (demanded - self._acceleration)

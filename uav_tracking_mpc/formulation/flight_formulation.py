@@ -121,7 +121,7 @@ class FlightFormulation:
         x_0 = self.initial_state(situation)
         data = self.data(forecast, orbit)
         solution = self.solver.solve(
-            x_0, data, elapsed, lambda: self._guess(x_0, situation, forecast, orbit, data)
+            x_0, data, elapsed, lambda: self.guess(x_0, situation, forecast, orbit, data)
         )
         states = self.model.State(*solution.states[:-1].T)
         middle, half = self.flight.span(states, data[:-1].T)
@@ -134,8 +134,7 @@ class FlightFormulation:
         Args:
             situation: Where the plan begins.
         """
-        attitude = situation.vehicle[3:]
-        return np.array(self.model.initial(situation.offset, attitude, situation.rates))
+        return np.array(self.model.initial(situation.vehicle, situation.target, situation.rates))
 
     def data(self, forecast: Forecast, orbit: Orbit) -> NDArray[np.float64]:
         """P of every stage, shape (N + 1, np): one array, filled anew at each call.
@@ -153,7 +152,7 @@ class FlightFormulation:
             data[:, part] = limit.numbers(forecast.target)
         return data
 
-    def _guess(
+    def guess(
         self,
         x_0: NDArray[np.float64],
         situation: Situation,
@@ -161,7 +160,18 @@ class FlightFormulation:
         orbit: Orbit,
         data: NDArray[np.float64],
     ) -> Guess | None:
-        """A flight by the vector field: a plan that is flyable and leads to the orbit."""
+        """A flight by the vector field: a plan that is flyable and leads to the orbit.
+
+        Args:
+            x_0: State of the problem where the plan begins, shape (nx,).
+            situation: What else is known of the aircraft.
+            forecast: Drift and target over the horizon.
+            orbit: What is wanted.
+            data: P of every stage, shape (N + 1, np).
+
+        Returns:
+            None where something is not finite.
+        """
         if not (np.all(np.isfinite(x_0)) and np.all(np.isfinite(data))):
             return None
         law = VectorField(orbit, self.envelope)

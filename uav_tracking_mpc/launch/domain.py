@@ -24,6 +24,9 @@ def own_domain(domain: int | None) -> Iterator[int]:
     Args:
         domain: Take this one instead, whoever else is on it.
 
+    Yields:
+        Number of the domain.
+
     Raises:
         DomainError: All domains are in use.
     """
@@ -45,6 +48,9 @@ def own_domain(domain: int | None) -> Iterator[int]:
 
 def domain_number(text: str) -> int:
     """ROS_DOMAIN_ID given as text.
+
+    Args:
+        text: What was typed.
 
     Raises:
         ValueError: Not an integer from 0 to 232.

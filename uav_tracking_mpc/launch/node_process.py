@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Sequence
 
 from rich.console import Console
@@ -18,18 +19,21 @@ class NodeProcess:
     """One node as a process; its output is printed line by line behind its name.
 
     Args:
-        name: Its module.
+        name: By which its output is marked.
+        module: Full name of its Python module.
         arguments: Its command line.
         console: Where its output goes.
-        room: Package of the module.
+
+    Attributes:
+        name: By which its output is marked.
+        started: When it was started, by the steady clock [s].
     """
 
-    def __init__(
-        self, name: str, arguments: Sequence[str], console: Console, room: str = "nodes"
-    ) -> None:
+    def __init__(self, name: str, module: str, arguments: Sequence[str], console: Console) -> None:
         self.name = name
+        self.started = time.monotonic()
         self._process = subprocess.Popen(
-            [sys.executable, "-u", "-m", f"uav_tracking_mpc.{room}.{name}", *arguments],
+            [sys.executable, "-u", "-m", module, *arguments],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -60,12 +64,20 @@ class NodeProcess:
         return self._process.poll()
 
     def send_signal(self, number: int) -> None:
-        """Pass a signal on, if it still runs."""
+        """Send a signal, if the process still runs.
+
+        Args:
+            number: Of the signal.
+        """
         if self.exit_code is None:
             self._process.send_signal(number)
 
     def stop(self, number: int) -> None:
-        """End it: by the signal, and by force if that takes too long."""
+        """End the process: by a signal, and by force if that takes longer than STOP_LIMIT.
+
+        Args:
+            number: Of the signal.
+        """
         self.send_signal(number)
         try:
             self._process.wait(STOP_LIMIT)
@@ -76,6 +88,6 @@ class NodeProcess:
 
 
 def _end_with_parent() -> None:
-    """In the child: ask Linux for SIGTERM when the launcher dies, however it dies."""
+    """In the child: ask Linux for SIGTERM when the launcher dies, whatever ended it."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG

@@ -20,7 +20,11 @@ class SharedMemoryFiles:
         self._seen: set[Path] = set()
 
     def note(self, processes: Iterable[int]) -> None:
-        """Remember the files that these process ids map now."""
+        """Remember the files that processes map now.
+
+        Args:
+            processes: Their process ids.
+        """
         for process in processes:
             self._seen |= _mapped(Path(f"/proc/{process}"))
 

@@ -60,6 +60,7 @@ class FlightRecorder(Node):
 
     Args:
         bag: Where to write; None only listens.
+        options: As those of rclpy's Node.
     """
 
     def __init__(self, bag: FlightBag | None = None, **options: Any) -> None:

@@ -14,12 +14,17 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.control.direction import NEAREST
 from uav_tracking_mpc.dynamics.discretisation import SCHEMES
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, DIRECTIONS, Orbit
-from uav_tracking_mpc.dynamics.relative import MODELS, steady_inputs
+from uav_tracking_mpc.dynamics.relative import steady_inputs
 from uav_tracking_mpc.dynamics.vehicle_models import VehicleModel
 from uav_tracking_mpc.limits import Limit
 from uav_tracking_mpc.limits._envelope import Envelope
 from uav_tracking_mpc.mpc.quadratic import TERMINAL_CONSTRAINTS
-from uav_tracking_mpc.parameters.registry import LIMIT, VEHICLE_MODEL, ExtensionError
+from uav_tracking_mpc.parameters.registry import (
+    LIMIT,
+    RELATIVE_MODEL,
+    VEHICLE_MODEL,
+    ExtensionError,
+)
 from uav_tracking_mpc.parameters.specification import (
     ParameterError,
     from_mapping,
@@ -60,7 +65,7 @@ class TrackingParameters(Gathered):
         choices=(*DIRECTIONS, NEAREST),
     )
     model: str = parameter(
-        "exact", "Prediction model: exact, or the paper's (11) or (9).", choices=tuple(MODELS)
+        "exact", "Prediction model: exact, or the paper's (11) or (9).", extension=RELATIVE_MODEL
     )
     scheme: str = parameter("euler", "Discretisation of the model.", choices=tuple(SCHEMES))
     horizon: int = parameter(10, "Stages of the horizon, N.", lower=1, upper=200)

@@ -41,7 +41,7 @@ class ClosedLoop:
     """f(x, Kx) of (10) in error form, its Jacobian and Hessians, on many boxes at once.
 
     Args:
-        model: Name in :data:`uav_tracking_mpc.dynamics.relative.MODELS`.
+        model: Name of a relative model.
         scheme: Name in :data:`uav_tracking_mpc.dynamics.discretisation.SCHEMES`.
         numbers: x_ss, u_ss, K by columns, and T_s.
     """

@@ -96,11 +96,6 @@ def digest(content: dict[str, Any]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def write_certificate(content: dict[str, Any], path: Path) -> None:
-    """Write the ``content`` of a certificate to the file ``path``."""
-    path.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n")
-
-
 def read_certificate(path: Path) -> dict[str, Any]:
     """Read a certificate without checking it.
 

@@ -28,7 +28,7 @@ class StabilityProblem:
         input_upper: Upper bounds of ubar, shape (3,), in [rad/s, rad/s, m/s^2].
         step: T_s in [s].
         horizon: N.
-        model: Name in :data:`uav_tracking_mpc.dynamics.relative.MODELS`.
+        model: Name of a relative model.
         scheme: Name in :data:`uav_tracking_mpc.dynamics.discretisation.SCHEMES`.
         name: What a report calls it.
     """

@@ -40,7 +40,7 @@ def closed_loop_functions(model: str, scheme: str) -> ClosedLoopFunctions:
     """Derive the closed loop of a model and scheme by machine.
 
     Args:
-        model: Name in :data:`uav_tracking_mpc.dynamics.relative.MODELS`.
+        model: Name of a relative model.
         scheme: Name in :data:`uav_tracking_mpc.dynamics.discretisation.SCHEMES`.
     """
     x = ca.SX.sym("x", NX)
@@ -67,7 +67,7 @@ def steady_balls(model: str, orbit: Orbit) -> tuple[list[Any], list[Any]]:
     """x_ss and u_ss of an orbit in ball arithmetic, pi/2 and the drift being exact.
 
     Args:
-        model: Name in :data:`uav_tracking_mpc.dynamics.relative.MODELS`.
+        model: Name of a relative model.
         orbit: Reference.
 
     Raises:

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from pages import assert_same
 
 from uav_tracking_mpc.studies.stability.distance_budget import distance_budget
 from uav_tracking_mpc.studies.stability.paper_report import paper_as_printed, paper_report
@@ -67,4 +68,4 @@ def test_every_row_has_a_verdict(rows):
 
 
 def test_page_is_current(rows):
-    assert (DOCS / PAGE).read_text() == as_markdown(list(rows.values()))
+    assert_same((DOCS / PAGE).read_text(), as_markdown(list(rows.values())))

@@ -1,0 +1,187 @@
+"""One flight with real nodes, recorded: what ``launch_tracking`` and ``uav_tracking fly`` do."""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn
+
+from uav_tracking_mpc.launch.node_process import STOP_LIMIT
+from uav_tracking_mpc.launch.supervisor import LaunchError, Supervisor, supervised
+from uav_tracking_mpc.settings.configuration import Configuration
+
+if TYPE_CHECKING:
+    from rclpy.experimental.events_executor import EventsExecutor
+
+    from uav_tracking_mpc.nodes.flight_recorder import FlightRecorder
+
+START_LIMIT = 60.0  # s of wall time for the first command
+DRAIN_TIME = 0.3  # s of wall time for the nodes' last messages
+NOTE_PERIOD = 0.5  # s of wall time between looks at the nodes' shared-memory files
+LOOK_PERIOD = 0.2  # s of wall time between looks at where the flight stands
+REPORT_PERIOD = 5.0  # s of wall time between lines where there is no terminal
+
+
+class FlightInterruptedError(LaunchError):
+    """A signal came before anything flew.
+
+    Args:
+        number: Number of the signal.
+
+    Attributes:
+        signal: Number of the signal.
+    """
+
+    def __init__(self, number: int) -> None:
+        super().__init__("interrupted before the first command")
+        self.signal = number
+
+
+def launch(
+    configuration: Configuration,
+    *,
+    domain: int | None = None,
+    bag: Path | None = None,
+    console: Console | None = None,
+) -> int | None:
+    """Fly a configuration with real nodes until its duration is over or a signal comes.
+
+    Args:
+        configuration: What to fly.
+        domain: ROS_DOMAIN_ID; by default one of its own.
+        bag: MCAP file to record every topic to.
+        console: Where output and progress go, stderr by default.
+
+    Returns:
+        Number of the signal that ended the flight, None if it was flown to its end.
+
+    Raises:
+        LaunchError: A node died, or nothing flew.
+        ModuleNotFoundError: There is no rclpy.
+    """
+    console = console or Console(stderr=True)
+    with _signals() as received, supervised(console, domain) as supervisor:
+        console.print(
+            f"domain {supervisor.domain}: watch with "
+            f"`uav_tracking monitor --domain-id {supervisor.domain}`",
+            highlight=False,
+            soft_wrap=True,
+        )
+        return _fly(configuration, supervisor, bag, received, console)
+
+
+def _fly(
+    configuration: Configuration,
+    supervisor: Supervisor,
+    bag_path: Path | None,
+    received: list[int],
+    console: Console,
+) -> int | None:
+    from rclpy.experimental.events_executor import EventsExecutor
+
+    from uav_tracking_mpc.nodes.flight_bag import FlightBag
+    from uav_tracking_mpc.nodes.flight_recorder import FlightRecorder
+
+    bag = None if bag_path is None else FlightBag(bag_path)
+    recorder = FlightRecorder(bag)
+    executor = EventsExecutor()
+    executor.add_node(recorder)
+    try:
+        try:
+            supervisor.start_flight(configuration, configuration.mission.speed)
+            _watch(configuration, supervisor, recorder, executor, received, console)
+        finally:
+            supervisor.end(lambda: _drain(supervisor, executor))
+        if received and recorder.progress().time is None:
+            raise FlightInterruptedError(received[0])
+    except BaseException:
+        if bag is not None:
+            bag.discard()
+        raise
+    finally:
+        executor.shutdown()
+        recorder.destroy_node()
+    if bag is not None:
+        bag.close()
+    return received[0] if received else None
+
+
+def _watch(
+    configuration: Configuration,
+    supervisor: Supervisor,
+    recorder: FlightRecorder,
+    executor: EventsExecutor,
+    received: list[int],
+    console: Console,
+) -> None:
+    """Spin the recorder and show progress until the mission ends, a signal comes or a node dies."""
+    duration = configuration.mission.duration
+    begin = shown = looked = time.monotonic()
+    noted = 0.0
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:3.0f}%"))
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bar:
+        task = bar.add_task("starting", total=duration)
+        while not received:
+            executor.spin_once(timeout_sec=0.05)
+            supervisor.check()
+            now = time.monotonic()
+            if now - noted > NOTE_PERIOD:
+                noted = now
+                supervisor.note_shared_memory()
+            if now - looked < LOOK_PERIOD:  # decoding costs what the recorder needs to keep up
+                continue
+            looked = now
+            progress = recorder.progress()
+            if progress.time is None:
+                if now - begin > START_LIMIT:
+                    raise LaunchError(f"no command within {START_LIMIT:g} s")
+                continue
+            if progress.time >= duration:
+                return
+            if console.is_terminal or now - shown > REPORT_PERIOD:
+                shown = now
+                line = (
+                    f"t {progress.time:6.1f} s   range {progress.range:7.2f} m   "
+                    f"altitude {progress.altitude:6.2f} m   speed {progress.speed:5.2f} m/s   "
+                    f"solve {progress.solve_time * 1e6:6.0f} us"
+                )
+                bar.update(task, completed=progress.time, description=line)
+                if not console.is_terminal:
+                    console.print(line, highlight=False, soft_wrap=True)
+
+
+def _drain(supervisor: Supervisor, executor: EventsExecutor) -> None:
+    """Record what the nodes publish last: their diagnostics."""
+    deadline = time.monotonic() + STOP_LIMIT
+    while time.monotonic() < deadline and len(supervisor.dead()) < len(supervisor.processes):
+        executor.spin_once(timeout_sec=0.05)
+    deadline = time.monotonic() + DRAIN_TIME
+    while time.monotonic() < deadline:
+        executor.spin_once(timeout_sec=0.05)
+
+
+@contextmanager
+def _signals() -> Iterator[list[int]]:
+    """SIGINT and SIGTERM as a list that fills, instead of exceptions."""
+    received: list[int] = []
+
+    def remember(number: int, frame: FrameType | None) -> None:
+        received.append(number)
+
+    previous = {
+        number: signal.signal(number, remember) for number in (signal.SIGINT, signal.SIGTERM)
+    }
+    try:
+        yield received
+    finally:
+        for number, handler in previous.items():
+            signal.signal(number, handler)

@@ -1,0 +1,199 @@
+"""The one supervisor of node processes: starts, watches, freezes, kills, restarts and ends them.
+
+Discovery stays on this machine and each launch has a domain of its own, so that two do not mix.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from rich.console import Console
+
+from uav_tracking_mpc.launch.domain import own_domain
+from uav_tracking_mpc.launch.node_process import NodeProcess
+from uav_tracking_mpc.launch.shared_memory import SharedMemoryFiles
+from uav_tracking_mpc.settings.configuration import Configuration
+
+NODES = ("uav_simulator", "target_publisher", "nmpc_controller")
+
+
+class LaunchError(RuntimeError):
+    """The flight could not be flown; the message says why."""
+
+
+class Supervisor:
+    """Node processes by name.
+
+    Args:
+        folder: Existing folder for the nodes' parameter file.
+        console: Where the nodes' output goes.
+        domain: ROS domain that the nodes fly in.
+
+    Attributes:
+        domain: ROS domain that the nodes fly in.
+        processes: Processes that were started and not killed, by name.
+    """
+
+    def __init__(self, folder: Path, console: Console, domain: int) -> None:
+        self.domain = domain
+        self.processes: dict[str, NodeProcess] = {}
+        self._parameters = folder / "parameters.yaml"
+        self._console = console
+        self._commands: dict[str, tuple[str, tuple[str, ...]]] = {}
+        self._files = SharedMemoryFiles()
+
+    def start(self, name: str, module: str, arguments: Sequence[str] = ()) -> None:
+        """Start a node.
+
+        Args:
+            name: By which the supervisor and the output call it.
+            module: Full name of its Python module.
+            arguments: Its command line.
+        """
+        self._commands[name] = module, tuple(arguments)
+        self.restart(name)
+
+    def start_flight(
+        self,
+        configuration: Configuration,
+        speed: float,
+        remaps: Mapping[str, Sequence[str]] | None = None,
+    ) -> None:
+        """Start the three nodes of a flight.
+
+        Args:
+            configuration: What they fly.
+            speed: Simulated over wall time [-].
+            remaps: Remapping rules of each node by its name, such as ``{"uav_simulator":
+                ["uav/odometry:=raw/uav/odometry"]}``.
+        """
+        self._parameters.write_text(configuration.yaml(), encoding="utf-8")
+        for name in NODES:
+            arguments = ["--ros-args", "--params-file", str(self._parameters)]
+            for rule in (remaps or {}).get(name, ()):
+                arguments += ["-r", rule]
+            assignments = ["use_sim_time:=true"]
+            if name == "uav_simulator":
+                # Time starts when the controller and one more listener hear the state, the
+                # vehicle when it is commanded.
+                assignments = ["publish_clock:=true", "wait_for_subscribers:=2"]
+                assignments += ["start_on_command:=true", f"speed:={speed!r}"]
+            for assignment in assignments:
+                arguments += ["-p", assignment]
+            self.start(name, f"uav_tracking_mpc.nodes.{name}", arguments)
+
+    def restart(self, name: str) -> None:
+        """Start a node that has ended or was killed as it was started before.
+
+        Args:
+            name: Of the node.
+        """
+        module, arguments = self._commands[name]
+        self.processes[name] = NodeProcess(name, module, arguments, self._console)
+
+    def kill(self, name: str) -> None:
+        """End a node by SIGKILL; :meth:`dead` does not report it.
+
+        Args:
+            name: Of the node.
+        """
+        self.note_shared_memory()
+        self.processes.pop(name).stop(signal.SIGKILL)
+
+    def freeze(self, name: str) -> None:
+        """Stop a node where it stands (SIGSTOP).
+
+        Args:
+            name: Of the node.
+        """
+        self.processes[name].send_signal(signal.SIGSTOP)
+
+    def thaw(self, name: str) -> None:
+        """Let a frozen node go on (SIGCONT).
+
+        Args:
+            name: Of the node.
+        """
+        self.processes[name].send_signal(signal.SIGCONT)
+
+    def dead(self) -> dict[str, int]:
+        """Exit codes of the processes that have ended though nobody killed them, by name."""
+        codes = {name: process.exit_code for name, process in self.processes.items()}
+        return {name: code for name, code in codes.items() if code is not None}
+
+    def check(self) -> None:
+        """Make sure that every process runs.
+
+        Raises:
+            LaunchError: A process has ended.
+        """
+        dead = self.dead()
+        if dead:
+            words = "; ".join(f"{name} died with exit code {code}" for name, code in dead.items())
+            raise LaunchError(words)
+
+    def note_shared_memory(self) -> None:
+        """Remember the shared-memory files in use: a killed process cannot remove its own."""
+        identities = [process.identity for process in self.processes.values()]
+        self._files.note([os.getpid(), *identities])
+
+    def end(self, meanwhile: Callable[[], None] = lambda: None) -> None:
+        """End every process.
+
+        Args:
+            meanwhile: Called once when all of them were told to end, before those that do not are
+                killed.
+        """
+        self.note_shared_memory()
+        for process in self.processes.values():
+            # SIGTERM, not SIGINT: a node that is still loading ends on it without a traceback.
+            process.send_signal(signal.SIGTERM)
+            process.send_signal(signal.SIGCONT)
+        meanwhile()
+        while self.processes:
+            self.processes.popitem()[1].stop(signal.SIGTERM)
+
+    def remove_shared_memory(self) -> None:
+        """Remove the files that killed processes left behind, once ROS is shut down here too."""
+        self._files.remove_orphans()
+
+
+@contextmanager
+def supervised(console: Console, domain: int | None = None) -> Iterator[Supervisor]:
+    """ROS in this process and a supervisor; everything is ended and removed at the end.
+
+    Args:
+        console: Where the nodes' output goes.
+        domain: ROS_DOMAIN_ID; None takes one that no other launch uses.
+
+    Yields:
+        The supervisor, without processes.
+
+    Raises:
+        DomainError: All domains are in use.
+        ModuleNotFoundError: There is no rclpy.
+    """
+    with own_domain(domain) as claimed, tempfile.TemporaryDirectory() as folder:
+        os.environ.update(
+            ROS_DOMAIN_ID=str(claimed),
+            ROS_AUTOMATIC_DISCOVERY_RANGE=os.environ.get(
+                "ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"
+            ),
+            RCUTILS_COLORIZED_OUTPUT="0",
+        )
+        import rclpy
+        from rclpy.signals import SignalHandlerOptions
+
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+        supervisor = Supervisor(Path(folder), console, claimed)
+        try:
+            yield supervisor
+        finally:
+            supervisor.end()
+            rclpy.try_shutdown()
+            supervisor.remove_shared_memory()
