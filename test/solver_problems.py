@@ -10,9 +10,11 @@ import numpy as np
 from uav_tracking_mpc.dynamics.relative import tracking_error
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
-from uav_tracking_mpc.studies.benchmark.cases import ORBIT, START, paper_problem
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.studies.benchmark.cases import paper_problem
+from uav_tracking_mpc.terminal.stability_problem import PAPER_INITIAL_STATE
 
-PAPER_START = tracking_error(START, ORBIT)
+PAPER_START = tracking_error(PAPER_INITIAL_STATE, load_configuration("paper").controller.orbit)
 
 
 def pendulum(

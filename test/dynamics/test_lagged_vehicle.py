@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
+from uav_tracking_mpc.dynamics.lagged_vehicle import LAG_STATES, advance
 
 from uav_tracking_mpc.dynamics import vehicle
-from uav_tracking_mpc.dynamics.lagged_vehicle import LAG_STATES, advance
 
 LAG = (0.3, 0.13, 0.16)
 START = [200.0, -80.0, 40.0, 2.9, 0.05, 22.0, 0.1, -0.05, 0.4]

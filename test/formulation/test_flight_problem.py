@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import small_uav
 from kkt import kkt_residual
+from uav_tracking_mpc.dynamics.lagged_vehicle import advance
 
 from uav_tracking_mpc.dynamics.discretisation import error_dynamics
-from uav_tracking_mpc.dynamics.lagged_vehicle import advance
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, DIRECTIONS
 from uav_tracking_mpc.dynamics.relative import (
     rates_function,

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-
 from uav_tracking_mpc.dynamics.lagged_vehicle import advance
+
 from uav_tracking_mpc.studies.feasibility.guarantee import GUARANTEED, NOT_GUARANTEED, as_words
 
 RADIUS, SPEED, STEP, LAG = 275.0, 22.0, 0.5, (0.3, 0.13, 0.16)
