@@ -4,8 +4,8 @@ import json
 import subprocess
 
 import pytest
+from compared_flights import KEYS
 from processes import command, environment
-from test_results import KEYS
 
 LAW = """
 import numpy as np

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import argparse
 import itertools
-import os
 import signal
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 from uav_tracking_mpc.cli.answer import answer
@@ -37,18 +34,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--minutes", type=number(float, 0.01, 1e4), default=10.0, help="wall time of faults [min]"
     )
-    instead = parser.add_mutually_exclusive_group()
-    instead.add_argument(
-        "--messages",
-        type=number(int, 1, 10_000_000),
-        metavar="N",
-        help="instead: so many messages, right and wrong, on every topic of controller and vehicle",
+    parser.add_argument(
+        "--fault",
+        action="append",
+        default=[],
+        dest="faults",
+        metavar="FILE.py:CLASS",
+        help="a fault of your own, injected before all others; may be repeated",
     )
-    instead.add_argument(
+    parser.add_argument(
         "--soak",
         type=number(float, 0.1, 1000.0),
         metavar="HOURS",
-        help="instead: hours of simulated flight",
+        help="instead: hours of simulated flight without faults",
     )
     parser.add_argument("--seed", type=int, default=0, help="of everything random")
     parser.add_argument(
@@ -74,47 +72,12 @@ def run(arguments: argparse.Namespace) -> int:
         Exit code.
     """
     arguments.output.mkdir(parents=True, exist_ok=True)
-    with _own_environment(arguments.domain_id):
-        if arguments.messages is not None:
-            return _fuzz(arguments)
-        return _campaign(arguments) if arguments.soak is None else _soak(arguments)
-
-
-@contextmanager
-def _own_environment(domain: int | None) -> Iterator[None]:
-    """A ROS domain for the nodes; SIGTERM ends the campaign as Ctrl-C does."""
-    from uav_tracking_mpc.launch.domain import own_domain
-
+    # SIGTERM ends the campaign as Ctrl-C does.
     previous = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        with own_domain(domain) as claimed:
-            # rclpy reads the environment when it is loaded.
-            os.environ.update(ROS_DOMAIN_ID=str(claimed), RCUTILS_COLORIZED_OUTPUT="0")
-            os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-            yield
+        return _campaign(arguments) if arguments.soak is None else _soak(arguments)
     finally:
         signal.signal(signal.SIGTERM, previous)
-
-
-def _fuzz(arguments: argparse.Namespace) -> int:
-    from rich.console import Console
-    from rich.progress import Progress
-
-    from uav_tracking_mpc.studies.faults.message_fuzz import fuzz
-
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        tasks = {
-            name: bar.add_task(name, total=arguments.messages) for name in ("controller", "vehicle")
-        }
-        summary = fuzz(
-            chosen_configuration(arguments),
-            arguments.messages,
-            arguments.seed,
-            lambda name, done: bar.update(tasks[name], completed=done),
-        )
-    _report(arguments, "messages.json", summary)
-    return 1 if summary["exceptions"] or summary["violations"] else 0
 
 
 def _soak(arguments: argparse.Namespace) -> int:
@@ -123,8 +86,13 @@ def _soak(arguments: argparse.Namespace) -> int:
     from uav_tracking_mpc.studies.faults.soak import SPEED, soak
 
     arguments.overrides = [f"mission.speed={SPEED!r}", *arguments.overrides]
-    configuration = chosen_configuration(arguments)
-    summary = soak(configuration, arguments.soak, arguments.output, Console(stderr=True))
+    summary = soak(
+        chosen_configuration(arguments),
+        arguments.soak,
+        arguments.output,
+        Console(stderr=True),
+        arguments.domain_id,
+    )
     _report(arguments, "soak.json", summary)
     return 1 if summary["violations"] else 0
 
@@ -133,23 +101,27 @@ def _campaign(arguments: argparse.Namespace) -> int:
     from rich.console import Console
 
     from uav_tracking_mpc.report.atomic_write import write_atomically
-    from uav_tracking_mpc.studies.faults.fault_campaign import RECOVERY_LIMIT, TOLERANCE, fly
+    from uav_tracking_mpc.studies.faults.catalogue import catalogue, variants
+    from uav_tracking_mpc.studies.faults.fault_campaign import (
+        RECOVERY_LIMIT,
+        TOLERANCE,
+        FaultCampaign,
+    )
     from uav_tracking_mpc.studies.faults.fault_findings import table
     from uav_tracking_mpc.studies.faults.schedule import schedule
     from uav_tracking_mpc.studies.faults.timeline import timeline
 
+    configuration = chosen_configuration(arguments)
+    faults = catalogue(arguments.faults)
+    first = [label for reference in arguments.faults for label in variants(reference)]
     for bag in (arguments.output / "cases").glob("case_*.mcap"):
         bag.unlink()  # of another run
-    cases = schedule(arguments.seed, arguments.minutes)
+    cases = schedule(faults, arguments.seed, arguments.minutes, first)
     if arguments.case is not None:
         cases = itertools.islice(cases, arguments.case, arguments.case + 1)
-    campaign = fly(
-        chosen_configuration(arguments),
-        cases,
-        seed=arguments.seed,
-        minutes=arguments.minutes,
-        output=arguments.output,
-        console=Console(stderr=True),
+    flown = FaultCampaign(configuration, faults, arguments.output, Console(stderr=True))
+    campaign = flown.fly(
+        cases, seed=arguments.seed, minutes=arguments.minutes, domain=arguments.domain_id
     )
     summary = campaign.summary()
     picture = timeline(campaign, TOLERANCE, RECOVERY_LIMIT)

@@ -49,9 +49,6 @@ class FlightFormulation:
         self._data = np.zeros((self._stages + 1, self.flight.layout.size))
         self.change(parameters)
 
-    def check(self, parameters: TrackingParameters) -> None:
-        """Everything that the problem is told can be taken in flight."""
-
     def change(self, parameters: TrackingParameters) -> None:
         """Fly other orbits, weights, limits and lags from now on.
 
@@ -134,8 +131,7 @@ class FlightFormulation:
         Args:
             situation: Where the plan begins.
         """
-        attitude = situation.vehicle[3:]
-        return np.array(self.model.initial(situation.offset, attitude, situation.rates))
+        return np.array(self.model.initial(situation.vehicle, situation.target, situation.rates))
 
     def data(self, forecast: Forecast, orbit: Orbit) -> NDArray[np.float64]:
         """P of every stage, shape (N + 1, np): one array, filled anew at each call.

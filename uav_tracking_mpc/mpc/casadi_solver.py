@@ -21,6 +21,7 @@ from uav_tracking_mpc.mpc.solver import Guess, shift
 
 PLUGINS = ("ipopt", "fatrop")
 FEASIBILITY_TOLERANCE = 1e-5
+LONGEST = 1e9  # s, of a solve without a budget: IPOPT has no infinite one
 
 
 class CasadiSolver:
@@ -30,12 +31,12 @@ class CasadiSolver:
         problem: What to solve.
         plugin: ``ipopt`` or ``fatrop``. fatrop is four times as fast, but has been seen never to
             return where the model has no value (a state outside its domain): not for flight.
-        tolerance: Of the plugin's scaled optimality conditions.
+        tolerance: Of the plugin's scaled optimality conditions [-].
         iteration_limit: Per solve.
         time_limit: Wall time per solve in [s], IPOPT only, which looks at it once an iteration.
 
     Raises:
-        ValueError: Unknown plugin.
+        ValueError: Unknown plugin, or a time limit that is not positive.
     """
 
     def __init__(
@@ -50,12 +51,29 @@ class CasadiSolver:
             raise ValueError(f"plugin is {plugin!r}, must be one of {', '.join(PLUGINS)}")
         self.name = plugin
         self.problem = problem
+        self._tolerance = tolerance
         self._iteration_limit = iteration_limit
         self._program = _Program(problem)
-        self._nlpsol = ca.nlpsol(
-            "tracking", plugin, self._program.nlp, self._options(plugin, tolerance, time_limit)
-        )
         self._last: Solution | None = None
+        self._time_limit: float | None = None
+        self.time_limit = time_limit
+
+    @property
+    def time_limit(self) -> float:
+        """Wall time per solve in [s]; inf for none."""
+        assert self._time_limit is not None
+        return self._time_limit
+
+    @time_limit.setter
+    def time_limit(self, limit: float) -> None:
+        if limit == self._time_limit:
+            return
+        if not limit > 0.0:
+            raise ValueError(f"time_limit is {limit}, must be positive")
+        self._time_limit = limit
+        # IPOPT reads its options once: with another budget it is another solver.
+        options = self._options(self.name, self._tolerance, min(limit, LONGEST))
+        self._nlpsol = ca.nlpsol("tracking", self.name, self._program.nlp, options)
 
     def _options(self, plugin: str, tolerance: float, time_limit: float) -> dict[str, Any]:
         options: dict[str, Any] = {"print_time": False, "expand": True, "error_on_fail": False}

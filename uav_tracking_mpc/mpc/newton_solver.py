@@ -40,8 +40,8 @@ class NewtonSolver:
 
     Args:
         problem: What to solve.
-        tolerance: Of the KKT residual: the gradient of the Lagrangian projected on the input box,
-            relative to 1 + its largest component before projection, and the residuals of
+        tolerance: Of the KKT residual [-]: the gradient of the Lagrangian projected on the input
+            box, relative to 1 + its largest component before projection, and the residuals of
             constraints and complementarity in the units of the constraints.
         iteration_limit: Newton iterations from each initial guess.
         time_limit: For a whole solve, in [s].

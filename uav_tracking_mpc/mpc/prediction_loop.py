@@ -69,7 +69,7 @@ def closed_loop(
         solver: Solves the problem; forgets what it knew.
         initial_state: x_0, shape (nx,).
         steps: Number of steps.
-        parameters: The same at every step, see :meth:`Solver.solve`.
+        parameters: The same at every step, of either shape that :meth:`Solver.solve` takes.
     """
     flown = list(islice(solutions(solver, initial_state, parameters), steps))
     return ClosedLoop(

@@ -29,7 +29,7 @@ class Inequality:
     Attributes:
         expression: SX column in the symbols of the problem.
         penalty: None for a hard constraint; for a soft one the weight of the violation in the
-            cost, ``penalty * sum(max(0, expression))``: exact once it exceeds the multipliers.
+            cost [-], ``penalty * sum(max(0, expression))``: exact once it exceeds the multipliers.
         name: What a message calls it.
     """
 

@@ -27,13 +27,13 @@ class Solution:
     Attributes:
         status: How it ended.
         message: The status with its reason, for people.
-        cost: V_N at the plan, nan if it could not be evaluated.
+        cost: V_N at the plan [-], nan if it could not be evaluated.
         iterations: Iterations of the solver.
         solve_time: Wall time in [s].
         states: x_0..x_N, shape (N + 1, nx), as (19).
         inputs: u_0..u_{N-1}, shape (N, nu), as (18): finite and inside the box whatever the status.
         decision: a, shape (na,).
-        violation: Largest violation of a hard constraint at the plan.
+        violation: Largest violation of a hard constraint at the plan, in its own units [-].
     """
 
     status: Status

@@ -46,7 +46,10 @@ UNARY = {
 
 
 def stage_module(problem: OptimalControlProblem) -> str:
-    """Source of ``stage.py`` for a problem: its sizes and the five programs.
+    """Source of ``stage.py``: sizes of a problem and the five programs.
+
+    Args:
+        problem: What is solved.
 
     Raises:
         NotImplementedError: An expression uses an operation that has no translation.
@@ -76,7 +79,7 @@ def stage_module(problem: OptimalControlProblem) -> str:
 
 
 def stage_functions(problem: OptimalControlProblem) -> dict[str, ca.Function]:
-    """The five functions of the module's docstring, as CasADi functions."""
+    """The five functions of the module's docstring, as CasADi functions, of a ``problem``."""
     x, u, a, p = problem.state, problem.inputs, problem.decision, problem.parameter
     s = ca.vertcat(x, a)
     w = ca.vertcat(s, u)
@@ -146,7 +149,7 @@ def stage_functions(problem: OptimalControlProblem) -> dict[str, ca.Function]:
 
 
 def straight_line_code(function: ca.Function) -> list[str]:
-    """Lines of a program that evaluates a CasADi SX function."""
+    """Lines of a program that evaluates a CasADi SX ``function``."""
     values: dict[int, str] = {}  # what CasADi's work vector holds
     elements = [function.sparsity_out(k).find() for k in range(function.n_out())]
     lines: list[str] = []
@@ -196,7 +199,7 @@ def _operation(operation: int, operands: list[str], lines: list[str]) -> str:
 
 
 def multiplier_intervals(problem: OptimalControlProblem) -> tuple[np.ndarray, np.ndarray]:
-    """Where the multipliers of h and of e may lie, shapes (2, nh) and (2, ne).
+    """Where the multipliers of h and of e of a ``problem`` may lie, shapes (2, nh) and (2, ne).
 
     [0, inf) for a hard inequality, [0, penalty] for a soft one; (-inf, inf) for an equality, and e
     begins with those.

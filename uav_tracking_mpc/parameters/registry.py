@@ -32,7 +32,7 @@ class Kind:
     """A kind of thing that people add.
 
     Attributes:
-        title: What people call it.
+        title: What a message calls one of them.
         room: Package that holds those that come with the project; also the entry points' group.
         base: Name of the base class in that package.
     """

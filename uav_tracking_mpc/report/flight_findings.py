@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from uav_tracking_mpc.dynamics.relative import MODELS, steady_inputs
+from uav_tracking_mpc.dynamics.relative import steady_inputs
+from uav_tracking_mpc.parameters.registry import RELATIVE_MODEL
 from uav_tracking_mpc.report.metrics import SETTLING_BANDS, range_errors
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
@@ -149,7 +150,9 @@ def range_offset_finding(log: FlightLog) -> RangeOffset | None:
         :data:`NOTABLE_OFFSET`, or if nothing was recorded.
     """
     errors = range_errors(log)
-    from_model = log.plant == "vehicle" and log.model != "exact" and log.model in MODELS
+    from_model = (
+        log.plant == "vehicle" and log.model != "exact" and log.model in RELATIVE_MODEL.names
+    )
     if not (len(errors) and np.all(np.isfinite(errors))):
         return None
     mean = float(np.mean(errors))

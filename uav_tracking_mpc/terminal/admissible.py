@@ -25,7 +25,8 @@ class Limit:
 
     Attributes:
         name: What it limits, in words.
-        level: The limit holds for every x with x'Px <= level; proved. 0 if not even at the origin.
+        level: The limit holds for every x with x'Px <= level [-]; proved. 0 if not even at the
+            origin.
     """
 
     name: str
@@ -85,7 +86,7 @@ def domain_limits(problem: StabilityProblem, weight: NDArray[np.float64]) -> lis
 
 
 def lowest(limits: list[Limit]) -> Limit:
-    """The limit that binds first."""
+    """The one of some ``limits`` that binds first."""
     return min(limits, key=lambda limit: limit.level)
 
 

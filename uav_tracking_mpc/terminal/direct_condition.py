@@ -33,7 +33,7 @@ class DirectCondition:
     """The three parts at one level.
 
     Attributes:
-        level: varrho.
+        level: varrho [-].
         decrease: Proof of part 1.
         inputs: The input limit that binds first.
         domain: The domain limit that binds first.
@@ -64,7 +64,13 @@ class DirectCondition:
 def decrease(
     problem: StabilityProblem, ingredients: TerminalIngredients, level: float
 ) -> QuadraticBound:
-    """Part 1 at one level, as the inequality to prove."""
+    """Part 1 at one level, as the inequality to prove.
+
+    Args:
+        problem: The configuration.
+        ingredients: K and P_rho, taken as exact.
+        level: varrho [-].
+    """
     loop = ClosedLoopBalls(
         problem.model, problem.scheme, problem.orbit, problem.step, ingredients.gain
     )
@@ -93,7 +99,7 @@ def prove_direct_condition(
     Args:
         problem: The configuration.
         ingredients: K and P_rho, taken as exact.
-        level: varrho.
+        level: varrho [-].
         box_limit: See :func:`uav_tracking_mpc.terminal.cover.prove`.
         time_limit: In [s].
         progress: See :func:`uav_tracking_mpc.terminal.cover.prove`.

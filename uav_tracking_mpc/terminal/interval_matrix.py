@@ -15,7 +15,7 @@ Matrix = list[list[Interval]]
 
 
 def evaluate(function: ca.Function, inputs: list[Column]) -> list[Column]:
-    """Walk the instructions of a CasADi function with intervals."""
+    """Walk the instructions of a CasADi ``function`` with intervals for its ``inputs``."""
     work: dict[int, Interval] = {}
     outputs: list[Column] = [[Interval(0.0)] * function.nnz_out(i) for i in range(function.n_out())]
     for k in range(function.n_instructions()):
@@ -65,7 +65,13 @@ def _operate(code: int, arguments: Column) -> Interval:
 
 
 def unpack(function: ca.Function, index: int, entries: Column) -> Matrix:
-    """Dense matrix from the nonzeros of one output of a CasADi function; zeros are exact."""
+    """Dense matrix from the nonzeros of one output of a CasADi function; zeros are exact.
+
+    Args:
+        function: The function.
+        index: Of the output.
+        entries: Its nonzeros.
+    """
     sparsity = function.sparsity_out(index)
     full = [[Interval(0.0) for _ in range(sparsity.size2())] for _ in range(sparsity.size1())]
     rows, columns = sparsity.get_triplet()
@@ -75,7 +81,11 @@ def unpack(function: ca.Function, index: int, entries: Column) -> Matrix:
 
 
 def definite(matrix: Matrix) -> NDArray[np.bool_]:
-    """Where every symmetric matrix in the interval matrix is positive definite (LDL')."""
+    """Where every symmetric matrix in an interval ``matrix`` is positive definite (LDL').
+
+    Returns:
+        Of the shape of the matrix's intervals.
+    """
     rows = [list(row) for row in matrix]
     good: Any = np.asarray(True)
     with np.errstate(invalid="ignore", over="ignore"):
@@ -90,7 +100,11 @@ def definite(matrix: Matrix) -> NDArray[np.bool_]:
 
 
 def inverse_of(p: NDArray[np.float64]) -> Matrix:
-    """Enclosure of P^-1: W near it and R = I - PW give |P^-1 - W| <= |W| |R| / (1 - |R|)."""
+    """Enclosure of P^-1: W near it and R = I - PW give |P^-1 - W| <= |W| |R| / (1 - |R|).
+
+    Args:
+        p: P, shape (n, n).
+    """
     indices = range(len(p))
     w = np.linalg.inv(p)
     w = 0.5 * (w + w.T)
@@ -107,27 +121,33 @@ def inverse_of(p: NDArray[np.float64]) -> Matrix:
 
 
 def reach(row: NDArray[np.float64], inverse: Matrix, level: float) -> Interval:
-    """Largest c'x over x'Px <= level: sqrt(level c'P^-1 c)."""
+    """Largest c'x over x'Px <= level: sqrt(level c'P^-1 c).
+
+    Args:
+        row: c, shape (n,).
+        inverse: Enclosure of P^-1.
+        level: varrho [-].
+    """
     return (quadratic(inverse, [Interval(v) for v in row]) * level).sqrt()
 
 
 def constant(values: NDArray[np.float64]) -> Matrix:
-    """Matrix of numbers, taken as exact."""
+    """Matrix of the numbers ``values``, shape (n, m), taken as exact."""
     return [[Interval(entry) for entry in row] for row in values]
 
 
 def columns(values: NDArray[np.float64]) -> Column:
-    """Columns of an array of shape (m, n): n intervals of m numbers each."""
+    """Columns of ``values``, shape (m, n): n intervals of m numbers each."""
     return [Interval(values[:, i]) for i in range(values.shape[1])]
 
 
 def transpose(matrix: Matrix) -> Matrix:
-    """The transposed matrix."""
+    """The ``matrix`` transposed."""
     return [list(row) for row in zip(*matrix, strict=True)]
 
 
 def product(left: Matrix, right: Matrix) -> Matrix:
-    """Product of two matrices."""
+    """Product of the matrices ``left`` and ``right``."""
     columns = transpose(right)
     return [
         [total(a * b for a, b in zip(row, column, strict=True)) for column in columns]
@@ -136,17 +156,17 @@ def product(left: Matrix, right: Matrix) -> Matrix:
 
 
 def times(matrix: Matrix, column: Column) -> Column:
-    """Matrix times column."""
+    """Product of ``matrix`` and ``column``."""
     return [total(a * b for a, b in zip(row, column, strict=True)) for row in matrix]
 
 
 def quadratic(matrix: Matrix, column: Column) -> Interval:
-    """Quadratic form x'Mx."""
+    """Quadratic form x'Mx of the ``matrix`` M at the ``column`` x."""
     return total(a * b for a, b in zip(column, times(matrix, column), strict=True))
 
 
 def total(terms: Any) -> Interval:
-    """Sum of intervals."""
+    """Sum of the intervals ``terms``."""
     total = Interval(0.0)
     for term in terms:
         total = total + term

@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.discretisation import SCHEMES
+from uav_tracking_mpc.dynamics.discretisation import error_step
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, Orbit
 from uav_tracking_mpc.dynamics.relative import NU, NX, rates_function
 from uav_tracking_mpc.terminal.ball import PRECISION, BallFunction, flint
@@ -40,14 +40,14 @@ def closed_loop_functions(model: str, scheme: str) -> ClosedLoopFunctions:
     """Derive the closed loop of a model and scheme by machine.
 
     Args:
-        model: Name in :data:`uav_tracking_mpc.dynamics.relative.MODELS`.
+        model: Name of a relative model.
         scheme: Name in :data:`uav_tracking_mpc.dynamics.discretisation.SCHEMES`.
     """
     x = ca.SX.sym("x", NX)
     x_ss, u_ss = ca.SX.sym("x_ss", NX), ca.SX.sym("u_ss", NU)
     gain, step = ca.SX.sym("K", NU, NX), ca.SX.sym("T_s")
     numbers = ca.vertcat(x_ss, u_ss, ca.vec(gain), step)
-    following = SCHEMES[scheme](rates_function(model), x_ss + x, u_ss + gain @ x, step) - x_ss  # type: ignore[arg-type]
+    following = error_step(model, scheme, x, gain @ x, x_ss, u_ss, step)
     jacobian = ca.densify(ca.jacobian(following, x))
     curvature, pattern = [], []
     for row in range(NX):
@@ -65,6 +65,10 @@ def closed_loop_functions(model: str, scheme: str) -> ClosedLoopFunctions:
 
 def steady_balls(model: str, orbit: Orbit) -> tuple[list[Any], list[Any]]:
     """x_ss and u_ss of an orbit in ball arithmetic, pi/2 and the drift being exact.
+
+    Args:
+        model: Name of a relative model.
+        orbit: Reference.
 
     Raises:
         ArithmeticError: The model's other rates do not vanish there: no steady state.
@@ -110,11 +114,11 @@ class ClosedLoopBalls:
         self._second = BallFunction(functions.second)
 
     def value_and_jacobian(self, x: list[Any]) -> tuple[list[Any], Any]:
-        """F and its Jacobian (an ``arb_mat``) over the box x of balls."""
+        """Value f and Jacobian (an ``arb_mat``) over the box ``x`` of balls."""
         value, jacobian = self._first(x, self._numbers)
         rows = [jacobian[i::NX] for i in range(NX)]  # CasADi stores by columns
         return value, flint().arb_mat(rows)
 
     def curvature(self, x: list[Any]) -> list[list[Any]]:
-        """Nonzeros of the upper triangles of the Hessians, as :attr:`pattern`, over the box x."""
+        """Nonzeros of the Hessians' upper triangles, as :attr:`pattern`, over the box ``x``."""
         return self._second(x, self._numbers)

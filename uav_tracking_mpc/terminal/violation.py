@@ -20,7 +20,7 @@ class Violation:
     """A state on the edge of the bound.
 
     Attributes:
-        level: x' P x there.
+        level: x' P x there [-].
         state: x, shape (5,), error coordinates.
     """
 
@@ -58,11 +58,11 @@ class Excess:
         self._both = ca.Function("excess_gradient", [x], [excess, ca.gradient(excess, x)])
 
     def __call__(self, states: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values at states of shape (n, 5); nan outside the model's domain."""
+        """Values, shape (n,), at ``states`` of shape (n, 5); nan outside the model's domain."""
         return np.array(self._value(states.T)).ravel()
 
     def with_gradient(self, state: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
-        """Value and gradient, shape (5,), at one state."""
+        """Value and gradient, shape (5,), at one ``state`` of shape (5,)."""
         value, gradient = self._both(state)
         return float(value), np.array(gradient).ravel()
 
@@ -70,7 +70,13 @@ class Excess:
 def directions(
     weight: NDArray[np.float64], count: int, generator: np.random.Generator
 ) -> NDArray[np.float64]:
-    """States uniformly spread over x'Px = 1, shape (count, 5)."""
+    """States uniformly spread over x'Px = 1, shape (count, 5).
+
+    Args:
+        weight: P, shape (5, 5).
+        count: How many.
+        generator: Source of randomness.
+    """
     whitened = generator.normal(size=(count, len(weight)))
     whitened /= np.linalg.norm(whitened, axis=1, keepdims=True)
     return whitened @ np.linalg.inv(np.linalg.cholesky(weight))
@@ -83,7 +89,7 @@ def lowest_violation(
 
     Args:
         excess: Left side minus right side.
-        ceiling: Levels above this are not looked at.
+        ceiling: Greatest level to look at [-].
         rays: Directions tried.
         starts: Local descents from the best of them.
         seed: Of the random directions.
@@ -141,7 +147,14 @@ def _descend(excess: Excess, hit: NDArray[np.float64]) -> Violation:
 def largest_ratio(
     excess: Excess, level: float, rays: int = 6000, starts: int = 12, seed: int = 0
 ) -> Violation:
-    """State of x'Px <= level with the largest |F(x)|_P / |x|_P, where excess is |F|_P^2 (N = 0).
+    """State of x'Px <= level with the largest |F(x)|_P / |x|_P.
+
+    Args:
+        excess: |F|_P^2, so made with N = 0.
+        level: varrho [-].
+        rays: Directions tried.
+        starts: Local ascents from the best of them.
+        seed: Of the random directions.
 
     Returns:
         The ratio as :attr:`Violation.level`, and the state.

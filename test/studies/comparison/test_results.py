@@ -2,19 +2,9 @@ import json
 from dataclasses import replace
 
 import numpy as np
-from compared_flights import compared
+from compared_flights import KEYS, compared
 
 from uav_tracking_mpc.studies.comparison.results import as_json, scenario_of
-
-KEYS = {
-    "range_rms_m",
-    "settling_s",
-    "altitude_rms_m",
-    "airspeed_rms_mps",
-    "bank_rate_rms_dps",
-    "envelope_violations",
-    "violations",
-}
 
 
 def test_json_has_every_number_of_every_flight():

@@ -22,6 +22,7 @@ def campaign(*cases):
         minutes=1.0,
         speed=5.0,
         cases=list(cases),
+        families={"jitter": "network", "loss": "network", "odometry_nan": "odometry"},
         deaths=0,
         growth={"uav_simulator": 1.5, "nmpc_controller": None},
         range_errors=[(0.0, float("nan")), (1.0, 60.0), (2.0, 3.0)],

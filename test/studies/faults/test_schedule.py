@@ -1,11 +1,27 @@
 from itertools import islice
+from types import SimpleNamespace
 
-from uav_tracking_mpc.studies.faults.fault_kinds import KILL, KINDS, NODES, STOP
-from uav_tracking_mpc.studies.faults.schedule import KILLING_FAULTS, schedule
+from uav_tracking_mpc.studies.faults.schedule import RESTARTING_FAULTS, schedule
 
 
-def first(count, seed=0, minutes=10.0):
-    return list(islice(schedule(seed, minutes), count))
+def fault(label, victim="", restarts=False):
+    return SimpleNamespace(
+        label=label, victim=victim, restarts=restarts, duration=(0.5 if victim else 1.0, 3.0)
+    )
+
+
+FAULTS = {
+    fault.label: fault
+    for fault in (
+        *(fault(f"message_{number}") for number in range(50)),
+        *(fault(f"kill_{node}", node, restarts=True) for node in "abc"),
+        *(fault(f"stop_{node}", node) for node in "abc"),
+    )
+}
+
+
+def first(count, seed=0, minutes=10.0, **options):
+    return list(islice(schedule(FAULTS, seed, minutes, **options), count))
 
 
 def test_a_seed_is_a_schedule():
@@ -14,39 +30,36 @@ def test_a_seed_is_a_schedule():
 
 
 def test_a_case_can_be_run_alone():
-    (alone,) = islice(schedule(7, 10.0), 123, 124)
+    (alone,) = islice(schedule(FAULTS, 7, 10.0), 123, 124)
     assert alone == first(124, seed=7)[-1]
 
 
-def test_every_kind_comes_before_any_comes_twice():
+def test_every_fault_comes_before_any_comes_twice():
     seen = [kind for case in first(100) for kind in case.kinds]
-    assert len(KINDS) >= 50
-    assert set(seen[: len(KINDS)]) == set(KINDS)
+    assert set(seen[: len(FAULTS)]) == set(FAULTS)
 
 
-def test_every_node_is_killed_and_stopped_and_starved():
-    for node in NODES:
-        assert KINDS[f"kill_{node}"].action == KILL
-        assert KINDS[f"stop_{node}"].action == STOP
-        assert (KINDS[f"stop_{node}"].shortest, KINDS[f"stop_{node}"].longest) == (0.5, 3.0)
+def test_what_is_asked_for_comes_first():
+    assert first(1, first=["message_31"])[0].kinds[0] == "message_31"
+    seen = [kind for case in first(100, first=["message_31"]) for kind in case.kinds]
+    assert "message_31" not in seen[1 : len(FAULTS)]
 
 
-def test_a_process_is_struck_by_one_fault_at_a_time():
+def test_a_process_has_one_fault_at_a_time():
     for case in first(500):
-        strokes = [kind for kind in case.kinds if KINDS[kind].action in (KILL, STOP)]
-        assert len(strokes) <= 1
+        assert sum(bool(FAULTS[kind].victim) for kind in case.kinds) <= 1
         assert len(set(case.kinds)) == len(case.kinds) > 0
 
 
-def test_nodes_are_killed_early_alone():
-    faults = [kind for case in first(1000, minutes=10.0) for kind in case.kinds]
-    killing = [index for index, kind in enumerate(faults) if KINDS[kind].action == KILL]
-    assert killing[0] < 20
-    assert killing[-1] < KILLING_FAULTS * 10 + len(KINDS)
+def test_nodes_are_restarted_early_alone():
+    seen = [kind for case in first(1000, minutes=10.0) for kind in case.kinds]
+    restarts = [index for index, kind in enumerate(seen) if FAULTS[kind].restarts]
+    assert restarts[0] < 20
+    assert restarts[-1] < RESTARTING_FAULTS * 10 + len(FAULTS)
 
 
-def test_durations_are_those_of_the_kind():
+def test_durations_are_those_of_the_fault():
     for case in first(500):
-        for fault in case.faults:
-            kind = KINDS[fault.kind]
-            assert kind.shortest <= fault.duration <= kind.longest
+        for scheduled in case.faults:
+            shortest, longest = FAULTS[scheduled.label].duration
+            assert shortest <= scheduled.duration <= longest

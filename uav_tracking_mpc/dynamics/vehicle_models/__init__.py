@@ -12,12 +12,13 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.drifting_orbit import OrbitMotion
+from uav_tracking_mpc.dynamics.prediction_model import PredictionModel
 
 
 class Drift(NamedTuple):
@@ -33,23 +34,19 @@ class Drift(NamedTuple):
 
 
 @dataclass(frozen=True)
-class VehicleModel:
-    """Base of the models. Position is relative to the target, in the axes of ``map``.
+class VehicleModel(PredictionModel):
+    """Base of the models.
 
-    Attributes:
-        name: By which it is found.
-        State: The state by name; its first six are x, y, z, heading, path_angle and airspeed.
+    The state's first six components are x, y, z relative to the target in the axes of ``map``,
+    heading, path_angle and airspeed.
     """
-
-    name: ClassVar[str]
-    State: ClassVar[Any]
 
     @abstractmethod
     def numbers(self, duration: float) -> NDArray[np.float64]:
         """What a step is told of this model, shape (k,): may change in flight.
 
         Args:
-            duration: Of the step in [s].
+            duration: Of the step in [s], positive.
         """
 
     @property
@@ -70,16 +67,6 @@ class VehicleModel:
 
         Returns:
             A ``State``; angles are not wrapped.
-        """
-
-    @abstractmethod
-    def initial(self, offset: ArrayLike, attitude: ArrayLike, rates: ArrayLike) -> Any:
-        """State of a measured motion, a ``State`` of floats.
-
-        Args:
-            offset: From target to aircraft, shape (3,), in [m].
-            attitude: (psi, chi, v), shape (3,), in [rad, rad, m/s].
-            rates: (psi', chi', v'), shape (3,), in [rad/s, rad/s, m/s^2].
         """
 
     @abstractmethod

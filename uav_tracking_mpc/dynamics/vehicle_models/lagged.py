@@ -28,8 +28,6 @@ from uav_tracking_mpc.dynamics.vehicle import air_velocity
 from uav_tracking_mpc.dynamics.vehicle_models import Drift, VehicleModel
 from uav_tracking_mpc.parameters.specification import parameter
 
-SHORTEST_LAG = 1e-3  # s; a shorter one is taken as this
-
 
 class LaggedState(NamedTuple):
     """State of the aircraft, relative to the target: numbers or symbols.
@@ -81,13 +79,14 @@ class Lagged(VehicleModel):
             after all of it, for each of the three rates, shape (9,).
         """
         tau = self.lags
-        half, whole = np.exp(-0.5 * duration / tau), np.exp(-duration / tau)
+        with np.errstate(divide="ignore"):  # without lag e^(-inf) = 0 is meant
+            half, whole = np.exp(-0.5 * duration / tau), np.exp(-duration / tau)
         return np.concatenate([tau * (1.0 - half), tau * (1.0 - whole), whole])
 
     @property
     def lags(self) -> NDArray[np.float64]:
-        """See :attr:`VehicleModel.lags`: none of them is 0."""
-        return np.maximum(self.rate_lag, SHORTEST_LAG)
+        """See :attr:`VehicleModel.lags`."""
+        return np.array(self.rate_lag)
 
     def step(
         self, state: LaggedState, inputs: Any, duration: float, numbers: Any, drift: Drift
@@ -117,10 +116,11 @@ class Lagged(VehicleModel):
         ]
         return LaggedState(*position, *end, *end_rates)
 
-    def initial(self, offset: ArrayLike, attitude: ArrayLike, rates: ArrayLike) -> LaggedState:
-        """See :meth:`VehicleModel.initial`."""
-        parts = (np.asarray(part, dtype=float).tolist() for part in (offset, attitude, rates))
-        return LaggedState(*(value for part in parts for value in part))
+    def initial(self, vehicle: ArrayLike, target: ArrayLike, rates: ArrayLike) -> LaggedState:
+        """See :meth:`PredictionModel.initial`."""
+        *position, psi, chi, v = np.asarray(vehicle, dtype=float).tolist()
+        offset = (np.array(position) - target).tolist()
+        return LaggedState(*offset, psi, chi, v, *np.asarray(rates, dtype=float).tolist())
 
     def settled(self, state: LaggedState, orbit: OrbitMotion) -> list[Any]:
         """See :meth:`VehicleModel.settled`: the rates are those of the orbit."""

@@ -13,7 +13,7 @@ The algorithm, one idea a file, in the order in which an iteration runs through 
 ``warm_start``         the kept plan moved on in time
 ``minimise``           one attempt from a guess: sweep, line search, multiplier update, stopping
 ``clock``              wall time inside compiled code
-``numba_options``        how each function is compiled
+``numba_options``      how each function is compiled
 =====================  =============================================================================
 
 The files import each other relatively because they are compiled as a copy: a folder in the user's

@@ -2,10 +2,11 @@
 
 A program is text such as ::
 
-    x = input 0 5
-    t0 = load x 1
+    t0 = load 0 1
     t1 = sin t0
-    store 0 3 t1
+    store 2 3 t1
+
+which writes the sine of element 1 of input 0 to element 3 of output 2.
 
 numba could compile the same lines written as Python, but its type inference takes 2 ms a line and
 the derivatives of a Runge-Kutta step have thousands. Everything here is a float64, so nothing needs
@@ -66,7 +67,8 @@ def straight_line(program: str) -> Callable[..., None]:
     """Function for compiled code that runs a program.
 
     Args:
-        program: Lines ``target = operation operands`` and ``store output element value``.
+        program: Lines ``target = load input element``, ``target = operation operands`` and
+            ``store output element value``; an operand is an earlier target or a number.
 
     Returns:
         ``run((inputs...), (outputs...))``: two tuples of contiguous float64 arrays; the program

@@ -18,7 +18,7 @@ from uav_tracking_mpc.report.figure_style import (
     colours,
     drawing,
 )
-from uav_tracking_mpc.simulation.target_motion import target_velocity
+from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.studies.comparison.measures import SETTLED, Measures, flown_bank
 from uav_tracking_mpc.studies.comparison.results import Scenario
 
@@ -72,7 +72,7 @@ def _draw_top_view(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> No
     axes.margins(0.12)
     axes.set(xlabel="east of the target [m]", ylabel="north of the target [m]")
     axes.set_title("(a) seen from the target")
-    moving = target_velocity(scenario.configuration.target, 0.0)
+    moving = motion_of(scenario.configuration.target).velocity(0.0)
     wind = np.array(scenario.configuration.simulator.wind)
     gusts = " and gusts" if scenario.configuration.simulator.gust_intensity > 0.0 else ""
     _draw_arrow(axes, 0.94, wind, f"wind {np.hypot(*wind[:2]):g} m/s{gusts}", GREY)

@@ -7,13 +7,14 @@ from pathlib import Path
 
 from uav_tracking_mpc.nodes.flight_bag import FlightBag
 from uav_tracking_mpc.nodes.topics import DIAGNOSTICS, Topic
-from uav_tracking_mpc.studies.faults.fault_relay import ORDERS, RELAYED, raw
+from uav_tracking_mpc.studies.faults.fault_relay import ORDERS, raw
+from uav_tracking_mpc.studies.faults.stream_fault import STREAMS
 
 MOST = 100_000  # messages; a case has a tenth of it
 BEFORE = 1_000_000_000  # ns of what came before the case
 
 # Of every relayed topic both sides: as sent (under ``raw``) and as received.
-TOPICS = (*(raw(topic) for topic in RELAYED), *RELAYED, DIAGNOSTICS, ORDERS)
+TOPICS = (*(raw(topic) for topic in STREAMS), *STREAMS, DIAGNOSTICS, ORDERS)
 
 
 class CaseBag:
@@ -23,16 +24,30 @@ class CaseBag:
         self._messages: deque[tuple[Topic, int, bytes]] = deque(maxlen=MOST)
 
     def add(self, topic: Topic, time: int, data: bytes) -> None:
-        """Keep a serialized message heard at ``time`` [ns]."""
+        """Keep a message.
+
+        Args:
+            topic: On which it was heard.
+            time: When it was heard [ns].
+            data: The message, serialized.
+        """
         self._messages.append((topic, time, data))
 
     def begin(self, time: int) -> None:
-        """A case begins at ``time`` [ns]: forget what came long before."""
+        """A case begins: forget what came more than a second before.
+
+        Args:
+            time: When it begins [ns].
+        """
         while self._messages and self._messages[0][1] < time - BEFORE:
             self._messages.popleft()
 
     def write(self, path: Path) -> None:
-        """Write what is kept as an MCAP file."""
+        """Write what is kept as an MCAP file.
+
+        Args:
+            path: Of the file.
+        """
         bag = FlightBag(path, TOPICS)
         for topic, time, data in self._messages:
             bag.write(topic, time, data)

@@ -1,32 +1,30 @@
-"""Cases one after the other: fly, strike, watch, wait for the recovery, write down."""
+"""Cases one after the other: fly, inject, watch, wait for the recovery, write down."""
 
 from __future__ import annotations
 
 import contextlib
-import tempfile
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-import rclpy
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 
-from uav_tracking_mpc.launch.launcher import LaunchError
+from uav_tracking_mpc.launch.supervisor import NODES, LaunchError, supervised
 from uav_tracking_mpc.settings.configuration import Configuration
+from uav_tracking_mpc.studies.faults import fault_relay
 from uav_tracking_mpc.studies.faults.fault_findings import Campaign, CaseFindings
-from uav_tracking_mpc.studies.faults.fault_relay import ORDERS
-from uav_tracking_mpc.studies.faults.injection import Flight, Stroke, stroke
+from uav_tracking_mpc.studies.faults.injection import Flight, Injection
 from uav_tracking_mpc.studies.faults.invariants import Limits, Violation
-from uav_tracking_mpc.studies.faults.node_set import RELAY_NODE, Crew
+from uav_tracking_mpc.studies.faults.kinds import Fault
 from uav_tracking_mpc.studies.faults.observer import Observer
-from uav_tracking_mpc.studies.faults.parameter_storm import ParameterStorm
+from uav_tracking_mpc.studies.faults.parameter_client import ParameterClient
 from uav_tracking_mpc.studies.faults.recovery import Recovery
-from uav_tracking_mpc.studies.faults.resources import Growth, usage
+from uav_tracking_mpc.studies.faults.resources import ResourceWatch
 from uav_tracking_mpc.studies.faults.schedule import Case
+from uav_tracking_mpc.studies.faults.stream_fault import STREAMS
 
 SPEED = 5.0  # simulated over wall time, at most: five processes share the cores
 TOLERANCE = 10.0  # m of range and altitude error on the orbit
@@ -40,10 +38,15 @@ REACH = 1.0  # times the range: how far a target is teleported
 CHECK_PERIOD = 0.02  # s of wall time between looks at the processes
 SAMPLE_PERIOD = 1.0  # s of wall time between looks at what they use
 LOG = "nodes.log"
+RELAY = "fault_relay"
 
 
 def limits(configuration: Configuration) -> Limits:
-    """What the messages of a configuration are held to."""
+    """What the messages of a configuration are held to.
+
+    Args:
+        configuration: That is flown.
+    """
     controller = configuration.controller
     target = np.array(configuration.target.position)
     distance = float(np.linalg.norm(configuration.simulator.initial_state[:3] - target))
@@ -57,104 +60,126 @@ def limits(configuration: Configuration) -> Limits:
     )
 
 
-def fly(
-    configuration: Configuration,
-    cases: Iterable[Case],
-    *,
-    seed: int,
-    minutes: float,
-    output: Path,
-    console: Console,
-) -> Campaign:
-    """Fly cases until the time is over or there are no more.
+class FaultCampaign:
+    """A campaign with real nodes.
 
     Args:
         configuration: What to fly.
-        cases: In this order.
-        seed: Of the cases, for the record.
-        minutes: Wall time.
+        faults: That the cases name, by label.
         output: Existing folder for the nodes' output and the bags of failing cases.
         console: Where progress goes.
-
-    Raises:
-        LaunchError: The aircraft did not reach its orbit before the first fault.
     """
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    with contextlib.ExitStack() as stack:
-        folder = stack.enter_context(tempfile.TemporaryDirectory())
-        log = stack.enter_context((output / LOG).open("w+", encoding="utf-8"))
-        speed = min(SPEED, configuration.mission.speed)
-        crew = Crew(configuration, speed, Path(folder) / "parameters.yaml", Console(file=log))
-        stack.callback(crew.clean)
-        stack.callback(rclpy.try_shutdown)
-        stack.callback(crew.end)
-        return _Campaign(configuration, crew, speed, output, console).run(cases, seed, minutes)
 
-
-class _Campaign:
     def __init__(
-        self, configuration: Configuration, crew: Crew, speed: float, output: Path, console: Console
+        self,
+        configuration: Configuration,
+        faults: Mapping[str, Fault],
+        output: Path,
+        console: Console,
     ) -> None:
-        self._configuration, self._crew, self._speed = configuration, crew, speed
+        self._configuration, self._faults = configuration, faults
         self._output, self._console = output, console
+        self._speed = min(SPEED, configuration.mission.speed)
         self._recovery = Recovery(TOLERANCE, HOLD, RECOVERY_LIMIT)
-        orbit = configuration.controller.orbit
-        self._observer = Observer(
-            limits(configuration), (orbit.range, orbit.altitude), self._recovery
-        )
-        # Orders and storms come from a node of their own, as a stranger's would.
-        self._stranger = Node("stranger")
-        self._executor = EventsExecutor()
-        self._executor.add_node(self._observer)
-        self._executor.add_node(self._stranger)
-        self._flight = Flight(
-            crew,
-            self._observer,
-            self._stranger.create_publisher(ORDERS.type, ORDERS.name, ORDERS.qos),
-            ParameterStorm(self._stranger, configuration.controller),
-            speed,
-            REACH * orbit.range,
-        )
-        self._begin = self._checked = self._sampled = time.monotonic()
-        self._growth: dict[tuple[str, int], Growth] = {}
+        self._resources = ResourceWatch()
         self._range_errors: list[tuple[float, float]] = []
         self._deaths = 0
         self._log_read = 0
 
-    def run(self, cases: Iterable[Case], seed: int, minutes: float) -> Campaign:
-        found: list[CaseFindings] = []
-        try:
-            self._crew.start_all()
+    def fly(
+        self, cases: Iterable[Case], *, seed: int, minutes: float, domain: int | None = None
+    ) -> Campaign:
+        """Fly cases until the time is over or there are no more.
+
+        Args:
+            cases: In this order.
+            seed: Of the cases, for the record.
+            minutes: Wall time [min].
+            domain: ROS domain; None takes one that no other launch uses.
+
+        Returns:
+            What was found.
+
+        Raises:
+            LaunchError: The aircraft did not reach its orbit before the first fault.
+        """
+        with contextlib.ExitStack() as stack:
+            log = stack.enter_context((self._output / LOG).open("w", encoding="utf-8"))
+            self._supervisor = stack.enter_context(supervised(Console(file=log), domain))
+            self._connect(stack)
+            self._begin = self._checked = self._sampled = time.monotonic()
+            self._start_nodes()
             self._reach_orbit()
+            found = []
             end = self._begin + 60.0 * minutes
             for case in cases:
                 if time.monotonic() > end:
                     break
                 found.append(self._fly_case(case))
-                self._say(found)
-        finally:
-            self._executor.shutdown()
-            self._observer.destroy_node()
-            self._stranger.destroy_node()
-        growth = self._final_growth(found)
-        storm = self._flight.storm
+                self._report(found)
+        for words in self._resources.complaints() if found else ():
+            found[-1].add(Violation("growth", words))
+        parameters = self._flight.parameters
         return Campaign(
             config=self._configuration.name,
             seed=seed,
             minutes=minutes,
             speed=self._speed,
             cases=found,
+            families={label: fault.family for label, fault in self._faults.items()},
             deaths=self._deaths,
-            growth=growth,
+            growth={
+                name: growth.rss_percent_per_hour()
+                for name, growth in self._resources.latest().items()
+            },
             range_errors=self._range_errors,
-            storms={"asked": storm.asked, "answered": storm.answered, "accepted": storm.accepted},
+            storms={
+                "asked": parameters.asked,
+                "answered": parameters.answered,
+                "accepted": parameters.accepted,
+            },
         )
+
+    def _connect(self, stack: contextlib.ExitStack) -> None:
+        """Create the nodes of this process: one that hears, one that gives orders."""
+        orbit = self._configuration.controller.orbit
+        self._observer = Observer(
+            limits(self._configuration), (orbit.range, orbit.altitude), self._recovery
+        )
+        commander = Node("campaign")
+        orders = fault_relay.ORDERS
+        publisher = commander.create_publisher(orders.type, orders.name, orders.qos)
+        self._flight = Flight(
+            self._supervisor,
+            self._observer,
+            lambda text: publisher.publish(orders.type(data=text)),
+            ParameterClient(commander, self._configuration.controller),
+            self._speed,
+            REACH * orbit.range,
+        )
+        self._executor = EventsExecutor()
+        for node in (self._observer, commander):
+            self._executor.add_node(node)
+            stack.callback(node.destroy_node)
+        stack.callback(self._executor.shutdown)
+
+    def _start_nodes(self) -> None:
+        self._supervisor.start(RELAY, fault_relay.__name__)
+        remaps = {
+            node: [
+                f"{topic.name}:={fault_relay.raw(topic).name}"  # to the relay first
+                for topic in STREAMS
+                if topic.sender == node
+            ]
+            for node in NODES
+        }
+        self._supervisor.start_flight(self._configuration, self._speed, remaps)
 
     def _reach_orbit(self) -> None:
         self._recovery.begin(0.0)
         deadline = time.monotonic() + START_LIMIT
         for _ in self._spin():
-            dead = self._crew.dead()
+            dead = self._supervisor.dead()
             if dead or time.monotonic() > deadline:
                 raise LaunchError(
                     f"the aircraft did not reach its orbit within {START_LIMIT:g} s"
@@ -165,7 +190,7 @@ class _Campaign:
                 return
 
     def _spin(self) -> Iterator[None]:
-        """Hear messages; yield now and then for a look round."""
+        """Hear messages; yield every CHECK_PERIOD."""
         while True:
             self._executor.spin_once(timeout_sec=CHECK_PERIOD)
             now = time.monotonic()
@@ -181,42 +206,14 @@ class _Campaign:
         findings = CaseFindings(case.index, case.kinds, time.monotonic() - self._begin)
         observer = self._observer
         observer.bag.begin(time.time_ns())
-        begin = observer.flown
-        pending = sorted(case.faults, key=lambda fault: fault.offset)
-        strokes: list[Stroke] = []
-        moved, flown = time.monotonic(), observer.flown
-        ended = False
+        injections: list[Injection] = []
         try:
-            for _ in self._spin():
-                if observer.flown != flown:
-                    moved, flown = time.monotonic(), observer.flown
-                while pending and flown - begin >= pending[0].offset:
-                    strokes.append(stroke(pending.pop(0), self._flight))
-                strokes = [running for running in strokes if next(running, self) is not self]
-                for violation in observer.take_violations():
-                    findings.add(violation)
-                self._look_for_deaths(findings)
-                if strokes or (pending and time.monotonic() - moved < STALL_LIMIT):
-                    moved = time.monotonic() if strokes else moved
-                    continue
-                if not ended:
-                    ended = True
-                    self._recovery.begin(flown)
-                    continue
-                findings.recovery = self._recovery.done(flown)
-                if findings.recovery is not None and findings.recovery <= RECOVERY_LIMIT:
-                    break
-                stalled = time.monotonic() - moved > STALL_LIMIT
-                if stalled or self._recovery.late(flown):
-                    words = f"r - r_d is {observer.range_error:.1f} m after {RECOVERY_LIMIT:g} s"
-                    if stalled:
-                        words = f"simulated time stood still for {STALL_LIMIT:g} s"
-                    findings.recovery = None
-                    findings.add(Violation("recovery", words))
-                    break
+            self._inject(case, injections, findings)
+            self._recovery.begin(observer.flown)
+            self._recover(findings)
         finally:
-            for running in strokes:
-                running.close()
+            for injection in injections:
+                injection.end()
         self._read_log(findings)
         findings.end = time.monotonic() - self._begin
         if findings.violations:
@@ -225,11 +222,58 @@ class _Campaign:
             observer.bag.write(cases / f"case_{case.index:04d}.mcap")
         return findings
 
-    def _look_for_deaths(self, findings: CaseFindings) -> None:
-        for name, code in self._crew.dead().items():
-            self._deaths += 1
-            findings.add(Violation("process lost", f"{name} ended with exit code {code}"))
-            self._crew.start(name)
+    def _inject(self, case: Case, injections: list[Injection], findings: CaseFindings) -> None:
+        """Begin each fault at its time; return when all have settled, or time stands still."""
+        begin = self._observer.flown
+        pending = sorted(case.faults, key=lambda fault: fault.offset)
+        for stalled in self._watch(findings, injections):
+            while pending and self._observer.flown - begin >= pending[0].offset:
+                scheduled = pending.pop(0)
+                fault = self._faults[scheduled.label]
+                injections.append(
+                    Injection(fault, scheduled.duration, scheduled.seed, self._flight)
+                )
+            running = [injection for injection in injections if not injection.settled]
+            for injection in running:
+                for violation in injection.step():
+                    findings.add(violation)
+            if not running and (stalled or not pending):
+                return
+
+    def _recover(self, findings: CaseFindings) -> None:
+        """Wait until the aircraft is back on its orbit, or will not be."""
+        recovery, observer = self._recovery, self._observer
+        for stalled in self._watch(findings):
+            findings.recovery = recovery.done(observer.flown)
+            if findings.recovery is not None and findings.recovery <= RECOVERY_LIMIT:
+                return
+            if stalled or recovery.late(observer.flown):
+                words = f"r - r_d is {observer.range_error:.1f} m after {RECOVERY_LIMIT:g} s"
+                if stalled:
+                    words = f"simulated time stood still for {STALL_LIMIT:g} s"
+                findings.recovery = None
+                findings.add(Violation("recovery", words))
+                return
+
+    def _watch(
+        self, findings: CaseFindings, injections: Sequence[Injection] = ()
+    ) -> Iterator[bool]:
+        """Hear and judge messages and processes; yield whether simulated time stands still.
+
+        Under a fault it may stand still.
+        """
+        moved, flown = time.monotonic(), self._observer.flown
+        for _ in self._spin():
+            under_way = any(not injection.settled for injection in injections)
+            if under_way or self._observer.flown != flown:
+                moved, flown = time.monotonic(), self._observer.flown
+            for violation in self._observer.take_violations():
+                findings.add(violation)
+            for name, code in self._supervisor.dead().items():
+                self._deaths += 1
+                findings.add(Violation("process lost", f"{name} ended with exit code {code}"))
+                self._supervisor.restart(name)
+            yield time.monotonic() - moved > STALL_LIMIT
 
     def _read_log(self, findings: CaseFindings) -> None:
         with (self._output / LOG).open(encoding="utf-8", errors="replace") as file:
@@ -241,30 +285,12 @@ class _Campaign:
                 findings.add(Violation("traceback", line))
 
     def _sample(self, now: float) -> None:
-        self._crew.note_files()
+        self._supervisor.note_shared_memory()
         self._range_errors.append((now - self._begin, self._observer.range_error))
-        for name, process in self._crew.processes.items():
-            sample = usage(process.identity)
-            if sample is not None and name != RELAY_NODE:
-                key = (name, process.identity)
-                if key not in self._growth:
-                    self._growth[key] = Growth(self._crew.started[name])
-                self._growth[key].add(now, sample)
+        processes = self._supervisor.processes
+        self._resources.sample(now, [processes[name] for name in processes if name != RELAY])
 
-    def _final_growth(self, found: list[CaseFindings]) -> dict[str, float | None]:
-        """Of those that lived to the end; what any of them grew is a violation of the last case."""
-        last = {
-            name: self._growth[name, process.identity]
-            for name, process in self._crew.processes.items()
-            if (name, process.identity) in self._growth
-        }
-        for (name, _), growth in self._growth.items():
-            words = growth.complaint()
-            if words and found:
-                found[-1].add(Violation("growth", f"{name}: {words}"))
-        return {name: growth.rss_percent_per_hour() for name, growth in last.items()}
-
-    def _say(self, found: list[CaseFindings]) -> None:
+    def _report(self, found: list[CaseFindings]) -> None:
         case = found[-1]
         recovery = "never" if case.recovery is None else f"{case.recovery:.1f} s"
         faults = sum(len(other.kinds) for other in found)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from uav_tracking_mpc.studies.faults.fault_kinds import FAMILIES, KINDS
 from uav_tracking_mpc.studies.faults.invariants import Violation
 
 
@@ -16,7 +15,7 @@ class CaseFindings:
 
     Attributes:
         index: Its number in the schedule.
-        kinds: Kinds of its faults.
+        kinds: Labels of its faults.
         begin: Since the campaign began, wall time [s].
         end: Likewise.
         recovery: From the last fault's end to the orbit [s] of simulated time; None: never.
@@ -31,7 +30,11 @@ class CaseFindings:
     violations: dict[str, tuple[int, str]] = field(default_factory=dict)
 
     def add(self, violation: Violation) -> None:
-        """Take in a violation; the same again only counts."""
+        """Count a violation; of each invariant the first is kept in words.
+
+        Args:
+            violation: What was found.
+        """
         count, detail = self.violations.get(violation.invariant, (0, violation.detail))
         self.violations[violation.invariant] = (count + 1, detail)
 
@@ -43,9 +46,10 @@ class Campaign:
     Attributes:
         config: Name of the configuration.
         seed: Of the schedule.
-        minutes: Length asked for.
-        speed: Simulated over wall time.
+        minutes: Length asked for [min].
+        speed: Simulated over wall time [-].
         cases: One after the other.
+        families: Of every fault that may be injected, by label, in the order of tables.
         deaths: Processes lost that nobody killed.
         growth: Of each process watched to the end: memory in percent an hour, None: too short.
         range_errors: (wall time since the beginning [s], r - r_d [m]).
@@ -57,6 +61,7 @@ class Campaign:
     minutes: float
     speed: float
     cases: list[CaseFindings]
+    families: Mapping[str, str]
     deaths: int
     growth: dict[str, float | None]
     range_errors: list[tuple[float, float]]
@@ -87,7 +92,7 @@ class Campaign:
             "rss_growth_percent": max(growths, default=0.0),
             "rss_growth_percent_by_node": self.growth,
             "parameters": self.storms,
-            "per_kind": per_kind(self.cases),
+            "per_kind": per_kind(self.cases, self.families),
             "failing_cases": [
                 {
                     "case": case.index,
@@ -104,10 +109,17 @@ class Campaign:
         }
 
 
-def per_kind(cases: Iterable[CaseFindings]) -> dict[str, dict[str, Any]]:
-    """Of each kind that was injected: how often, violations and worst recovery of its cases.
+def per_kind(cases: Iterable[CaseFindings], order: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """Of each fault that was injected: how often, violations and worst recovery of its cases.
 
     Faults that came together share what came of them.
+
+    Args:
+        cases: What came of every case.
+        order: Labels of all faults.
+
+    Returns:
+        ``faults``, ``violations`` and ``worst_recovery_s`` [s] by label, in that order.
     """
     found: dict[str, dict[str, Any]] = {}
     for case in cases:
@@ -118,25 +130,23 @@ def per_kind(cases: Iterable[CaseFindings]) -> dict[str, dict[str, Any]]:
             worst = row["worst_recovery_s"]
             never = worst is None or case.recovery is None
             row["worst_recovery_s"] = None if never else max(worst, case.recovery)
-    order = list(KINDS)
-    return dict(sorted(found.items(), key=lambda item: order.index(item[0])))
+    return {label: found[label] for label in order if label in found}
 
 
 def table(summary: dict[str, Any]) -> str:
-    """The summary for people."""
+    """The summary for people.
+
+    Args:
+        summary: Of :meth:`Campaign.summary`.
+    """
     lines = [f"{'kind':28} {'faults':>6} {'violations':>10} {'worst recovery':>14}"]
-    rows = summary["per_kind"]
-    for family in FAMILIES:
-        for name, row in rows.items():
-            if KINDS[name].family == family:
-                worst = row["worst_recovery_s"]
-                words = "never" if worst is None else f"{worst:.1f} s"
-                lines.append(f"{name:28} {row['faults']:6d} {row['violations']:10d} {words:>14}")
-    worst = summary["worst_recovery_s"]
+    for name, row in summary["per_kind"].items():
+        worst = _time(row["worst_recovery_s"])
+        lines.append(f"{name:28} {row['faults']:6d} {row['violations']:10d} {worst:>14}")
     lines.append(
         f"{summary['faults']} faults of {summary['kinds']} kinds in {summary['cases']} cases: "
         f"{summary['violations']} violations, {summary['deaths']} deaths, worst recovery "
-        f"{'never' if worst is None else f'{worst:.1f} s'}, memory "
+        f"{_time(summary['worst_recovery_s'])}, memory "
         f"{summary['rss_growth_percent']:+.1f} % an hour"
     )
     for case in summary["failing_cases"]:
@@ -146,3 +156,7 @@ def table(summary: dict[str, Any]) -> str:
                 f"{found['count']} times: {found['first']}"
             )
     return "\n".join(lines)
+
+
+def _time(seconds: float | None) -> str:
+    return "never" if seconds is None else f"{seconds:.1f} s"

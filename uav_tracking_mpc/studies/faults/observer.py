@@ -1,4 +1,4 @@
-"""Node ``observer``: hears both sides of every topic and judges what it hears.
+"""Node ``observer``: hears both sides of every topic and checks the invariants.
 
 It reads the messages itself: nothing of the controller's own code is between the wire and the
 judgement.
@@ -23,16 +23,17 @@ from uav_tracking_mpc.studies.faults.invariants import Invariants, Limits, Viola
 from uav_tracking_mpc.studies.faults.recovery import FlownTime, Recovery
 
 QUEUE = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
-LED = 1.0  # s of simulated time without a command after which the aircraft counts as left alone
+LED = 1.0  # s of simulated time without a command after which the aircraft is not commanded
 
 
 class Observer(Node):
-    """Ears of a campaign.
+    """Hears every message of a campaign.
 
     Args:
         limits: What the messages are held to.
-        orbit: (range, altitude) to be on [m].
+        orbit: Range and altitude to be on [m].
         recovery: Told of every state.
+        options: As of rclpy's Node.
 
     Attributes:
         bag: The messages of the present case.
@@ -109,7 +110,15 @@ class Observer(Node):
 
 
 def read_command(message: Any) -> tuple[np.ndarray, np.ndarray]:
-    """(u_psi, u_chi, u_v) of every point, shape (n, 3), nan where it has none, and their times."""
+    """Plan of a command, read without the controller's own code.
+
+    Args:
+        message: MultiDOFJointTrajectory.
+
+    Returns:
+        (u_psi, u_chi, u_v) of every point, shape (n, 3), in [rad/s, rad/s, m/s^2], nan where it
+        has none; when each begins after the stamp, shape (n,) [s].
+    """
     plan = np.full((len(message.points), 3), np.nan)
     starts = np.zeros(len(message.points))
     for index, point in enumerate(message.points):

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from uav_tracking_mpc.launch.node_process import NodeProcess
+
 WARM_UP = 15.0  # s after its start that a process has for loading, compiling, filling its buffers
-SHORTEST = 20.0  # s of samples below which there is no slope worth its name
+SHORTEST = 20.0  # s of samples below which a slope says nothing
 GROWTH_ALLOWED = 0.05  # of the memory, over what was watched
 HANDLES_ALLOWED = 4  # file handles or threads more at the end than after the warm-up
 
@@ -30,7 +33,11 @@ class Usage:
 
 
 def usage(process: int) -> Usage | None:
-    """What a process uses now; None if it has ended, or there is no /proc."""
+    """What a process uses now; None if it has ended, or there is no /proc.
+
+    Args:
+        process: Its id.
+    """
     folder = Path(f"/proc/{process}")
     try:
         status = (folder / "status").read_text()
@@ -48,6 +55,9 @@ class Growth:
 
     Args:
         start: When it was started, by any clock [s].
+
+    Attributes:
+        samples: (time [s], what it used) after the warm-up.
     """
 
     def __init__(self, start: float) -> None:
@@ -55,7 +65,12 @@ class Growth:
         self.samples: list[tuple[float, Usage]] = []
 
     def add(self, time: float, sample: Usage) -> None:
-        """Take in a sample; those of the warm-up are left out."""
+        """Add a sample; those of the warm-up are left out.
+
+        Args:
+            time: By the same clock [s].
+            sample: What the process uses.
+        """
         if time - self._start >= WARM_UP:
             self.samples.append((time, sample))
 
@@ -64,8 +79,14 @@ class Growth:
         """Time from the first sample to the last [s]."""
         return self.samples[-1][0] - self.samples[0][0] if self.samples else 0.0
 
+    def second_half(self) -> Growth:
+        """The later half of the samples."""
+        half = Growth(self._start)
+        half.samples = self.samples[len(self.samples) // 2 :]
+        return half
+
     def rss_percent_per_hour(self) -> float | None:
-        """Slope of the memory, by least squares; None where too little was watched."""
+        """Slope of the memory, by least squares [%/h]; None where too little was watched."""
         if self.span < SHORTEST:
             return None
         times = np.array([time for time, _ in self.samples])
@@ -73,15 +94,18 @@ class Growth:
         slope = float(np.polyfit(times - times[0], rss, 1)[0])
         return 100.0 * slope * 3600.0 / float(rss[0])
 
+    def rss_percent(self) -> float:
+        """Growth of the memory over what was watched, by least squares [%]."""
+        return (self.rss_percent_per_hour() or 0.0) * self.span / 3600.0
+
     def complaint(self) -> str:
         """What grew more than allowed, in words; empty if nothing did."""
-        percent = self.rss_percent_per_hour()
-        if percent is None:
-            return ""
         words = []
-        grown = percent / 100.0 * self.span / 3600.0
-        if grown > GROWTH_ALLOWED:
-            words.append(f"memory grew by {100.0 * grown:.1f} % in {self.span:.0f} s")
+        if self.span < SHORTEST:
+            return ""
+        percent = self.rss_percent()
+        if percent > 100.0 * GROWTH_ALLOWED:
+            words.append(f"memory grew by {percent:.1f} % in {self.span:.0f} s")
         third = max(1, len(self.samples) // 3)
         for name in ("handles", "threads"):
             # Least of each end: what comes and goes is no leak.
@@ -90,3 +114,32 @@ class Growth:
             if last - first > HANDLES_ALLOWED:
                 words.append(f"{name} grew from {first} to {last}")
         return ", ".join(words)
+
+
+class ResourceWatch:
+    """What each process used, also of those that were killed since."""
+
+    def __init__(self) -> None:
+        self._growth: dict[tuple[str, int], Growth] = {}
+
+    def sample(self, time: float, processes: Iterable[NodeProcess]) -> None:
+        """Look at what processes use now.
+
+        Args:
+            time: By the steady clock [s].
+            processes: To look at.
+        """
+        for process in processes:
+            used = usage(process.identity)
+            if used is not None:
+                key = process.name, process.identity
+                self._growth.setdefault(key, Growth(process.started)).add(time, used)
+
+    def latest(self) -> dict[str, Growth]:
+        """Of each node the process that was started last, by name."""
+        return {name: growth for (name, _), growth in self._growth.items()}
+
+    def complaints(self) -> list[str]:
+        """What grew more than allowed in any process, in words."""
+        words = [(name, growth.complaint()) for (name, _), growth in self._growth.items()]
+        return [f"{name}: {complaint}" for name, complaint in words if complaint]

@@ -4,28 +4,28 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
-from uav_tracking_mpc.studies.faults.fault_kinds import KILL, KINDS, STOP
+from uav_tracking_mpc.studies.faults.kinds import Fault
 
-KILLING_FAULTS = 12  # per minute of campaign: how many faults may kill; after them nobody is
+RESTARTING_FAULTS = 12  # per minute of campaign: among so many first faults nodes are restarted
 TOGETHER = (0.55, 0.85)  # one fault alone up to here, two up to here, else three
 LATEST = 1.5  # s of simulated time after the case begins by which its last fault has begun
 
 
 @dataclass(frozen=True)
-class Fault:
-    """One fault.
+class ScheduledFault:
+    """One fault of a case.
 
     Attributes:
-        kind: Name of its kind.
+        label: Of the fault in the catalogue.
         offset: When it begins, after its case, in simulated time [s].
-        duration: How long it lasts [s], in the time of its kind.
+        duration: How long it lasts, in simulated or wall time as the fault has it [s].
         seed: For what is random within it.
     """
 
-    kind: str
+    label: str
     offset: float
     duration: float
     seed: int
@@ -37,74 +37,76 @@ class Case:
 
     Attributes:
         index: Its number in the schedule, from 0.
-        faults: At least one; at most one of them strikes a process.
+        faults: At least one; at most one of them has a victim.
     """
 
     index: int
-    faults: tuple[Fault, ...]
+    faults: tuple[ScheduledFault, ...]
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """Kinds of its faults."""
-        return tuple(fault.kind for fault in self.faults)
+        """Labels of its faults."""
+        return tuple(fault.label for fault in self.faults)
 
 
-def schedule(seed: int, minutes: float) -> Iterator[Case]:
-    """Cases without end: every kind once, then every kind again in another order.
+def schedule(
+    faults: Mapping[str, Fault], seed: int, minutes: float, first: Collection[str] = ()
+) -> Iterator[Case]:
+    """Cases without end: every fault once, then every fault again in another order.
 
     Nodes are killed early in the campaign alone, so that what survives lives long enough for a
     leak to show.
 
     Args:
+        faults: To choose from, by label.
         seed: Of everything random.
-        minutes: Length of the campaign, which decides how long nodes are killed.
+        minutes: Length of the campaign, which decides how long nodes are killed [min].
+        first: Labels of faults that come before all others.
+
+    Yields:
+        One case after the other.
     """
     rng = random.Random(seed)
-    killing = math.ceil(KILLING_FAULTS * minutes)
+    restarting = math.ceil(RESTARTING_FAULTS * minutes)
     dealt = index = 0
     deck: list[str] = []
     while True:
         draw = rng.random()
         wanted = 1 + sum(draw > share for share in TOGETHER)
-        kinds: list[str] = []
-        while len(kinds) < wanted:
+        chosen: list[Fault] = []
+        while len(chosen) < wanted:
             if not deck:
-                deck = _deck(rng, dealt == 0 or dealt < killing)
-            fitting = [name for name in deck if _fits(name, kinds)]
+                deck = _deck(faults, rng, dealt == 0 or dealt < restarting)
+                if dealt == 0:
+                    deck = [*first, *(label for label in deck if label not in first)]
+            fitting = [label for label in deck if _fits(faults[label], chosen)]
             if not fitting:
                 break
-            kinds.append(fitting[0])
+            chosen.append(faults[fitting[0]])
             deck.remove(fitting[0])
-        dealt += len(kinds)
-        yield Case(index, tuple(_fault(rng, name) for name in kinds))
+        dealt += len(chosen)
+        yield Case(index, tuple(_scheduled(rng, fault) for fault in chosen))
         index += 1
 
 
-def _deck(rng: random.Random, killing: bool) -> list[str]:
-    kills = [name for name, kind in KINDS.items() if kind.action == KILL]
-    deck = [name for name in KINDS if name not in kills]
+def _deck(faults: Mapping[str, Fault], rng: random.Random, restarting: bool) -> list[str]:
+    restarts = [label for label, fault in faults.items() if fault.restarts]
+    deck = [label for label in faults if label not in restarts]
     rng.shuffle(deck)
-    if killing:
-        for name in kills:
-            deck.insert(rng.randrange(len(deck) // 3), name)
+    if restarting:
+        for label in restarts:
+            deck.insert(rng.randrange(len(deck) // 3 + 1), label)
     return deck
 
 
-def _fits(name: str, others: list[str]) -> bool:
-    """One stroke at a process at a time: with two of them nobody could say which did it."""
-    processes = (KILL, STOP)
-    if name in others:
-        return False
-    return KINDS[name].action not in processes or not any(
-        KINDS[other].action in processes for other in others
-    )
+def _fits(fault: Fault, others: list[Fault]) -> bool:
+    return fault not in others and not (fault.victim and any(other.victim for other in others))
 
 
-def _fault(rng: random.Random, name: str) -> Fault:
-    kind = KINDS[name]
-    return Fault(
-        name,
+def _scheduled(rng: random.Random, fault: Fault) -> ScheduledFault:
+    return ScheduledFault(
+        fault.label,
         offset=rng.uniform(0.0, LATEST),
-        duration=rng.uniform(kind.shortest, kind.longest),
+        duration=rng.uniform(*fault.duration),
         seed=rng.randrange(2**31),
     )

@@ -4,27 +4,20 @@ from __future__ import annotations
 
 import contextlib
 import math
-import os
-import signal
-import tempfile
 import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import rclpy
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 
-from uav_tracking_mpc.launch.launcher import NODES, LaunchError, node_arguments
-from uav_tracking_mpc.launch.node_process import NodeProcess
-from uav_tracking_mpc.launch.shared_memory import SharedMemoryFiles
+from uav_tracking_mpc.launch.supervisor import LaunchError, Supervisor, supervised
 from uav_tracking_mpc.nodes.topics import COMMAND, ODOMETRY, TARGET
 from uav_tracking_mpc.settings.configuration import Configuration
-from uav_tracking_mpc.studies.faults.resources import Growth, Usage, usage
+from uav_tracking_mpc.studies.faults.resources import Growth, ResourceWatch, Usage
 
 SPEED = 20.0  # simulated over wall time, as far as the machine keeps up
 TOLERANCE = 10.0  # m of range error
@@ -40,6 +33,7 @@ class SoakObserver(Node):
 
     Args:
         wanted: Range of the orbit [m].
+        options: As of rclpy's Node.
 
     Attributes:
         time: Of the latest state, simulated [s].
@@ -86,14 +80,21 @@ def _seconds(message: Any) -> float:
     return float(message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec)
 
 
-def soak(configuration: Configuration, hours: float, output: Path, console: Console) -> Any:
+def soak(
+    configuration: Configuration,
+    hours: float,
+    output: Path,
+    console: Console,
+    domain: int | None = None,
+) -> dict[str, Any]:
     """Fly for hours of simulated time, at the speed of the mission.
 
     Args:
         configuration: What to fly.
-        hours: Simulated.
+        hours: Simulated [h].
         output: Existing folder for the nodes' output.
         console: Where progress goes.
+        domain: ROS domain; None takes one that no other launch uses.
 
     Returns:
         What ``--json`` prints.
@@ -101,31 +102,19 @@ def soak(configuration: Configuration, hours: float, output: Path, console: Cons
     Raises:
         LaunchError: A node died, or time stood still.
     """
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    files = SharedMemoryFiles()
+    resources = ResourceWatch()
     with contextlib.ExitStack() as stack:
-        folder = stack.enter_context(tempfile.TemporaryDirectory())
         log = stack.enter_context((output / "nodes.log").open("w", encoding="utf-8"))
-        stack.callback(files.remove_orphans)
-        stack.callback(rclpy.try_shutdown)
+        supervisor = stack.enter_context(supervised(Console(file=log), domain))
         observer, executor = SoakObserver(configuration.controller.range), EventsExecutor()
         executor.add_node(observer)
-        parameters = Path(folder) / "parameters.yaml"
-        parameters.write_text(configuration.yaml(), encoding="utf-8")
-        crew: dict[str, NodeProcess] = {}
-        growth: dict[str, Growth] = {}
-        for name in NODES:
-            arguments = node_arguments(name, parameters, configuration)
-            crew[name] = NodeProcess(name, arguments, Console(file=log))
-            growth[name] = Growth(time.monotonic())
-            stack.callback(crew[name].stop, signal.SIGTERM)
-        begin, flown = _watch(observer, executor, crew, growth, 3600.0 * hours, console)
-        files.note([os.getpid(), *(process.identity for process in crew.values())])
-        executor.shutdown()
-        observer.destroy_node()
-    wall = time.monotonic() - begin
+        stack.callback(observer.destroy_node)
+        stack.callback(executor.shutdown)
+        supervisor.start_flight(configuration, configuration.mission.speed)
+        begin, flown = _watch(observer, executor, supervisor, resources, 3600.0 * hours, console)
+        wall = time.monotonic() - begin
     worst, when = observer.settled
-    nodes = {name: _told(samples) for name, samples in growth.items()}
+    nodes = {name: _told(growth) for name, growth in resources.latest().items()}
     return {
         "config": configuration.name,
         "simulated_hours": observer.time / 3600.0,
@@ -145,8 +134,8 @@ def soak(configuration: Configuration, hours: float, output: Path, console: Cons
 def _watch(
     observer: SoakObserver,
     executor: EventsExecutor,
-    crew: dict[str, NodeProcess],
-    growth: dict[str, Growth],
+    supervisor: Supervisor,
+    resources: ResourceWatch,
     duration: float,
     console: Console,
 ) -> tuple[float, float]:
@@ -156,21 +145,19 @@ def _watch(
     while observer.time < duration:
         executor.spin_once(timeout_sec=0.1)
         now = time.monotonic()
-        if before == 0.0 or now - sampled < SAMPLE_PERIOD:
-            if before == 0.0 and observer.time > 0.0:
-                began, before = now, observer.time
-            if now - moved > STALL_LIMIT:
-                raise LaunchError(f"simulated time stood still for {STALL_LIMIT:g} s")
+        if before == 0.0 and observer.time > 0.0:
+            began = moved = now
+            before = observer.time
+        if now - sampled < SAMPLE_PERIOD:
             continue
         sampled = now
         if observer.time > before:
             moved, before = now, observer.time
-        for name, process in crew.items():
-            sample = usage(process.identity)
-            if process.exit_code is not None:
-                raise LaunchError(f"{name} died with exit code {process.exit_code}")
-            if sample is not None:
-                growth[name].add(now, sample)
+        if now - moved > STALL_LIMIT:
+            raise LaunchError(f"simulated time stood still for {STALL_LIMIT:g} s")
+        supervisor.check()
+        supervisor.note_shared_memory()
+        resources.sample(now, supervisor.processes.values())
         if now - told > REPORT_PERIOD:
             told = now
             console.print(
@@ -185,19 +172,13 @@ def _watch(
 def _told(growth: Growth) -> dict[str, Any]:
     """How a process grew after its warm-up."""
     samples = growth.samples
-    half = Growth(-math.inf)
-    half.samples = samples[len(samples) // 2 :]
+    half = growth.second_half()
     first, last = (samples[0][1], samples[-1][1]) if samples else (Usage(0, 0, 0),) * 2
     return {
         "rss_mb": last.rss / 1e6,
-        "rss_growth_percent": _percent(growth),
-        "rss_growth_second_half_percent": _percent(half),
+        "rss_growth_percent": growth.rss_percent(),
+        "rss_growth_second_half_percent": half.rss_percent(),
         "handles": [first.handles, last.handles],
         "threads": [first.threads, last.threads],
         "complaint": half.complaint(),
     }
-
-
-def _percent(growth: Growth) -> float:
-    """Memory over the time that was watched, by least squares."""
-    return (growth.rss_percent_per_hour() or 0.0) * growth.span / 3600.0

@@ -5,7 +5,6 @@ from __future__ import annotations
 from uav_tracking_mpc.report.figure_style import BLUE, GREEN, GREY, VERMILLION, drawing
 from uav_tracking_mpc.report.figure_style import png as as_png
 from uav_tracking_mpc.studies.faults.fault_findings import Campaign
-from uav_tracking_mpc.studies.faults.fault_kinds import FAMILIES, KINDS
 
 
 def timeline(campaign: Campaign, tolerance: float, limit: float) -> bytes:
@@ -16,6 +15,7 @@ def timeline(campaign: Campaign, tolerance: float, limit: float) -> bytes:
         tolerance: Range error within which the aircraft counts as on its orbit [m].
         limit: Time allowed for a recovery [s].
     """
+    families = list(dict.fromkeys(campaign.families.values()))
     with drawing(9.0, 6.5) as figure:
         upper, middle, lower = figure.subplots(
             3, 1, sharex=True, gridspec_kw={"height_ratios": (2, 2.4, 1.6)}
@@ -32,11 +32,11 @@ def timeline(campaign: Campaign, tolerance: float, limit: float) -> bytes:
             color = VERMILLION if case.violations else GREY
             width = max(case.end - case.begin, 0.2) / 60.0
             for kind in case.kinds:
-                row = FAMILIES.index(KINDS[kind].family)
+                row = families.index(campaign.families[kind])
                 middle.broken_barh([(case.begin / 60.0, width)], (row - 0.4, 0.8), color=color)
             height = limit if case.recovery is None else case.recovery
             lower.plot(case.begin / 60.0, height, "o", markersize=3, color=color)
-        middle.set_yticks(range(len(FAMILIES)), [name.replace("_", " ") for name in FAMILIES])
+        middle.set_yticks(range(len(families)), [name.replace("_", " ") for name in families])
         middle.invert_yaxis()
         middle.set_title("cases by what they strike; with violations in red")
         lower.axhline(limit, color=VERMILLION, linewidth=0.8, linestyle="--")

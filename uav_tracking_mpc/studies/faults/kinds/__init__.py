@@ -1,0 +1,124 @@
+"""Faults that a campaign injects, one idea a file.
+
+====================  =========================================================================
+``kill``              SIGKILL to a node, then a new start
+``stop``              SIGSTOP to a node, then SIGCONT
+``cpu_starvation``    busy processes on every core
+``loss``              messages of every topic lost
+``jitter``            messages of every topic late
+``gap``               one stream silent
+``bad_number``        a number that is no number, infinite or huge
+``frame``             another frame
+``old_stamp``         stamps of the past
+``future_stamp``      stamps of the future
+``duplicated``        messages that come several times
+``reordered``         messages that lose their turn
+``quaternion``        an attitude that is none
+``negative_speed``    forward speed with the wrong sign
+``absurd``            finite values that no flight has
+``empty``             commands without a plan
+``target_teleport``   a target that leaps away and back
+``target_lost``       no target for longer than the controller's patience
+``clock_jump``        a clock that is ahead or behind
+``clock_pause``       a clock that stands still
+``parameter_storm``   parameters set many times a second
+``solver_budget``     a time budget that no solve can keep
+====================  =========================================================================
+
+A fault is a subclass of :class:`Fault` in a file of its own name. It is found by that name, by an
+entry point in the group ``uav_tracking_mpc.studies.faults.kinds``, or as ``path.py:Class``
+(``uav_tracking torture --fault path.py:Class``). What strikes messages derives from one of the
+bases in :mod:`uav_tracking_mpc.studies.faults.stream_fault`.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, ClassVar
+
+from uav_tracking_mpc.studies.faults.invariants import Violation
+
+if TYPE_CHECKING:
+    from uav_tracking_mpc.studies.faults.injection import Flight
+
+
+class Fault(ABC):
+    """How a fault begins, how it ends, and what must hold meanwhile.
+
+    Every injection gets an object of its own, so a fault may keep what it needs from beginning to
+    end in attributes of itself.
+
+    Attributes:
+        name: By which the class is found.
+        label: By which this variant is reported; the name where there is only one.
+        family: Faults that belong together in tables and figures.
+        duration: Shortest and longest time that it lasts [s], of simulated time.
+        wall_time: Whether the duration is of wall time instead.
+        victim: Node whose process it stops or kills; two faults with a victim never come together,
+            for nobody could say which of them did the harm.
+        restarts: Whether the victim is started anew: such faults come early in a campaign, so that
+            a leak shows in what survives.
+        reference: By which the class can be found again in another process.
+    """
+
+    name: ClassVar[str]
+    duration: ClassVar[tuple[float, float]]
+    wall_time: ClassVar[bool] = False
+    restarts: ClassVar[bool] = False
+    family: str
+    victim: str = ""
+    reference: str = ""
+
+    @classmethod
+    def variants(cls) -> Sequence[Fault]:
+        """Every form of the fault, such as one for each node."""
+        return (cls(),)
+
+    @property
+    def label(self) -> str:
+        """Name of this variant."""
+        return self.name
+
+    @abstractmethod
+    def begin(self, flight: Flight, seconds: float, seed: int) -> None:
+        """Begin.
+
+        Args:
+            flight: What the fault acts on.
+            seconds: How long it will last, of wall time [s].
+            seed: Of everything random in it.
+        """
+
+    def during(self, flight: Flight) -> None:  # noqa: B027 - not every fault needs it
+        """Go on; called about 50 times a second of wall time while the fault lasts.
+
+        Args:
+            flight: What the fault acts on.
+        """
+
+    def end(self, flight: Flight) -> None:  # noqa: B027 - not every fault needs it
+        """End, after the fault's duration or when the campaign is interrupted.
+
+        Args:
+            flight: What the fault acts on.
+        """
+
+    def settled(self, flight: Flight) -> bool:
+        """Whether its end has taken effect, so that the time to recover begins.
+
+        Args:
+            flight: What the fault acts on.
+        """
+        return True
+
+    def violations(self, flight: Flight) -> list[Violation]:
+        """What must hold from begin to settled and does not, besides every flight's invariants.
+
+        Args:
+            flight: What the fault acts on.
+
+        Returns:
+            What is violated now; empty while all is well.
+        """
+        return []

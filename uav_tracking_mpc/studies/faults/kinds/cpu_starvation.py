@@ -1,0 +1,37 @@
+"""Busy processes on every core."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+from uav_tracking_mpc.studies.faults.injection import Flight
+from uav_tracking_mpc.studies.faults.kinds import Fault
+
+PER_CORE = 2
+# Ends by itself, for nobody ends it when the campaign itself is killed.
+BUSY = "import time\nend = time.monotonic() + 10.0\nwhile time.monotonic() < end: pass"
+
+
+class CpuStarvation(Fault):
+    """Starts two busy processes for every core and ends them."""
+
+    name = "cpu_starvation"
+    family = "process"
+    duration = (0.5, 2.0)
+    wall_time = True
+
+    def begin(self, flight: Flight, seconds: float, seed: int) -> None:
+        """See :meth:`Fault.begin`."""
+        program = [sys.executable, "-S", "-c", BUSY]
+        self._busy = [
+            subprocess.Popen(program, stdin=subprocess.DEVNULL)
+            for _ in range(PER_CORE * (os.cpu_count() or 1))
+        ]
+
+    def end(self, flight: Flight) -> None:
+        """See :meth:`Fault.end`."""
+        for process in self._busy:
+            process.kill()
+            process.wait()

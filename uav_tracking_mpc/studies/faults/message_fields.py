@@ -1,0 +1,69 @@
+"""Fields of the messages that faults change."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, COMMAND, ODOMETRY, TARGET, Topic
+
+LATEST_STAMP = 2**31 - 1  # s, where builtin_interfaces/Time ends
+
+Field = tuple[Any, str]
+
+
+def numbers(topic: Topic, message: Any) -> list[Field]:
+    """Fields that hold what a controller or a vehicle computes with.
+
+    Args:
+        topic: Of the message.
+        message: With those fields.
+
+    Returns:
+        (object that holds the field, name of the field) of each.
+    """
+    return _NUMBERS[topic.name](message)
+
+
+def shift(stamp: Any, seconds: float) -> None:
+    """Move a stamp, as far as stamps go; those before 0 can be written, but not all can be read.
+
+    Args:
+        stamp: builtin_interfaces/Time, changed in place.
+        seconds: By how much [s].
+    """
+    total = stamp.sec * 10**9 + stamp.nanosec + round(seconds * 1e9)
+    total = min(max(total, -(2**31) * 10**9), LATEST_STAMP * 10**9)
+    stamp.sec, stamp.nanosec = divmod(total, 10**9)
+
+
+def _axes(vector: Any) -> list[Field]:
+    return [(vector, axis) for axis in "xyz"]
+
+
+def _odometry(message: Any) -> list[Field]:
+    pose = message.pose.pose
+    return [
+        *_axes(pose.position),
+        (pose.orientation, "w"),
+        *_axes(message.twist.twist.linear),
+    ]
+
+
+def _command(message: Any) -> list[Field]:
+    return [
+        field
+        for point in message.points
+        for field in (
+            (point.velocities[0].angular, "y"),
+            (point.velocities[0].angular, "z"),
+            (point.accelerations[0].linear, "x"),
+        )
+    ]
+
+
+_NUMBERS = {
+    ODOMETRY.name: _odometry,
+    AIR_VELOCITY.name: lambda message: _axes(message.twist.linear),
+    TARGET.name: lambda message: _axes(message.point),
+    COMMAND.name: _command,
+}

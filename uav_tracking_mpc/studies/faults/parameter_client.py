@@ -1,0 +1,77 @@
+"""Client of the controller's ``set_parameters`` service, from a process of its own."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from typing import Any
+
+from rcl_interfaces.srv import SetParameters
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from uav_tracking_mpc.parameters.specification import Specification, Value, specifications
+
+ANSWER_LIMIT = 5.0  # s of wall time for the parameters to be put back
+
+
+class ParameterClient:
+    """Asks for parameters and puts them back.
+
+    Args:
+        node: Through which it asks.
+        parameters: The dataclass whose fields are the controller's parameters, as configured.
+
+    Attributes:
+        known: Parameters of the controller.
+        configured: Their values as configured, by name.
+        asked: Requests sent.
+        answered: Answers received.
+        accepted: Parameters that were set.
+    """
+
+    def __init__(self, node: Node, parameters: Any) -> None:
+        self._client = node.create_client(SetParameters, "nmpc_controller/set_parameters")
+        self.known: list[Specification] = list(specifications(type(parameters)))
+        self.configured: dict[str, Value] = {
+            field.name: getattr(parameters, field.name) for field in dataclasses.fields(parameters)
+        }
+        self.asked = self.answered = self.accepted = 0
+        self._put_back = 0.0
+
+    def ask(self, values: dict[str, Any]) -> None:
+        """Ask for values, all in one request; without a server nothing is asked.
+
+        Args:
+            values: By name, of any type.
+        """
+        if not self._client.service_is_ready():
+            return
+        request = SetParameters.Request()
+        request.parameters = [
+            Parameter(name, value=list(value) if isinstance(value, tuple) else value)
+            .to_parameter_msg()
+            for name, value in values.items()
+        ]  # fmt: skip
+        self.asked += 1
+        self._client.call_async(request).add_done_callback(self._on_answer)
+
+    def _on_answer(self, future: Any) -> None:
+        answer = future.result()
+        if answer is not None:
+            self.answered += 1
+            self.accepted += sum(result.successful for result in answer.results)
+
+    def put_back(self) -> None:
+        """Ask for everything as it was configured."""
+        self._put_back = time.monotonic()
+        self.ask({**self.configured, "use_sim_time": True})
+
+    @property
+    def settled(self) -> bool:
+        """Whether every request was answered, or too long ago.
+
+        Answers come in order: with the last one nothing that was asked before is left.
+        """
+        waited = time.monotonic() - self._put_back
+        return self.answered >= self.asked or waited > ANSWER_LIMIT
