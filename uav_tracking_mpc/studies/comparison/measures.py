@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.angles import wrap_angle
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.limits import Motion
 from uav_tracking_mpc.report.metrics import settling_time
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
 SETTLED = 10.0  # m of range error below which a flight counts as settled
-TOLERANCE = 0.01  # share of a limit by which it may be passed
 
 
 @dataclass(frozen=True)
@@ -81,55 +81,40 @@ def flown_bank(log: FlightLog) -> NDArray[np.float64]:
     Args:
         log: Record of the flight.
     """
-    turn = np.asarray(wrap_angle(np.diff(log.vehicle[:, 3]))) / np.diff(log.time)
-    return np.arctan(_middle(log.vehicle[:, 5]) * turn / GRAVITY)
-
-
-def flown_force(log: FlightLog) -> NDArray[np.float64]:
-    """Thrust less drag over mass between each two samples, shape (n - 1,), in [m/s^2].
-
-    Args:
-        log: Record of the flight.
-    """
-    climb = GRAVITY * np.sin(_middle(log.vehicle[:, 4]))
-    return np.asarray(climb + np.diff(log.vehicle[:, 5]) / np.diff(log.time))
+    _, between = _motions(log)
+    return np.asarray(np.arctan(between.airspeed * between.turn_rate / GRAVITY))
 
 
 def violations(log: FlightLog, parameters: TrackingParameters) -> dict[str, NDArray[np.bool_]]:
-    """At which samples which limit is passed by more than :data:`TOLERANCE`, each of shape (n,).
+    """At which samples which limit is passed, each of shape (n,): :meth:`Bound.passed`.
 
-    Bank and force are those of the interval after a sample.
+    Limits of rates, such as bank and force, are those of the interval after a sample.
 
     Args:
         log: Record of the flight.
         parameters: The limits.
     """
-    p = parameters
-    z, chi, v = log.vehicle[:, 2], log.vehicle[:, 4], log.vehicle[:, 5]
-    speeds, middle = (p.airspeed_min, p.airspeed_max), _middle(v)
-    bank, force = np.abs(flown_bank(log)), flown_force(log)
-    beyond = {
-        "airspeed": _below(v, p.airspeed_min) | _above(v, p.airspeed_max),
-        "path angle": _below(chi, p.path_angle_min) | _above(chi, p.path_angle_max),
-        "bank": _above(bank, p.bank_max),
-        "force": _below(force, np.interp(middle, speeds, p.force_min))
-        | _above(force, np.interp(middle, speeds, p.force_max)),
-        "height": _below(z, p.height_min),
-        "distance": _below(np.linalg.norm(log.vehicle[:, :3] - log.target, axis=1), p.distance_min),
-    }
-    if p.fence_radius > 0.0:
-        away = np.hypot(*(log.vehicle[:, :2] - p.fence_centre).T)
-        beyond["fence"] = _above(away, p.fence_radius)
-    # The last sample begins no interval.
-    return {name: np.append(found, False)[: len(v)] for name, found in beyond.items()}
+    at_samples, between = _motions(log)
+    beyond = {}
+    for limit in parameters.envelope.limits:
+        motion = between if limit.of_rates else at_samples
+        told = limit.numbers(log.target[: len(motion.x)]).T
+        bound = limit.flown(motion, told)
+        if bound is not None:
+            # The last sample begins no interval.
+            beyond[limit.label] = np.append(bound.passed(), False)[: len(log.time)]
+    return beyond
 
 
-def _above(values: NDArray[np.float64], limit: float | NDArray[np.float64]) -> NDArray[np.bool_]:
-    return np.asarray(~(values <= limit + TOLERANCE * np.abs(limit) + 1e-9))
-
-
-def _below(values: NDArray[np.float64], limit: float | NDArray[np.float64]) -> NDArray[np.bool_]:
-    return np.asarray(~(values >= limit - TOLERANCE * np.abs(limit) - 1e-9))
+def _motions(log: FlightLog) -> tuple[Motion, Motion]:
+    """Motion relative to the target at the samples, and between each two."""
+    x, y, z = (log.vehicle[:, :3] - log.target).T
+    _, _, _, heading, path_angle, airspeed = log.vehicle.T
+    places = (x, y, z, path_angle, airspeed)
+    step = np.diff(log.time)
+    turn_rate = np.asarray(wrap_angle(np.diff(heading))) / step
+    rates = (turn_rate, np.diff(airspeed) / step)
+    return Motion(*places), Motion(*(_middle(values) for values in places), *rates)
 
 
 def _middle(values: NDArray[np.float64]) -> NDArray[np.float64]:
