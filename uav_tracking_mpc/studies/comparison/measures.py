@@ -112,13 +112,16 @@ def _at_samples(log: FlightLog) -> Motion:
 
 
 def _between_samples(log: FlightLog) -> Motion:
-    *position, path_angle, airspeed, _, _ = _at_samples(log)
+    samples, step = _at_samples(log), np.diff(log.time)
     _, _, _, heading, _, _ = log.vehicle.T
-    step = np.diff(log.time)
     return Motion(
-        *(_middle(part) for part in (*position, path_angle, airspeed)),
+        x=_middle(samples.x),
+        y=_middle(samples.y),
+        z=_middle(samples.z),
+        path_angle=_middle(samples.path_angle),
+        airspeed=_middle(samples.airspeed),
         turn_rate=np.asarray(wrap_angle(np.diff(heading))) / step,
-        acceleration=np.diff(airspeed) / step,
+        acceleration=np.diff(samples.airspeed) / step,
     )
 
 
