@@ -1,14 +1,9 @@
 r"""What counts of a flight, from the true trajectory and the configuration's limits alone.
 
-Nothing here asks the controller or its model of the envelope: bank and specific force are those
-flown between two samples of the state,
+Nothing here asks the controller. What depends on rates is that of the interval between two samples
+of the state, with the mean of position, path angle and airspeed over it; the bank, for instance:
 
-.. math::
-
-    \tan\phi = \frac{\bar v}{g} \frac{\Delta\psi}{\Delta t}, \qquad
-    f = g \sin\bar\chi + \frac{\Delta v}{\Delta t}
-
-with the mean of path angle and airspeed over the interval.
+.. math:: \tan\phi = \frac{\bar v}{g} \frac{\Delta\psi}{\Delta t}
 """
 
 from __future__ import annotations
@@ -81,40 +76,53 @@ def flown_bank(log: FlightLog) -> NDArray[np.float64]:
     Args:
         log: Record of the flight.
     """
-    _, between = _motions(log)
-    return np.asarray(np.arctan(between.airspeed * between.turn_rate / GRAVITY))
+    motion = _between_samples(log)
+    return np.asarray(np.arctan(motion.airspeed * motion.turn_rate / GRAVITY))
 
 
 def violations(log: FlightLog, parameters: TrackingParameters) -> dict[str, NDArray[np.bool_]]:
-    """At which samples which limit is passed, each of shape (n,): :meth:`Bound.passed`.
+    """At which samples which limit is passed by more than 1 %, each of shape (n,).
 
-    Limits of rates, such as bank and force, are those of the interval after a sample.
+    Bank and force are those of the interval after a sample.
 
     Args:
         log: Record of the flight.
         parameters: The limits.
+
+    Returns:
+        By the label of the limit.
     """
-    at_samples, between = _motions(log)
-    beyond = {}
+    at_samples, between = _at_samples(log), _between_samples(log)
+    passed = {}
     for limit in parameters.envelope.limits:
-        motion = between if limit.of_rates else at_samples
-        told = limit.numbers(log.target[: len(motion.x)]).T
-        bound = limit.flown(motion, told)
+        motion, targets = at_samples, log.target
+        if limit.of_rates:
+            motion, targets = between, log.target[:-1]
+        bound = limit.flown(motion, limit.numbers(targets).T)
         if bound is not None:
             # The last sample begins no interval.
-            beyond[limit.label] = np.append(bound.passed(), False)[: len(log.time)]
-    return beyond
+            passed[limit.label] = np.append(bound.passed(), False)[: len(log.time)]
+    return passed
 
 
-def _motions(log: FlightLog) -> tuple[Motion, Motion]:
-    """Motion relative to the target at the samples, and between each two."""
-    x, y, z = (log.vehicle[:, :3] - log.target).T
-    _, _, _, heading, path_angle, airspeed = log.vehicle.T
-    places = (x, y, z, path_angle, airspeed)
-    step = np.diff(log.time)
-    turn_rate = np.asarray(wrap_angle(np.diff(heading))) / step
-    rates = (turn_rate, np.diff(airspeed) / step)
-    return Motion(*places), Motion(*(_middle(values) for values in places), *rates)
+def _at_samples(log: FlightLog) -> Motion:
+    x, y, z, _, path_angle, airspeed = log.vehicle.T
+    x_target, y_target, z_target = log.target.T
+    return Motion(x - x_target, y - y_target, z - z_target, path_angle, airspeed)
+
+
+def _between_samples(log: FlightLog) -> Motion:
+    samples, step = _at_samples(log), np.diff(log.time)
+    _, _, _, heading, _, _ = log.vehicle.T
+    return Motion(
+        x=_middle(samples.x),
+        y=_middle(samples.y),
+        z=_middle(samples.z),
+        path_angle=_middle(samples.path_angle),
+        airspeed=_middle(samples.airspeed),
+        turn_rate=np.asarray(wrap_angle(np.diff(heading))) / step,
+        acceleration=np.diff(samples.airspeed) / step,
+    )
 
 
 def _middle(values: NDArray[np.float64]) -> NDArray[np.float64]:
