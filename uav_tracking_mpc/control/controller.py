@@ -278,7 +278,7 @@ class Controller:
         self.drift = estimate.present.drift
         return self._fly(stamp, estimate, stamp - seen <= self.parameters.target_timeout)
 
-    def _fly(self, stamp: float, estimate: Estimate, target_fresh: bool) -> Command:
+    def _fly(self, stamp: float, estimate: Estimate, target_fresh: bool = True) -> Command:
         """Command for an estimate; values that are not finite are survived."""
         self._orient(estimate.effect)
         plan, by_law, trouble = None, None, ""

@@ -70,11 +70,11 @@ class ControllerFuzz:
             NmpcController,
             self._parameters,
             self._published,
-            roots=("_pilot", "_navigator", "_gate", "_air", "_pace", "_origin", "_state_time"),
+            roots=("controller",),
             # The solver's workspace is overwritten by every solve; a doubtful state is remembered,
             # to judge the next ones.
-            leaving_out=("formulation", "parameters", "_odd", "_agreeing", "reason"),
-            refusals=lambda node: node._report.refused,
+            leaving_out=("formulation", "parameters", "_outlier", "_agreeing", "reason"),
+            refusals=lambda node: node.report.refused,
             findings=findings,
             more={"use_sim_time": True},
         )
