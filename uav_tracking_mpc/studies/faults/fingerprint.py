@@ -35,7 +35,7 @@ def _feed(thing: Any, leaving_out: Collection[str], feed: Callable[[bytes], None
         feed(repr(thing).encode())
     elif kind is np.ndarray:
         feed(thing.tobytes())
-    elif kind in (list, tuple, deque):
+    elif isinstance(thing, (list, tuple, deque)):
         feed(b"[%d" % len(thing))
         for item in thing:
             _feed(item, leaving_out, feed)
