@@ -48,7 +48,7 @@ def test_an_exception_in_a_callback_is_found(ros, monkeypatch):
     def careless(message):
         return np.linalg.inv(np.diag([message.point.x, 1.0, 1.0])).diagonal()
 
-    monkeypatch.setattr("uav_tracking_mpc.nodes.nmpc_controller.position_from_point", careless)
+    monkeypatch.setattr("uav_tracking_mpc.nodes.conversions.position_from_point", careless)
     findings = found(ControllerFuzz, 500)
     assert findings.exceptions > 10
     assert "LinAlgError" in findings.examples[0]
