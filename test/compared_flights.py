@@ -7,6 +7,15 @@ from uav_tracking_mpc.studies.comparison.flights import fly_all, prepared
 from uav_tracking_mpc.studies.comparison.results import Scenario, scenario_of
 
 LAWS = ("nmpc", "l1")
+KEYS = {  # of a flight in the JSON
+    "range_rms_m",
+    "settling_s",
+    "altitude_rms_m",
+    "airspeed_rms_mps",
+    "bank_rate_rms_dps",
+    "envelope_violations",
+    "violations",
+}
 
 
 @cache

@@ -7,6 +7,7 @@ import os
 import numpy as np
 import pytest
 
+from uav_tracking_mpc.dynamics import paper_numbers
 from uav_tracking_mpc.dynamics.orbit import Orbit
 
 os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
@@ -16,16 +17,16 @@ os.environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
 @pytest.fixture(scope="session")
 def orbit() -> Orbit:
     """Table 1: r_d = 150 m, z_d = 50 m, v_d = 4 m/s, theta_d = pi/2."""
-    return Orbit(150.0, 50.0, 4.0)
+    return paper_numbers.ORBIT
 
 
 @pytest.fixture(scope="session")
 def weights() -> tuple[np.ndarray, np.ndarray]:
     """Q and R of (59)."""
-    return np.diag([0.008, 0.09, 0.05, 0.04, 0.9]), np.eye(3)
+    return np.diag(paper_numbers.STATE_WEIGHTS), np.diag(paper_numbers.INPUT_WEIGHTS)
 
 
 @pytest.fixture(scope="session")
 def paper_start() -> np.ndarray:
     """x_o of Section 6: (r, theta, z, chi, v)."""
-    return np.array([212.83, -np.pi / 4, 20.0, 0.0, 0.0])
+    return np.array(paper_numbers.INITIAL_STATE)

@@ -8,8 +8,9 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.discretisation import error_dynamics, linearise
-from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.dynamics import paper_numbers
+from uav_tracking_mpc.dynamics.discretisation import error_dynamics
+from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
 from uav_tracking_mpc.dynamics.relative import (
     relative_state,
     steady_inputs,
@@ -17,14 +18,14 @@ from uav_tracking_mpc.dynamics.relative import (
     vehicle_state,
 )
 from uav_tracking_mpc.dynamics.vehicle import advance
+from uav_tracking_mpc.formulation.paper_problem import tracking_problem
 from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
-from uav_tracking_mpc.mpc.quadratic import quadratic_problem
 from uav_tracking_mpc.simulation.flight_log import FlightLog
-from uav_tracking_mpc.terminal.ingredients import terminal_ingredients
+from uav_tracking_mpc.terminal.stability_problem import paper_problem
 
-ORBIT = Orbit(range=150.0, altitude=50.0, speed=4.0)  # Table 1
-INPUT_UPPER = np.array([np.pi / 4.0, np.pi / 4.0, 1.0])
-START = np.array([212.83, -np.pi / 4.0, 20.0, 0.0, 0.0])  # x_o of Section 6
+ORBIT = paper_numbers.ORBIT
+INPUT_UPPER = np.array(paper_numbers.INPUT_BOUNDS)
+START = np.array(paper_numbers.INITIAL_STATE)
 STEPS = 150
 
 
@@ -69,19 +70,7 @@ def paper_flight(model: str = "exact", plant: str = "euler") -> FlightLog:
     """The mission of Section 6 and Table 1, N = 10, no terminal constraint."""
     dynamics = error_dynamics(model, ORBIT, 1.0)
     u_ss = steady_inputs(model, ORBIT)
-    weights = np.diag([0.008, 0.09, 0.05, 0.04, 0.9]), np.eye(3)  # (59)
-    solver = CasadiSolver(
-        quadratic_problem(
-            dynamics,
-            horizon=10,
-            step=1.0,
-            state_weight=weights[0],
-            input_weight=weights[1],
-            terminal_weight=terminal_ingredients(*linearise(dynamics), *weights, 2.5).weight,
-            input_lower=-INPUT_UPPER - u_ss,
-            input_upper=INPUT_UPPER - u_ss,
-        )
-    )
+    solver = CasadiSolver(tracking_problem(paper_problem(model), level=None))
     relative, azimuth, target = START, 0.0, np.zeros(3)
     vehicles, inputs, solutions = [vehicle_state(START, azimuth, target)], [], []
     for k in range(STEPS):
@@ -117,3 +106,22 @@ def paper_flight(model: str = "exact", plant: str = "euler") -> FlightLog:
         solver=solver.name,
         failures=sum(not solution.converged for solution in solutions),
     )
+
+
+def moving_target() -> FlightLog:
+    """Several orbits about a target that drives away at 2 m/s."""
+    log = orbiting(600, Orbit(300.0, 120.0, 22.0, COUNTER_CLOCKWISE), step=0.5)
+    target = np.outer(log.time, [2.0, 1.0, 0.0])
+    vehicle = log.vehicle.copy()
+    vehicle[:, :3] += target
+    return replace(log, vehicle=vehicle, target=target)
+
+
+def with_holes() -> FlightLog:
+    """Samples, costs and a bound that are not finite."""
+    log = orbiting(40)
+    vehicle, cost = log.vehicle.copy(), log.cost.copy()
+    vehicle[3:6] = np.nan
+    cost[::2] = np.nan
+    upper = np.array([np.inf, 1.0, 1.0])
+    return replace(log, vehicle=vehicle, cost=cost, input_upper=upper)

@@ -7,8 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from uav_tracking_mpc.estimation.situation import Situation
-from uav_tracking_mpc.formulation.flight_formulation import effective_lag
-from uav_tracking_mpc.formulation.flight_problem import flight_problem
+from uav_tracking_mpc.formulation.flight_formulation import flight_problem
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.tracking import TrackingParameters
@@ -24,11 +23,14 @@ def parameters(*overrides: str) -> TrackingParameters:
 
 
 @lru_cache
-def problem(lagged: bool = True):
-    """The flight problem with the configuration's horizon; the only two that are compiled."""
-    flown = parameters()
-    lag = effective_lag(flown.rate_lag) if lagged else ()
-    return flight_problem(flown.horizon, flown.horizon_step, lag, flown.limit_penalty)
+def flight():
+    """The flight problem with the configuration's horizon; the only one that is compiled."""
+    return flight_problem(parameters())
+
+
+def problem():
+    """The same, as a solver takes it."""
+    return flight().problem
 
 
 @lru_cache

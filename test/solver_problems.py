@@ -7,12 +7,33 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
+from uav_tracking_mpc.dynamics import paper_numbers
 from uav_tracking_mpc.dynamics.relative import tracking_error
+from uav_tracking_mpc.formulation.paper_problem import tracking_problem
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
-from uav_tracking_mpc.studies.benchmark.cases import ORBIT, START, paper_problem
+from uav_tracking_mpc.terminal.ingredients import input_limited_level
+from uav_tracking_mpc.terminal.stability_problem import paper_problem
 
-PAPER_START = tracking_error(START, ORBIT)
+PAPER_START = tracking_error(paper_numbers.INITIAL_STATE, paper_numbers.ORBIT)
+
+
+def integrator(**changes):
+    """A double integrator to the origin."""
+    x, u = ca.SX.sym("x", 2), ca.SX.sym("u", 1)
+    data = {
+        "state": x,
+        "inputs": u,
+        "next_state": ca.vertcat(x[0] + 0.1 * x[1], x[1] + 0.1 * u),
+        "stage_cost": ca.sumsqr(x) + ca.sumsqr(u),
+        "terminal_cost": ca.sumsqr(x),
+        "horizon": 10,
+        "step": 0.1,
+        "input_lower": np.array([-1.0]),
+        "input_upper": np.array([1.0]),
+    }
+    data.update({key: value(x, u) if callable(value) else value for key, value in changes.items()})
+    return OptimalControlProblem(**data)
 
 
 def pendulum(
@@ -54,7 +75,10 @@ def pendulum(
 
 @lru_cache
 def paper(horizon: int = 10, ellipsoid: bool = False) -> OptimalControlProblem:
-    return paper_problem(horizon, ellipsoid)
+    """The paper's problem, with X_f as a soft constraint or without."""
+    problem = paper_problem(horizon=horizon)
+    level = input_limited_level(problem.ingredients(), *problem.deviation_bounds())
+    return tracking_problem(problem, level if ellipsoid else None, penalty=100.0)
 
 
 @lru_cache

@@ -3,14 +3,15 @@ import pytest
 
 from uav_tracking_mpc.dynamics.discretisation import error_dynamics, linearise
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.dynamics.relative import MODELS, relative_state, steady_inputs, vehicle_state
+from uav_tracking_mpc.dynamics.relative import relative_state, steady_inputs, vehicle_state
 from uav_tracking_mpc.dynamics.vehicle import advance
+from uav_tracking_mpc.parameters.registry import RELATIVE_MODEL
 
 B = np.vstack([np.zeros(3), [1, 0, 0], np.zeros(3), [0, 1, 0], [0, 0, 1]])
 
 
 @pytest.mark.parametrize("scheme", ["euler", "rk4"])
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", RELATIVE_MODEL.names)
 @pytest.mark.parametrize("direction", ["clockwise", "counter_clockwise"])
 def test_origin_is_an_equilibrium(model, scheme, direction):
     dynamics = error_dynamics(model, Orbit(150.0, 50.0, 4.0, direction), 1.0, scheme)

@@ -1,4 +1,3 @@
-import casadi as ca
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
@@ -7,7 +6,6 @@ from scipy.integrate import solve_ivp
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import (
-    MODELS,
     rates_function,
     relative_state,
     steady_inputs,
@@ -15,6 +13,7 @@ from uav_tracking_mpc.dynamics.relative import (
     vehicle_state,
 )
 from uav_tracking_mpc.dynamics.vehicle import advance
+from uav_tracking_mpc.parameters.registry import RELATIVE_MODEL
 
 RELATIVE = st.tuples(
     st.floats(60, 400),
@@ -27,14 +26,14 @@ RELATIVE = st.tuples(
 
 def test_steady_turn_of_each_model(orbit):
     """Three different turns follow from the slip in (6), (7)."""
-    turn = {model: steady_inputs(model, orbit)[0] for model in MODELS}
+    turn = {model: steady_inputs(model, orbit)[0] for model in RELATIVE_MODEL.names}
     assert turn["exact"] == pytest.approx(-4.0 / np.sqrt(150.0**2 - 50.0**2))
     assert turn["paper9"] == pytest.approx(-4.0 * 150.0 / (150.0**2 - 50.0**2))
     assert turn["paper"] == pytest.approx(-4.0 / 150.0)
 
 
 @pytest.mark.parametrize("direction", ["clockwise", "counter_clockwise"])
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", RELATIVE_MODEL.names)
 def test_both_directions_are_equilibria(model, direction):
     orbit = Orbit(150.0, 50.0, 4.0, direction)
     rates = rates_function(model)(orbit.steady_state, steady_inputs(model, orbit))
@@ -118,8 +117,3 @@ def test_point_below_the_ground_of_its_own_range_is_refused():
 def test_bearing_error_is_wrapped(orbit):
     error = tracking_error([150.0, -3.0, 50.0, 0.0, 4.0], orbit)
     assert error[1] == pytest.approx(2 * np.pi - 3.0 - np.pi / 2)
-
-
-def test_models_are_symbolic():
-    state, inputs = ca.SX.sym("x", 5), ca.SX.sym("u", 3)
-    assert all(isinstance(rates(state, inputs), ca.SX) for rates in MODELS.values())

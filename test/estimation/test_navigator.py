@@ -9,7 +9,7 @@ import small_uav
 from uav_tracking_mpc.dynamics.angles import angle_difference
 from uav_tracking_mpc.estimation.navigator import LATENCY_LIMIT, Navigator
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.simulation.plants.vehicle import Plant
+from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
 
 TICK = 0.05
 FLIGHT = small_uav.parameters()
@@ -62,7 +62,7 @@ class Flight:
             ],
         )
         self.parameters = configuration.controller
-        self.plant = Plant(configuration.simulator)
+        self.plant = VehiclePlant(configuration.simulator)
         self.navigator = Navigator(self.parameters)
         self.run, self.ticks = np.array(run), 0
 
@@ -88,8 +88,10 @@ class Flight:
         return situation
 
     def situation(self):
-        state, ground_velocity = self.plant.measured()
-        return self.navigator.situation(self.time, state, ground_velocity, self.plant.rates[:2])
+        plant = self.plant
+        return self.navigator.situation(
+            self.time, plant.state, plant.ground_velocity, plant.rates[:2]
+        )
 
 
 def test_the_acceleration_flown_is_told_from_the_commands():

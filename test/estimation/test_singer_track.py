@@ -28,7 +28,8 @@ def van_loan(duration):
 @pytest.mark.parametrize("duration", [1e-3, 0.1, 1.0, 2.5, 2.6, 12.0])
 def test_the_motion_is_that_of_the_matrix_exponential(duration):
     for computed, exact in zip(singer_motion(duration), van_loan(duration), strict=True):
-        np.testing.assert_allclose(computed, exact, rtol=1e-9, atol=1e-15)
+        # Entries that are 0 come out of the exponential as the rounding of the largest.
+        np.testing.assert_allclose(computed, exact, rtol=1e-9, atol=1e-14 * np.abs(exact).max())
 
 
 @pytest.mark.parametrize("duration", [1e-6, 1e-3])

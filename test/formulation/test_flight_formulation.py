@@ -9,12 +9,7 @@ from hypothesis import strategies as st
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, COUNTER_CLOCKWISE, DIRECTIONS
 from uav_tracking_mpc.dynamics.relative import relative_state, tracking_error
 from uav_tracking_mpc.estimation.forecast import steady_forecast
-from uav_tracking_mpc.formulation.flight_formulation import (
-    FORCE_MARGIN,
-    FlightFormulation,
-    constant_data,
-    effective_lag,
-)
+from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
 from uav_tracking_mpc.mpc.solution import Status
 
 FLIGHT = small_uav.parameters()
@@ -27,20 +22,6 @@ def formulation(parameters=FLIGHT):
 
 def plan_of(flight, now, orbit=FLIGHT.orbit, elapsed=None, forecast=None):
     return flight.solve(now, forecast or steady_forecast(now, N), orbit, elapsed)
-
-
-@given(st.floats(14.0, 32.0))
-def test_the_force_is_limited_as_the_envelope_says(airspeed):
-    parameters = replace(FLIGHT, force_min=(-1.5, -4.0), force_max=(4.0, 2.5))
-    data = constant_data(parameters)
-    lower, upper = parameters.envelope.force_limits(airspeed)
-    assert data.force_min[0] + data.force_min[1] * airspeed == pytest.approx(lower + FORCE_MARGIN)
-    assert data.force_max[0] + data.force_max[1] * airspeed == pytest.approx(upper - FORCE_MARGIN)
-
-
-def test_lag_is_all_or_nothing():
-    assert effective_lag((0.0, 0.0, 0.0)) == ()
-    assert effective_lag((0.3, 0.0, 0.16)) == (0.3, 1e-3, 0.16)
 
 
 @pytest.mark.parametrize("direction", DIRECTIONS)

@@ -9,29 +9,19 @@ import small_uav
 from kkt import kkt_residual
 
 from uav_tracking_mpc.dynamics.discretisation import error_dynamics
-from uav_tracking_mpc.dynamics.lagged_vehicle import advance
-from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, DIRECTIONS
+from uav_tracking_mpc.dynamics.orbit import DIRECTIONS
 from uav_tracking_mpc.dynamics.relative import (
-    rates_function,
     relative_state,
     steady_inputs,
     tracking_error,
     vehicle_state,
 )
+from uav_tracking_mpc.dynamics.vehicle_models.lagged import LaggedState
 from uav_tracking_mpc.estimation.forecast import steady_forecast
-from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation, constant_data
-from uav_tracking_mpc.formulation.flight_problem import (
-    DECISION_SCALE,
-    PARAMETERS,
-    SIZES,
-    SMALL,
-    WHERE,
-    flight_problem,
-    input_span,
-)
+from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation, flight_problem
+from uav_tracking_mpc.formulation.flight_problem import DECISION_SCALE, SMALL
 from uav_tracking_mpc.formulation.paper_terminal import tracking_problem
 from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
-from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.solver import Guess
 
 FLIGHT = small_uav.parameters()
@@ -41,25 +31,32 @@ STILL = small_uav.parameters(
 )
 
 
-def data_of(parameters, orbit, drift=(0.0, 0.0, 0.0), drift_rate=(0.0, 0.0, 0.0)):
-    """The parameter p of a stage without floor and fence."""
-    return replace(
-        constant_data(parameters),
-        drift=drift,
-        drift_rate=drift_rate,
-        orbit=(orbit.range, orbit.altitude, orbit.speed),
-        sense=1.0 if orbit.direction == COUNTER_CLOCKWISE else -1.0,
-    ).vector()
+LAGGED = small_uav.flight()
+
+
+def data_of(parameters, orbit, drift=(0.0, 0.0, 0.0)):
+    """The parameter p of a stage about a target at the origin."""
+    formulation = FlightFormulation(parameters, NoSolver())
+    still = small_uav.situation(drift=drift)
+    return formulation.data(steady_forecast(still, parameters.horizon), orbit)[0].copy()
+
+
+class NoSolver:
+    """For a formulation that only states its problem."""
 
 
 def decision_of(orbit):
     return np.array([orbit.radius, orbit.altitude, orbit.speed]) / DECISION_SCALE
 
 
-def shares_of(parameters, inputs, airspeed, path_angle):
+def state_of(vehicle, rates=(0.0, 0.0, 0.0)):
+    """State of a vehicle about a target at the origin."""
+    return LaggedState(*vehicle, *rates)
+
+
+def shares_of(inputs, state, data):
     """Shares that give inputs (u_psi, u_chi, u_v) in a state."""
-    span = input_span(path_angle, airspeed, constant_data(parameters), np)
-    middle, half = (np.array(part) for part in span)
+    middle, half = (np.array(part) for part in LAGGED.span(state, data))
     return (inputs - middle) / half
 
 
@@ -71,14 +68,6 @@ def stage_function(problem):
     )
 
 
-def test_the_data_stand_where_the_problem_looks_for_them():
-    data = constant_data(FLIGHT)
-    vector = data.vector()
-    assert vector.shape == (PARAMETERS,) == (small_uav.problem().np,)
-    for name in SIZES:
-        np.testing.assert_array_equal(vector[WHERE[name]], np.ravel(getattr(data, name)))
-
-
 @pytest.mark.parametrize("direction", DIRECTIONS)
 def test_without_drift_the_stage_cost_is_that_of_the_paper(direction):
     """(14) at random states and inputs, on the wanted orbit; to rounding."""
@@ -86,14 +75,14 @@ def test_without_drift_the_stage_cost_is_that_of_the_paper(direction):
         STILL, direction=direction, force_min=(-60.0, -60.0), force_max=(60.0,) * 2
     )
     orbit, rng = parameters.orbit, np.random.default_rng(1)
-    stage = stage_function(small_uav.problem(lagged=False))
+    stage, data = stage_function(LAGGED.problem), data_of(parameters, orbit)
     q, r = np.diag(parameters.state_weights), np.diag(parameters.input_weights)
     for _ in range(50):
         relative = rng.uniform([150.0, -3.1, -140.0, -1.4, 14.0], [900.0, 3.1, 140.0, 1.4, 32.0])
         inputs = rng.uniform(parameters.input_lower, parameters.input_upper)
         vehicle = vehicle_state(relative, rng.uniform(-np.pi, np.pi), np.zeros(3))
-        shares = shares_of(parameters, inputs, relative[4], relative[3])
-        cost = stage(vehicle, shares, data_of(parameters, orbit), decision_of(orbit))[1]
+        state = state_of(vehicle)
+        cost = stage(state, shares_of(inputs, state, data), data, decision_of(orbit))[1]
         # Distances are smooth where they vanish: 1 cm is added to each, in squares.
         relative[0] = np.hypot(relative[0], SMALL)
         x = tracking_error(relative, orbit)
@@ -101,38 +90,22 @@ def test_without_drift_the_stage_cost_is_that_of_the_paper(direction):
         assert float(cost) == pytest.approx(x @ q @ x + u @ r @ u, rel=1e-11)
 
 
-def test_its_motion_is_the_papers_exact_model_in_other_coordinates():
-    """(9), corrected: central difference over 0.2 ms, at random states and inputs."""
-    rates, rng, h = rates_function("exact"), np.random.default_rng(2), 1e-4
-    for _ in range(50):
-        relative = rng.uniform([150.0, -3.1, -140.0, -1.4, 14.0], [900.0, 3.1, 140.0, 1.4, 32.0])
-        inputs = rng.uniform([-0.7, -0.5, -4.0], [0.7, 0.5, 5.0])
-        vehicle = vehicle_state(relative, rng.uniform(-np.pi, np.pi), np.zeros(3)).tolist()
-        still = [0.0, 0.0, 0.0]
-        after, before = (
-            relative_state(advance(vehicle, inputs, dt, (), still, still), still) for dt in (h, -h)
-        )
-        change = after - before
-        change[1] = np.arctan2(np.sin(change[1]), np.cos(change[1]))
-        expected = np.array(rates(relative, inputs)).ravel()
-        np.testing.assert_allclose(change / (2.0 * h), expected, atol=2e-6)
-
-
 @pytest.mark.parametrize(("step", "error"), [(0.5, 3e-5), (0.25, 1e-6), (0.125, 3.5e-8)])
 def test_a_step_is_the_papers_up_to_the_error_of_integration(step, error):
     """Against Runge-Kutta in the paper's coordinates: both are of fourth order."""
-    stage = stage_function(flight_problem(1, step, (), FLIGHT.limit_penalty))
-    parameters = replace(STILL, force_min=(-60.0, -60.0), force_max=(60.0, 60.0))
+    parameters = replace(STILL, force_min=(-60.0, -60.0), force_max=(60.0, 60.0), horizon_step=step)
+    stage = stage_function(flight_problem(replace(parameters, horizon=1)).problem)
     orbit, rng = parameters.orbit, np.random.default_rng(3)
     dynamics = error_dynamics("exact", orbit, step, "rk4")
+    data = data_of(parameters, orbit)
     worst = 0.0
     for _ in range(30):
         relative = rng.uniform([150.0, -3.1, -100.0, -0.3, 14.0], [900.0, 3.1, 140.0, 0.3, 32.0])
         inputs = rng.uniform([-0.4, -0.3, -2.0], [0.4, 0.3, 2.0])
         vehicle = vehicle_state(relative, 0.7, np.zeros(3))
-        shares = shares_of(parameters, inputs, relative[4], relative[3])
-        flown = stage(vehicle, shares, data_of(parameters, orbit), decision_of(orbit))[0]
-        x = tracking_error(relative_state(np.array(flown).ravel(), np.zeros(3)), orbit)
+        state = state_of(vehicle, inputs)
+        flown = stage(state, shares_of(inputs, state, data), data, decision_of(orbit))[0]
+        x = tracking_error(relative_state(np.array(flown).ravel()[:6], np.zeros(3)), orbit)
         u = inputs - steady_inputs("exact", orbit)
         expected = np.array(dynamics(tracking_error(relative, orbit), u)).ravel()
         difference = x - expected
@@ -145,7 +118,7 @@ def test_a_step_is_the_papers_up_to_the_error_of_integration(step, error):
 def test_a_flight_on_the_orbit_costs_nothing_in_any_drift(drift):
     """At its turn rate, fed forward by half a step, there is no error to be paid for."""
     orbit, parameters = STILL.orbit, STILL
-    stage = stage_function(small_uav.problem(lagged=False))
+    stage = stage_function(LAGGED.problem)
     data, drift = data_of(parameters, orbit, drift), np.array(drift)
     path_angle = -np.arcsin(drift[2] / orbit.speed)
 
@@ -162,15 +135,17 @@ def test_a_flight_on_the_orbit_costs_nothing_in_any_drift(drift):
         air, turn, azimuth_rate = motion(azimuth)
         ahead = 0.5 * STILL.horizon_step * azimuth_rate * 1e-3
         lead = (motion(azimuth + ahead)[1] - motion(azimuth - ahead)[1]) / 2e-3
-        shares = shares_of(parameters, (turn + lead, 0.0, 0.0), orbit.speed, path_angle)
-        state = [
-            orbit.radius * np.cos(azimuth),
-            orbit.radius * np.sin(azimuth),
-            orbit.altitude,
-            np.arctan2(air[1], air[0]),
-            path_angle,
-            orbit.speed,
-        ]
+        state = state_of(
+            [
+                orbit.radius * np.cos(azimuth),
+                orbit.radius * np.sin(azimuth),
+                orbit.altitude,
+                np.arctan2(air[1], air[0]),
+                path_angle,
+                orbit.speed,
+            ]
+        )
+        shares = shares_of((turn + lead, 0.0, 0.0), state, data)
         assert float(stage(state, shares, data, decision_of(orbit))[1]) < 1e-12
 
 
@@ -185,7 +160,7 @@ def test_near_the_orbit_its_inputs_are_those_of_the_paper():
     paper = CasadiSolver(tracking_problem(parameters), "ipopt")
     flight = FlightFormulation(
         replace(parameters, terminal_constraint="artificial_orbit"),
-        NewtonSolver(small_uav.problem(lagged=False)),
+        small_uav.solver(),
     )
     orbit, rng = parameters.orbit, np.random.default_rng(4)
     for _ in range(5):
@@ -237,7 +212,7 @@ def test_every_input_of_every_plan_can_be_flown(plans):
     for _, _, _, plan in plans:
         states = plan.solution.states[:-1]
         for inputs, state in zip(plan.inputs, states, strict=True):
-            path_angle, airspeed = state[4:6]
+            _, _, _, _, path_angle, airspeed, *_ = state
             lower, upper = (
                 envelope.force_min[0] + (airspeed - 14.0) / 18.0 * np.diff(envelope.force_min)[0],
                 envelope.force_max[0] + (airspeed - 14.0) / 18.0 * np.diff(envelope.force_max)[0],
@@ -257,7 +232,7 @@ def test_every_plan_ends_on_an_orbit_that_can_be_flown(plans):
     for now, _, p, plan in plans:
         radius, altitude, speed = plan.solution.decision * DECISION_SCALE
         x, y, z, psi, chi, v, *rates = plan.solution.states[-1]
-        sense = p[0, WHERE["sense"]][0]
+        sense = float(LAGGED.layout.part(p[0], "sense")[0])
         assert np.hypot(np.hypot(x, y), z) == pytest.approx(np.hypot(radius, altitude), abs=1e-3)
         assert (z, v) == pytest.approx((altitude, speed), abs=1e-3)
         relative = v * np.cos(chi) * np.array([np.cos(psi), np.sin(psi)]) + now.drift[:2]

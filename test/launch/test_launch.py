@@ -44,7 +44,7 @@ def left_behind(names):
 def launcher():
     env = {key: value for key, value in environment().items() if key != "ROS_DOMAIN_ID"}
     process = subprocess.Popen(
-        command("launch.launcher", "--config", "paper"),
+        command("cli.launch_tracking", "--config", "paper"),
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
@@ -98,7 +98,7 @@ def test_nodes_do_not_outlive_a_killed_launcher(launcher):
 
 @pytest.mark.timeout(60)
 def test_a_launch_may_be_ended_before_it_flies():
-    process = subprocess.Popen(command("launch.launcher"), stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(command("cli.launch_tracking"), stderr=subprocess.PIPE, text=True)
     assert process.stderr is not None
     assert "domain" in process.stderr.readline()
     process.send_signal(INTERRUPT)

@@ -1,4 +1,3 @@
-import dataclasses
 import math
 
 import numpy as np
@@ -6,23 +5,25 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from uav_tracking_mpc.dynamics.gravity import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.vehicle import advance
-from uav_tracking_mpc.limits._envelope import GRAVITY, Envelope
+from uav_tracking_mpc.limits._envelope import Envelope
 
-SMALL_UAV = Envelope(
-    airspeed_min=14.0,
-    airspeed_max=32.0,
-    path_angle_min=math.radians(-9.0),
-    path_angle_max=math.radians(14.0),
-    bank_max=math.radians(45.0),
-    yaw_rate_max=0.785,
-    pitch_rate_max=0.785,
-    acceleration_min=-1.5,
-    acceleration_max=3.0,
-    force_min=(-1.2, -4.0),
-    force_max=(5.0, 1.0),
-)
+VALUES = {
+    "airspeed_min": 14.0,
+    "airspeed_max": 32.0,
+    "path_angle_min": math.radians(-9.0),
+    "path_angle_max": math.radians(14.0),
+    "bank_max": math.radians(45.0),
+    "yaw_rate_max": 0.785,
+    "pitch_rate_max": 0.785,
+    "acceleration_min": -1.5,
+    "acceleration_max": 3.0,
+    "force_min": (-1.2, -4.0),
+    "force_max": (5.0, 1.0),
+}
+SMALL_UAV = Envelope(**VALUES)
 STILL = np.zeros(3)
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -144,7 +145,7 @@ def test_a_refusal_says_why_and_what_would_do(orbit, drift, words):
 
 
 def test_too_near_to_the_target_is_refused():
-    envelope = dataclasses.replace(SMALL_UAV, distance_min=400.0)
+    envelope = Envelope(**{**VALUES, "distance_min": 400.0})
     refusal = envelope.refusal(Orbit(300.0, 120.0, 22.0), STILL)
     assert "nearer to the target than the 400.0 m allowed" in refusal
     assert "has a range of 400.0 m" in refusal
@@ -182,5 +183,5 @@ def test_the_nearest_orbit_can_be_flown(orbit, drift):
     ],
 )
 def test_limits_that_contradict_themselves_are_refused_by_name(name, value):
-    with pytest.raises(ValueError, match=f"envelope {name} is"):
-        dataclasses.replace(SMALL_UAV, **{name: value})
+    with pytest.raises(ValueError, match=f"parameter '{name}' is"):
+        Envelope(**{**VALUES, name: value})

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
-from test_problem import integrator
+from solver_problems import integrator
 
 from uav_tracking_mpc.dynamics.relative import tracking_error
 from uav_tracking_mpc.formulation.paper_terminal import tracking_problem

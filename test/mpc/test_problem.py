@@ -1,26 +1,9 @@
 import casadi as ca
 import numpy as np
 import pytest
+from solver_problems import integrator
 
-from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
-
-
-def integrator(**changes):
-    """A double integrator to the origin."""
-    x, u = ca.SX.sym("x", 2), ca.SX.sym("u", 1)
-    data = {
-        "state": x,
-        "inputs": u,
-        "next_state": ca.vertcat(x[0] + 0.1 * x[1], x[1] + 0.1 * u),
-        "stage_cost": ca.sumsqr(x) + ca.sumsqr(u),
-        "terminal_cost": ca.sumsqr(x),
-        "horizon": 10,
-        "step": 0.1,
-        "input_lower": np.array([-1.0]),
-        "input_upper": np.array([1.0]),
-    }
-    data.update({key: value(x, u) if callable(value) else value for key, value in changes.items()})
-    return OptimalControlProblem(**data)
+from uav_tracking_mpc.mpc.problem import Inequality
 
 
 def test_sizes_are_those_of_the_symbols():

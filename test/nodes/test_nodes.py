@@ -268,7 +268,7 @@ def test_one_state_with_an_old_stamp_is_not_answered(executor):
         (NmpcController, {"state_weights": [1.0]}, "a list of 5 numbers"),
         (NmpcController, {"airspeed": float("nan")}, "'airspeed' is nan"),
         (UavSimulator, {"initial_speed": 50.0}, "'initial_speed' is 50.0"),
-        (TargetPublisher, {"motion": "hop"}, "must be one of stationary, line"),
+        (TargetPublisher, {"motion": "hop"}, "must be one of circle, jump, line"),
         (TargetPublisher, {"noise": "much"}, "'noise' is 'much'"),
     ],
 )

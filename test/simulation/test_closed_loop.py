@@ -4,7 +4,13 @@ import pytest
 from uav_tracking_mpc.dynamics.angles import angle_difference
 from uav_tracking_mpc.report.metrics import metrics
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.simulation.closed_loop import SimulationError, simulate
+from uav_tracking_mpc.settings.simulator import SimulatorParameters
+from uav_tracking_mpc.simulation import closed_loop
+from uav_tracking_mpc.simulation.closed_loop import simulate
+from uav_tracking_mpc.simulation.plants import SimulationError
+from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
+
+SLOW = SimulatorParameters(initial_speed=4.0)
 
 
 @pytest.mark.parametrize(
@@ -237,3 +243,62 @@ def test_a_target_that_is_never_seen_is_said():
                 ],
             )
         )
+
+
+SLIPPING = """
+from dataclasses import replace
+
+from uav_tracking_mpc.dynamics.angles import wrap_angle
+from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
+
+
+class Slipping(VehiclePlant):
+    name = "slipping"
+
+    @property
+    def truth(self):
+        truth = super().truth
+        return replace(truth, heading=float(wrap_angle(truth.heading - 0.2 * truth.turn_rate)))
+"""
+
+
+def test_a_plant_of_ones_own_is_one_file(tmp_path):
+    """The nose points outside the turn; the controller takes the difference for wind."""
+    file = tmp_path / "slipping.py"
+    file.write_text(SLIPPING)
+    overrides = [
+        f"mission.plant={file}:Slipping",
+        "mission.duration=60",
+        "nmpc_controller.solve_time_max=5.0",
+    ]
+    log = simulate(load_configuration("small_uav", overrides))
+    assert log.plant == "slipping"
+    _, _, _, psi, _, _ = log.vehicle[-1]
+    course = log.course[-1]
+    turn = log.inputs[-1, 0]
+    assert float(angle_difference(psi, course)) == pytest.approx(-0.2 * turn, abs=2e-3)
+    assert np.max(np.abs(log.error[log.time > 40.0, 0])) < 1.0
+
+
+class Diverging(VehiclePlant):
+    name = "diverging"
+
+    @property
+    def truth(self):
+        if self.time > 1.0:
+            self.state[2] = np.nan
+        return super().truth
+
+
+def test_a_plant_that_is_not_finite_ends_the_flight(monkeypatch):
+    monkeypatch.setattr(closed_loop, "plant_of", lambda configuration: Diverging(SLOW))
+    with pytest.raises(SimulationError, match=r"at 1.05 s the plant's position is .*nan"):
+        simulate(load_configuration("paper", ["mission.plant=vehicle", "mission.duration=5"]))
+
+
+def test_a_law_is_flown_by_the_same_loop():
+    overrides = ["mission.duration=60", "nmpc_controller.law=l1"]
+    log = simulate(load_configuration("small_uav", overrides))
+    assert (log.solver, log.failures, log.commands.failsafe) == ("none", 0, 0)
+    assert log.commands.sent == 1200
+    assert np.max(np.abs(log.error[log.time > 40.0, 0])) < 1.0

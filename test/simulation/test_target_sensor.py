@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.simulation.target_motion import TargetParameters, target_position
+from uav_tracking_mpc.settings.target import TargetParameters
+from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.simulation.target_sensor import TargetSensor
 
 MOVING = {"motion": "line", "speed": 5.0}
@@ -9,7 +10,7 @@ MOVING = {"motion": "line", "speed": 5.0}
 
 def fly(parameters, count=200, step=0.1):
     """(time delivered, time measured, position) of every delivery."""
-    sensor, heard = TargetSensor(parameters), []
+    sensor, heard = TargetSensor(parameters, motion_of(parameters)), []
     for k in range(count):
         sensor.measure(k * step)
         heard += [(k * step, *delivery) for delivery in sensor.delivered(k * step)]
@@ -22,7 +23,7 @@ def test_without_noise_it_is_the_truth_at_once():
     assert len(heard) == 200
     for now, measured, position in heard:
         assert now == measured
-        np.testing.assert_array_equal(position, target_position(parameters, measured))
+        np.testing.assert_array_equal(position, motion_of(parameters).position(measured))
 
 
 def test_noise_is_as_large_as_told_and_reproducible():
@@ -48,12 +49,13 @@ def test_a_delayed_measurement_bears_the_time_of_measuring():
     assert heard[0][0] == pytest.approx(0.4)  # the first look after 0.35 s
     for now, measured, position in heard:
         assert 0.35 - 1e-8 <= now - measured <= 0.45
-        np.testing.assert_array_equal(position, target_position(parameters, measured))
+        np.testing.assert_array_equal(position, motion_of(parameters).position(measured))
     assert len(heard) == 196
 
 
 def test_after_the_clock_went_back_nothing_of_the_future_is_delivered():
-    sensor = TargetSensor(TargetParameters(delay=1.0))
+    parameters = TargetParameters(delay=1.0)
+    sensor = TargetSensor(parameters, motion_of(parameters))
     sensor.measure(100.0)
     sensor.measure(2.0)
     assert [time for time, _ in sensor.delivered(200.0)] == [2.0]

@@ -6,11 +6,12 @@ import pytest
 
 flint = pytest.importorskip("flint")
 
-from uav_tracking_mpc.dynamics.relative import MODELS, rates_function  # noqa: E402
+from uav_tracking_mpc.dynamics.relative import rates_function  # noqa: E402
+from uav_tracking_mpc.parameters.registry import RELATIVE_MODEL  # noqa: E402
 from uav_tracking_mpc.terminal.ball import BallFunction  # noqa: E402
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", RELATIVE_MODEL.names)
 def test_enclosure_holds_samples(model):
     function = rates_function(model)
     enclose = BallFunction(function)

@@ -7,7 +7,7 @@ import pytest
 
 pytest.importorskip("flint")
 
-from uav_tracking_mpc.dynamics import relative
+from uav_tracking_mpc.dynamics.relative_models.exact import Exact
 from uav_tracking_mpc.terminal.direct_condition import (
     decrease,
     prove_direct_condition,
@@ -77,10 +77,10 @@ def test_wrong_gain_is_rejected(fault):
 def test_sign_error_in_the_model_is_rejected(fault, monkeypatch):
     problem = paper_problem()
     parts = problem.ingredients()
-    right = relative.exact_rates
+    right = Exact.rates
 
-    def wrong(state, inputs):
-        rates = right(state, inputs)
+    def wrong(self, state, inputs):
+        rates = right(self, state, inputs)
         if fault == "range rate":
             rates[0] = -rates[0]
         elif fault == "climb rate":
@@ -89,7 +89,7 @@ def test_sign_error_in_the_model_is_rejected(fault, monkeypatch):
             rates[1] -= 2.0 * inputs[0]
         return rates
 
-    monkeypatch.setitem(relative.MODELS, "exact", wrong)
+    monkeypatch.setattr(Exact, "rates", wrong)
     try:
         answer = attempt(problem, parts, 0.5, 1.0)
     except ArithmeticError:  # the wrong model has no such steady state: rejected as well

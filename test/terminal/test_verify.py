@@ -9,9 +9,8 @@ import pytest
 
 pytest.importorskip("flint")
 
-from uav_tracking_mpc.dynamics import relative
-from uav_tracking_mpc.terminal import interval as interval_module
-from uav_tracking_mpc.terminal import interval_matrix
+from uav_tracking_mpc.dynamics.relative_models.exact import Exact
+from uav_tracking_mpc.terminal import box_verification, interval, interval_matrix
 from uav_tracking_mpc.terminal import verify as verify_module
 from uav_tracking_mpc.terminal.certificate import certificate, digest
 from uav_tracking_mpc.terminal.direct_condition import prove_direct_condition
@@ -118,11 +117,11 @@ def test_rejects_a_wrong_digest(written):
 
 
 def test_shares_no_code_with_the_prover():
-    source = Path(verify_module.__file__).read_text() + Path(interval_module.__file__).read_text()
-    source += Path(interval_matrix.__file__).read_text()
+    modules = (verify_module, box_verification, interval_matrix, interval)
+    source = "".join(Path(module.__file__).read_text() for module in modules)
     imported = {line.split()[1] for line in source.splitlines() if line.startswith("from uav_")}
-    allowed = ("uav_tracking_mpc.dynamics.", "uav_tracking_mpc.terminal.interval")
-    assert all(name.startswith(allowed) for name in imported)
+    own = {module.__name__ for module in modules}
+    assert all(name in own or name.startswith("uav_tracking_mpc.dynamics.") for name in imported)
     assert "flint" not in source
 
 
@@ -131,12 +130,12 @@ def test_rejects_content_that_is_no_certificate():
 
 
 def test_rejects_when_the_model_has_a_sign_error(written, monkeypatch):
-    right = relative.exact_rates
+    right = Exact.rates
 
-    def wrong(state, inputs):
-        rates = right(state, inputs)
+    def wrong(self, state, inputs):
+        rates = right(self, state, inputs)
         rates[2] = -rates[2]
         return rates
 
-    monkeypatch.setitem(relative.MODELS, "exact", wrong)
+    monkeypatch.setattr(Exact, "rates", wrong)
     assert verify(written) is not None

@@ -1,1 +1,21 @@
-"""The ``uav_tracking`` command."""
+"""The ``uav_tracking`` command: one file a command, and what the commands share.
+
+===================  =============================================================================
+``main``             entry point: chooses the command
+``fly``              a mission with real ROS 2 nodes
+``simulate``         the same mission without ROS
+``compare``          the predictive controller beside classical laws
+``stability``        the stability analysis, its proof and its certificate
+``benchmark``        solve times beside other solvers
+``torture``          faults injected into real nodes
+``monitor``          a live table of a flight
+``launch_tracking``  entry point of the executable that only starts the nodes
+``arguments``        options that several commands have
+``answer``           how a command prints what it found: JSON or words
+``ending``           how a command that failed reports it
+===================  =============================================================================
+
+A command's module holds ``HELP`` (one line), ``DESCRIPTION``, ``add_arguments(parser)`` and
+``run(arguments)``, which returns the exit code. Whatever takes long to import is imported in
+``run``, so that help comes at once.
+"""

@@ -3,10 +3,12 @@
 ====================  ================================================================
 ``angles``            wrapping
 ``frames``            REP-103: ENU, FLU, quaternions, signs on the wire
-``vehicle``           (3) in ``map``, advanced exactly under held inputs
+``vehicle``           (3): velocity of the air path, and the state under held inputs, exact
+``paper_numbers``     Table 1, (59) and the initial state of the paper
 ``orbit``             the reference (r_d, z_d, v_d) and its direction
-``envelope``          what the aircraft can fly, and which orbits that leaves it
-``lagged_vehicle``    (3) behind inner loops that lag, in a drift, for numbers and symbols
+``gravity``           standard gravity
+``vehicle_models``    models of the aircraft for the prediction, one file each
+``drift``             how fast a drift is, how sharp it makes the turn
 ``drifting_orbit``    the periodic orbit under drift and its turn rate
 ``relative``          (r, theta, z, chi, v): exact, and the paper's models as printed
 ``discretisation``    Euler (10), Runge-Kutta 4, error form (11), linearisation (12)

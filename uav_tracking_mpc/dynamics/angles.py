@@ -23,5 +23,13 @@ def wrap_angle(angle: ArrayLike) -> NDArray[np.float64]:
 
 
 def angle_difference(minuend: ArrayLike, subtrahend: ArrayLike) -> NDArray[np.float64]:
-    """Shortest signed turn from ``subtrahend`` to ``minuend``, in (-pi, pi] [rad]."""
+    """Shortest signed turn from ``subtrahend`` to ``minuend``, in (-pi, pi].
+
+    Args:
+        minuend: Angle or angles in [rad], any shape.
+        subtrahend: Angle or angles in [rad], of a shape that broadcasts with the other.
+
+    Returns:
+        Of the broadcast shape, in [rad].
+    """
     return wrap_angle(np.asarray(minuend, dtype=float) - np.asarray(subtrahend, dtype=float))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -12,13 +13,27 @@ from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import NU, NX, rates_function, steady_inputs
 
 
-def euler(rates: ca.Function, state: ca.SX, inputs: ca.SX, step: float) -> ca.SX:
-    """One forward Euler step, as in (10)."""
+def euler(rates: ca.Function, state: ca.SX, inputs: ca.SX, step: Any) -> ca.SX:
+    """One forward Euler step, as in (10).
+
+    Args:
+        rates: CasADi function (state, inputs) -> time derivative of the state.
+        state: Where the step begins, shape (nx, 1).
+        inputs: Held over the step, shape (nu, 1).
+        step: T_s in [s], a number or a symbol.
+    """
     return state + step * rates(state, inputs)
 
 
-def runge_kutta4(rates: ca.Function, state: ca.SX, inputs: ca.SX, step: float) -> ca.SX:
-    """One classical Runge-Kutta step with the inputs held."""
+def runge_kutta4(rates: ca.Function, state: ca.SX, inputs: ca.SX, step: Any) -> ca.SX:
+    """One classical Runge-Kutta step with the inputs held.
+
+    Args:
+        rates: CasADi function (state, inputs) -> time derivative of the state.
+        state: Where the step begins, shape (nx, 1).
+        inputs: Held over the step, shape (nu, 1).
+        step: T_s in [s], a number or a symbol.
+    """
     k1 = rates(state, inputs)
     k2 = rates(state + 0.5 * step * k1, inputs)
     k3 = rates(state + 0.5 * step * k2, inputs)
@@ -26,17 +41,34 @@ def runge_kutta4(rates: ca.Function, state: ca.SX, inputs: ca.SX, step: float) -
     return state + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
 
 
-SCHEMES: dict[str, Callable[[ca.Function, ca.SX, ca.SX, float], ca.SX]] = {
+SCHEMES: dict[str, Callable[[ca.Function, ca.SX, ca.SX, Any], ca.SX]] = {
     "euler": euler,
     "rk4": runge_kutta4,
 }
+
+
+def error_step(
+    model: str, scheme: str, x: ca.SX, u: ca.SX, x_ss: Any, u_ss: Any, step: Any
+) -> ca.SX:
+    """Tracking-error form of one step, (10)-(11): x+ = Phi(x_ss + x, u_ss + u) - x_ss.
+
+    Args:
+        model: Name of a relative model.
+        scheme: Name in :data:`SCHEMES`.
+        x: Deviation from the steady state, shape (5, 1).
+        u: Deviation from the steady inputs, shape (3, 1).
+        x_ss: Steady state, shape (5, 1).
+        u_ss: Steady inputs, shape (3, 1).
+        step: T_s in [s], a number or a symbol.
+    """
+    return SCHEMES[scheme](rates_function(model), x_ss + x, u_ss + u, step) - x_ss
 
 
 def error_dynamics(model: str, orbit: Orbit, step: float, scheme: str = "euler") -> ca.Function:
     """Tracking-error form f(x, u) of a model, (10)-(11): x+ = f(x, u), f(0, 0) = 0.
 
     Args:
-        model: Name in :data:`uav_tracking_mpc.dynamics.relative.MODELS`.
+        model: Name of a relative model.
         orbit: Reference; x and u are deviations from its steady state and steady inputs.
         step: T_s in [s].
         scheme: Name in :data:`SCHEMES`.
@@ -51,10 +83,9 @@ def error_dynamics(model: str, orbit: Orbit, step: float, scheme: str = "euler")
         raise ValueError(f"scheme is {scheme!r}, must be one of {', '.join(SCHEMES)}")
     if not step > 0.0:
         raise ValueError(f"step is {step} s, must be positive")
-    rates = rates_function(model)
     x, u = ca.SX.sym("x", NX), ca.SX.sym("u", NU)
     x_ss, u_ss = ca.DM(orbit.steady_state), ca.DM(steady_inputs(model, orbit))
-    following = SCHEMES[scheme](rates, x + x_ss, u + u_ss, step) - x_ss
+    following = error_step(model, scheme, x, u, x_ss, u_ss, step)
     return ca.Function(f"{model}_{scheme}", [x, u], [following], ["x", "u"], ["x_next"])
 
 
@@ -66,7 +97,7 @@ def linearise(
     Args:
         dynamics: CasADi function (x, u) -> x+.
         state: Where to linearise, shape (nx,); the origin by default.
-        inputs: Shape (nu,); the origin by default.
+        inputs: Likewise, shape (nu,).
 
     Returns:
         A, shape (nx, nx), and B, shape (nx, nu).

@@ -37,10 +37,10 @@ def course_from_quaternion(x: float, y: float, z: float, w: float) -> tuple[floa
     """Heading psi and path angle chi of the body's forward axis; roll plays no part.
 
     Args:
-        x: First component of the unit quaternion of ``base_link`` in ``map``.
-        y: Second.
-        z: Third.
-        w: Its scalar part.
+        x: First component of the unit quaternion of ``base_link`` in ``map`` [-].
+        y: Second [-].
+        z: Third [-].
+        w: Its scalar part [-].
 
     Returns:
         (psi, chi) in [rad]; psi is 0 where the nose points straight up or down.
@@ -58,13 +58,13 @@ def course_from_quaternion(x: float, y: float, z: float, w: float) -> tuple[floa
 
 
 def rotation_from_quaternion(x: float, y: float, z: float, w: float) -> NDArray[np.float64]:
-    """Rotation matrix, (3, 3), that takes vectors from ``base_link`` to ``map``; roll included.
+    """Rotation matrix, shape (3, 3), from ``base_link`` to ``map``; roll included.
 
     Args:
-        x: First component of the unit quaternion of ``base_link`` in ``map``.
-        y: Second.
-        z: Third.
-        w: Its scalar part.
+        x: First component of the unit quaternion of ``base_link`` in ``map`` [-].
+        y: Second [-].
+        z: Third [-].
+        w: Its scalar part [-].
     """
     s = 2.0 / (x * x + y * y + z * z + w * w)
     return np.array(
@@ -77,7 +77,12 @@ def rotation_from_quaternion(x: float, y: float, z: float, w: float) -> NDArray[
 
 
 def rotation_from_course(heading: float, path_angle: float) -> NDArray[np.float64]:
-    """Rotation matrix, (3, 3), that takes vectors from ``base_link`` to ``map``."""
+    """Rotation matrix, shape (3, 3), from ``base_link`` to ``map``.
+
+    Args:
+        heading: psi in [rad].
+        path_angle: chi in [rad].
+    """
     sin_psi, cos_psi = math.sin(heading), math.cos(heading)
     sin_chi, cos_chi = math.sin(path_angle), math.cos(path_angle)
     return np.array(
@@ -94,12 +99,12 @@ def body_rates(path_angle: float, inputs: ArrayLike) -> tuple[float, float, floa
 
     Args:
         path_angle: chi in [rad].
-        inputs: (u_psi, u_chi, u_v), rates in [rad/s] and acceleration in [m/s^2].
+        inputs: (u_psi, u_chi, u_v), shape (3,), in [rad/s, rad/s, m/s^2].
 
     Returns:
         Roll, pitch and yaw rate about the body axes in [rad/s].
     """
-    turn_rate, path_angle_rate = (float(rate) for rate in np.asarray(inputs)[:2])
+    turn_rate, path_angle_rate, _ = (float(rate) for rate in np.asarray(inputs))
     return (turn_rate * math.sin(path_angle), -path_angle_rate, turn_rate * math.cos(path_angle))
 
 
@@ -129,5 +134,5 @@ def course_rates(rotation: NDArray[np.float64], angular: ArrayLike) -> tuple[flo
 
 
 def pitch_rate_from_path_angle_rate(rate: float) -> float:
-    """FLU pitch rate on the wire for a path-angle rate, and back: its own inverse [rad/s]."""
+    """FLU pitch rate on the wire for a path-angle ``rate`` [rad/s], and back: its own inverse."""
     return -rate

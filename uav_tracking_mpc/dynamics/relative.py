@@ -1,24 +1,11 @@
-"""Motion of the UAV relative to its target: state (r, theta, z, chi, v), Section 3 of the paper.
+"""Motion of the UAV relative to its target, Section 3 of the paper: coordinates and steady orbits.
 
-r is the distance to the target [m], theta = psi - phi - pi the bearing [rad] with
-phi = atan2(y, x), z the height above the target [m], chi the path angle [rad], v the speed [m/s];
-inputs are (u_psi, u_chi, u_v). Each model's equations stand here once, as CasADi expressions, and
-every derivative that the package uses is made from them by machine.
-
-========= ==========================================================================================
-``exact``  the kinematics (3) in these coordinates, no approximation
-``paper``  (11) as printed: (9) with r^2 - z_p^2 replaced by r^2 cos^2(chi)
-``paper9`` (9) as printed
-========= ==========================================================================================
-
-(6), (7) and hence (9) replace d/r by cos(chi) and z/r by sin(chi), d = sqrt(r^2 - z^2): true only
-when the path angle equals the target's elevation. Their steady turns differ from the true one, so
-a controller that predicts with them holds a constant range offset on the true vehicle.
+The models themselves stand in :mod:`uav_tracking_mpc.dynamics.relative_models`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -26,72 +13,59 @@ from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics.angles import wrap_angle
 from uav_tracking_mpc.dynamics.orbit import Orbit
-
-STATE_NAMES = ("range", "bearing", "altitude", "path_angle", "speed")
-NX, NU = 5, 3
-
-Rates = Callable[[ca.SX, ca.SX], ca.SX]
+from uav_tracking_mpc.dynamics.vehicle import INPUT_NAMES
+from uav_tracking_mpc.parameters.registry import RELATIVE_MODEL
 
 
-def exact_rates(state: ca.SX, inputs: ca.SX) -> ca.SX:
-    """Time derivative of (r, theta, z, chi, v), exact: (3) in relative coordinates."""
-    r, theta, z, chi, v = ca.vertsplit(state)
-    d = ca.sqrt(r**2 - z**2)
-    return ca.vertcat(
-        v * (ca.sin(chi) * z / r - ca.cos(chi) * ca.cos(theta) * d / r),
-        v * ca.cos(chi) * ca.sin(theta) / d + inputs[0],
-        v * ca.sin(chi),
-        inputs[1],
-        inputs[2],
-    )
+class RelativeState(NamedTuple):
+    """State (r, theta, z, chi, v) by name; an array of shape (5,) in this order is the same.
+
+    Attributes:
+        range: r, distance to the target [m].
+        bearing: theta = psi - phi - pi, wrapped to (-pi, pi] [rad].
+        altitude: z, height above the target [m].
+        path_angle: chi, positive when climbing [rad].
+        speed: v [m/s].
+    """
+
+    range: float
+    bearing: float
+    altitude: float
+    path_angle: float
+    speed: float
 
 
-def paper_rates(state: ca.SX, inputs: ca.SX) -> ca.SX:
-    """Rates behind (11) as printed; written for any bearing, (11) is at theta = pi/2 + x_2."""
-    r, theta, _, chi, v = ca.vertsplit(state)
-    return ca.vertcat(
-        v * (ca.sin(chi) ** 2 - ca.cos(theta) * ca.cos(chi) ** 2),  # (9a), (11a)
-        v * ca.cos(chi) ** 2 * ca.sin(theta) / (r * (1.0 - ca.sin(chi) ** 2)) + inputs[0],  # (11b)
-        v * ca.sin(chi),  # (9c), (11c)
-        inputs[1],  # (9d), (11d)
-        inputs[2],  # (9e), (11e)
-    )
-
-
-def paper9_rates(state: ca.SX, inputs: ca.SX) -> ca.SX:
-    """Rates (9) as printed."""
-    r, theta, z, chi, v = ca.vertsplit(state)
-    return ca.vertcat(
-        v * (ca.sin(chi) ** 2 - ca.cos(theta) * ca.cos(chi) ** 2),  # (9a)
-        v * r * ca.cos(chi) ** 2 * ca.sin(theta) / (r**2 - z**2) + inputs[0],  # (9b)
-        v * ca.sin(chi),  # (9c)
-        inputs[1],  # (9d)
-        inputs[2],  # (9e)
-    )
-
-
-MODELS: dict[str, Rates] = {"exact": exact_rates, "paper": paper_rates, "paper9": paper9_rates}
+STATE_NAMES = RelativeState._fields
+NX, NU = len(STATE_NAMES), len(INPUT_NAMES)
+_BEARING = STATE_NAMES.index("bearing")
 
 
 def rates_function(model: str) -> ca.Function:
     """CasADi function (state (5,), inputs (3,)) -> rates (5,) of a model.
 
+    Args:
+        model: Name of a relative model.
+
     Raises:
-        ValueError: No model of that name.
+        ExtensionError: No model of that name.
     """
-    if model not in MODELS:
-        raise ValueError(f"model is {model!r}, must be one of {', '.join(MODELS)}")
     state, inputs = ca.SX.sym("x", NX), ca.SX.sym("u", NU)
-    return ca.Function(f"{model}_rates", [state, inputs], [MODELS[model](state, inputs)])
+    components = RelativeState(*ca.vertsplit(state))
+    rates = RELATIVE_MODEL.find(model)().rates(components, ca.vertsplit(inputs))
+    return ca.Function("rates", [state, inputs], [ca.vertcat(*rates)])
 
 
 def steady_inputs(model: str, orbit: Orbit) -> NDArray[np.float64]:
     """u_ss, shape (3,), that holds the orbit in the given model [rad/s, rad/s, m/s^2].
 
     The turn rate cancels the model's own drift in bearing: every model has theta' = ... + u_psi.
+
+    Args:
+        model: Name of a relative model.
+        orbit: The orbit to hold.
     """
-    drift = np.array(rates_function(model)(orbit.steady_state, np.zeros(NU))).ravel()
-    return np.array([-drift[1], 0.0, 0.0])
+    drift = RelativeState(*rates_function(model)(orbit.steady_state, np.zeros(NU)).full().ravel())
+    return np.array([-drift.bearing, 0.0, 0.0])
 
 
 def relative_state(vehicle: ArrayLike, target: ArrayLike) -> NDArray[np.float64]:
@@ -105,10 +79,10 @@ def relative_state(vehicle: ArrayLike, target: ArrayLike) -> NDArray[np.float64]
         Shape (5,), bearing wrapped to (-pi, pi]. Straight above the target, where phi has no
         value, phi is taken as 0.
     """
-    vehicle = np.asarray(vehicle, dtype=float)
-    x, y, z = vehicle[:3] - np.asarray(target, dtype=float)
-    theta = wrap_angle(vehicle[3] - np.arctan2(y, x) - np.pi)
-    return np.array([np.sqrt(x * x + y * y + z * z), theta, z, vehicle[4], vehicle[5]])
+    *position, psi, chi, v = np.asarray(vehicle, dtype=float)
+    x, y, z = position - np.asarray(target, dtype=float)
+    theta = wrap_angle(psi - np.arctan2(y, x) - np.pi)
+    return np.array([np.sqrt(x * x + y * y + z * z), theta, z, chi, v])
 
 
 def vehicle_state(relative: ArrayLike, azimuth: float, target: ArrayLike) -> NDArray[np.float64]:
@@ -135,7 +109,15 @@ def vehicle_state(relative: ArrayLike, azimuth: float, target: ArrayLike) -> NDA
 
 
 def tracking_error(relative: ArrayLike, orbit: Orbit) -> NDArray[np.float64]:
-    """X = xbar - x_ss (Section 3.1), shape (5,), with the bearing error wrapped to (-pi, pi]."""
+    """Tracking error xbar - x_ss (Section 3.1), with the bearing error wrapped to (-pi, pi].
+
+    Args:
+        relative: (r, theta, z, chi, v), shape (5,) or (n, 5).
+        orbit: Reference.
+
+    Returns:
+        The same shape as ``relative``.
+    """
     error = np.asarray(relative, dtype=float) - orbit.steady_state
-    error[..., 1] = wrap_angle(error[..., 1])
+    error[..., _BEARING] = wrap_angle(error[..., _BEARING])
     return error

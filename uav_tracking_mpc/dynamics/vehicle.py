@@ -1,28 +1,68 @@
 """The kinematic fixed-wing vehicle, equation (3) of the paper, advanced exactly.
 
-State ``(x, y, z, psi, chi, v)``: position in ``map`` [m], heading and path angle [rad], airspeed
-[m/s]. Inputs ``(u_psi, u_chi, u_v)``: rates of heading and path angle [rad/s], acceleration
-[m/s^2]. Under held inputs (3) has a closed solution, so nothing is integrated numerically.
+Inputs ``(u_psi, u_chi, u_v)``: rates of heading and path angle [rad/s], acceleration [m/s^2].
+Under held inputs (3) has a closed solution, so nothing is integrated numerically.
 """
 
 from __future__ import annotations
 
 import math
+from types import ModuleType
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics.angles import wrap_angle
 
-STATE_NAMES = ("x", "y", "z", "psi", "chi", "v")
 INPUT_NAMES = ("u_psi", "u_chi", "u_v")
+
+
+class VehicleState(NamedTuple):
+    """State of (3) by name; an array of shape (6,) in this order is the same state.
+
+    Attributes:
+        x: Position East in ``map`` [m].
+        y: Position North [m].
+        z: Height [m].
+        heading: psi, counter-clockwise from East [rad].
+        path_angle: chi, positive when climbing [rad].
+        airspeed: v [m/s].
+    """
+
+    x: float
+    y: float
+    z: float
+    heading: float
+    path_angle: float
+    airspeed: float
+
+
+STATE_NAMES = VehicleState._fields
+
+
+def air_velocity(psi: Any, chi: Any, v: Any, xp: ModuleType) -> tuple[Any, Any, Any]:
+    """Velocity through the air in ``map``: the right side of (3a)-(3c), where it stands once.
+
+    Args:
+        psi: Heading [rad]: number, array of any shape, or symbol.
+        chi: Path angle [rad], likewise.
+        v: Airspeed [m/s], likewise.
+        xp: Module with ``sin`` and ``cos`` of such values: ``numpy``, ``math`` or ``casadi``.
+
+    Returns:
+        (x', y', z') in [m/s], each of the shape of the arguments.
+    """
+    level = v * xp.cos(chi)
+    return level * xp.cos(psi), level * xp.sin(psi), v * xp.sin(chi)
 
 
 def advance(state: ArrayLike, inputs: ArrayLike, duration: float) -> NDArray[np.float64]:
     r"""State of (3) after ``duration`` under held inputs, exact to rounding.
 
     With :math:`\cos\chi\cos\psi = (\cos(\psi+\chi) + \cos(\psi-\chi))/2` and the like, each
-    coordinate is a sum of integrals :math:`\int (v + u_v t) e^{i(\alpha + \omega t)} dt`.
+    coordinate of the integral of :func:`air_velocity` is a sum of
+    :math:`\int (v + u_v t) e^{i(\alpha + \omega t)} dt`.
 
     Args:
         state: (x, y, z, psi, chi, v), shape (6,).
@@ -70,6 +110,10 @@ def _helix(angle: float, rate: float, speed: float, acceleration: float, time: f
 
 
 def velocity(state: ArrayLike) -> NDArray[np.float64]:
-    """Velocity through the air in ``map``, shape (3,), in [m/s]: the right side of (3a)-(3c)."""
-    psi, chi, v = np.asarray(state, dtype=float)[3:6]
-    return np.array([v * np.cos(chi) * np.cos(psi), v * np.cos(chi) * np.sin(psi), v * np.sin(chi)])
+    """Velocity through the air in ``map``, shape (3,), in [m/s]: see :func:`air_velocity`.
+
+    Args:
+        state: (x, y, z, psi, chi, v), shape (6,).
+    """
+    _, _, _, psi, chi, v = np.asarray(state, dtype=float)
+    return np.array(air_velocity(psi, chi, v, np))

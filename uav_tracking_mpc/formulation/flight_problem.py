@@ -1,267 +1,217 @@
 r"""The tracking problem of a real flight: drift, envelope, lag, and an artificial orbit.
 
-State (x, y, z, psi, chi, v), followed by the three lagged rates if the aircraft has any: position
+The state is that of a :class:`~uav_tracking_mpc.dynamics.vehicle_models.VehicleModel`: position
 relative to the target in the axes of ``map`` (range and bearing are singular above the target),
-heading, path angle, airspeed. The error is the paper's (Section 3.1) of the motion relative to the
-target: range, direction of the relative velocity against the orbit's tangent, altitude, path angle,
-airspeed. The true periodic orbit under drift has no error and is paid nothing, its turn rate being
-fed forward; without drift the stage cost is that of (14).
+heading, path angle, airspeed, and what the model adds, such as rates that lag. The error is the
+paper's (Section 3.1) of the motion relative to the target: range, direction of the relative
+velocity against the orbit's tangent, altitude, path angle, airspeed. The true periodic orbit under
+drift has no error and is paid nothing, its turn rate being fed forward; without drift the stage
+cost is that of (14).
 
-The inputs are shares, from -1 to 1, of what the aircraft can do in its present state: of the turn
-rate that bank and yaw rate allow, of the path-angle rate, and of the span of the acceleration that
-is left between the limits of the specific force. So these coupled limits are a box, which every
-plan obeys. Airspeed, path angle, height, distance and fence are exact soft constraints, since a
-flight may begin outside of them.
+The inputs are shares, from -1 to 1, of what the aircraft can do in its present state
+(:mod:`~uav_tracking_mpc.formulation.input_span`), so that their coupled limits are a box, which
+every plan obeys. The limits of the flight itself, such as airspeed and height, are exact soft
+constraints, since a flight may begin outside of them.
 
 Terminal ingredient: the optimiser chooses an orbit (d_a, z_a, v_a), tracks it, pays for its
 distance to the wanted one and must end on it, flying as the periodic orbit does. From any state in
 which the aircraft can still turn there is such a plan, and the orbit continues every plan: feasible
 once is feasible for ever (Limon et al. 2008, 2018; Koehler, Mueller, Allgoewer 2020).
 
-Everything that may change in flight is a parameter of one compiled problem, see
-:class:`FlightData`.
+Everything that may change in flight is a parameter of one compiled problem: see
+:attr:`FlightProblem.layout`.
 """
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Sequence
-from dataclasses import dataclass
-from types import ModuleType, SimpleNamespace
+from types import ModuleType
 from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.dynamics.drifting_orbit import orbit_motion
-from uav_tracking_mpc.dynamics.lagged_vehicle import advance
-from uav_tracking_mpc.limits._envelope import DRIFT_SHARE, GRAVITY, TURN_RATE_SHARE
+from uav_tracking_mpc.dynamics.drift import DRIFT_SHARE
+from uav_tracking_mpc.dynamics.drifting_orbit import OrbitMotion, orbit_motion
+from uav_tracking_mpc.dynamics.vehicle import air_velocity
+from uav_tracking_mpc.dynamics.vehicle_models import Drift, VehicleModel
+from uav_tracking_mpc.formulation.input_span import input_span
+from uav_tracking_mpc.formulation.layout import Layout
+from uav_tracking_mpc.limits import Bound, Limit, Motion, OrbitShape
 from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
 
 # Decisions are scaled to be of one size: [m], [m], [m/s].
 DECISION_SCALE = np.array([100.0, 30.0, 3.0])
 RADIUS_LIMITS, ALTITUDE_LIMIT, SPEED_LIMITS = (1.0, 2e4), 1e4, (0.1, 400.0)
 SMALL = 0.01  # [m] keeps distances smooth where they vanish
-LEAST_SPAN = 0.1  # [m/s^2] of acceleration, where limits contradict each other
-TURN_RATE_BLEND, ACCELERATION_BLEND = 0.02, 0.2  # [rad/s], [m/s^2] over which limits merge
-LEAST_AIRSPEED = 0.5  # [m/s] below which the bank's limit grows no more
+OWN_SIZES = {
+    "drift": 3,  # c [m/s]
+    "drift_rate": 3,  # c' [m/s^2]
+    "orbit": 3,  # r_d, z_d, v_d [m, m, m/s]
+    "sense": 1,  # 1 counter-clockwise, -1 clockwise
+    "state_weights": 5,  # diagonal of Q
+    "input_weights": 3,  # diagonal of R
+    "offset_weights": 3,  # of the artificial orbit's distance to the wanted one
+    "offset_reach": 3,  # distance at which that cost turns from quadratic to linear
+    "lead": 1,  # s by which the orbit's turn rate is fed forward
+}
 
 
-@dataclass(frozen=True)
-class FlightData:
-    """What one stage of the problem is told, in the order of the problem's parameter p.
-
-    Attributes:
-        drift: c, shape (3,), in [m/s].
-        drift_rate: c', shape (3,), in [m/s^2].
-        orbit: (r_d, z_d, v_d), shape (3,).
-        sense: 1 counter-clockwise, -1 clockwise.
-        state_weights: Diagonal of Q, shape (5,).
-        input_weights: Diagonal of R, shape (3,).
-        offset_weights: Of the artificial orbit's distance to the wanted one, shape (3,).
-        offset_reach: Distance in range, altitude, airspeed at which that cost turns from quadratic
-            to linear, shape (3,).
-        airspeed: Least and greatest, shape (2,).
-        path_angle: Least and greatest, shape (2,).
-        lateral: g tan(bank_max) in [m/s^2].
-        rates: Greatest yaw rate and path-angle rate, shape (2,).
-        acceleration: Least and greatest, shape (2,).
-        force_min: Least specific force at v = 0, and its slope over v, shape (2,).
-        force_max: Greatest, likewise.
-        floor: Least height above the target in [m].
-        distance: Least distance to the target in [m].
-        fence: Centre relative to the target (x, y) and radius, shape (3,), in [m].
-    """
-
-    drift: ArrayLike
-    drift_rate: ArrayLike
-    orbit: ArrayLike
-    sense: ArrayLike
-    state_weights: ArrayLike
-    input_weights: ArrayLike
-    offset_weights: ArrayLike
-    offset_reach: ArrayLike
-    airspeed: ArrayLike
-    path_angle: ArrayLike
-    lateral: ArrayLike
-    rates: ArrayLike
-    acceleration: ArrayLike
-    force_min: ArrayLike
-    force_max: ArrayLike
-    floor: ArrayLike
-    distance: ArrayLike
-    fence: ArrayLike
-
-    def vector(self) -> NDArray[np.float64]:
-        """The values one after the other, shape (np,)."""
-        values = [getattr(self, name) for name in SIZES]
-        return np.concatenate([np.asarray(value, dtype=float).ravel() for value in values])
-
-
-SIZES = {
-    "drift": 3, "drift_rate": 3, "orbit": 3, "sense": 1, "state_weights": 5, "input_weights": 3,
-    "offset_weights": 3, "offset_reach": 3, "airspeed": 2, "path_angle": 2, "lateral": 1,
-    "rates": 2, "acceleration": 2, "force_min": 2, "force_max": 2, "floor": 1, "distance": 1,
-    "fence": 3,
-}  # fmt: skip
-assert list(SIZES) == [field.name for field in dataclasses.fields(FlightData)]
-PARAMETERS = sum(SIZES.values())
-_STARTS = dict(zip(SIZES, np.cumsum([0, *SIZES.values()]), strict=False))
-WHERE = {name: slice(int(_STARTS[name]), int(_STARTS[name]) + size) for name, size in SIZES.items()}
-
-
-def flight_problem(
-    horizon: int, step: float, lag: Sequence[float], penalty: float
-) -> OptimalControlProblem:
-    """The problem of the module's docstring.
+class FlightProblem:
+    """The problem of the module's docstring, for one model and one set of limits.
 
     Args:
+        model: Of the aircraft; its parameters may change in flight.
+        limits: That hold; their parameters may change in flight.
         horizon: N.
         step: T_s in [s].
-        lag: Time constants of turn rate, path-angle rate and acceleration in [s]; empty for none.
-        penalty: Of a violated soft constraint, per m/s, 0.1 rad, 5 m or 10 m.
+        penalty: Of a violated soft constraint, per m/s or what a limit counts as alike [-].
+
+    Attributes:
+        layout: Of the parameter p of a stage: the parts of :data:`OWN_SIZES`, ``model``, and a part
+            for each limit by :func:`part_of`.
+        problem: For a solver.
     """
-    symbols = {name: ca.SX.sym(name, size) for name, size in SIZES.items()}
-    p = SimpleNamespace(**symbols)
-    state, shares = ca.SX.sym("x", 9 if lag else 6), ca.SX.sym("u", 3)
-    decision = ca.SX.sym("a", 3)
-    x, y, z, psi, chi, v = ca.vertsplit(state)[:6]
-    d_a, z_a, v_a = (decision[k] * DECISION_SCALE[k] for k in range(3))
-    inputs = physical_inputs(shares, chi, v, p)
 
-    following = advance(
-        ca.vertsplit(state), inputs, step, lag, ca.vertsplit(p.drift), ca.vertsplit(p.drift_rate),
-        symbolic=True,
-    )  # fmt: skip
+    def __init__(
+        self,
+        model: VehicleModel,
+        limits: Sequence[Limit],
+        horizon: int,
+        step: float,
+        penalty: float,
+    ) -> None:
+        self.model, self.limits, self.step = model, tuple(limits), step
+        self._of_inputs = [limit for limit in limits if type(limit).inputs is not Limit.inputs]
+        nowhere = np.zeros((1, 3))
+        sizes = {part_of(limit): limit.numbers(nowhere).shape[1] for limit in limits}
+        self.layout = Layout({**OWN_SIZES, "model": len(model.numbers(step)), **sizes})
+        self._penalty = penalty
+        self.problem = self._problem(horizon)
 
-    d = ca.sqrt(x**2 + y**2 + SMALL**2)
-    r = ca.sqrt(x**2 + y**2 + z**2 + SMALL**2)
-    orbit = orbit_motion((x / d, y / d), p.sense, d_a, v_a, p.drift, p.drift_rate)
-    w_x = v * ca.cos(chi) * ca.cos(psi) + p.drift[0]
-    w_y = v * ca.cos(chi) * ca.sin(psi) + p.drift[1]
-    (t_x, t_y) = orbit.tangent
-    # theta - theta_ss of the relative velocity, in (-pi, pi]
-    bearing = ca.atan2(t_x * w_y - t_y * w_x, t_x * w_x + t_y * w_y)
-    r_a = ca.sqrt(d_a**2 + z_a**2)
-    error = ca.vertcat(r - r_a, bearing, z - z_a, chi - orbit.path_angle, v - v_a)
-    # Held commands lag by tau, and by half a step behind what they follow.
-    lead = (lag[0] if lag else 0.0) + 0.5 * step
-    deviation = ca.vertcat(
-        inputs[0] - orbit.turn_rate - lead * orbit.turn_acceleration, inputs[1], inputs[2]
-    )
-    offset = ca.vertcat(r_a - p.orbit[0], z_a - p.orbit[1], v_a - p.orbit[2])
-    settled = [(r - r_a) / 10.0, bearing, (z - z_a) / 10.0, chi - orbit.path_angle, v - v_a]
-    if lag:
-        settled += [state[6] - orbit.turn_rate, state[7], state[8]]
-    drift = ca.sqrt(p.drift[0] ** 2 + p.drift[1] ** 2 + SMALL**2)
-    # Against both limits on the turn rate at v_a, yaw rate and bank.
-    sharpest = (v_a + drift) ** 2 / (TURN_RATE_SHARE * d_a * v_a)
-    sharpest = ca.vertcat(sharpest / p.rates[0], sharpest * v_a / p.lateral) - 1.0
-    return OptimalControlProblem(
-        state=state,
-        inputs=shares,
-        next_state=ca.vertcat(*following),
-        stage_cost=ca.dot(p.state_weights, error**2) + ca.dot(p.input_weights, deviation**2),
-        terminal_cost=ca.dot(p.offset_weights, _distance(offset, p.offset_reach)),
-        horizon=horizon,
-        step=step,
-        input_lower=-np.ones(3),
-        input_upper=np.ones(3),
-        parameter=ca.vertcat(*symbols.values()),
-        decision=decision,
-        decision_lower=np.array([RADIUS_LIMITS[0], -ALTITUDE_LIMIT, SPEED_LIMITS[0]])
-        / DECISION_SCALE,
-        decision_upper=np.array([RADIUS_LIMITS[1], ALTITUDE_LIMIT, SPEED_LIMITS[1]])
-        / DECISION_SCALE,
-        decision_guess=np.array([3.0, 3.0, 6.0]),
-        stage_inequalities=(
-            Inequality(ca.vertcat(p.airspeed[0] - v, v - p.airspeed[1]), penalty, "airspeed"),
-            Inequality(
-                10.0 * ca.vertcat(p.path_angle[0] - chi, chi - p.path_angle[1]),
-                penalty,
-                "path angle",
-            ),
-            Inequality((p.floor - z) / 5.0, penalty, "height"),
-            Inequality((p.distance - r) / 5.0, penalty, "distance"),
-            Inequality(_beyond_fence(x, y, p) / 10.0, penalty, "fence"),
-        ),
-        terminal_inequalities=(
-            Inequality(sharpest, None, "sharpest turn of the orbit"),
-            Inequality(
-                ca.vertcat(p.airspeed[0] - v_a, v_a - p.airspeed[1], drift - DRIFT_SHARE * v_a),
-                None,
-                "airspeed on the orbit",
-            ),
-            Inequality((p.floor - z_a) / 5.0, penalty, "height of the orbit"),
-            Inequality((p.distance - r_a) / 5.0, penalty, "distance of the orbit"),
-            Inequality(
-                (ca.sqrt(p.fence[0] ** 2 + p.fence[1] ** 2 + SMALL**2) + d_a - p.fence[2]) / 10.0,
-                penalty,
-                "fence about the orbit",
-            ),
-        ),
-        terminal_equality=ca.vertcat(*settled),
-        continuation=_shares(
-            [orbit.turn_rate + lead * orbit.turn_acceleration, 0.0, 0.0], chi, v, p
-        ),
-    )
+    def _problem(self, horizon: int) -> OptimalControlProblem:
+        model, p = self.model, ca.SX.sym("p", self.layout.size)
+        names = model.State._fields
+        state = model.State(*(ca.SX.sym(name) for name in names))
+        shares, decision = ca.SX.sym("u", 3), ca.SX.sym("a", 3)
+        told = {name: p[where] for name, where in self.layout.where.items()}
+        inputs = self._inputs(shares, state, p)
+        drift = Drift(ca.vertsplit(told["drift"]), ca.vertsplit(told["drift_rate"]))
+        following = model.step(state, inputs, self.step, told["model"], drift)
+
+        d_a, z_a, v_a = (decision[k] * DECISION_SCALE[k] for k in range(3))
+        d = ca.sqrt(state.x**2 + state.y**2 + SMALL**2)
+        orbit = orbit_motion(
+            (state.x / d, state.y / d), told["sense"], d_a, v_a, told["drift"], told["drift_rate"]
+        )
+        r_a = ca.sqrt(d_a**2 + z_a**2)
+        error = self._error(state, orbit, told["drift"], (r_a, z_a, v_a))
+        turn_rate = orbit.turn_rate + told["lead"] * orbit.turn_acceleration
+        deviation = ca.vertcat(inputs[0] - turn_rate, inputs[1], inputs[2])
+        offset = ca.vertcat(r_a, z_a, v_a) - told["orbit"]
+        scaled = [error[0] / 10.0, error[1], error[2] / 10.0, error[3], error[4]]
+        strength = ca.sqrt(told["drift"][0] ** 2 + told["drift"][1] ** 2 + SMALL**2)
+        shape = OrbitShape(d_a, z_a, v_a, r_a, strength)
+        lower = np.array([RADIUS_LIMITS[0], -ALTITUDE_LIMIT, SPEED_LIMITS[0]])
+        upper = np.array([RADIUS_LIMITS[1], ALTITUDE_LIMIT, SPEED_LIMITS[1]])
+        return OptimalControlProblem(
+            state=ca.vertcat(*state),
+            inputs=shares,
+            next_state=ca.vertcat(*following),
+            stage_cost=ca.dot(told["state_weights"], error**2)
+            + ca.dot(told["input_weights"], deviation**2),
+            terminal_cost=ca.dot(told["offset_weights"], _distance(offset, told["offset_reach"])),
+            horizon=horizon,
+            step=self.step,
+            input_lower=-np.ones(3),
+            input_upper=np.ones(3),
+            parameter=p,
+            decision=decision,
+            decision_lower=lower / DECISION_SCALE,
+            decision_upper=upper / DECISION_SCALE,
+            decision_guess=np.array([3.0, 3.0, 6.0]),
+            stage_inequalities=tuple(self._stage_inequalities(_motion(state), p)),
+            terminal_inequalities=tuple(self._orbit_inequalities(shape, p)),
+            terminal_equality=ca.vertcat(*scaled, *model.settled(state, orbit)),
+            continuation=self._shares([turn_rate, 0.0, 0.0], state, p),
+        )
+
+    def _error(self, state: Any, orbit: OrbitMotion, drift: ca.SX, wanted: Sequence[Any]) -> ca.SX:
+        """Tracking error x of Section 3.1, of the motion relative to the target."""
+        r_a, z_a, v_a = wanted
+        r = ca.sqrt(state.x**2 + state.y**2 + state.z**2 + SMALL**2)
+        east, north, _ = air_velocity(state.heading, state.path_angle, state.airspeed, ca)
+        w_x, w_y = east + drift[0], north + drift[1]
+        t_x, t_y = orbit.tangent
+        # theta - theta_ss of the relative velocity, in (-pi, pi]
+        bearing = ca.atan2(t_x * w_y - t_y * w_x, t_x * w_x + t_y * w_y)
+        return ca.vertcat(
+            r - r_a, bearing, state.z - z_a, state.path_angle - orbit.path_angle,
+            state.airspeed - v_a,
+        )  # fmt: skip
+
+    def _inputs(self, shares: Any, state: Any, p: ca.SX) -> list[Any]:
+        middle, half = self._span(_motion(state), p, ca)
+        return [middle[axis] + half[axis] * shares[axis] for axis in range(3)]
+
+    def _shares(self, inputs: Sequence[Any], state: Any, p: ca.SX) -> ca.SX:
+        """Input shares of (u_psi, u_chi, u_v) in a state."""
+        middle, half = self._span(_motion(state), p, ca)
+        return ca.vertcat(*[(inputs[axis] - middle[axis]) / half[axis] for axis in range(3)])
+
+    def _span(self, motion: Motion, p: Any, xp: ModuleType) -> tuple[list[Any], list[Any]]:
+        told = [self.layout.part(p, part_of(limit)) for limit in self._of_inputs]
+        return input_span(self._of_inputs, told, motion, xp)
+
+    def span(self, state: Any, p: Any) -> tuple[list[Any], list[Any]]:
+        """Middle and half width of (u_psi, u_chi, u_v) in states: see :func:`input_span`.
+
+        Args:
+            state: A ``State`` of the model, of numbers or of arrays of shape (n,).
+            p: Parameter of the stage, shape (np,), or of the stages, shape (np, n).
+
+        Returns:
+            Three values each, in [rad/s, rad/s, m/s^2], scalar or of shape (n,).
+        """
+        return self._span(_motion(state), p, np)
+
+    def _stage_inequalities(self, motion: Motion, p: ca.SX) -> list[Inequality]:
+        found = []
+        for limit in self.limits:
+            bound = limit.stage(motion, self.layout.part(p, part_of(limit)), ca)
+            if bound is not None:
+                found.append(_inequality(bound, self._penalty, limit.label))
+        return found
+
+    def _orbit_inequalities(self, shape: OrbitShape, p: ca.SX) -> list[Inequality]:
+        too_much = shape.drift - DRIFT_SHARE * shape.airspeed
+        found = [Inequality(too_much, None, "drift about the orbit")]
+        for limit in self.limits:
+            bound = limit.orbit(shape, self.layout.part(p, part_of(limit)), ca)
+            if bound is not None:
+                penalty = None if limit.hard_on_orbit else self._penalty
+                found.append(_inequality(bound, penalty, f"{limit.label} on the orbit"))
+        return found
 
 
-def physical_inputs(
-    shares: Any, path_angle: Any, airspeed: Any, p: Any, xp: ModuleType = ca
-) -> list[Any]:
-    """(u_psi, u_chi, u_v) of the input shares in a state: see :func:`input_span`."""
-    middle, half = input_span(path_angle, airspeed, p, xp)
-    return [middle[axis] + half[axis] * shares[axis] for axis in range(3)]
-
-
-def input_span(
-    path_angle: Any, airspeed: Any, p: Any, xp: ModuleType = ca
-) -> tuple[list[Any], list[Any]]:
-    """Middle and half width of what each of (u_psi, u_chi, u_v) can be in a state.
-
-    The turn rate is at most g tan(bank_max) / v and the yaw rate's limit; the acceleration obeys
-    its own limits and force_min <= g sin(chi) + u_v <= force_max.
+def part_of(limit: Limit) -> str:
+    """Name of a limit's part of the parameter vector.
 
     Args:
-        path_angle: chi in [rad].
-        airspeed: v in [m/s].
-        p: Limits, with the attributes of :class:`FlightData`.
-        xp: ``casadi`` for expressions, ``numpy`` for numbers or arrays of them.
+        limit: The limit.
     """
-    turn = _least(p.rates[0], p.lateral / xp.fmax(airspeed, LEAST_AIRSPEED), TURN_RATE_BLEND, xp)
-    weight = GRAVITY * xp.sin(path_angle)
-    least = p.force_min[0] + p.force_min[1] * airspeed - weight
-    greatest = p.force_max[0] + p.force_max[1] * airspeed - weight
-    lower = -_least(-least, -p.acceleration[0], ACCELERATION_BLEND, xp)
-    lower = xp.fmin(lower, p.acceleration[1] - LEAST_SPAN)
-    upper = _least(greatest, p.acceleration[1], ACCELERATION_BLEND, xp)
-    upper = xp.fmax(upper, lower + LEAST_SPAN)
-    middle, half = 0.5 * (lower + upper), 0.5 * (upper - lower)
-    return [0.0 * turn, 0.0 * turn, middle], [turn, p.rates[1] + 0.0 * turn, half]
+    return f"limit {limit.name}"
 
 
-def _shares(inputs: list[Any], path_angle: Any, airspeed: Any, p: Any) -> ca.SX:
-    """Input shares of (u_psi, u_chi, u_v) in a state: the inverse of :func:`physical_inputs`."""
-    middle, half = input_span(path_angle, airspeed, p)
-    return ca.vertcat(*[(inputs[axis] - middle[axis]) / half[axis] for axis in range(3)])
+def _motion(state: Any) -> Motion:
+    return Motion(state.x, state.y, state.z, state.path_angle, state.airspeed)
 
 
-def _least(a: Any, b: Any, blend: float, xp: ModuleType) -> Any:
-    """Smooth minimum, never above min(a, b), at most blend / 2 below it (where a = b).
-
-    Plans like to stay where one limit takes over from another; a kink there would leave Newton's
-    method without a derivative.
-    """
-    return 0.5 * (a + b - xp.sqrt((a - b) ** 2 + blend**2))
+def _inequality(bound: Bound, penalty: float | None, name: str) -> Inequality:
+    return Inequality(ca.vertcat(*bound.inequalities()), penalty, name)
 
 
 def _distance(offset: ca.SX, reach: ca.SX) -> ca.SX:
     """Pseudo-Huber: offset^2 near 0, 2 reach |offset| far away."""
     # 2 reach^2 (sqrt(1 + (offset / reach)^2) - 1) without its cancellation
     return 2.0 * offset**2 / (1.0 + ca.sqrt(1.0 + (offset / reach) ** 2))
-
-
-def _beyond_fence(x: ca.SX, y: ca.SX, p: SimpleNamespace) -> ca.SX:
-    return ca.sqrt((x - p.fence[0]) ** 2 + (y - p.fence[1]) ** 2 + SMALL**2) - p.fence[2]

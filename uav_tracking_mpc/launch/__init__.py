@@ -6,6 +6,5 @@
 ``node_process``     one node as a process that cannot outlive its launcher
 ``supervisor``       all node processes of a flight: started, frozen, killed, restarted, ended
 ``flight``           one flight with real nodes, recorded
-``launcher``         the executable ``launch_tracking``; arguments that commands share
 ===================  ==========================================================================
 """

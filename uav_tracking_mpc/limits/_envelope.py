@@ -1,139 +1,133 @@
-r"""What the aircraft can fly, and which orbits that leaves it.
+r"""All limits together: what the aircraft can fly, and which orbits that leaves it.
 
-Three limits are coupled. A coordinated turn banks by :math:`\tan\phi = v u_\psi / g`, so the bank
-limits the turn rate by the airspeed. Thrust less drag gives the specific force along the path,
-:math:`f_{min}(v) \le g \sin\chi + u_v \le f_{max}(v)`: a climb and an acceleration share it. And
-a drift c, the wind less the target's velocity, changes the relative speed round the orbit: along
-the unit tangent t it is
-
-.. math:: s = c \cdot t + \sqrt{V^2 - |c|^2 + (c \cdot t)^2}
-
-with V and c horizontal, and the circle of radius d needs the turn rate
-:math:`s^2 / (d (s - c \cdot t))`. That is greatest where t is along c:
-:math:`(V + |c|)^2 / (d V)`.
+Three limits are coupled. A bank limits the turn rate by the airspeed. The specific force is shared
+by a climb and an acceleration. And a drift changes the relative speed round the orbit, so that the
+sharpest turn is flown where it follows the flight
+(:func:`~uav_tracking_mpc.dynamics.drift.sharpest_turn`).
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from dataclasses import dataclass
+from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from uav_tracking_mpc.dynamics.drift import DRIFT_SHARE, horizontal, level_speed, sharpest_turn
+from uav_tracking_mpc.dynamics.gravity import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.limits import Limit
+from uav_tracking_mpc.limits._turn import TURN_RATE_SHARE
+from uav_tracking_mpc.limits.acceleration import Acceleration
+from uav_tracking_mpc.limits.airspeed import Airspeed
+from uav_tracking_mpc.limits.bank import Bank
+from uav_tracking_mpc.limits.force import Force, arcsine
+from uav_tracking_mpc.limits.path_angle import PathAngle
+from uav_tracking_mpc.limits.pitch_rate import PitchRate
+from uav_tracking_mpc.limits.yaw_rate import YawRate
+from uav_tracking_mpc.parameters.registry import LIMIT
 
-GRAVITY = 9.80665  # m/s^2, standard gravity
-# An orbit that needs every bit of the bank leaves nothing to correct an error with.
-TURN_RATE_SHARE = 0.95
-# With the drift as fast as the aircraft there is no way back upwind.
-DRIFT_SHARE = 0.9
 # Path angle and airspeed approach their limits no faster than with this time constant [s]; inner
 # loops have lags and dead times of 0.2 to 0.5 s.
 APPROACH_TIME = 0.5
 
 
-@dataclass(frozen=True)
 class Envelope:
     """Limits of the aircraft and of where it may fly.
 
+    Args:
+        extensions: Classes of limits beyond those that are installed.
+        values: Parameters of the limits by name; what is missing takes its default.
+
     Attributes:
-        airspeed_min: Least airspeed in [m/s], at least 0.
-        airspeed_max: Greatest airspeed in [m/s].
-        path_angle_min: Steepest descent in [rad], from -pi/2 to 0.
-        path_angle_max: Steepest climb in [rad], from 0 to pi/2.
-        bank_max: Greatest bank angle of a coordinated turn in [rad], at most pi/2.
-        yaw_rate_max: Greatest abs(u_psi) in [rad/s].
-        pitch_rate_max: Greatest abs(u_chi) in [rad/s].
-        acceleration_min: Least u_v in [m/s^2], negative.
-        acceleration_max: Greatest u_v in [m/s^2], positive.
-        force_min: Least specific force (thrust less drag, over mass) at ``airspeed_min`` and at
-            ``airspeed_max`` in [m/s^2], linear between.
-        force_max: The greatest, likewise.
-        height_min: Least z in ``map`` in [m]; -inf for none.
-        distance_min: Least distance to the target in [m]; 0 for none.
-        fence_radius: Of the horizontal circle not to be left, in [m]; 0 for none.
-        fence_centre: (x, y) of its centre in ``map`` in [m].
+        limits: All of them.
 
     Raises:
-        ValueError: A value is outside these ranges, or a lower limit is not below its upper one.
+        ParameterError: A value that is not allowed, or limits that contradict each other.
+        TypeError: A parameter that no limit has.
     """
 
-    airspeed_min: float
-    airspeed_max: float
-    path_angle_min: float
-    path_angle_max: float
-    bank_max: float
-    yaw_rate_max: float
-    pitch_rate_max: float
-    acceleration_min: float
-    acceleration_max: float
-    force_min: tuple[float, float]
-    force_max: tuple[float, float]
-    height_min: float = -math.inf
-    distance_min: float = 0.0
-    fence_radius: float = 0.0
-    fence_centre: tuple[float, float] = (0.0, 0.0)
+    def __init__(self, extensions: Iterable[type[Limit]] = (), **values: Any) -> None:
+        self._values: dict[str, Any] = {}
+        limits = []
+        for kind in (*LIMIT.all().values(), *extensions):
+            own = {
+                field.name: values.get(field.name, field.default)
+                for field in dataclasses.fields(kind)
+            }
+            self._values.update(own)
+            limits.append(kind(**own))
+        unknown = values.keys() - self._values.keys()
+        if unknown:
+            raise TypeError(f"no limit has the parameters {', '.join(sorted(unknown))}")
+        self.limits: tuple[Limit, ...] = tuple(limits)
+        self._airspeed: Airspeed = self.find(Airspeed)
+        self._path_angle: PathAngle = self.find(PathAngle)
+        self._bank: Bank = self.find(Bank)
+        self._yaw_rate: YawRate = self.find(YawRate)
+        self._force: Force = self.find(Force)
+        self._pitch_rate: PitchRate = self.find(PitchRate)
+        self._acceleration: Acceleration = self.find(Acceleration)
 
-    def __post_init__(self) -> None:
-        """Refuse limits that contradict themselves."""
-        for field in dataclasses.fields(self):
-            value = getattr(self, field.name)
-            if not (np.all(np.isfinite(value)) or (field.name == "height_min" and value < 0.0)):
-                raise ValueError(f"envelope {field.name} is {value}, must be finite")
-        right = math.pi / 2.0
-        for name, fits, allowed in (
-            ("airspeed_min", self.airspeed_min >= 0.0, "at least 0"),
-            ("airspeed_max", self.airspeed_max > self.airspeed_min, "above airspeed_min"),
-            ("path_angle_min", -right <= self.path_angle_min < 0.0, "from -pi/2 to below 0"),
-            ("path_angle_max", 0.0 < self.path_angle_max <= right, "above 0, at most pi/2"),
-            ("bank_max", 0.0 < self.bank_max <= right, "above 0, at most pi/2"),
-            ("yaw_rate_max", self.yaw_rate_max > 0.0, "positive"),
-            ("pitch_rate_max", self.pitch_rate_max > 0.0, "positive"),
-            ("acceleration_min", self.acceleration_min < 0.0, "negative"),
-            ("acceleration_max", self.acceleration_max > 0.0, "positive"),
-            ("force_max", np.all(np.subtract(self.force_max, self.force_min) > 0.0), "> force_min"),
-            ("distance_min", self.distance_min >= 0.0, "at least 0"),
-            ("fence_radius", self.fence_radius >= 0.0, "at least 0"),
-        ):
-            if not fits:
-                raise ValueError(f"envelope {name} is {getattr(self, name)}, must be {allowed}")
+    def __getattr__(self, name: str) -> Any:
+        """A limit's parameter by its name."""
+        values = self.__dict__.get("_values", {})
+        if name in values:
+            return values[name]
+        raise AttributeError(f"no limit has a parameter {name!r}")
+
+    def find(self, kind: type[Any]) -> Any:
+        """The limit of a class.
+
+        Args:
+            kind: Class of the limit.
+
+        Raises:
+            KeyError: There is none of that class.
+        """
+        for limit in self.limits:
+            if type(limit) is kind:
+                return limit
+        raise KeyError(kind.__name__)
 
     def turn_rate_max(self, airspeed: float) -> float:
-        """Greatest abs(u_psi) in [rad/s] at an airspeed [m/s]: the bank's or the yaw rate's."""
-        bank = GRAVITY * math.tan(self.bank_max)
-        if not airspeed * self.yaw_rate_max > bank:  # also at 0, where the bank allows any
-            return self.yaw_rate_max
-        return bank / airspeed
+        """Greatest abs(u_psi) in [rad/s]: the bank's or the yaw rate's.
+
+        Args:
+            airspeed: v in [m/s].
+        """
+        return min(self._yaw_rate.yaw_rate_max, self._bank.turn_rate_max(airspeed))
 
     def force_limits(self, airspeed: float) -> tuple[float, float]:
-        """Least and greatest specific force g sin(chi) + u_v in [m/s^2] at an airspeed [m/s]."""
-        span = self.airspeed_max - self.airspeed_min
-        share = min(1.0, max(0.0, (airspeed - self.airspeed_min) / span))
-        lower, upper = (
-            ends[0] + share * (ends[1] - ends[0]) for ends in (self.force_min, self.force_max)
-        )
-        return lower, upper
+        """Least and greatest specific force g sin(chi) + u_v in [m/s^2].
+
+        Args:
+            airspeed: v in [m/s].
+        """
+        return self._force.force_limits(airspeed)
 
     def path_angle_limits(self, airspeed: float) -> tuple[float, float]:
-        """Least and greatest path angle in [rad] at which an airspeed [m/s] can be held.
+        """Least and greatest path angle in [rad] at which an airspeed can be held.
 
         Where not even level flight can be held, the limit is the path angle of least loss.
+
+        Args:
+            airspeed: v in [m/s].
         """
-        lower, upper = self.force_limits(airspeed)
-        return (
-            min(self.path_angle_max, max(self.path_angle_min, _arcsine(lower / GRAVITY))),
-            max(self.path_angle_min, min(self.path_angle_max, _arcsine(upper / GRAVITY))),
-        )
+        steepest, most = self._path_angle.path_angle_min, self._path_angle.path_angle_max
+        lower, upper = self._force.path_angles(airspeed)
+        return min(most, max(steepest, lower)), max(steepest, min(most, upper))
 
     def clip(self, inputs: ArrayLike, airspeed: float, path_angle: float) -> NDArray[np.float64]:
         """Nearest inputs that the aircraft can fly in its present state.
 
-        Path angle and airspeed are let approach their limits as exp(-t / 0.5 s), and are led back
-        if they are outside. Near the least airspeed this flattens a climb that the thrust cannot
-        sustain. Where limits contradict each other, those on the inputs themselves win, then the
-        specific force.
+        Path angle and airspeed approach their limits as exp(-t / 0.5 s), and are led back if they
+        are outside. Near the least airspeed this flattens a climb that the thrust cannot sustain.
+        Where limits contradict each other, those on the inputs themselves win, then the specific
+        force.
 
         Args:
             inputs: (u_psi, u_chi, u_v), shape (3,); what is no number counts as 0.
@@ -146,25 +140,27 @@ class Envelope:
         turn, pitch, acceleration = (
             0.0 if math.isnan(value) else float(value) for value in np.asarray(inputs, float)
         )
-        airspeed = airspeed if math.isfinite(airspeed) else self.airspeed_min
+        speeds, angles, own = self._airspeed, self._path_angle, self._acceleration
+        airspeed = airspeed if math.isfinite(airspeed) else speeds.airspeed_min
         path_angle = path_angle if math.isfinite(path_angle) else 0.0
         turn_rate_max = self.turn_rate_max(airspeed)
+        pitch_rate_max = self._pitch_rate.pitch_rate_max
         force_min, force_max = self.force_limits(airspeed)
-        slowing = max(self.acceleration_min, (self.airspeed_min - airspeed) / APPROACH_TIME)
-        speeding = min(self.acceleration_max, (self.airspeed_max - airspeed) / APPROACH_TIME)
+        slowing = max(own.acceleration_min, (speeds.airspeed_min - airspeed) / APPROACH_TIME)
+        speeding = min(own.acceleration_max, (speeds.airspeed_max - airspeed) / APPROACH_TIME)
         # Steeper, and the force could not keep the airspeed inside its limits.
-        steepest_descent = max(self.path_angle_min, _arcsine((force_min - speeding) / GRAVITY))
-        steepest_climb = min(self.path_angle_max, _arcsine((force_max - slowing) / GRAVITY))
-        pitch = min(pitch, (steepest_climb - path_angle) / APPROACH_TIME)
-        pitch = max(pitch, (steepest_descent - path_angle) / APPROACH_TIME)
+        descent = max(angles.path_angle_min, arcsine((force_min - speeding) / GRAVITY))
+        climb = min(angles.path_angle_max, arcsine((force_max - slowing) / GRAVITY))
+        pitch = min(pitch, (climb - path_angle) / APPROACH_TIME)
+        pitch = max(pitch, (descent - path_angle) / APPROACH_TIME)
         weight = GRAVITY * math.sin(path_angle)
         acceleration = min(max(acceleration, slowing), speeding)
         acceleration = min(max(acceleration, force_min - weight), force_max - weight)
         return np.array(
             [
                 min(max(turn, -turn_rate_max), turn_rate_max),
-                min(max(pitch, -self.pitch_rate_max), self.pitch_rate_max),
-                min(max(acceleration, self.acceleration_min), self.acceleration_max),
+                min(max(pitch, -pitch_rate_max), pitch_rate_max),
+                min(max(acceleration, own.acceleration_min), own.acceleration_max),
             ]
         )
 
@@ -175,10 +171,10 @@ class Envelope:
             airspeed: v in [m/s], held.
             drift: c, shape (3,), in [m/s].
         """
-        level, along = _level_speeds(airspeed, drift)
+        level, along = level_speed(airspeed, drift), horizontal(drift)
         if level <= along:
             return math.inf
-        return (level + along) ** 2 / (level * self.turn_rate_max(airspeed))
+        return sharpest_turn(1.0, level, along) / self.turn_rate_max(airspeed)
 
     def refusal(self, orbit: Orbit, drift: ArrayLike) -> str:
         """Why an orbit cannot be flown and which one can, in words; empty if it can be flown.
@@ -202,64 +198,66 @@ class Envelope:
     def nearest_orbit(self, orbit: Orbit, drift: ArrayLike) -> Orbit:
         """Orbit that can be flown at the same altitude: nearest airspeed, then least range.
 
+        Args:
+            orbit: What is asked for.
+            drift: c, shape (3,), in [m/s].
+
         Raises:
             ValueError: In this drift no airspeed will do.
         """
-        speeds = np.append(
-            np.linspace(self.airspeed_min, self.airspeed_max, 201),
-            min(max(orbit.speed, self.airspeed_min), self.airspeed_max),
-        )
-        for speed in speeds[np.argsort(np.abs(speeds - orbit.speed), kind="stable")]:
-            if speed > 0.0 and not self._speed_reason(float(speed), drift):
+        least, most = self._airspeed.airspeed_min, self._airspeed.airspeed_max
+        speeds = np.append(np.linspace(least, most, 201), min(max(orbit.speed, least), most))
+        for speed in speeds[np.argsort(np.abs(speeds - orbit.speed), kind="stable")].tolist():
+            if speed > 0.0 and not self._speed_reason(
+                dataclasses.replace(orbit, speed=speed), drift
+            ):
                 break
         else:
             strength = float(np.linalg.norm(np.asarray(drift, dtype=float)))
             raise ValueError(f"no orbit can be flown in a drift of {strength:.1f} m/s")
-        radius = self.smallest_radius(float(speed), drift) / TURN_RATE_SHARE
+        radius = self.smallest_radius(speed, drift) / TURN_RATE_SHARE
+        distance = orbit.range
         if orbit.radius < radius:
             # A little more, for rounding in d = sqrt(r^2 - z^2).
-            least = math.hypot(radius * (1.0 + 1e-6), orbit.altitude)
-        else:
-            least = orbit.range
-        return dataclasses.replace(orbit, range=max(least, self.distance_min), speed=float(speed))
+            distance = math.hypot(radius * (1.0 + 1e-6), orbit.altitude)
+        return dataclasses.replace(orbit, range=max(distance, self.distance_min), speed=speed)
 
     def _reason(self, orbit: Orbit, drift: ArrayLike) -> str:
-        reason = self._speed_reason(orbit.speed, drift)
-        if reason:
-            return reason
-        words = f"an orbit of {orbit.range:.1f} m range at {orbit.speed:.3g} m/s"
-        if orbit.range < self.distance_min:
-            return f"{words} is nearer to the target than the {self.distance_min:.1f} m allowed"
+        reason = self._speed_reason(orbit, drift)
+        for limit in self.limits:
+            reason = reason or limit.refusal(orbit, drift)
+        return reason or self._turn_reason(orbit, drift)
+
+    def _turn_reason(self, orbit: Orbit, drift: ArrayLike) -> str:
         allowed = self.turn_rate_max(orbit.speed)
         smallest = self.smallest_radius(orbit.speed, drift)
         if orbit.radius * TURN_RATE_SHARE >= smallest:
             return ""
-        along = _level_speeds(orbit.speed, drift)[1]
+        along = horizontal(drift)
         needed = allowed * smallest / orbit.radius if orbit.radius > 0.0 else math.inf
         where = f" where the drift of {along:.1f} m/s follows the flight" if along else ""
         limit = "the yaw rate's limit"
-        if allowed < self.yaw_rate_max:
-            limit = f"bank {math.degrees(self.bank_max):.3g} deg"
+        if allowed < self._yaw_rate.yaw_rate_max:
+            limit = f"bank {math.degrees(self._bank.bank_max):.3g} deg"
         return (
-            f"{words} needs a turn rate of {needed:.3g} rad/s{where}, {limit} allows "
-            f"{allowed:.3g} rad/s, {1.0 - TURN_RATE_SHARE:.0%} of it kept to correct with"
+            f"an orbit of {orbit.range:.1f} m range at {orbit.speed:.3g} m/s needs a turn rate of "
+            f"{needed:.3g} rad/s{where}, {limit} allows {allowed:.3g} rad/s, "
+            f"{1.0 - TURN_RATE_SHARE:.0%} of it kept to correct with"
         )
 
-    def _speed_reason(self, airspeed: float, drift: ArrayLike) -> str:
-        """Why an airspeed cannot be held on any level orbit in this drift; empty if it can."""
-        if not self.airspeed_min <= airspeed <= self.airspeed_max:
-            return (
-                f"an airspeed of {airspeed:.3g} m/s is not between {self.airspeed_min:.3g} and "
-                f"{self.airspeed_max:.3g} m/s"
-            )
-        level, along = _level_speeds(airspeed, drift)
-        if along >= DRIFT_SHARE * level:
+    def _speed_reason(self, orbit: Orbit, drift: ArrayLike) -> str:
+        """Why the airspeed cannot be held on any level orbit in this drift; empty if it can."""
+        airspeed, along = orbit.speed, horizontal(drift)
+        reason = self._airspeed.refusal(orbit, drift)
+        if reason:
+            return reason
+        if along >= DRIFT_SHARE * level_speed(airspeed, drift):
             return (
                 f"a drift of {along:.1f} m/s is too much for an airspeed of {airspeed:.3g} m/s, "
                 f"{DRIFT_SHARE:.0%} of which it may reach"
             )
         # To stay level with the target the air velocity makes up for the vertical drift.
-        path_angle = _arcsine(-float(np.asarray(drift, dtype=float)[2]) / airspeed)
+        path_angle = arcsine(-float(np.asarray(drift, dtype=float)[2]) / airspeed)
         lower, upper = self.path_angle_limits(airspeed)
         if not lower <= path_angle <= upper:
             return (
@@ -268,13 +266,3 @@ class Envelope:
                 f"{math.degrees(lower):.2g} to {math.degrees(upper):.2g} deg"
             )
         return ""
-
-
-def _level_speeds(airspeed: float, drift: ArrayLike) -> tuple[float, float]:
-    """Horizontal air speed that is left beside the vertical drift, and the horizontal drift."""
-    x, y, z = (float(value) for value in np.asarray(drift, dtype=float))
-    return math.sqrt(max(0.0, airspeed * airspeed - z * z)), math.hypot(x, y)
-
-
-def _arcsine(sine: float) -> float:
-    return math.asin(min(1.0, max(-1.0, sine)))

@@ -10,7 +10,7 @@
 ``newton``            that method, one idea a file
 ``cold_start``        the guesses from which a cold solve tries it
 ``stage_code``        the problem's equations and derivatives as straight-line code
-``compilation``       compile the method for a problem, or load it from the cache
-``closed_loop``       a flight on the prediction model, for campaigns
+``compiled_method``   compile the method for a problem, or load it from the cache
+``prediction_loop``   the closed loop on the prediction model itself, for campaigns
 ====================  ================================================================
 """

@@ -53,7 +53,7 @@ class ColdStart:
         self._kept, self._reference = int(rows.KEPT), int(rows.SECOND)
         self._working, spare = int(rows.WORKING), int(rows.SPARE)
         self._best, self._short = spare, (spare + 1, spare + 2)
-        self._rest = np.clip(np.zeros(problem.nu), problem.input_lower, problem.input_upper)
+        self._rest = problem.input_rest
         self._openings = list(openings(problem, self._rest))
         self._goal = record["goal"]
         self._policy = np.zeros((problem.nu, method.stage.NS))
@@ -69,7 +69,7 @@ class ColdStart:
 
         Args:
             attempt: (start, tolerance, iteration limit) -> how it ended.
-            tolerance: Of the attempts on the whole horizon.
+            tolerance: Of the attempts on the whole horizon [-].
             iteration_limit: Of each of them.
             guess: Tried first; if it converges, alone.
 
@@ -188,6 +188,10 @@ def openings(
 
     At rest throughout; none (feedback from the start); each input alone at either end of its box;
     the first inputs together in every combination of ends.
+
+    Args:
+        problem: Its box and horizon.
+        rest: The inputs at rest, shape (nu,).
     """
     lower, upper = problem.input_lower, problem.input_upper
     bounded = np.isfinite(lower) & np.isfinite(upper)

@@ -37,6 +37,9 @@ FINISHED = "compiled"  # marks a folder whose machine code is there
 def compile_method(problem: OptimalControlProblem) -> ModuleType:
     """Package whose modules are the Newton method for this problem, compiled.
 
+    Args:
+        problem: What the method is to solve.
+
     Raises:
         NotImplementedError: An expression uses an operation that has no translation.
     """

@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from functools import partial
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.mpc.solver import Solver
+from uav_tracking_mpc.mpc.solution import Solution
+from uav_tracking_mpc.mpc.solver import Guess, Solver
 
 
 class ClosedLoop(NamedTuple):
-    """A flight: states (steps + 1, nx), inputs (steps, nu), V_N at each step, and failures."""
+    """A flight on the prediction model.
+
+    Attributes:
+        states: x_0, x_1, ..., shape (steps + 1, nx).
+        inputs: u_0 of each plan, shape (steps, nu).
+        costs: V_N at each step, shape (steps,).
+        failures: Solves that did not converge.
+    """
 
     states: NDArray[np.float64]
     inputs: NDArray[np.float64]
@@ -19,9 +30,12 @@ class ClosedLoop(NamedTuple):
     failures: int
 
 
-def closed_loop(
-    solver: Solver, initial_state: ArrayLike, steps: int, parameters: ArrayLike | None = None
-) -> ClosedLoop:
+def solutions(
+    solver: Solver,
+    initial_state: ArrayLike,
+    parameters: ArrayLike | None = None,
+    guess: Callable[[NDArray[np.float64]], Guess | None] | None = None,
+) -> Iterator[Solution]:
     """Apply u_0 of each plan to x+ = f(x, u), the model of the problem, from a cold start.
 
     A plan obeys the dynamics exactly where its solver rolls them out, so x_1 of the plan is the
@@ -31,22 +45,36 @@ def closed_loop(
     Args:
         solver: Solves the problem; forgets what it knew.
         initial_state: x_0, shape (nx,).
-        steps: Number of steps.
         parameters: The same at every step, see :meth:`Solver.solve`.
+        guess: Plan to begin a cold start with, from the state, shape (nx,).
+
+    Yields:
+        Solution at each step, without end.
     """
-    problem = solver.problem
-    states = np.empty((steps + 1, problem.nx))
-    inputs = np.empty((steps, problem.nu))
-    costs = np.empty(steps)
-    states[0] = initial_state
-    failures = 0
     solver.reset()
-    elapsed = None
-    for step in range(steps):
-        solution = solver.solve(states[step], parameters, elapsed)
-        inputs[step] = solution.inputs[0]
-        states[step + 1] = solution.states[1]
-        costs[step] = solution.cost
-        failures += not solution.converged
-        elapsed = problem.step
-    return ClosedLoop(states, inputs, costs, failures)
+    state, elapsed = np.asarray(initial_state, dtype=float), None
+    while True:
+        start = None if guess is None else partial(guess, state)
+        solution = solver.solve(state, parameters, elapsed, start)
+        yield solution
+        state, elapsed = solution.states[1], solver.problem.step
+
+
+def closed_loop(
+    solver: Solver, initial_state: ArrayLike, steps: int, parameters: ArrayLike | None = None
+) -> ClosedLoop:
+    """A flight of :func:`solutions`.
+
+    Args:
+        solver: Solves the problem; forgets what it knew.
+        initial_state: x_0, shape (nx,).
+        steps: Number of steps.
+        parameters: The same at every step, of either shape that :meth:`Solver.solve` takes.
+    """
+    flown = list(islice(solutions(solver, initial_state, parameters), steps))
+    return ClosedLoop(
+        states=np.array([np.asarray(initial_state), *(each.states[1] for each in flown)]),
+        inputs=np.array([each.inputs[0] for each in flown]),
+        costs=np.array([each.cost for each in flown]),
+        failures=sum(not each.converged for each in flown),
+    )

@@ -29,7 +29,7 @@ class Inequality:
     Attributes:
         expression: SX column in the symbols of the problem.
         penalty: None for a hard constraint; for a soft one the weight of the violation in the
-            cost, ``penalty * sum(max(0, expression))``: exact once it exceeds the multipliers.
+            cost [-], ``penalty * sum(max(0, expression))``: exact once it exceeds the multipliers.
         name: What a message calls it.
     """
 
@@ -134,6 +134,11 @@ class OptimalControlProblem:
         )
         if ca.depends_on(terminal, self.inputs):
             raise ValueError("terminal cost and constraints must not depend on the inputs")
+
+    @property
+    def input_rest(self) -> NDArray[np.float64]:
+        """The inputs of the box that are nearest to 0, shape (nu,)."""
+        return np.clip(np.zeros(self.nu), self.input_lower, self.input_upper)
 
     @property
     def nx(self) -> int:

@@ -18,8 +18,8 @@ class TerminalSet:
     """X_f of (16e) and (25): x' P_rho x <= level.
 
     Attributes:
-        level: varrho_x, positive.
-        penalty: None to enforce it; else the L1 weight of a violation (soft).
+        level: varrho_x, positive [-].
+        penalty: None to enforce it; else the L1 weight of a violation (soft) [-].
     """
 
     level: float

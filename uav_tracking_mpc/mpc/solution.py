@@ -8,6 +8,8 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.mpc.problem import OptimalControlProblem
+
 
 class Status(Enum):
     """How a solve ended; the value is what people read."""
@@ -27,13 +29,13 @@ class Solution:
     Attributes:
         status: How it ended.
         message: The status with its reason, for people.
-        cost: V_N at the plan, nan if it could not be evaluated.
+        cost: V_N at the plan [-], nan if it could not be evaluated.
         iterations: Iterations of the solver.
         solve_time: Wall time in [s].
         states: x_0..x_N, shape (N + 1, nx), as (19).
         inputs: u_0..u_{N-1}, shape (N, nu), as (18): finite and inside the box whatever the status.
         decision: a, shape (na,).
-        violation: Largest violation of a hard constraint at the plan.
+        violation: Largest violation of a hard constraint at the plan, in its own units [-].
     """
 
     status: Status
@@ -45,6 +47,30 @@ class Solution:
     inputs: NDArray[np.float64]
     decision: NDArray[np.float64]
     violation: float
+
+    @classmethod
+    def without_plan(
+        cls, problem: OptimalControlProblem, status: Status, reason: str, solve_time: float
+    ) -> Solution:
+        """What a solve gives back that found nothing: inputs at rest, states 0.
+
+        Args:
+            problem: What was to be solved.
+            status: How it ended.
+            reason: Why, in words.
+            solve_time: Wall time in [s].
+        """
+        return cls(
+            status=status,
+            message=f"{status.value}: {reason}",
+            cost=float("nan"),
+            iterations=0,
+            solve_time=solve_time,
+            states=np.zeros((problem.horizon + 1, problem.nx)),
+            inputs=np.tile(problem.input_rest, (problem.horizon, 1)),
+            decision=np.array(problem.decision_guess, dtype=float),
+            violation=float("inf"),
+        )
 
     @property
     def converged(self) -> bool:

@@ -13,7 +13,12 @@ from uav_tracking_mpc.mpc.solution import Solution
 
 
 class Guess(NamedTuple):
-    """A plan that the caller knows: u_0..u_{N-1}, shape (N, nu), and a, shape (na,)."""
+    """A plan that the caller knows.
+
+    Attributes:
+        inputs: u_0..u_{N-1}, shape (N, nu).
+        decision: a, shape (na,).
+    """
 
     inputs: NDArray[np.float64]
     decision: NDArray[np.float64]
@@ -25,10 +30,16 @@ class Solver(Protocol):
     A solver keeps its last converged plan and starts from it, moved on by the time that has passed.
     It never raises on data and never returns an input that is not finite or outside the box: bad
     data gives :attr:`Status.REFUSED` and leaves everything that the solver holds as it was.
+
+    Attributes:
+        name: By which it is chosen.
+        problem: What it solves.
+        time_limit: Time budget of one solve in [s], may be set between solves; inf for none.
     """
 
     name: str
     problem: OptimalControlProblem
+    time_limit: float
 
     def solve(
         self,
@@ -44,8 +55,8 @@ class Solver(Protocol):
             parameters: p_0..p_N, shape (N + 1, np), or (np,) where they do not change.
             elapsed: Time in [s] since the state of the last solve, for the warm start; None for a
                 cold start.
-            guess: Called if a cold start is needed, also where a warm one has failed: where it
-                begins. What else it tries only matters if that fails.
+            guess: Called where a cold start is needed, also after a warm one has failed. The cold
+                start tries the plan that it returns first, and others only if that fails.
         """
         ...
 
@@ -59,7 +70,7 @@ def shift(samples: NDArray[np.float64], stages: float) -> NDArray[np.float64]:
 
     Args:
         samples: Values at stages 0..n-1, shape (n, m).
-        stages: Elapsed time over T_s, any number >= 0.
+        stages: Elapsed time over T_s, any number >= 0 [-].
 
     Returns:
         Values at stages 0..n-1 from then on, shape (n, m).

@@ -15,12 +15,12 @@ from rclpy.serialization import deserialize_message
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from uav_tracking_mpc.control.fallback import Rung
+from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.relative import steady_inputs
+from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes.conversions import (
-    Motion,
     air_velocity_from_twist,
-    motion_from_odometry,
+    measurement_from_odometry,
     nanoseconds,
     plan_from_command,
 )
@@ -35,7 +35,7 @@ from uav_tracking_mpc.nodes.topics import (
 )
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, Latency
-from uav_tracking_mpc.simulation.target_motion import target_position, target_velocity
+from uav_tracking_mpc.simulation.motions import motion_of
 
 
 class FlightBag:
@@ -66,7 +66,13 @@ class FlightBag:
         }
 
     def write(self, topic: Topic, time: int, message: bytes) -> None:
-        """Append a serialized message, sent at ``time`` [ns]."""
+        """Append a message.
+
+        Args:
+            topic: On which it was sent.
+            time: When it was heard in [ns].
+            message: Serialized.
+        """
         self._writer.write(self._connections[topic.name], time, message)
 
     def close(self) -> None:
@@ -87,7 +93,15 @@ def absolute(topic: Topic) -> str:
 
 
 def messages(path: Path, *topics: Topic) -> Iterator[tuple[Topic, int, Any]]:
-    """(topic, time sent [ns], message) of a bag, in the order they were sent."""
+    """Messages of a bag, in the order in which they were heard.
+
+    Args:
+        path: Of the bag.
+        topics: Of which messages are wanted.
+
+    Yields:
+        (topic, time in [ns] at which it was heard, message) of each.
+    """
     wanted = {absolute(topic): topic for topic in topics}
     with Reader(path) as reader:
         connections = [c for c in reader.connections if c.topic in wanted]
@@ -96,97 +110,132 @@ def messages(path: Path, *topics: Topic) -> Iterator[tuple[Topic, int, Any]]:
             yield topic, time, deserialize_message(bytes(data), topic.type)
 
 
+class _Contents:
+    """What a bag holds of a flight, message by message.
+
+    Args:
+        path: Of the bag.
+
+    Attributes:
+        states: Stamp in [ns] and motion of each state.
+        commands: Stamp in [ns] and first inputs of each command.
+        airspeeds: Stamp in [ns] and airspeed in [m/s] of each air velocity.
+        heard: Wall time in [ns] at which the recorder heard each state.
+        sent: Wall time in [ns] at which it heard each command.
+        values: Wall time in [ns] and value of the figures ``cost`` and ``solve_time``.
+        reports: Latest diagnostics of each node.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.states: list[tuple[int, Measurement]] = []
+        self.commands: list[tuple[int, NDArray[np.float64]]] = []
+        self.airspeeds: list[tuple[int, float]] = []
+        self.heard: list[int] = []
+        self.sent: list[int] = []
+        self.values: dict[str, list[tuple[int, float]]] = {"cost": [], "solve_time": []}
+        self.reports: dict[str, dict[str, str]] = {}
+        figures = {TRACKING[name].name: name for name in self.values}
+        topics = (
+            ODOMETRY,
+            AIR_VELOCITY,
+            COMMAND,
+            DIAGNOSTICS,
+            *(TRACKING[name] for name in self.values),
+        )
+        for topic, time, message in messages(path, *topics):
+            if topic.name in figures:
+                self.values[figures[topic.name]].append((time, message.data))
+            else:
+                self._take(topic, time, message)
+
+    def _take(self, topic: Topic, time: int, message: Any) -> None:
+        if topic is DIAGNOSTICS:
+            for status in message.status:
+                node = status.name.partition(":")[0].rpartition("/")[2]
+                self.reports[node] = {entry.key: entry.value for entry in status.values}
+            return
+        stamp = nanoseconds(message.header.stamp)
+        if topic is ODOMETRY:
+            self.states.append((stamp, measurement_from_odometry(message)))
+            self.heard.append(time)
+        elif topic is AIR_VELOCITY:
+            speed = float(np.linalg.norm(air_velocity_from_twist(message)))
+            self.airspeeds.append((stamp, speed))
+        else:
+            inputs, _ = plan_from_command(message)
+            self.commands.append((stamp, inputs[0]))
+            self.sent.append(time)
+
+
 def flight_log(path: Path, configuration: Configuration) -> FlightLog:
     """Record of a flight from its bag; time counts from the first command.
 
     The vehicle's motion is as measured; the target's is the true one, a function of simulated time
     alone. A bag without ``uav/air_velocity`` is read as flown in still air.
 
+    Args:
+        path: Of the bag.
+        configuration: What was flown.
+
     Raises:
         ValueError: The bag holds no command.
     """
-    states: list[tuple[int, Motion]] = []
-    commands = []
-    airspeeds: list[tuple[int, float]] = []
-    heard, sent = [], []  # wall time at which the recorder heard each of them [ns]
-    values: dict[str, list[tuple[int, float]]] = {"cost": [], "solve_time": []}
-    by_name = {TRACKING[name].name: name for name in values}
-    reports: dict[str, dict[str, str]] = {}
-    topics = (ODOMETRY, AIR_VELOCITY, COMMAND, DIAGNOSTICS, *(TRACKING[name] for name in values))
-    for topic, time, message in messages(path, *topics):
-        if topic is ODOMETRY:
-            states.append((nanoseconds(message.header.stamp), motion_from_odometry(message)))
-            heard.append(time)
-        elif topic is AIR_VELOCITY:
-            speed = float(np.linalg.norm(air_velocity_from_twist(message)))
-            airspeeds.append((nanoseconds(message.header.stamp), speed))
-        elif topic is COMMAND:
-            commands.append((nanoseconds(message.header.stamp), plan_from_command(message)[0][0]))
-            sent.append(time)
-        elif topic is DIAGNOSTICS:
-            for status in message.status:
-                node = status.name.partition(":")[0].rpartition("/")[2]
-                reports[node] = {entry.key: entry.value for entry in status.values}
-        else:
-            values[by_name[topic.name]].append((time, message.data))
-    if not commands:
+    bag = _Contents(path)
+    if not bag.commands:
         raise ValueError(f"bag {path} holds no command: the controller never flew")
-    start = commands[0][0]
+    start, _ = bag.commands[0]
     end = start + round(configuration.mission.duration * 1e9)
-    flown = [(stamp, motion) for stamp, motion in states if start <= stamp <= end]
-    simulated = [stamp * 1e-9 for stamp, _ in flown]
-    latency = _latency(states, commands, heard, sent)
-    within = sum(stamp <= end for stamp, _ in commands)
-    commands, sent = commands[:within], sent[:within]
+    flown = [(stamp, motion) for stamp, motion in bag.states if start <= stamp <= end]
+    commands = [(stamp, inputs) for stamp, inputs in bag.commands if stamp <= end]
+    sent = bag.sent[: len(commands)]
     # An interrupted flight is as long as it was flown; a whole one may lack its last state.
     span = (flown[-1][0] - start) * 1e-9 if flown else 0.0
     span += 1.0 / configuration.simulator.state_rate
-    controller, simulator = reports.get("nmpc_controller", {}), reports.get("uav_simulator", {})
-    tracking = configuration.controller
+    controller = bag.reports.get("nmpc_controller", {})
+    simulator = bag.reports.get("uav_simulator", {})
+    tracking, motion_of_target = configuration.controller, motion_of(configuration.target)
     # With the nearest direction asked for, the controller tells which one it chose.
     direction = controller.get("direction", tracking.orbit.direction)
     orbit = replace(tracking.orbit, direction=direction)
+    modes = (FallbackMode.LOITER, FallbackMode.HOLD)
+    unplanned = (int(controller.get(f"mode {mode.value}", 0)) for mode in modes)
+    vehicle = [
+        motion.state(speed)
+        for (_, motion), speed in zip(flown, _airspeeds(flown, bag.airspeeds), strict=True)
+    ]
     return FlightLog(
         config=configuration.name,
         duration=min(configuration.mission.duration, span),
         speed=configuration.mission.speed,
         model=tracking.model,
-        plant="vehicle",
+        plant=configuration.simulator.plant,
         orbit=orbit,
         input_lower=tracking.input_lower,
         input_upper=tracking.input_upper,
         steady_inputs=steady_inputs(tracking.model, orbit),
         time=np.array([(stamp - start) * 1e-9 for stamp, _ in flown]),
-        vehicle=np.array(
-            [
-                motion.state(speed)
-                for (_, motion), speed in zip(flown, _airspeeds(flown, airspeeds), strict=True)
-            ]
-        ),
-        target=np.array([target_position(configuration.target, t) for t in simulated]),
+        vehicle=np.array(vehicle),
+        target=np.array([motion_of_target.position(stamp * 1e-9) for stamp, _ in flown]),
         command_time=np.array([(stamp - start) * 1e-9 for stamp, _ in commands]),
         inputs=np.array([inputs for _, inputs in commands]),
-        cost=_beside_commands(sent, values["cost"]),
-        solve_time=_beside_commands(sent, values["solve_time"]),
+        cost=_beside_commands(sent, bag.values["cost"]),
+        solve_time=_beside_commands(sent, bag.values["solve_time"]),
         solver=controller.get("solver", tracking.solver),
         failures=int(controller.get("solver failures", 0)),
         commands=CommandCounts(
             sent=int(controller.get("commands sent", len(commands))),
             late=int(controller.get("commands late", 0)),
             plan_reused=int(controller.get("plan reused", 0)),
-            failsafe=int(simulator.get("failsafe", 0))
-            + sum(
-                int(controller.get(f"rung {rung.value}", 0)) for rung in (Rung.LOITER, Rung.HOLD)
-            ),
+            failsafe=int(simulator.get("failsafe", 0)) + sum(unplanned),
         ),
-        latency=latency,
+        latency=_latency(bag),
         ground_velocity=np.array([motion.ground_velocity for _, motion in flown]),
-        target_velocity=np.array([target_velocity(configuration.target, t) for t in simulated]),
+        target_velocity=np.array([motion_of_target.velocity(stamp * 1e-9) for stamp, _ in flown]),
     )
 
 
 def _airspeeds(
-    flown: list[tuple[int, Motion]], measured: list[tuple[int, float]]
+    flown: list[tuple[int, Measurement]], measured: list[tuple[int, float]]
 ) -> NDArray[np.float64]:
     """Airspeed at each state, shape (n,), in [m/s]; of still air where none was measured."""
     if not measured:
@@ -198,15 +247,16 @@ def _airspeeds(
     )
 
 
-def _latency(states: list, commands: list, heard: list[int], sent: list[int]) -> Latency | None:
+def _latency(bag: _Contents) -> Latency | None:
     """From a state on the wire to the command computed from it, as the recorder heard them.
 
-    A command bears the stamp of its state. Simulated stamps are no wall time, hence the detour.
+    A command bears the stamp of its state. Simulated stamps are not wall time: the times at which
+    the recorder heard state and command are compared instead.
     """
-    arrival = {stamp: time for (stamp, _), time in zip(states, heard, strict=True)}
+    arrival = {stamp: time for (stamp, _), time in zip(bag.states, bag.heard, strict=True)}
     delays = [
         (time - arrival[stamp]) * 1e-3
-        for (stamp, _), time in zip(commands, sent, strict=True)
+        for (stamp, _), time in zip(bag.commands, bag.sent, strict=True)
         if stamp in arrival
     ]
     if not delays:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from typing import Any
 
-import numpy as np
 from rclpy.node import Node
 
 from uav_tracking_mpc.nodes import diagnostics
@@ -13,24 +12,32 @@ from uav_tracking_mpc.nodes.conversions import set_point
 from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
 from uav_tracking_mpc.nodes.run import run
 from uav_tracking_mpc.nodes.topics import TARGET
-from uav_tracking_mpc.simulation.target_motion import TargetParameters, target_position
+from uav_tracking_mpc.settings.target import TargetParameters
+from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.simulation.target_sensor import TargetSensor
 
 DELIVERY_PERIOD = 0.01  # s; how closely a delay is kept
 
 
 class TargetPublisher(Node):
-    """Moves the target as its parameters say; with simulated time, by that time."""
+    """Moves the target as its parameters say; with simulated time, by that time.
+
+    Args:
+        options: As those of rclpy's Node.
+
+    Raises:
+        ParameterError: A parameter is not allowed, or there is no such motion.
+    """
 
     def __init__(self, **options: Any) -> None:
-        """Declare parameters and start; options as those of rclpy's Node."""
         super().__init__("target_publisher", **options)
         self.parameters = declare_parameters(self, TargetParameters)
-        self._sensor = TargetSensor(self.parameters)
+        self._motion = motion_of(self.parameters)
+        self._sensor = TargetSensor(self.parameters, self._motion)
         simulated = bool(self.get_parameter("use_sim_time").value)
         self._start = 0 if simulated else self.get_clock().now().nanoseconds
         self._message = TARGET.type()
-        self._position = np.array(self.parameters.position)
+        self._position = self._motion.position(0.0)
         self._publisher = self.create_publisher(TARGET.type, TARGET.name, TARGET.qos)
         self._diagnostics = diagnostics.Diagnostics(self, self._values)
         self._timer = self.create_timer(1.0 / self.parameters.rate, self._measure)
@@ -43,7 +50,7 @@ class TargetPublisher(Node):
 
     def _measure(self) -> None:
         now = self._time()
-        self._position = target_position(self.parameters, now)
+        self._position = self._motion.position(now)
         self._sensor.measure(now)
         self._deliver()
         self._diagnostics.report(diagnostics.OK, f"target is {self.parameters.motion}")
@@ -54,7 +61,7 @@ class TargetPublisher(Node):
             self._publisher.publish(self._message)
 
     def _values(self) -> dict[str, object]:
-        x, y, z = (float(value) for value in self._position)
+        x, y, z = self._position.tolist()
         return {"x [m]": x, "y [m]": y, "z [m]": z, "rate [Hz]": self.parameters.rate}
 
     def finish(self) -> None:

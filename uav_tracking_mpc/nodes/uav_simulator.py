@@ -1,13 +1,16 @@
-"""Node ``uav_simulator``: flies the vehicle (3) on the commands and publishes its state."""
+"""Node ``uav_simulator``: flies a plant on the commands and publishes its state."""
 
 from __future__ import annotations
 
+import math
 import sys
 from typing import Any
 
+import numpy as np
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
+from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes import diagnostics
 from uav_tracking_mpc.nodes.conversions import (
     MessageError,
@@ -21,21 +24,29 @@ from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
 from uav_tracking_mpc.nodes.peers import Peers, Promise
 from uav_tracking_mpc.nodes.run import run
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY
+from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
-from uav_tracking_mpc.simulation.plants.vehicle import Plant
+from uav_tracking_mpc.simulation.plants import Plant, SimulationError, plant_named
 
 LONGEST_STEP = 0.5  # s; a jump of the clock beyond this is not flown through
 WARNING_PERIOD = 5.0  # s
 
 
 class UavSimulator(Node):
-    """Vehicle and autopilot in simulated or real time."""
+    """Vehicle and autopilot in simulated or real time.
+
+    Args:
+        options: As those of rclpy's Node.
+
+    Raises:
+        ParameterError: A parameter is not allowed, or there is no such plant.
+    """
 
     def __init__(self, **options: Any) -> None:
-        """Declare parameters and start; options as those of rclpy's Node."""
         super().__init__("uav_simulator", **options)
         self.parameters = declare_parameters(self, SimulatorParameters)
-        self._plant = Plant(self.parameters)
+        self._plant = _plant(self.parameters)
+        self._truth, self._failure = self._plant.truth, ""
         self._tick = round(1e9 / self.parameters.state_rate)
         self._now = 0 if self.parameters.publish_clock else self.get_clock().now().nanoseconds
         self._start = self._now
@@ -98,11 +109,17 @@ class UavSimulator(Node):
         if self._clock_publisher is not None:
             set_stamp(self._clock_message.clock, self._now)
             self._clock_publisher.publish(self._clock_message)
-        state, ground_velocity = self._plant.measured()
-        set_odometry(self._odometry, self._now, state, self._plant.rates, ground_velocity)
-        set_air_velocity(self._air_velocity, self._now, state[5])
+        if not self._failure:
+            self._publish(self._plant.measured())
+
+    def _publish(self, seen: Measurement) -> None:
+        rates = np.array([seen.turn_rate, seen.path_angle_rate, 0.0])
+        state = seen.state(math.nan if seen.airspeed is None else seen.airspeed)
+        set_odometry(self._odometry, self._now, state, rates, seen.ground_velocity)
         self._odometry_publisher.publish(self._odometry)
-        self._air_publisher.publish(self._air_velocity)
+        if seen.airspeed is not None:
+            set_air_velocity(self._air_velocity, self._now, seen.airspeed)
+            self._air_publisher.publish(self._air_velocity)
 
     def _elapsed(self) -> int:
         """Time since the last step in [ns], by the clock that this node drives or follows."""
@@ -121,35 +138,51 @@ class UavSimulator(Node):
             )
             held = True
         else:
-            held = self.parameters.start_on_command and not self._plant.commanded
+            held = self.parameters.start_on_command and not self._plant.plan.commanded
         if not held:
-            self._plant.advance(elapsed * 1e-9)
+            self._fly(elapsed * 1e-9)
         self._plant.time = (self._now - self._start) * 1e-9
-        if self._plant.commanded and self._plant.holding:
+        self._report()
+
+    def _fly(self, duration: float) -> None:
+        if self._failure:
+            return
+        try:
+            self._plant.advance(duration)
+            self._truth = self._plant.truth
+        except Exception as error:  # whatever a user's plant raises, the node goes on
+            self._failure = f"the plant failed, its state is not published: {error}"
+
+    def _report(self) -> None:
+        plan = self._plant.plan
+        if self._failure:
+            self._diagnostics.report(diagnostics.ERROR, self._failure)
+        elif plan.commanded and plan.holding:
             self._diagnostics.report(
                 diagnostics.WARN, "no plan left to fly: holding wings level until a command comes"
             )
-        elif self._plant.commanded:
+        elif plan.commanded:
             self._diagnostics.report(diagnostics.OK, "flying on commands")
         else:
             self._diagnostics.report(diagnostics.WARN, "waiting for the first command")
 
     def _values(self) -> dict[str, object]:
-        x, y, z, psi, chi, v = (float(value) for value in self._plant.state)
-        east, north, up = (float(value) for value in self._plant.wind)
+        truth = self._truth
+        x, y, z = truth.position.tolist()
+        east, north, up = self._plant.wind.tolist()
         return {
             "x [m]": x,
             "y [m]": y,
             "z [m]": z,
-            "heading [rad]": psi,
-            "path angle [rad]": chi,
-            "airspeed [m/s]": v,
+            "heading [rad]": truth.heading,
+            "path angle [rad]": truth.path_angle,
+            "airspeed [m/s]": truth.airspeed,
             "wind east [m/s]": east,
             "wind north [m/s]": north,
             "wind up [m/s]": up,
             "commands received": self._received,
             "commands refused": self._rejected,
-            "failsafe": self._plant.failsafes,
+            "failsafe": self._plant.plan.failsafes,
             "state deadlines missed": self._promise.broken,
             **self._peers.values(),
         }
@@ -157,6 +190,13 @@ class UavSimulator(Node):
     def finish(self) -> None:
         """Publish the last diagnostics."""
         self._diagnostics.publish()
+
+
+def _plant(parameters: SimulatorParameters) -> Plant:
+    try:
+        return plant_named(parameters.plant)(parameters)
+    except SimulationError as error:
+        raise ParameterError(f"parameter 'plant': {error}") from error
 
 
 def main() -> int:

@@ -32,7 +32,7 @@ class Kind:
     """A kind of thing that people add.
 
     Attributes:
-        title: What people call it.
+        title: What a message calls one of them.
         room: Package that holds those that come with the project; also the entry points' group.
         base: Name of the base class in that package.
     """
@@ -144,7 +144,12 @@ def _module_of_file(path: Path) -> ModuleType:
 
 GUIDANCE_LAW = Kind("guidance law", "uav_tracking_mpc.laws", "GuidanceLaw")
 LIMIT = Kind("limit", "uav_tracking_mpc.limits", "Limit")
-PREDICTION_MODEL = Kind("prediction model", "uav_tracking_mpc.dynamics.models", "PredictionModel")
+RELATIVE_MODEL = Kind(
+    "prediction model", "uav_tracking_mpc.dynamics.relative_models", "RelativeModel"
+)
+VEHICLE_MODEL = Kind(
+    "model of the vehicle", "uav_tracking_mpc.dynamics.vehicle_models", "VehicleModel"
+)
 PLANT = Kind("plant", "uav_tracking_mpc.simulation.plants", "Plant")
 TARGET_MOTION = Kind("target motion", "uav_tracking_mpc.simulation.motions", "TargetMotion")
 VEHICLE_LINK = Kind("vehicle link", "uav_tracking_mpc.links", "VehicleLink")

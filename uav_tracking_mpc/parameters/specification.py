@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar, cast
 
@@ -31,13 +31,14 @@ class Specification:
         default: Also gives the type: bool, int, float, str or a tuple of floats.
         description: What it does, for people.
         unit: SI unit, or "".
-        lower: Least value allowed (of every element), or None.
-        upper: Greatest value allowed (of every element), or None.
-        choices: The only values allowed, or () for any.
+        lower: Least value allowed (of every element) in [unit], or None.
+        upper: Greatest value allowed (of every element) in [unit], or None.
+        choices: The only values allowed beside those of ``extension``, or () for any.
         size: Number of elements of a tuple; 0 for any multiple of ``multiple``.
         multiple: A tuple's length must be a multiple of this.
         extension: The value names one of this kind: an installed one, or ``path.py:Class``.
-        fixed: Whether it can only be set at the start, not while the node is configured.
+        fixed: Whether it can only be set at the start, not while the controller is configured.
+        fixed_unless: Name and value of another parameter; without that value this one is fixed.
     """
 
     name: str
@@ -51,15 +52,17 @@ class Specification:
     multiple: int = 1
     extension: Kind | None = None
     fixed: bool = False
+    fixed_unless: tuple[str, str] | None = None
 
     @property
     def allowed(self) -> str:
         """The allowed values in words."""
         kind = {bool: "true or false", int: "an integer", float: "a number", str: "text"}
+        if self.extension is not None:
+            names = (*self.choices, *self.extension.names)
+            return f"one of {', '.join(names)}, or path.py:Class"
         if self.choices:
             return "one of " + ", ".join(self.choices)
-        if self.extension is not None:
-            return f"one of {', '.join(self.extension.names)}, or path.py:Class"
         if isinstance(self.default, tuple):
             count = str(self.size) if self.size else f"a multiple of {self.multiple}"
             words = f"a list of {count} numbers"
@@ -79,6 +82,9 @@ class Specification:
 
         An integer is taken where a number is asked for; nothing else is converted.
 
+        Args:
+            value: As it came from YAML, ROS or Python.
+
         Raises:
             ParameterError: Wrong type, not finite, out of range, wrong length, not a choice.
         """
@@ -91,14 +97,13 @@ class Specification:
             high = self.upper is not None and number > self.upper
             if not math.isfinite(number) or low or high:
                 raise self._error(value)
-        if self.choices and checked not in self.choices:
-            raise self._error(value)
-        if self.extension is not None and not self._is_extension(str(checked)):
+        if (self.choices or self.extension) and not self._is_choice(str(checked)):
             raise self._error(value)
         return checked
 
-    def _is_extension(self, name: str) -> bool:
-        assert self.extension is not None
+    def _is_choice(self, name: str) -> bool:
+        if name in self.choices or self.extension is None:
+            return name in self.choices
         return ":" in name or name in self.extension.names
 
     def _convert(self, value: Any) -> Value:
@@ -139,27 +144,127 @@ def _is_number(value: Any) -> bool:
 
 
 def parameter(default: Any, description: str, **limits: Any) -> Any:
-    """Dataclass field of a parameter; ``limits`` are the other attributes of a Specification."""
+    """Dataclass field of a parameter.
+
+    Args:
+        default: Its default; also gives its type.
+        description: What it does, for people.
+        limits: The other attributes of a :class:`Specification`, but for its name.
+    """
     metadata = {"description": description, **limits}
     return dataclasses.field(default=default, metadata=metadata)
 
 
 def specifications(parameters: type) -> tuple[Specification, ...]:
-    """Specifications of a parameter dataclass, in the order of its fields."""
+    """Specifications of a dataclass of ``parameters``, in the order of its fields."""
     fields: tuple[dataclasses.Field[Any], ...] = dataclasses.fields(parameters)
     return tuple(
         Specification(field.name, cast(Value, field.default), **field.metadata) for field in fields
     )
 
 
+def gathered(name: str, owners: Iterable[type]) -> type[Any]:
+    """Frozen dataclass with the parameters of several others, such as all limits, and no methods.
+
+    Args:
+        name: Of the class.
+        owners: Dataclasses of parameters. Two may share one if they describe it alike.
+
+    Raises:
+        ParameterError: Two describe a parameter of one name differently.
+    """
+    found: dict[str, dataclasses.Field[Any]] = {}
+    for owner in owners:
+        for field in dataclasses.fields(owner):
+            known = found.setdefault(field.name, field)
+            if (known.default, known.metadata) != (field.default, field.metadata):
+                raise ParameterError(
+                    f"parameter '{field.name}' of {owner.__name__} is described differently "
+                    "elsewhere, must have a name of its own"
+                )
+    fields = []
+    for field in found.values():
+        copy: Any = dataclasses.field(default=field.default, metadata=field.metadata)
+        fields.append((field.name, field.type, copy))
+    return dataclasses.make_dataclass(name, fields, frozen=True)
+
+
+def taken(owner: type[T], values: object) -> T:
+    """A dataclass of parameters made from the attributes of another.
+
+    Args:
+        owner: The dataclass.
+        values: Has an attribute for each of its fields.
+    """
+    fields: tuple[dataclasses.Field[Any], ...] = dataclasses.fields(owner)  # type: ignore[arg-type]
+    return owner(**{field.name: getattr(values, field.name) for field in fields})
+
+
+def resolved(parameters: type[T], values: Mapping[str, Any]) -> type[T]:
+    """The dataclass that describes the values: some of them may bring parameters of their own.
+
+    Args:
+        parameters: A dataclass of parameters; one with a class method ``extended`` says itself.
+        values: By name, as far as they are known.
+    """
+    extended = getattr(parameters, "extended", None)
+    return parameters if extended is None else cast("type[T]", extended(values))
+
+
 def from_mapping(parameters: type[T], values: Mapping[str, Any]) -> T:
     """Build a parameter dataclass from names and values; what is missing takes its default.
+
+    Args:
+        parameters: The dataclass.
+        values: By name of the parameter.
 
     Raises:
         ParameterError: An unknown name, or a value that is not allowed.
     """
+    parameters = resolved(parameters, values)
     known = {specification.name: specification for specification in specifications(parameters)}
     for name in values:
         if name not in known:
             raise ParameterError(f"parameter '{name}' is unknown, known are: {', '.join(known)}")
     return parameters(**{name: known[name].check(value) for name, value in values.items()})
+
+
+def changed(parameters: T, values: Mapping[str, Any]) -> T:
+    """A parameter dataclass with some values replaced.
+
+    Args:
+        parameters: The present ones.
+        values: New ones by name.
+
+    Raises:
+        ParameterError: An unknown name, or a value that is not allowed.
+    """
+    present = {known.name: getattr(parameters, known.name) for known in _known(parameters)}
+    return from_mapping(type(parameters), {**present, **values})
+
+
+def refuse_fixed(before: Any, after: Any) -> None:
+    """Refuse a change of what can only be set at the start.
+
+    Args:
+        before: Parameter dataclass that is in use.
+        after: One of the same kind, to take its place.
+
+    Raises:
+        ParameterError: A fixed parameter differs.
+    """
+    for known in _known(before):
+        old, new = getattr(before, known.name), getattr(after, known.name)
+        if old == new:
+            continue
+        words = f"parameter '{known.name}' is {new!r}, must stay {old!r}"
+        if known.fixed:
+            raise ParameterError(f"{words} while the controller is configured")
+        if known.fixed_unless is not None:
+            other, value = known.fixed_unless
+            if getattr(before, other) != value:
+                raise ParameterError(f"{words} in flight unless {other} is {value!r}")
+
+
+def _known(parameters: Any) -> tuple[Specification, ...]:
+    return specifications(type(parameters))

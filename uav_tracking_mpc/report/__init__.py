@@ -2,14 +2,16 @@
 
 ====================  ================================================================
 ``metrics``           the numbers of ``metrics.json``
-``findings``          what the numbers say in sentences: the verdict, the range offset
-``figure_style``      colours, type and resolution that all figures share
-``time_marks``          labelled dots along a path
+``flight_findings``   what the numbers say in sentences: the verdict, the range offset
 ``trajectory``        the flight in space, as Figure 2 of the paper
+``time_marks``        labelled dots along a path
 ``states``            states, inputs and cost over time, as Figure 3
-``figures``           ``save_trajectory`` and ``save_states``
-``atomic_write``      files that are whole or absent
+``animation``         the flight as a moving picture
 ``mission_report``    ``write_report``: all of it into one folder
+``figure_style``      colours, type and resolution that all figures share
+``table``             tables for the terminal and for pages
+``html_page``         pages that need no other file
+``atomic_write``      files that are whole or absent
 ====================  ================================================================
 
 Everything starts from a :class:`uav_tracking_mpc.simulation.flight_log.FlightLog`::

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import os
 import secrets
 from pathlib import Path
+from typing import Any
 
 
 def write_atomically(path: Path, content: bytes) -> None:
@@ -27,3 +29,28 @@ def write_atomically(path: Path, content: bytes) -> None:
         os.replace(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def json_text(content: Any) -> str:
+    """JSON for people and programs: indented, never NaN.
+
+    Args:
+        content: Plain values.
+
+    Raises:
+        ValueError: A number is not finite.
+    """
+    return json.dumps(content, indent=2, allow_nan=False)
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Write a JSON file as a whole.
+
+    Args:
+        path: Where the file shall be; its folder exists.
+        content: Plain values, never NaN.
+
+    Raises:
+        OSError: The folder cannot be written to.
+    """
+    write_atomically(path, (json_text(content) + "\n").encode())

@@ -8,11 +8,17 @@ whatever else in the process draws.
 from __future__ import annotations
 
 import io
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from itertools import cycle
+from pathlib import Path
 from typing import Any
 
 import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+
+from uav_tracking_mpc.report.atomic_write import write_atomically
 
 BLUE = "#0072B2"
 VERMILLION = "#D55E00"
@@ -20,6 +26,9 @@ GREEN = "#009E73"
 GREY = "#7F7F7F"
 LIGHT_GREY = "#D9D9D9"
 BLACK = "#1A1A1A"
+LAWS = {"nmpc": BLUE, "l1": VERMILLION, "vector_field": GREEN}
+# Where no colour is reserved.
+OTHERS = ("#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#8C6D31")
 
 DPI = 160
 
@@ -47,22 +56,53 @@ STYLE: dict[Any, Any] = {  # keys that matplotlib knows, whatever its version
 }
 
 
-def new_figure(width: float, height: float) -> Figure:
-    """An empty figure that belongs to no window.
+def colours(names: Iterable[str]) -> dict[str, str]:
+    """Colour of each law, by name: always the same for those that come with the package.
 
     Args:
-        width: In [inch].
-        height: In [inch].
+        names: Of any number of laws; those that nobody has seen take other colours, in order.
     """
-    figure = Figure(figsize=(width, height), dpi=DPI)
-    FigureCanvasAgg(figure)
-    return figure
+    spare = cycle(OTHERS)
+    return {name: LAWS.get(name) or next(spare) for name in dict.fromkeys(names)}
+
+
+@contextmanager
+def drawing(width: float, height: float) -> Iterator[Figure]:
+    """An empty figure that belongs to no window, to be drawn in the style of all figures.
+
+    Args:
+        width: Of the figure [inch].
+        height: Of the figure [inch].
+    """
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(width, height), dpi=DPI)
+        FigureCanvasAgg(figure)
+        yield figure
 
 
 def png(figure: Figure) -> bytes:
-    """The figure as a PNG file of exactly its own size, :data:`DPI` dots per inch."""
+    """The figure as a PNG file of exactly its own size, :data:`DPI` dots per inch.
+
+    Args:
+        figure: What to save.
+    """
     buffer = io.BytesIO()
     # A user's savefig.bbox = tight would change the size.
     with matplotlib.rc_context({**STYLE, "savefig.bbox": None}):
         figure.savefig(buffer, format="png", dpi=DPI)
     return buffer.getvalue()
+
+
+def save_figure(figure: Figure, path: Path) -> bytes:
+    """Write a figure as a PNG file.
+
+    Args:
+        figure: What to save.
+        path: Where the file shall be; its folder exists.
+
+    Returns:
+        Content of the file.
+    """
+    content = png(figure)
+    write_atomically(Path(path), content)
+    return content

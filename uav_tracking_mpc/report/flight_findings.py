@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from uav_tracking_mpc.dynamics.relative import MODELS, steady_inputs
+from uav_tracking_mpc.dynamics.relative import steady_inputs
+from uav_tracking_mpc.parameters.registry import RELATIVE_MODEL
 from uav_tracking_mpc.report.metrics import SETTLING_BANDS, range_errors
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
@@ -34,6 +36,28 @@ def quantity(value: float | None, unit: str, digits: int = 4) -> str:
     if "." in text:
         text = text.rstrip("0").rstrip(".")
     return f"{text}\u00a0{unit}".replace("-", "\u2212", 1)
+
+
+def in_short(numbers: dict[str, Any], output: Path) -> list[str]:
+    """A flight in three lines: when it settled, how well it held, where the report is.
+
+    Args:
+        numbers: What :func:`uav_tracking_mpc.report.metrics.metrics` returned.
+        output: Folder of the report.
+    """
+    times = ", ".join(
+        f"{name} {'never' if time is None else f'{time:.1f} s'}"
+        for name, time in numbers["settling_s"].items()
+    )
+    steady = numbers["steady_state"]
+    rms = ", ".join(
+        f"{name} rms {'-' if value is None else f'{value:.4f} m'}"
+        for name, value in (
+            ("range", steady["range_rms_m"]),
+            ("altitude", steady["altitude_rms_m"]),
+        )
+    )
+    return [f"settled: {times}", f"last third: {rms}", f"report: {output / 'report.html'}"]
 
 
 def settled(numbers: dict[str, Any]) -> bool:
@@ -126,7 +150,9 @@ def range_offset_finding(log: FlightLog) -> RangeOffset | None:
         :data:`NOTABLE_OFFSET`, or if nothing was recorded.
     """
     errors = range_errors(log)
-    from_model = log.plant == "vehicle" and log.model != "exact" and log.model in MODELS
+    from_model = (
+        log.plant == "vehicle" and log.model != "exact" and log.model in RELATIVE_MODEL.names
+    )
     if not (len(errors) and np.all(np.isfinite(errors))):
         return None
     mean = float(np.mean(errors))

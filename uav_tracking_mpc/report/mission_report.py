@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import base64
-import json
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, StrictUndefined
-
-from uav_tracking_mpc.report.atomic_write import write_atomically
-from uav_tracking_mpc.report.flight_figures import save_states, save_trajectory
+from uav_tracking_mpc.report.atomic_write import json_text, write_atomically, write_json
+from uav_tracking_mpc.report.figure_style import save_figure
 from uav_tracking_mpc.report.flight_findings import (
     UNITS,
     quantity,
@@ -19,8 +14,10 @@ from uav_tracking_mpc.report.flight_findings import (
     settled,
     verdict,
 )
+from uav_tracking_mpc.report.html_page import embedded, render
 from uav_tracking_mpc.report.metrics import SETTLING_BANDS, metrics
-from uav_tracking_mpc.report.states import DECADES
+from uav_tracking_mpc.report.states import DECADES, states_figure
+from uav_tracking_mpc.report.trajectory import trajectory_figure
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
 TEMPLATE = "mission_report.html.j2"
@@ -46,10 +43,9 @@ def write_report(log: FlightLog, output: Path) -> dict[str, Any]:
     numbers = metrics(log)
     try:
         output.mkdir(parents=True, exist_ok=True)
-        text = json.dumps(numbers, indent=2, allow_nan=False) + "\n"
-        write_atomically(output / "metrics.json", text.encode())
-        trajectory = save_trajectory(log, output / "trajectory.png")
-        states = save_states(log, output / "states.png")
+        write_json(output / "metrics.json", numbers)
+        trajectory = save_figure(trajectory_figure(log), output / "trajectory.png")
+        states = save_figure(states_figure(log), output / "states.png")
         page = render_page(log, numbers, trajectory, states)
         write_atomically(output / "report.html", page.encode())
     except OSError as error:
@@ -67,21 +63,19 @@ def render_page(log: FlightLog, numbers: dict[str, Any], trajectory: bytes, stat
         trajectory: PNG file of the flight in space.
         states: PNG file of states and inputs over time.
     """
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters["quantity"] = quantity
-    source = resources.files("uav_tracking_mpc.report").joinpath(TEMPLATE).read_text("utf-8")
-    return environment.from_string(source).render(
+    return render(
+        "uav_tracking_mpc.report",
+        TEMPLATE,
+        {"quantity": quantity},
         log=log,
         numbers=numbers,
-        numbers_json=json.dumps(numbers, indent=2, allow_nan=False),
+        numbers_json=json_text(numbers),
         bands=SETTLING_BANDS,
         units=UNITS,
         decades=DECADES,
         settled=settled(numbers),
         verdict=verdict(numbers),
         offset=range_offset_finding(log),
-        trajectory=base64.b64encode(trajectory).decode(),
-        states=base64.b64encode(states).decode(),
+        trajectory=embedded(trajectory),
+        states=embedded(states),
     )

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -23,9 +22,8 @@ from uav_tracking_mpc.report.figure_style import (
     BLUE,
     GREEN,
     GREY,
-    STYLE,
     VERMILLION,
-    new_figure,
+    drawing,
 )
 from uav_tracking_mpc.report.metrics import COLUMNS, SETTLING_BANDS, settling_time
 from uav_tracking_mpc.simulation.flight_log import FlightLog
@@ -56,8 +54,7 @@ def states_figure(log: FlightLog) -> Figure:
     Args:
         log: Record of the flight, of any length; without commands their panels stay empty.
     """
-    with matplotlib.rc_context(STYLE):
-        figure = new_figure(*SIZE)
+    with drawing(*SIZE) as figure:
         left, right = figure.subplots(5, 2, sharex=True).T
         errors = log.error
         for axes, (name, title, label) in zip(left, STATE_PANELS, strict=True):

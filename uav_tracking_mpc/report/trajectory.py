@@ -5,7 +5,6 @@ from __future__ import annotations
 from itertools import product
 from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -18,9 +17,8 @@ from uav_tracking_mpc.report.figure_style import (
     BLUE,
     GREY,
     LIGHT_GREY,
-    STYLE,
     VERMILLION,
-    new_figure,
+    drawing,
 )
 from uav_tracking_mpc.report.time_marks import mark_times, on_screen
 from uav_tracking_mpc.simulation.flight_log import FlightLog
@@ -43,8 +41,7 @@ def trajectory_figure(log: FlightLog) -> Figure:
     if not len(path):
         path, target = np.full((1, 3), np.nan), np.zeros((1, 3))
     orbit = _circle(log, _last_finite(target))
-    with matplotlib.rc_context(STYLE):
-        figure = new_figure(*SIZE)
+    with drawing(*SIZE) as figure:
         # Larger than the figure: mplot3d clips lines at the axes, and the scene is fitted below.
         axes: Axes3D = figure.add_axes((-0.5, -0.5, 2.0, 2.0), projection="3d")
         # Draw in the order of the calls: sorting whole curves by depth breaks their crossings.

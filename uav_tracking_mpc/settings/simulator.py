@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.parameters.registry import PLANT
 from uav_tracking_mpc.parameters.specification import ParameterError, parameter
 
 
@@ -22,6 +23,7 @@ class SimulatorParameters:
         ParameterError: A lower limit is not below its upper limit, or the start is outside them.
     """
 
+    plant: str = parameter("vehicle", "What flies.", extension=PLANT, fixed=True)
     initial_position: tuple[float, ...] = parameter(
         (math.sqrt(212.83**2 - 20.0**2), 0.0, 20.0),
         "Position at the start in map.",

@@ -3,27 +3,51 @@
 from __future__ import annotations
 
 import dataclasses
-import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.control.direction import NEAREST
 from uav_tracking_mpc.dynamics.discretisation import SCHEMES
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, DIRECTIONS, Orbit
-from uav_tracking_mpc.dynamics.relative import MODELS, steady_inputs
+from uav_tracking_mpc.dynamics.relative import steady_inputs
+from uav_tracking_mpc.dynamics.vehicle_models import VehicleModel
+from uav_tracking_mpc.limits import COMPILED, Limit
 from uav_tracking_mpc.limits._envelope import Envelope
 from uav_tracking_mpc.mpc.quadratic import TERMINAL_CONSTRAINTS
-from uav_tracking_mpc.parameters.specification import ParameterError, parameter
+from uav_tracking_mpc.parameters.registry import (
+    GUIDANCE_LAW,
+    LIMIT,
+    RELATIVE_MODEL,
+    VEHICLE_MODEL,
+    ExtensionError,
+)
+from uav_tracking_mpc.parameters.specification import (
+    ParameterError,
+    from_mapping,
+    gathered,
+    parameter,
+    taken,
+)
 
-ARTIFICIAL_ORBIT = "artificial_orbit"
+ARTIFICIAL_ORBIT = COMPILED[1]
+NEAREST = "nearest"  # direction: the nearer one where the flight begins
+PREDICTIVE = "nmpc"  # law: none, the optimal control problem is solved
 SOLVERS = ("newton", "ipopt")  # fatrop may never return, see CasadiSolver
 
 
+Gathered: Any = gathered("Gathered", (*LIMIT.all().values(), *VEHICLE_MODEL.all().values()))
+
+
 @dataclass(frozen=True)
-class TrackingParameters:
+class TrackingParameters(Gathered):
     """What the controller is asked to do. The defaults are those of the paper's Table 1 and (59).
+
+    The parameters of all limits and vehicle models are among its fields, each described in the file
+    of its owner; :attr:`limits` and :attr:`vehicle_model` may bring more.
 
     Raises:
         ParameterError: The values do not fit together: no such orbit, or inputs that cannot hold
@@ -31,24 +55,68 @@ class TrackingParameters:
     """
 
     range: float = parameter(
-        150.0, "Distance to the target to hold, r_d.", unit="m", lower=1.0, upper=1e5
+        150.0,
+        "Distance to the target to hold, r_d.",
+        unit="m",
+        lower=1.0,
+        upper=1e5,
+        fixed_unless=COMPILED,
     )
     altitude: float = parameter(
-        50.0, "Height above the target to hold, z_d.", unit="m", lower=-1e4, upper=1e4
+        50.0,
+        "Height above the target to hold, z_d.",
+        unit="m",
+        lower=-1e4,
+        upper=1e4,
+        fixed_unless=COMPILED,
     )
-    airspeed: float = parameter(4.0, "Speed to hold, v_d.", unit="m/s", lower=0.1, upper=300.0)
+    airspeed: float = parameter(
+        4.0,
+        "Speed to hold, v_d.",
+        unit="m/s",
+        lower=0.1,
+        upper=300.0,
+        fixed_unless=COMPILED,
+    )
+    law: str = parameter(
+        PREDICTIVE,
+        "What is flown: the predictive controller, or a guidance law.",
+        choices=(PREDICTIVE,),
+        extension=GUIDANCE_LAW,
+        fixed=True,
+    )
     direction: str = parameter(
         "clockwise",
         "Sense of the orbit seen from above; nearest needs the artificial orbit.",
         choices=(*DIRECTIONS, NEAREST),
+        fixed_unless=COMPILED,
     )
     model: str = parameter(
-        "exact", "Prediction model: exact, or the paper's (11) or (9).", choices=tuple(MODELS)
+        "exact",
+        "Prediction model: exact, or the paper's (11) or (9).",
+        extension=RELATIVE_MODEL,
+        fixed=True,
     )
-    scheme: str = parameter("euler", "Discretisation of the model.", choices=tuple(SCHEMES))
-    horizon: int = parameter(10, "Stages of the horizon, N.", lower=1, upper=200)
+    scheme: str = parameter(
+        "euler",
+        "Discretisation of the model.",
+        choices=tuple(SCHEMES),
+        fixed=True,
+    )
+    horizon: int = parameter(
+        10,
+        "Stages of the horizon, N.",
+        lower=1,
+        upper=200,
+        fixed=True,
+    )
     horizon_step: float = parameter(
-        1.0, "Time from stage to stage, T_s.", unit="s", lower=0.001, upper=10.0
+        1.0,
+        "Time from stage to stage, T_s.",
+        unit="s",
+        lower=0.001,
+        upper=10.0,
+        fixed=True,
     )
     control_rate: float = parameter(
         10.0, "How often a new command is computed.", unit="Hz", lower=0.1, upper=1000.0
@@ -59,6 +127,7 @@ class TrackingParameters:
         size=5,
         lower=1e-9,
         upper=1e9,
+        fixed_unless=COMPILED,
     )
     input_weights: tuple[float, ...] = parameter(
         (1.0, 1.0, 1.0),
@@ -66,15 +135,21 @@ class TrackingParameters:
         size=3,
         lower=1e-9,
         upper=1e9,
+        fixed_unless=COMPILED,
     )
     terminal_scaling: float = parameter(
-        2.5, "rho: terminal weight P_rho = rho P.", lower=1.0, upper=1e3
+        2.5,
+        "rho: terminal weight P_rho = rho P.",
+        lower=1.0,
+        upper=1e3,
+        fixed_unless=COMPILED,
     )
     terminal_constraint: str = parameter(
         "none",
         "End of every plan: free, the paper's set (16e) penalised exactly or enforced, or an "
         "orbit that the optimiser chooses (for wind, moving targets, envelope and lag).",
         choices=(*TERMINAL_CONSTRAINTS, ARTIFICIAL_ORBIT),
+        fixed=True,
     )
     offset_weights: tuple[float, ...] = parameter(
         (0.06, 0.5, 2.0),
@@ -84,61 +159,16 @@ class TrackingParameters:
         upper=1e9,
     )
     terminal_penalty: float = parameter(
-        100.0, "Weight of a violation of the soft terminal set.", lower=1e-3, upper=1e6
+        100.0,
+        "Weight of a violation of the soft terminal set.",
+        lower=1e-3,
+        upper=1e6,
+        fixed_unless=COMPILED,
     )
     certificate: str = parameter(
-        "", "File of the terminal set's certificate; empty for those that come with the package."
-    )
-    yaw_rate_max: float = parameter(
-        math.pi / 4, "Greatest yaw rate u_psi, either way.", unit="rad/s", lower=1e-3, upper=10.0
-    )
-    pitch_rate_max: float = parameter(
-        math.pi / 4,
-        "Greatest path-angle rate u_chi, either way.",
-        unit="rad/s",
-        lower=1e-3,
-        upper=10.0,
-    )
-    acceleration_min: float = parameter(
-        -1.0, "Least acceleration u_v.", unit="m/s^2", lower=-100.0, upper=-1e-3
-    )
-    acceleration_max: float = parameter(
-        1.0, "Greatest acceleration u_v.", unit="m/s^2", lower=1e-3, upper=100.0
-    )
-    airspeed_min: float = parameter(0.0, "Least airspeed.", unit="m/s", lower=0.0, upper=300.0)
-    airspeed_max: float = parameter(20.0, "Greatest airspeed.", unit="m/s", lower=0.1, upper=400.0)
-    path_angle_min: float = parameter(
-        -1.2, "Steepest descent.", unit="rad", lower=-1.5, upper=-0.01
-    )
-    path_angle_max: float = parameter(1.2, "Steepest climb.", unit="rad", lower=0.01, upper=1.5)
-    bank_max: float = parameter(
-        1.4, "Greatest bank angle of a coordinated turn.", unit="rad", lower=0.01, upper=1.5
-    )
-    force_min: tuple[float, ...] = parameter(
-        (-20.0, -20.0),
-        "Least thrust less drag, over mass, at airspeed_min and at airspeed_max.",
-        unit="m/s^2",
-        size=2,
-        lower=-100.0,
-        upper=100.0,
-    )
-    force_max: tuple[float, ...] = parameter(
-        (20.0, 20.0),
-        "Greatest thrust less drag, over mass, at airspeed_min and at airspeed_max.",
-        unit="m/s^2",
-        size=2,
-        lower=-100.0,
-        upper=100.0,
-    )
-    height_min: float = parameter(-1e5, "Least height z in map.", unit="m", lower=-1e5, upper=1e5)
-    distance_min: float = parameter(
-        0.0, "Least distance to the target.", unit="m", lower=0.0, upper=1e5
-    )
-    fence_radius: float = parameter(
-        0.0, "Radius of the circle not to be left; 0 for none.", unit="m", lower=0.0, upper=1e6
-    )
-    fence_centre: tuple[float, ...] = parameter(
-        (0.0, 0.0), "Its centre in map.", unit="m", size=2, lower=-1e7, upper=1e7
+        "",
+        "File of the terminal set's certificate; empty for those that come with the package.",
+        fixed=True,
     )
     limit_penalty: float = parameter(
         1000.0,
@@ -146,14 +176,18 @@ class TrackingParameters:
         "distance (per 5 m) or fence (per 10 m).",
         lower=1.0,
         upper=1e6,
+        fixed=True,
     )
-    rate_lag: tuple[float, ...] = parameter(
-        (0.0, 0.0, 0.0),
-        "Time constants of the aircraft's turn rate, path-angle rate and acceleration.",
-        unit="s",
-        size=3,
-        lower=0.0,
-        upper=5.0,
+    limits: str = parameter(
+        "",
+        "Further limits, comma-separated: names of installed ones, or path.py:Class.",
+        fixed=True,
+    )
+    vehicle_model: str = parameter(
+        "lagged",
+        "Model of the aircraft, with the artificial orbit.",
+        extension=VEHICLE_MODEL,
+        fixed=True,
     )
     dead_time: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0),
@@ -163,7 +197,12 @@ class TrackingParameters:
         lower=0.0,
         upper=2.0,
     )
-    solver: str = parameter("newton", "Solver of the optimal control problem.", choices=SOLVERS)
+    solver: str = parameter(
+        "newton",
+        "Solver of the optimal control problem.",
+        choices=SOLVERS,
+        fixed=True,
+    )
     solve_time_max: float = parameter(
         0.05,
         "Budget of one solve; past it the earlier plan is flown.",
@@ -198,9 +237,13 @@ class TrackingParameters:
         lower=1e-3,
         upper=100.0,
     )
-
+    record: str = parameter(
+        "", "File to record what the controller is given and answers; empty for none.", fixed=True
+    )
     autostart: bool = parameter(
-        True, "Configure and activate at the start; else a lifecycle manager does."
+        True,
+        "Configure and activate at the start; else a lifecycle manager does.",
+        fixed=True,
     )
 
     def __post_init__(self) -> None:
@@ -252,12 +295,40 @@ class TrackingParameters:
         direction = CLOCKWISE if self.direction == NEAREST else self.direction
         return Orbit(self.range, self.altitude, self.airspeed, direction)
 
+    @classmethod
+    def extended(cls, values: Mapping[str, Any]) -> type[TrackingParameters]:
+        """This class, with the parameters of further limits and of another vehicle model.
+
+        Args:
+            values: Parameters by name, of which ``limits`` and ``vehicle_model`` count.
+
+        Raises:
+            ParameterError: There is no such limit or model.
+        """
+        names = [str(values.get("limits", "")), str(values.get("vehicle_model", "lagged"))]
+        try:
+            owners = (*_further_limits(names[0]), VEHICLE_MODEL.find(names[1]))
+        except ExtensionError as error:
+            raise ParameterError(f"parameters 'limits', 'vehicle_model': {error}") from error
+        return _extended(owners)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Another process loads the extensions again."""
+        values = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        return from_mapping, (TrackingParameters, values)
+
     @property
     def envelope(self) -> Envelope:
         """Limits of the aircraft and of where it may fly."""
-        return Envelope(
-            **{field.name: getattr(self, field.name) for field in dataclasses.fields(Envelope)}
-        )
+        further = _further_limits(self.limits)
+        owners = (*LIMIT.all().values(), *further)
+        names = {field.name for owner in owners for field in dataclasses.fields(owner)}
+        return Envelope(further, **{name: getattr(self, name) for name in names})
+
+    @property
+    def vehicle(self) -> VehicleModel:
+        """Model of the aircraft that plans are made with."""
+        return taken(VEHICLE_MODEL.find(self.vehicle_model), self)
 
     @property
     def steady_inputs(self) -> NDArray[np.float64]:
@@ -273,3 +344,17 @@ class TrackingParameters:
     def input_upper(self) -> NDArray[np.float64]:
         """Upper bounds of (u_psi, u_chi, u_v), shape (3,)."""
         return np.array([self.yaw_rate_max, self.pitch_rate_max, self.acceleration_max])
+
+
+def _further_limits(names: str) -> list[type[Limit]]:
+    return [LIMIT.find(name.strip()) for name in names.split(",") if name.strip()]
+
+
+@lru_cache
+def _extended(owners: tuple[type, ...]) -> type[TrackingParameters]:
+    known = {field.name for field in dataclasses.fields(TrackingParameters)}
+    more = [owner for owner in owners if {f.name for f in dataclasses.fields(owner)} - known]
+    if not more:
+        return TrackingParameters
+    base = (TrackingParameters, gathered("Further", more))
+    return dataclass(frozen=True)(type("TrackingParameters", base, {}))

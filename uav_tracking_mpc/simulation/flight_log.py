@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import relative_state, tracking_error
 
-SLOWEST = 1e-6  # m/s; what is slower has no direction
+SLOWEST = 1e-6  # m/s; a slower velocity has no direction
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,13 @@ class CommandCounts:
 
 @dataclass(frozen=True)
 class Latency:
-    """State stamp to command publish, wall time, in [us]; nan without a measurement."""
+    """Wall time from the stamp of a state to the publishing of its command.
+
+    Attributes:
+        median: In [us].
+        p99: 99th percentile in [us].
+        max: In [us].
+    """
 
     median: float
     p99: float
@@ -46,13 +52,13 @@ class FlightLog:
     Attributes:
         config: Name of the configuration flown.
         duration: Length of the mission in [s].
-        speed: Simulated over wall time; 0 where the flight was not tied to wall time.
+        speed: Simulated over wall time [-]; 0 where the flight was not tied to wall time.
         model: Prediction model of the controller.
-        plant: What was flown: ``vehicle`` (exact kinematics) or ``euler`` (the model itself).
+        plant: Name of the plant that was flown.
         orbit: Reference.
-        input_lower: Lower bounds of (u_psi, u_chi, u_v), shape (3,).
-        input_upper: Upper bounds, shape (3,).
-        steady_inputs: u_ss of the prediction model, shape (3,).
+        input_lower: Lower bounds of (u_psi, u_chi, u_v), shape (3,), in [rad/s], [rad/s], [m/s^2].
+        input_upper: Upper bounds, shape (3,), in the same units.
+        steady_inputs: u_ss of the prediction model, shape (3,), in the same units.
         time: Times of the states in [s] from the start, shape (n,).
         vehicle: (x, y, z, psi, chi, v) at these times, shape (n, 6): angles and speed are those of
             the velocity through the air.
@@ -67,7 +73,8 @@ class FlightLog:
         latency: Set for flights with real nodes only.
         ground_velocity: Velocity over ground at the times of the states in ``map``, shape (n, 3);
             None where the air stands still.
-        target_velocity: True velocity of the target then, shape (n, 3); None where it stands.
+        target_velocity: True velocity of the target at these times, shape (n, 3), in [m/s]; None
+            where it stands.
     """
 
     config: str
@@ -99,11 +106,11 @@ class FlightLog:
 
         It is the heading where air and target stand still, and where there is no such velocity.
         """
-        heading = self.vehicle[:, 3]
+        _, _, _, heading, _, _ = self.vehicle.T
         if self.ground_velocity is None:
             return heading
         target = 0.0 if self.target_velocity is None else self.target_velocity
-        east, north = (self.ground_velocity - target).T[:2]
+        east, north, _ = (self.ground_velocity - target).T
         return np.where(np.hypot(east, north) > SLOWEST, np.arctan2(north, east), heading)
 
     @property
@@ -113,8 +120,8 @@ class FlightLog:
         theta is the bearing of :attr:`course`: where the vehicle moves, not where its nose points,
         tells whether it circles the target.
         """
-        vehicles = self.vehicle.copy()
-        vehicles[:, 3] = self.course
+        x, y, z, _, path_angle, speed = self.vehicle.T
+        vehicles = np.column_stack([x, y, z, self.course, path_angle, speed])
         return np.array(
             [
                 relative_state(vehicle, target)

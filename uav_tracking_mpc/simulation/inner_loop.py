@@ -6,7 +6,7 @@ import math
 from collections import deque
 from collections.abc import Sequence
 
-TIME_ROUNDING = 1e-7  # s; what is due within it is due
+TIME_ROUNDING = 1e-7  # s, by which a command may take effect too early
 
 
 class Channel:
@@ -17,8 +17,10 @@ class Channel:
         dead_time: In [s].
 
     Attributes:
-        rate: Flown now.
-        wanted: The command that it follows now.
+        lag: As above.
+        dead_time: As above.
+        rate: Flown now, in [rad/s] or [m/s^2].
+        wanted: The command that it follows now, in the same unit.
     """
 
     def __init__(self, lag: float, dead_time: float) -> None:
@@ -27,7 +29,14 @@ class Channel:
         self._pending: deque[tuple[float, float]] = deque()  # when it becomes wanted, and what
 
     def command(self, time: float, value: float) -> None:
-        """Take in what is commanded from ``time`` on; later commands are of a time undone."""
+        """Record a command that takes effect a dead time later.
+
+        Commands recorded for later times are discarded: the clock went back.
+
+        Args:
+            time: From which it is commanded in [s].
+            value: Rate that is commanded, in its own unit, [rad/s] or [m/s^2].
+        """
         due = time + self.dead_time
         self.mature(time)
         while self._pending and self._pending[-1][0] >= due - TIME_ROUNDING:
@@ -38,17 +47,28 @@ class Channel:
             self._pending.append((due, value))
 
     def mature(self, time: float) -> None:
-        """Follow the command that the dead time has let through by ``time``."""
+        """Follow the newest command whose dead time is over.
+
+        Args:
+            time: Now in [s].
+        """
         while self._pending and self._pending[0][0] <= time + TIME_ROUNDING:
             self.wanted = self._pending.popleft()[1]
 
     @property
     def next_change(self) -> float:
-        """When it will follow another command, as far as is known, in [s]."""
+        """When the next recorded command takes effect in [s]; infinite without one."""
         return self._pending[0][0] if self._pending else math.inf
 
     def after(self, duration: float) -> tuple[float, float]:
-        """Rate at the end of a time in which ``wanted`` stays, and its integral; exact."""
+        """Rate at the end of a time in which ``wanted`` stays, and its integral; exact.
+
+        Args:
+            duration: Of that time in [s].
+
+        Returns:
+            The rate, in its own unit, and the integral, in that unit times [s].
+        """
         if self.lag == 0.0:
             return self.wanted, self.wanted * duration
         excess = self.rate - self.wanted
@@ -72,12 +92,24 @@ class InnerLoop:
         self.channels = Channel(*turn), Channel(*climb), Channel(*acceleration)
 
     def command(self, time: float, inputs: Sequence[float]) -> None:
-        """Take in the inputs (u_psi, u_chi, u_v) commanded from ``time`` [s] on."""
+        """Record inputs that take effect a dead time later.
+
+        Args:
+            time: From which they are commanded in [s].
+            inputs: (u_psi, u_chi, u_v), shape (3,), in [rad/s], [rad/s] and [m/s^2].
+        """
         for channel, value in zip(self.channels, inputs, strict=True):
             channel.command(time, value)
 
     def unchanged_until(self, time: float) -> float:
-        """Follow what is due at ``time`` [s]; when the next command is."""
+        """Follow the commands whose dead time is over.
+
+        Args:
+            time: Now in [s].
+
+        Returns:
+            When the next command takes effect in [s]; infinite without one.
+        """
         for channel in self.channels:
             channel.mature(time)
         return min(channel.next_change for channel in self.channels)

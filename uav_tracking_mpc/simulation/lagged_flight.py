@@ -1,7 +1,7 @@
 r"""The vehicle (3) while its rates still approach their commands.
 
 Heading, path angle and airspeed are integrals of the rates, hence sums of exponentials in closed
-form; only the position, :math:`\int v\, (\cos\chi\cos\psi, \cos\chi\sin\psi, \sin\chi)\, dt`, is
+form; only the position, the integral of :func:`~uav_tracking_mpc.dynamics.vehicle.air_velocity`, is
 left to a quadrature, Gauss-Legendre with five points on panels that are short beside any turn.
 """
 
@@ -13,6 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from uav_tracking_mpc.dynamics.angles import wrap_angle
+from uav_tracking_mpc.dynamics.vehicle import air_velocity
 from uav_tracking_mpc.simulation.inner_loop import Channel
 
 PANEL = 0.05  # s, longest
@@ -26,12 +27,12 @@ def advance_lagged(
     """State after ``duration``, with what each channel wants held.
 
     Args:
-        state: (x, y, z, psi, chi, v).
+        state: (x, y, z, psi, chi, v), shape (6,), in [m], [rad] and [m/s].
         channels: Of turn rate, path-angle rate and acceleration; their rates are moved on.
         duration: In [s], positive.
 
     Returns:
-        State at the end, angles wrapped to (-pi, pi].
+        State at the end, shape (6,), angles wrapped to (-pi, pi].
     """
     x, y, z, psi, chi, v = state
     turn, climb, engine = channels
@@ -42,15 +43,15 @@ def advance_lagged(
             moment = point * step
             heading = psi + turn.after(moment)[1]
             path_angle = chi + climb.after(moment)[1]
-            flown = weight * step * (v + engine.after(moment)[1])
-            level = flown * math.cos(path_angle)
-            x += level * math.cos(heading)
-            y += level * math.sin(heading)
-            z += flown * math.sin(path_angle)
+            airspeed = v + engine.after(moment)[1]
+            east, north, up = air_velocity(heading, path_angle, airspeed, math)
+            x += weight * step * east
+            y += weight * step * north
+            z += weight * step * up
         turn.rate, turned = turn.after(step)
         climb.rate, climbed = climb.after(step)
         engine.rate, gained = engine.after(step)
         psi, chi, v = psi + turned, chi + climbed, v + gained
-    if max(abs(psi), abs(chi)) >= math.pi:  # seldom, and dear
+    if max(abs(psi), abs(chi)) >= math.pi:  # seldom, and slow
         psi, chi = wrap_angle([psi, chi]).tolist()
     return x, y, z, psi, chi, v

@@ -7,7 +7,8 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.simulation.target_motion import TargetParameters, target_position
+from uav_tracking_mpc.settings.target import TargetParameters
+from uav_tracking_mpc.simulation.motions import TargetMotion
 
 
 class TargetSensor:
@@ -17,25 +18,34 @@ class TargetSensor:
     measurements that arrive.
 
     Args:
-        parameters: Motion and measurement.
+        parameters: Noise, dropouts and delay.
+        motion: Of the target.
     """
 
-    def __init__(self, parameters: TargetParameters) -> None:
+    def __init__(self, parameters: TargetParameters, motion: TargetMotion) -> None:
         self._parameters = parameters
+        self._motion = motion
         self._noise = np.random.default_rng(parameters.seed)
         self._dropouts = np.random.default_rng([parameters.seed, 1])
         self._on_the_way: deque[tuple[float, NDArray[np.float64]]] = deque()
 
     def measure(self, time: float) -> None:
-        """Measure at ``time`` [s] since the target's start; the result is delivered later."""
+        """Measure; the result is delivered later.
+
+        Args:
+            time: Since the target's start in [s].
+        """
         while self._on_the_way and self._on_the_way[-1][0] >= time:
-            self._on_the_way.pop()  # the clock went back: not measured yet
+            self._on_the_way.pop()  # the clock went back
         noise = self._parameters.noise * self._noise.standard_normal(3)
         if self._dropouts.random() >= self._parameters.dropout:
-            self._on_the_way.append((time, target_position(self._parameters, time) + noise))
+            self._on_the_way.append((time, self._motion.position(time) + noise))
 
     def delivered(self, time: float) -> list[tuple[float, NDArray[np.float64]]]:
-        """What has arrived by ``time`` [s] and was not delivered before.
+        """What has arrived and was not delivered before.
+
+        Args:
+            time: Now, since the target's start in [s].
 
         Returns:
             (time of measuring in [s], position in ``map``, shape (3,), in [m]) of each.

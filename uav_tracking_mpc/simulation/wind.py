@@ -71,12 +71,15 @@ class ExactStep:
     They decay by exp(-distance), and noise of covariance :math:`P - \Phi P \Phi^T` is added, whose
     entries are incomplete gamma functions of twice the distance.
 
+    Args:
+        distance: In lengths L, [-].
+
     Attributes:
-        distance: In lengths L.
-        decay: exp(-distance).
-        p_p: Entry 11 of the noise's Cholesky factor.
-        p_m: Entry 21.
-        m_m: Entry 22.
+        distance: As above.
+        decay: exp(-distance), [-].
+        p_p: Entry 11 of the noise's Cholesky factor, [-].
+        p_m: Entry 21, [-].
+        m_m: Entry 22, [-].
     """
 
     __slots__ = ("decay", "distance", "m_m", "p_m", "p_p")
@@ -111,8 +114,8 @@ class GustFilter:
     longitudinal gust is p alone.
 
     Args:
-        first: Standard normal number.
-        second: Another, independent.
+        first: Standard normal number [-].
+        second: Another, independent [-].
     """
 
     def __init__(self, first: float, second: float) -> None:
@@ -121,11 +124,17 @@ class GustFilter:
 
     @property
     def transverse(self) -> float:
-        """Output of the transverse filter."""
+        """Output of the transverse filter [-]."""
         return (ROOT_3 * self.longitudinal + (1.0 - ROOT_3) * self._second) / ROOT_2
 
     def step(self, step: ExactStep, first: float, second: float) -> None:
-        """Go on by a step, with two standard normal numbers."""
+        """Go on by a step.
+
+        Args:
+            step: Of the length along which this filter is.
+            first: Standard normal number [-].
+            second: Another, independent [-].
+        """
         self._second = step.decay * (self._second + step.distance * self.longitudinal)
         self._second += step.p_m * first + step.m_m * second
         self.longitudinal = step.decay * self.longitudinal + step.p_p * first

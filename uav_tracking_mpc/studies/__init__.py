@@ -1,1 +1,12 @@
-"""Studies of what flies."""
+"""What studies the controller; nothing that flies imports it.
+
+================  ==============================================================================
+``comparison``    the predictive controller beside other laws, through the same scenarios
+``stability``     the paper's stability analysis, recomputed and proved
+``feasibility``   what is guaranteed with an artificial orbit, and flights that show it
+``benchmark``     solve times beside other solvers
+``faults``        faults injected into real nodes
+``flight_start``  where a closed loop on the prediction begins
+``parallel``      work in processes, with a progress bar
+================  ==============================================================================
+"""

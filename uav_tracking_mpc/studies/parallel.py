@@ -3,44 +3,45 @@
 from __future__ import annotations
 
 import multiprocessing
-import sys
-from collections.abc import Callable, Sequence
-from typing import Any
+import os
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from typing import TypeVar
+
+P = TypeVar("P")
+R = TypeVar("R")
 
 
 def parallel_map(
-    function: Callable[[Any], Any],
-    pieces: Sequence[Any],
+    function: Callable[[P], R],
+    pieces: Sequence[P],
     workers: int | None = None,
     label: str = "",
     show: bool = True,
-) -> list[Any]:
-    """Results of ``function`` on every piece, in order.
+) -> list[R]:
+    """Apply a function to every piece.
 
     Args:
         function: At module level, so that processes can find it.
         pieces: Its arguments; they must pickle.
-        workers: Processes; all cores by default; 1 stays in this process.
+        workers: Processes; one for each core by default; 1 stays in this process.
         label: What the progress bar says.
-        show: Whether to show it (needs rich).
-    """
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
+        show: Whether to show it.
 
-    workers = workers or multiprocessing.cpu_count()
-    columns = ("{task.description}", BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    console = Console(file=sys.stderr)
-    with Progress(*columns, console=console, disable=not show) as progress:
-        task = progress.add_task(label, total=len(pieces))
-        results = []
-        if workers == 1 or len(pieces) < 2:
-            for piece in pieces:
-                results.append(function(piece))
-                progress.advance(task)
-            return results
-        # spawn: a fork would copy whatever threads the caller has running.
-        with multiprocessing.get_context("spawn").Pool(min(workers, len(pieces))) as pool:
-            for result in pool.imap(function, pieces):
-                results.append(result)
-                progress.advance(task)
-    return results
+    Returns:
+        Results in the order of the pieces.
+    """
+    workers = min(workers or os.cpu_count() or 1, len(pieces))
+    if workers < 2:
+        return _shown(map(function, pieces), len(pieces), label, show)
+    # spawn: a fork would copy whatever threads the caller has running.
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, mp_context=context) as pool:
+        return _shown(pool.map(function, pieces), len(pieces), label, show)
+
+
+def _shown(results: Iterable[R], count: int, label: str, show: bool) -> list[R]:
+    from rich.console import Console
+    from rich.progress import track
+
+    return list(track(results, label, total=count, console=Console(stderr=True), disable=not show))

@@ -42,8 +42,8 @@ class Verdict:
     Attributes:
         proved: The bound holds on the box within X_f.
         cut: Otherwise the coordinate to halve next.
-        excess: Otherwise the bound found for the left side minus the right one.
-        multiplier: The m that was best here: where to start on the halves of the box.
+        excess: Otherwise the bound found for the left side minus the right one [-].
+        multiplier: The m that was best here [-]: where to start on the halves of the box.
     """
 
     proved: bool
@@ -90,7 +90,13 @@ class BoxTest:
     def __call__(
         self, center: NDArray[np.float64], half: NDArray[np.float64], multiplier: float = 0.0
     ) -> Verdict:
-        """Test the box center +- half (both exact); ``multiplier`` is the first guess of m."""
+        """Test one box.
+
+        Args:
+            center: Its middle, shape (5,), taken as exact doubles.
+            half: Its half-widths, shape (5,), likewise.
+            multiplier: First guess of m [-].
+        """
         arb = flint().arb
         box = [arb(c, h) for c, h in zip(center.tolist(), half.tolist(), strict=True)]
         curvature = self.bound.closed_loop.curvature(box)
@@ -102,7 +108,7 @@ class BoxTest:
         return self._by_taylor(center, half, curvature, influence, multiplier)
 
     def _map(self, x: list[Any]) -> tuple[Any, Any]:
-        """F and F' at x."""
+        """Value of F and its derivative F' at x."""
         value, jacobian = self.bound.closed_loop.value_and_jacobian(x)
         column = flint().arb_mat([[entry] for entry in value])
         if self._subtracted is None:
@@ -209,7 +215,7 @@ class BoxTest:
 
 
 def is_positive_definite(matrix: Any) -> bool:
-    """True only if every symmetric matrix in the ``arb_mat`` is positive definite (LDL')."""
+    """True only if every symmetric matrix in the ``arb_mat`` ``matrix`` is positive definite."""
     n = matrix.nrows()
     rows = [[matrix[i, j] for j in range(i + 1)] for i in range(n)]
     for k in range(n):
@@ -224,14 +230,14 @@ def is_positive_definite(matrix: Any) -> bool:
 
 
 def short_upper(value: Any) -> float:
-    """A double with a 24-bit mantissa that is not below any number of the ball."""
+    """A double with a 24-bit mantissa that is not below any number of the ball ``value``."""
     upper = float(value.abs_upper())
     mantissa, exponent = np.frexp(upper)
     return float(np.ldexp(np.ceil(mantissa * 2.0**24) + 1.0, int(exponent) - 24))
 
 
 def to_float(matrix: Any) -> NDArray[np.float64]:
-    """Midpoints of an ``arb_mat``."""
+    """Midpoints of the ``arb_mat`` ``matrix``, of its shape."""
     return np.array(
         [[float(matrix[i, j]) for j in range(matrix.ncols())] for i in range(matrix.nrows())]
     )

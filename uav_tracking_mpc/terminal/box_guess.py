@@ -20,13 +20,13 @@ class Guess:
     Args:
         p: P, shape (5, 5).
         right: N, shape (5, 5).
-        level: varrho.
+        level: varrho [-].
         center: c, shape (5,).
         half: h, shape (5,).
         value: a, shape (5,).
         jacobian: J, shape (5, 5).
-        error: E^2.
-        multiplier: First guess of m.
+        error: E^2 [-].
+        multiplier: First guess of m [-].
     """
 
     def __init__(

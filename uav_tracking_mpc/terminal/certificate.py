@@ -27,7 +27,7 @@ TOLERANCE = 1e-11  # relative, of P and K recomputed elsewhere: far below the pr
 
 
 def problem_parameters(problem: StabilityProblem) -> dict[str, Any]:
-    """Everything that the terminal set depends on, as JSON values. N is not among it."""
+    """Everything that the terminal set of a ``problem`` depends on, as JSON values, so not N."""
     return {
         "model": problem.model,
         "scheme": problem.scheme,
@@ -46,8 +46,13 @@ def certificate(
 ) -> dict[str, Any]:
     """Write a proved direct condition down.
 
+    Args:
+        problem: The configuration.
+        ingredients: Its K and P_rho.
+        proved: What was proved of them.
+
     Raises:
-        ValueError: It is not proved; a certificate never says yes to that.
+        ValueError: It is not proved.
     """
     if not proved.holds:
         raise ValueError(f"no certificate at level {proved.level:.6g}: {proved.reason}")
@@ -85,19 +90,17 @@ def _versions() -> dict[str, str]:
 
 
 def digest(content: dict[str, Any]) -> str:
-    """SHA-256 of the content without its digest, in one canonical spelling of JSON."""
+    """SHA-256 of the ``content`` without its digest, in one canonical spelling of JSON."""
     rest = {key: value for key, value in content.items() if key != "digest"}
     text = json.dumps(rest, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def write_certificate(content: dict[str, Any], path: Path) -> None:
-    """Write a certificate to a file."""
-    path.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n")
-
-
 def read_certificate(path: Path) -> dict[str, Any]:
-    """Read a certificate; nothing in it is believed yet.
+    """Read a certificate without checking it.
+
+    Args:
+        path: The file.
 
     Raises:
         ValueError: The file holds no JSON object.
@@ -120,7 +123,7 @@ def mismatch(
         content: The certificate.
         problem: What is flown.
         ingredients: K and P_rho that are flown.
-        level: varrho that is flown.
+        level: varrho that is flown [-].
     """
     try:
         if content["format"] != FORMAT:

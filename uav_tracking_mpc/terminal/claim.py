@@ -1,4 +1,4 @@
-"""What may be claimed of a terminal set: only the words, for those who have nothing to prove."""
+"""What may be claimed of a terminal set, apart from what decides it (``status``)."""
 
 from __future__ import annotations
 

@@ -27,9 +27,9 @@ class Stuck:
 
     Attributes:
         reason: In words.
-        center: Middle of the box, error coordinates, length 5.
-        half: Its half-widths, length 5.
-        excess: Bound for the left side minus the right one there.
+        center: Middle of the box, error coordinates, length 5 [m, rad, m, rad, m/s].
+        half: Its half-widths, length 5, likewise [m, rad, m, rad, m/s].
+        excess: Bound for the left side minus the right one there [-].
     """
 
     reason: str
@@ -40,17 +40,20 @@ class Stuck:
 
 @dataclass(frozen=True)
 class Proof:
-    """Outcome: proved, or not proved and where it got stuck. Never "false": that is a search's job.
+    """Outcome: proved, or not proved and where it got stuck.
+
+    It never says "false": only a counterexample does, and looking for one is not done here.
 
     Attributes:
         proved: The bound holds for every x of X_f.
-        half: Half-widths of the root box, length 5.
+        half: Half-widths of the root box, length 5 [m, rad, m, rad, m/s].
         tree: The boxes in preorder (empty unless proved).
-        multipliers: m of the test on each leaf, in the order of the tree (empty unless proved).
+        multipliers: m of the test on each leaf [-], in the order of the tree (empty unless
+            proved).
         boxes: Boxes tested.
         leaves: Boxes on which the bound was proved.
         depth: Largest number of halvings.
-        seconds: Wall time.
+        seconds: Wall time [s].
         stuck: Where it stopped, if it did.
     """
 
@@ -76,7 +79,7 @@ def prove(
     Args:
         bound: What to prove.
         box_limit: Give up after so many boxes.
-        time_limit: Give up after so many seconds.
+        time_limit: Give up after so long [s].
         progress: Called now and then with the proved share of the root's volume and the boxes.
     """
     begin = time.perf_counter()

@@ -26,8 +26,8 @@ class DecreaseCheck:
 
     Attributes:
         held: V_N(k+1) is not above the bound.
-        cost: V_N(k+1).
-        bound: Right side of (54).
+        cost: V_N(k+1) [-].
+        bound: Right side of (54) [-].
         reason: Why it failed, in words; "" where it held.
     """
 
@@ -41,10 +41,10 @@ class DecreaseMonitor:
     """Compares each optimal cost with the bound (54) that the step before implies.
 
     Args:
-        rate: c_3 of (54), or xi with a proved terminal set.
+        rate: c_3 of (54), or xi with a proved terminal set [-].
         weight: P_rho, shape (5, 5).
-        level: varrho of the terminal set; None if none is enforced.
-        tolerance: Relative to V_N(k): what a solver's own tolerance may add.
+        level: varrho of the terminal set [-]; None if none is enforced.
+        tolerance: Relative to V_N(k) [-]: what a solver's own tolerance may add.
     """
 
     def __init__(
@@ -80,14 +80,14 @@ class DecreaseMonitor:
         """Take the result of one solve and compare it with the one before.
 
         Args:
-            cost: V_N(x_k).
+            cost: V_N(x_k) [-].
             error: x_k, shape (5,).
             final_error: x_N of the plan, shape (5,), to see whether it ends in X_f.
             target_moved: The target has moved, or the wind changed, since the step before.
             saturated: The command was cut back outside the problem (envelope, rate limits).
             converged: The solver reached its tolerance.
-            fraction: Time since the step before over T_s. Below 1 the stage cost of that time is
-                asked for: between the steps of the discrete model (54) is a heuristic.
+            fraction: Time since the step before over T_s [-]. Below 1 that share of the stage cost
+                is asked for; (54) itself is proved for whole steps only.
 
         Returns:
             None at the first step and after one without a finite cost.
@@ -136,7 +136,7 @@ def decrease_monitor(problem: StabilityProblem, level: float | None) -> Decrease
 
     Args:
         problem: The configuration.
-        level: varrho of the terminal set that the controller uses, None if none.
+        level: varrho of the terminal set that the controller uses [-], None if none.
     """
     weight = problem.ingredients().weight
     return DecreaseMonitor(xi(problem.state_weight, weight), weight, level)

@@ -20,7 +20,7 @@ from uav_tracking_mpc.terminal.admissible import Limit, domain_limits, input_lim
 from uav_tracking_mpc.terminal.ball import PRECISION, flint
 from uav_tracking_mpc.terminal.cover import Proof, prove
 from uav_tracking_mpc.terminal.ingredients import TerminalIngredients
-from uav_tracking_mpc.terminal.quadratic_bound import QuadraticBound, decrease_bound
+from uav_tracking_mpc.terminal.quadratic_bound import QuadraticBound, exact
 from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
 from uav_tracking_mpc.terminal.terminal_dynamics import ClosedLoopBalls
 
@@ -33,7 +33,7 @@ class DirectCondition:
     """The three parts at one level.
 
     Attributes:
-        level: varrho.
+        level: varrho [-].
         decrease: Proof of part 1.
         inputs: The input limit that binds first.
         domain: The domain limit that binds first.
@@ -64,20 +64,21 @@ class DirectCondition:
 def decrease(
     problem: StabilityProblem, ingredients: TerminalIngredients, level: float
 ) -> QuadraticBound:
-    """Part 1 at one level, as the inequality to prove."""
+    """Part 1 at one level, as the inequality to prove.
+
+    Args:
+        problem: The configuration.
+        ingredients: K and P_rho, taken as exact.
+        level: varrho [-].
+    """
     loop = ClosedLoopBalls(
         problem.model, problem.scheme, problem.orbit, problem.step, ingredients.gain
     )
     with flint().ctx.workprec(PRECISION):
-        return decrease_bound(
-            loop,
-            ingredients.weight,
-            ingredients.gain,
-            problem.state_weight,
-            problem.input_weight,
-            level,
-            SLACK,
-        )
+        k = exact(ingredients.gain)
+        stage = exact(problem.state_weight) + k.transpose() * exact(problem.input_weight) * k
+        right = exact(ingredients.weight) * (1 - flint().arb(SLACK)) - stage
+        return QuadraticBound(loop, ingredients.weight, right, level)
 
 
 def prove_direct_condition(
@@ -93,7 +94,7 @@ def prove_direct_condition(
     Args:
         problem: The configuration.
         ingredients: K and P_rho, taken as exact.
-        level: varrho.
+        level: varrho [-].
         box_limit: See :func:`uav_tracking_mpc.terminal.cover.prove`.
         time_limit: In [s].
         progress: See :func:`uav_tracking_mpc.terminal.cover.prove`.

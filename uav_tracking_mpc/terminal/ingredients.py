@@ -18,7 +18,7 @@ class TerminalIngredients:
         riccati: P, solution of the Riccati equation for N = 1 and rho = 1, shape (nx, nx).
         weight: P_rho of (28), shape (nx, nx).
         closed_loop: A_K = A + B K, shape (nx, nx).
-        scaling: rho.
+        scaling: rho [-].
     """
 
     gain: NDArray[np.float64]
@@ -45,7 +45,7 @@ def terminal_ingredients(
         b: B of (12), shape (nx, nu).
         state_weight: Q, shape (nx, nx).
         input_weight: R, shape (nu, nu).
-        scaling: rho >= 1.
+        scaling: rho >= 1 [-].
 
     Raises:
         ValueError: rho < 1, or (A, B) cannot be stabilised with these weights.

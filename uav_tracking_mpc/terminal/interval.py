@@ -98,11 +98,11 @@ class Interval:
         return Interval(np.where(unknown, np.nan, lower), np.where(unknown, np.nan, upper))
 
     def magnitude(self) -> NDArray[np.float64]:
-        """Largest absolute value."""
+        """Largest absolute value of each interval, in the intervals' shape."""
         return np.maximum(np.abs(self.lower), np.abs(self.upper))
 
     def middle(self) -> NDArray[np.float64]:
-        """A double near the middle."""
+        """A double near the middle of each interval, in the intervals' shape."""
         return 0.5 * (self.lower + self.upper)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import operator
+from collections.abc import Callable
 from typing import Any
 
 import casadi as ca
@@ -14,58 +16,54 @@ Column = list[Interval]
 Matrix = list[list[Interval]]
 
 
+_OPERATIONS: dict[int, Callable[..., Interval]] = {
+    ca.OP_ASSIGN: lambda a: a,
+    ca.OP_ADD: operator.add,
+    ca.OP_SUB: operator.sub,
+    ca.OP_MUL: operator.mul,
+    ca.OP_DIV: operator.truediv,
+    ca.OP_NEG: operator.neg,
+    ca.OP_SQ: Interval.square,
+    ca.OP_TWICE: lambda a: a * 2.0,
+    ca.OP_INV: Interval.inverse,
+    ca.OP_SQRT: Interval.sqrt,
+    ca.OP_SIN: Interval.sin,
+    ca.OP_COS: Interval.cos,
+}
+
+
 def evaluate(function: ca.Function, inputs: list[Column]) -> list[Column]:
-    """Walk the instructions of a CasADi function with intervals."""
+    """Walk the instructions of a CasADi ``function`` with intervals for its ``inputs``.
+
+    Raises:
+        ValueError: An operation that is not known here.
+    """
     work: dict[int, Interval] = {}
     outputs: list[Column] = [[Interval(0.0)] * function.nnz_out(i) for i in range(function.n_out())]
     for k in range(function.n_instructions()):
-        code, ins, outs = (
-            function.instruction_id(k),
-            function.instruction_input(k),
-            function.instruction_output(k),
-        )
+        code = function.instruction_id(k)
+        ins, outs = function.instruction_input(k), function.instruction_output(k)
         if code == ca.OP_OUTPUT:
             outputs[outs[0]][outs[1]] = work[ins[0]]
         elif code == ca.OP_INPUT:
             work[outs[0]] = inputs[ins[0]][ins[1]]
         elif code == ca.OP_CONST:
             work[outs[0]] = Interval(function.instruction_constant(k))
+        elif code in _OPERATIONS:
+            work[outs[0]] = _OPERATIONS[code](*(work[i] for i in ins))
         else:
-            work[outs[0]] = _operate(code, [work[i] for i in ins])
+            raise ValueError(f"operation {code} of the model is not known here")
     return outputs
 
 
-def _operate(code: int, arguments: Column) -> Interval:
-    a, b = arguments[0], arguments[-1]
-    if code == ca.OP_ADD:
-        return a + b
-    if code == ca.OP_SUB:
-        return a - b
-    if code == ca.OP_MUL:
-        return a * b
-    if code == ca.OP_DIV:
-        return a / b
-    if code == ca.OP_NEG:
-        return -a
-    if code == ca.OP_SQ:
-        return a.square()
-    if code == ca.OP_TWICE:
-        return a * 2.0
-    if code == ca.OP_INV:
-        return a.inverse()
-    if code == ca.OP_SQRT:
-        return a.sqrt()
-    if code == ca.OP_SIN:
-        return a.sin()
-    if code == ca.OP_COS:
-        return a.cos()
-    if code == ca.OP_ASSIGN:
-        return a
-    raise ValueError(f"operation {code} of the model is not known here")
-
-
 def unpack(function: ca.Function, index: int, entries: Column) -> Matrix:
-    """Dense matrix from the nonzeros of one output of a CasADi function; zeros are exact."""
+    """Dense matrix from the nonzeros of one output of a CasADi function; zeros are exact.
+
+    Args:
+        function: The function.
+        index: Of the output.
+        entries: Its nonzeros.
+    """
     sparsity = function.sparsity_out(index)
     full = [[Interval(0.0) for _ in range(sparsity.size2())] for _ in range(sparsity.size1())]
     rows, columns = sparsity.get_triplet()
@@ -75,7 +73,11 @@ def unpack(function: ca.Function, index: int, entries: Column) -> Matrix:
 
 
 def definite(matrix: Matrix) -> NDArray[np.bool_]:
-    """Where every symmetric matrix in the interval matrix is positive definite (LDL')."""
+    """Where every symmetric matrix in an interval ``matrix`` is positive definite (LDL').
+
+    Returns:
+        Of the shape of the matrix's intervals.
+    """
     rows = [list(row) for row in matrix]
     good: Any = np.asarray(True)
     with np.errstate(invalid="ignore", over="ignore"):
@@ -90,7 +92,11 @@ def definite(matrix: Matrix) -> NDArray[np.bool_]:
 
 
 def inverse_of(p: NDArray[np.float64]) -> Matrix:
-    """Enclosure of P^-1: W near it and R = I - PW give |P^-1 - W| <= |W| |R| / (1 - |R|)."""
+    """Enclosure of P^-1: W near it and R = I - PW give |P^-1 - W| <= |W| |R| / (1 - |R|).
+
+    Args:
+        p: P, shape (n, n).
+    """
     indices = range(len(p))
     w = np.linalg.inv(p)
     w = 0.5 * (w + w.T)
@@ -107,27 +113,33 @@ def inverse_of(p: NDArray[np.float64]) -> Matrix:
 
 
 def reach(row: NDArray[np.float64], inverse: Matrix, level: float) -> Interval:
-    """Largest c'x over x'Px <= level: sqrt(level c'P^-1 c)."""
+    """Largest c'x over x'Px <= level: sqrt(level c'P^-1 c).
+
+    Args:
+        row: c, shape (n,).
+        inverse: Enclosure of P^-1.
+        level: varrho [-].
+    """
     return (quadratic(inverse, [Interval(v) for v in row]) * level).sqrt()
 
 
 def constant(values: NDArray[np.float64]) -> Matrix:
-    """Matrix of numbers, taken as exact."""
+    """Matrix of the numbers ``values``, shape (n, m), taken as exact."""
     return [[Interval(entry) for entry in row] for row in values]
 
 
 def columns(values: NDArray[np.float64]) -> Column:
-    """Columns of an array of shape (m, n): n intervals of m numbers each."""
+    """Columns of ``values``, shape (m, n): n intervals of m numbers each."""
     return [Interval(values[:, i]) for i in range(values.shape[1])]
 
 
 def transpose(matrix: Matrix) -> Matrix:
-    """The transposed matrix."""
+    """The ``matrix`` transposed."""
     return [list(row) for row in zip(*matrix, strict=True)]
 
 
 def product(left: Matrix, right: Matrix) -> Matrix:
-    """Product of two matrices."""
+    """Product of the matrices ``left`` and ``right``."""
     columns = transpose(right)
     return [
         [total(a * b for a, b in zip(row, column, strict=True)) for column in columns]
@@ -136,17 +148,17 @@ def product(left: Matrix, right: Matrix) -> Matrix:
 
 
 def times(matrix: Matrix, column: Column) -> Column:
-    """Matrix times column."""
+    """Product of ``matrix`` and ``column``."""
     return [total(a * b for a, b in zip(row, column, strict=True)) for row in matrix]
 
 
 def quadratic(matrix: Matrix, column: Column) -> Interval:
-    """Quadratic form x'Mx."""
+    """Quadratic form x'Mx of the ``matrix`` M at the ``column`` x."""
     return total(a * b for a, b in zip(column, times(matrix, column), strict=True))
 
 
 def total(terms: Any) -> Interval:
-    """Sum of intervals."""
+    """Sum of the intervals ``terms``."""
     total = Interval(0.0)
     for term in terms:
         total = total + term

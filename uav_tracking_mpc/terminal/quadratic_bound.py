@@ -30,7 +30,7 @@ class QuadraticBound:
         closed_loop: f(x, K x) in ball arithmetic.
         weight: P, symmetric positive definite, shape (5, 5).
         right: N as an ``arb_mat``.
-        level: varrho.
+        level: varrho [-].
         subtracted: C, shape (5, 5), or None for 0.
     """
 
@@ -52,34 +52,8 @@ class QuadraticBound:
 
 
 def exact(matrix: NDArray[np.float64]) -> Any:
-    """``arb_mat`` of a floating-point matrix, taken as exact."""
+    """``arb_mat`` of a floating-point ``matrix`` of any shape (n, m), taken as exact."""
     return flint().arb_mat([[float(value) for value in row] for row in np.asarray(matrix)])
-
-
-def decrease_bound(
-    closed_loop: ClosedLoopBalls,
-    weight: NDArray[np.float64],
-    gain: NDArray[np.float64],
-    state_weight: NDArray[np.float64],
-    input_weight: NDArray[np.float64],
-    level: float,
-    slack: float = 0.0,
-) -> QuadraticBound:
-    """V_f(f(x, Kx)) - V_f(x) + L(x, Kx) <= -slack V_f(x) on X_f: left side of (30) below 0.
-
-    Args:
-        closed_loop: f(x, K x).
-        weight: P_rho, shape (5, 5).
-        gain: K, shape (3, 5).
-        state_weight: Q, shape (5, 5).
-        input_weight: R, shape (3, 3).
-        level: varrho of (25).
-        slack: Room left so that rounding of P and K elsewhere cannot break the inequality.
-    """
-    k = exact(gain)
-    stage = exact(state_weight) + k.transpose() * exact(input_weight) * k
-    right = exact(weight) * (1 - flint().arb(slack)) - stage
-    return QuadraticBound(closed_loop, weight, right, level)
 
 
 def lipschitz_bound(
@@ -95,8 +69,8 @@ def lipschitz_bound(
         closed_loop: f(x, K x).
         weight: P_rho, shape (5, 5).
         linear: A_K, shape (5, 5).
-        constant: L.
-        level: varrho.
+        constant: L [-].
+        level: varrho [-].
     """
     right = exact(weight) * flint().arb(constant) ** 2
     return QuadraticBound(closed_loop, weight, right, level, linear)

@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.dynamics import paper_numbers
 from uav_tracking_mpc.dynamics.discretisation import error_dynamics, linearise
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import steady_inputs
@@ -22,12 +23,12 @@ class StabilityProblem:
         orbit: Reference (r_d, z_d, v_d) and direction.
         state_weight: Q, shape (5, 5).
         input_weight: R, shape (3, 3).
-        scaling: rho of (28).
+        scaling: rho of (28) [-].
         input_lower: Lower bounds of ubar = (u_psi, u_chi, u_v), shape (3,).
         input_upper: Upper bounds of ubar, shape (3,), in [rad/s, rad/s, m/s^2].
         step: T_s in [s].
         horizon: N.
-        model: Name in :data:`uav_tracking_mpc.dynamics.relative.MODELS`.
+        model: Name of a relative model.
         scheme: Name in :data:`uav_tracking_mpc.dynamics.discretisation.SCHEMES`.
         name: What a report calls it.
     """
@@ -38,8 +39,8 @@ class StabilityProblem:
     scaling: float
     input_lower: NDArray[np.float64]
     input_upper: NDArray[np.float64]
-    step: float = 1.0
-    horizon: int = 10
+    step: float = paper_numbers.STEP
+    horizon: int = paper_numbers.HORIZON
     model: str = "exact"
     scheme: str = "euler"
     name: str = field(default="unnamed", compare=False)
@@ -49,7 +50,7 @@ class StabilityProblem:
         return error_dynamics(self.model, self.orbit, self.step, self.scheme)
 
     def linearisation(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """A and B of (12), by automatic differentiation of the model."""
+        """A, shape (5, 5), and B, shape (5, 3), of (12), by automatic differentiation."""
         return linearise(self.dynamics())
 
     def ingredients(self) -> TerminalIngredients:
@@ -70,12 +71,12 @@ def paper_problem(model: str = "exact", **changes: object) -> StabilityProblem:
         model: ``exact`` by default; ``paper`` for (11).
         changes: Fields of :class:`StabilityProblem` to give other values.
     """
-    bound = np.array([np.pi / 4.0, np.pi / 4.0, 1.0])
+    bound = np.array(paper_numbers.INPUT_BOUNDS)
     values: dict[str, object] = {
-        "orbit": Orbit(range=150.0, altitude=50.0, speed=4.0),
-        "state_weight": np.diag([0.008, 0.09, 0.05, 0.04, 0.9]),  # (59)
-        "input_weight": np.eye(3),  # (59)
-        "scaling": 2.5,
+        "orbit": paper_numbers.ORBIT,
+        "state_weight": np.diag(paper_numbers.STATE_WEIGHTS),
+        "input_weight": np.diag(paper_numbers.INPUT_WEIGHTS),
+        "scaling": paper_numbers.SCALING,
         "input_lower": -bound,
         "input_upper": bound,
         "model": model,
@@ -85,5 +86,5 @@ def paper_problem(model: str = "exact", **changes: object) -> StabilityProblem:
     return StabilityProblem(**values)  # type: ignore[arg-type]
 
 
-PAPER_INITIAL_STATE = np.array([212.83, -np.pi / 4.0, 20.0, 0.0, 0.0])
+PAPER_INITIAL_STATE = np.array(paper_numbers.INITIAL_STATE)
 """x_o of Section 6: (r, theta, z, chi, v), the actual state, not the error."""

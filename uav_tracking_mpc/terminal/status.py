@@ -31,7 +31,7 @@ def certificate_status(
     Args:
         problem: What is flown.
         ingredients: K and P_rho that are flown.
-        level: varrho that is flown, None without a terminal set.
+        level: varrho that is flown [-], None without a terminal set.
         certificate: A stored certificate, None if there is none.
         samples: States of X_f tried where there is no valid certificate.
         seed: Of the samples.

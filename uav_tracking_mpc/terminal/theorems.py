@@ -16,12 +16,12 @@ from uav_tracking_mpc.terminal.ingredients import TerminalIngredients
 
 
 def a_1(riccati: NDArray[np.float64]) -> float:
-    """a_1 = lambda_min(P), Theorem 2; P of shape (5, 5)."""
+    """a_1 = lambda_min(P) of Theorem 2; ``riccati`` is P, shape (5, 5)."""
     return float(np.linalg.eigvalsh(riccati)[0])
 
 
 def a_2(riccati: NDArray[np.float64]) -> float:
-    """a_2 = lambda_max(P), Theorem 2; P of shape (5, 5).
+    """a_2 = lambda_max(P) of Theorem 2; ``riccati`` is P, shape (5, 5).
 
     V_f is |x|^2 in P_rho, so its upper bound needs lambda_max(P_rho) = rho a_2: another slip.
     """
@@ -33,7 +33,13 @@ def q_star(
     input_weight: NDArray[np.float64],
     gain: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Q* = Q + K'RK, Theorem 2, shape (5, 5)."""
+    """Q* = Q + K'RK of Theorem 2, shape (5, 5).
+
+    Args:
+        state_weight: Q, shape (5, 5).
+        input_weight: R, shape (3, 3).
+        gain: K, shape (3, 5).
+    """
     return state_weight + gain.T @ input_weight @ gain
 
 
@@ -45,57 +51,116 @@ def _relative_eigenvalues(
 
 
 def sigma(q_star: NDArray[np.float64], weight: NDArray[np.float64]) -> float:
-    """Sigma = lambda_min(Z*), Z* = P_rho^-1/2 Q* P_rho^-1/2, Theorem 2 and (34)."""
+    """The sigma of Theorem 2 and (34): lambda_min(Z*), Z* = P_rho^-1/2 Q* P_rho^-1/2.
+
+    Args:
+        q_star: Q*, shape (5, 5).
+        weight: P_rho, shape (5, 5).
+    """
     return float(_relative_eigenvalues(q_star, weight)[0])
 
 
 def eta(q_star: NDArray[np.float64], weight: NDArray[np.float64]) -> float:
-    """Eta = lambda_max(Z*), (44)."""
+    """The eta of (44): lambda_max(Z*).
+
+    Args:
+        q_star: Q*, shape (5, 5).
+        weight: P_rho, shape (5, 5).
+    """
     return float(_relative_eigenvalues(q_star, weight)[-1])
 
 
 def xi(state_weight: NDArray[np.float64], weight: NDArray[np.float64]) -> float:
-    """Xi = lambda_min(Z), Z = P_rho^-1/2 Q P_rho^-1/2, Theorem 3 and (52)."""
+    """The xi of Theorem 3 and (52): lambda_min(Z), Z = P_rho^-1/2 Q P_rho^-1/2.
+
+    Args:
+        state_weight: Q, shape (5, 5).
+        weight: P_rho, shape (5, 5).
+    """
     return float(_relative_eigenvalues(state_weight, weight)[0])
 
 
 def induced_norm(matrix: NDArray[np.float64], weight: NDArray[np.float64]) -> float:
-    """|A_K|_P = max |A_K x|_P / |x|_P, as in (33): root of lambda_max of (A_K'PA_K, P)."""
+    """|A_K|_P = max |A_K x|_P / |x|_P, as in (33): root of lambda_max of (A_K'PA_K, P).
+
+    Args:
+        matrix: A_K, shape (5, 5).
+        weight: P, shape (5, 5).
+    """
     return float(np.sqrt(_relative_eigenvalues(matrix.T @ weight @ matrix, weight)[-1]))
 
 
 def b(lipschitz: float, contraction: float) -> float:
-    """B = 2 L |A_K|_P + L^2, Theorem 2."""
+    """The b of Theorem 2: 2 L |A_K|_P + L^2.
+
+    Args:
+        lipschitz: L [-].
+        contraction: |A_K|_P [-].
+    """
     return 2.0 * lipschitz * contraction + lipschitz**2
 
 
 def a_3(scaling: float, sigma: float, b: float) -> float:
-    """a_3 = rho sigma - b, the decrease of (37)."""
+    """a_3 = rho sigma - b, the decrease of (37).
+
+    Args:
+        scaling: rho [-].
+        sigma: (34) [-].
+        b: Of Theorem 2 [-].
+    """
     return scaling * sigma - b
 
 
 def gamma(a_2: float, a_3: float) -> float:
-    """Gamma = 1 - a_3 / a_2, (38)-(39)."""
+    """The gamma of (38)-(39): 1 - a_3 / a_2.
+
+    Args:
+        a_2: lambda_max(P) [-].
+        a_3: Decrease of (37) [-].
+    """
     return 1.0 - a_3 / a_2
 
 
 def tau(b: float, contraction: float) -> float:
-    """Tau = b + |A_K|_P^2, (45)."""
+    """The tau of (45): b + |A_K|_P^2.
+
+    Args:
+        b: Of Theorem 2 [-].
+        contraction: |A_K|_P [-].
+    """
     return b + contraction**2
 
 
 def c_2(eta: float, tau: float, horizon: int) -> float:
-    """c_2 = sum_{j=0}^{N-2} eta tau^j + tau^{N-1}, (47)."""
+    """c_2 = sum_{j=0}^{N-2} eta tau^j + tau^{N-1}, (47).
+
+    Args:
+        eta: (44) [-].
+        tau: (45) [-].
+        horizon: N.
+    """
     return float(sum(eta * tau**j for j in range(horizon - 1)) + tau ** (horizon - 1))
 
 
 def c_3(scaling: float, sigma: float, xi: float, b: float) -> float:
-    """c_3 = xi + (rho - 1) sigma - b, (53)."""
+    """c_3 = xi + (rho - 1) sigma - b, (53).
+
+    Args:
+        scaling: rho [-].
+        sigma: (34) [-].
+        xi: (52) [-].
+        b: Of Theorem 2 [-].
+    """
     return xi + (scaling - 1.0) * sigma - b
 
 
 def gamma_n(c_2: float, c_3: float) -> float:
-    """gamma_n = 1 - c_3 / c_2, (55)."""
+    """gamma_n = 1 - c_3 / c_2, (55).
+
+    Args:
+        c_2: (47) [-].
+        c_3: (53) [-].
+    """
     return 1.0 - c_3 / c_2
 
 
@@ -104,8 +169,8 @@ class Condition:
     """An inequality ``left >= right`` of the paper.
 
     Attributes:
-        left: Its left side.
-        right: Its right side.
+        left: Its left side [-].
+        right: Its right side [-].
     """
 
     left: float
@@ -126,20 +191,20 @@ class TheoremQuantities:
     """Everything that Theorems 2 and 3 speak of, for one Lipschitz constant.
 
     Attributes:
-        a_1: lambda_min(P).
-        a_2: lambda_max(P).
-        sigma: (34).
-        xi: (52).
-        eta: (44).
-        contraction: |A_K|_P.
-        lipschitz: L of (27), (31).
-        b: 2 L |A_K|_P + L^2.
-        tau: (45).
-        c_2: (47).
-        c_3: (53).
-        gamma: (38).
-        gamma_n: (55).
-        scaling: rho.
+        a_1: lambda_min(P) [-].
+        a_2: lambda_max(P) [-].
+        sigma: (34) [-].
+        xi: (52) [-].
+        eta: (44) [-].
+        contraction: |A_K|_P [-].
+        lipschitz: L of (27), (31) [-].
+        b: 2 L |A_K|_P + L^2 [-].
+        tau: (45) [-].
+        c_2: (47) [-].
+        c_3: (53) [-].
+        gamma: (38) [-].
+        gamma_n: (55) [-].
+        scaling: rho [-].
         horizon: N.
     """
 
@@ -170,24 +235,37 @@ class TheoremQuantities:
         return Condition(self.xi + (self.scaling - 1.0) * self.sigma, self.b)
 
     def bound_40(self, step: int) -> float:
-        """(a_2 / a_1) gamma^k: (40) bounds |x_k|^2 / |x_0|^2 under kappa_l."""
+        """(a_2 / a_1) gamma^k: (40) bounds |x_k|^2 / |x_0|^2 under kappa_l after ``step`` steps."""
         return self.a_2 / self.a_1 * self.gamma**step
 
     def bound_47(self, error: NDArray[np.float64], weight: NDArray[np.float64]) -> float:
-        """c_2 |x|_P^2: (47) bounds V_N(x) for x in X_f; error of shape (5,)."""
+        """c_2 |x|_P^2: (47) bounds V_N(x) for x in X_f.
+
+        Args:
+            error: x, shape (5,).
+            weight: P_rho, shape (5, 5).
+        """
         return float(self.c_2 * error @ weight @ error)
 
     def bound_57(self, step: int) -> float:
-        """(c_2 / c_3) gamma_n^k: (57) as printed. The argument needs c_2 / a_1."""
+        """(c_2 / c_3) gamma_n^k at ``step`` k: (57) as printed. The argument needs c_2 / a_1."""
         return self.c_2 / self.c_3 * self.gamma_n**step
 
     def bound_57_corrected(self, step: int) -> float:
-        """(c_2 / xi) gamma_n^k in the norm of P_rho: V_N >= xi |x|^2 by (52), V_N <= c_2 |x|^2."""
+        """(c_2 / xi) gamma_n^k at ``step`` k, in the norm of P_rho.
+
+        It follows from V_N >= xi |x|^2, (52), and V_N <= c_2 |x|^2.
+        """
         return self.c_2 / self.xi * self.gamma_n**step
 
 
 def largest_lipschitz(contraction: float, allowance: float) -> float:
-    """The L at which b = allowance: root of L^2 + 2 L |A_K|_P = allowance."""
+    """The L at which b reaches an allowance: root of L^2 + 2 L |A_K|_P = allowance.
+
+    Args:
+        contraction: |A_K|_P [-].
+        allowance: Greatest b that a condition admits [-].
+    """
     return float(np.sqrt(contraction**2 + allowance) - contraction)
 
 
@@ -204,7 +282,7 @@ def theorem_quantities(
         ingredients: K, P and P_rho.
         state_weight: Q, shape (5, 5).
         input_weight: R, shape (3, 3).
-        lipschitz: L, (31), for the terminal level in question.
+        lipschitz: L [-], (31), for the terminal level in question.
         horizon: N.
     """
     weight, scaling = ingredients.weight, ingredients.scaling

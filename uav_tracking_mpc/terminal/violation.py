@@ -8,7 +8,9 @@ that nothing is found below it is only an observation, which the proof turns int
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -20,7 +22,7 @@ class Violation:
     """A state on the edge of the bound.
 
     Attributes:
-        level: x' P x there.
+        level: x' P x there [-].
         state: x, shape (5,), error coordinates.
     """
 
@@ -58,11 +60,11 @@ class Excess:
         self._both = ca.Function("excess_gradient", [x], [excess, ca.gradient(excess, x)])
 
     def __call__(self, states: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values at states of shape (n, 5); nan outside the model's domain."""
+        """Values, shape (n,), at ``states`` of shape (n, 5); nan outside the model's domain."""
         return np.array(self._value(states.T)).ravel()
 
     def with_gradient(self, state: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
-        """Value and gradient, shape (5,), at one state."""
+        """Value and gradient, shape (5,), at one ``state`` of shape (5,)."""
         value, gradient = self._both(state)
         return float(value), np.array(gradient).ravel()
 
@@ -70,7 +72,13 @@ class Excess:
 def directions(
     weight: NDArray[np.float64], count: int, generator: np.random.Generator
 ) -> NDArray[np.float64]:
-    """States uniformly spread over x'Px = 1, shape (count, 5)."""
+    """States uniformly spread over x'Px = 1, shape (count, 5).
+
+    Args:
+        weight: P, shape (5, 5).
+        count: How many.
+        generator: Source of randomness.
+    """
     whitened = generator.normal(size=(count, len(weight)))
     whitened /= np.linalg.norm(whitened, axis=1, keepdims=True)
     return whitened @ np.linalg.inv(np.linalg.cholesky(weight))
@@ -83,7 +91,7 @@ def lowest_violation(
 
     Args:
         excess: Left side minus right side.
-        ceiling: Levels above this are not looked at.
+        ceiling: Greatest level to look at [-].
         rays: Directions tried.
         starts: Local descents from the best of them.
         seed: Of the random directions.
@@ -118,13 +126,9 @@ def _descend(excess: Excess, hit: NDArray[np.float64]) -> Violation:
         lambda x: float(x @ weight @ x),
         hit,
         jac=lambda x: 2.0 * weight @ x,
-        constraints=[
-            {
-                "type": "ineq",
-                "fun": lambda x: excess.with_gradient(x)[0],
-                "jac": lambda x: excess.with_gradient(x)[1],
-            }
-        ],
+        constraints=_not_below_zero(
+            lambda x: excess.with_gradient(x)[0], lambda x: excess.with_gradient(x)[1]
+        ),
         method="SLSQP",
         options={"maxiter": 200, "ftol": 1e-13},
     )
@@ -138,10 +142,22 @@ def _descend(excess: Excess, hit: NDArray[np.float64]) -> Violation:
     return Violation(float(hit @ weight @ hit), hit)
 
 
+def _not_below_zero(value: Callable[..., Any], gradient: Callable[..., Any]) -> dict[str, Any]:
+    """A constraint as SciPy takes it."""
+    return {"type": "ineq", "fun": value, "jac": gradient}
+
+
 def largest_ratio(
     excess: Excess, level: float, rays: int = 6000, starts: int = 12, seed: int = 0
 ) -> Violation:
-    """State of x'Px <= level with the largest |F(x)|_P / |x|_P, where excess is |F|_P^2 (N = 0).
+    """State of x'Px <= level with the largest |F(x)|_P / |x|_P.
+
+    Args:
+        excess: |F|_P^2, so made with N = 0.
+        level: varrho [-].
+        rays: Directions tried.
+        starts: Local ascents from the best of them.
+        seed: Of the random directions.
 
     Returns:
         The ratio as :attr:`Violation.level`, and the state.
@@ -165,13 +181,9 @@ def largest_ratio(
             ratio,
             states[index],
             jac=True,
-            constraints=[
-                {
-                    "type": "ineq",
-                    "fun": lambda x: level - float(x @ weight @ x),
-                    "jac": lambda x: -2.0 * weight @ x,
-                }
-            ],
+            constraints=_not_below_zero(
+                lambda x: level - float(x @ weight @ x), lambda x: -2.0 * weight @ x
+            ),
             method="SLSQP",
             options={"maxiter": 200, "ftol": 1e-14},
         )

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.dynamics.lagged_vehicle import advance
+from uav_tracking_mpc.dynamics.vehicle_models import Drift
+from uav_tracking_mpc.dynamics.vehicle_models.lagged import Lagged, LaggedState
 from uav_tracking_mpc.studies.feasibility.guarantee import GUARANTEED, NOT_GUARANTEED, as_words
 
 RADIUS, SPEED, STEP, LAG = 275.0, 22.0, 0.5, (0.3, 0.13, 0.16)
@@ -11,11 +12,12 @@ RADIUS, SPEED, STEP, LAG = 275.0, 22.0, 0.5, (0.3, 0.13, 0.16)
 
 def test_steady_inputs_stay_on_the_orbit_without_drift():
     turn = SPEED / RADIUS
-    state = [RADIUS, 0.0, 120.0, np.pi / 2, 0.0, SPEED, turn, 0.0, 0.0]
+    state = LaggedState(RADIUS, 0.0, 120.0, np.pi / 2, 0.0, SPEED, turn, 0.0, 0.0)
+    model, still = Lagged(LAG), Drift(np.zeros(3), np.zeros(3))
     for _ in range(200):
-        state = advance(state, [turn, 0.0, 0.0], STEP, LAG, [0.0] * 3, [0.0] * 3)
-    assert np.hypot(state[0], state[1]) == pytest.approx(RADIUS, abs=1e-4)
-    assert state[6] == pytest.approx(turn)
+        state = model.step(state, [turn, 0.0, 0.0], STEP, model.numbers(STEP), still)
+    assert np.hypot(state.x, state.y) == pytest.approx(RADIUS, abs=1e-4)
+    assert state.turn_rate == pytest.approx(turn)
 
 
 def test_the_words_hold_every_sentence():

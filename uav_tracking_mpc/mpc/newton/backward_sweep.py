@@ -78,13 +78,23 @@ def backward_sweep(w, now, curvature, damping):
 
 @compiled
 def held(slope, value, lower, upper):
-    """Whether a component is at a bound that its slope pushes it against."""
+    """Whether a ``value`` is at its ``lower`` or ``upper`` bound and ``slope`` holds it there."""
     return (slope >= 0.0 and value <= lower) or (slope <= 0.0 and value >= upper)
 
 
 @compiled
 def minimise_stage(w, now, i, damping):
-    """K and K of stage i from Q, q; returns the predicted change."""
+    """Step k and gain K of one stage, from its Q and q.
+
+    Args:
+        w: Workspace.
+        now: The plan that the step starts from.
+        i: Stage.
+        damping: Levenberg-Marquardt term on the inputs.
+
+    Returns:
+        Change of the merit that the model predicts.
+    """
     for r in range(NU):
         for c in range(r, NU):
             w.hessian[r, c] = w.hessian[c, r] = w.Q[NS + r, NS + c]
@@ -107,7 +117,7 @@ def minimise_stage(w, now, i, damping):
 
 @compiled
 def value_function(w, i):
-    """V = Q_ss + Q_su K, v = q_s + Q_su k."""
+    """Value function at stage ``i`` of the workspace ``w``: V = Q_ss + Q_su K, v = q_s + Q_su k."""
     for r in range(NS):
         for c in range(r, NS):
             entry = w.Q[r, c]
@@ -122,7 +132,16 @@ def value_function(w, i):
 
 @compiled
 def minimise_decision(w, now, damping):
-    """Step k_a of the decisions: the first state is given, so they minimise V of stage 0 alone."""
+    """Step k_a of the decisions: the first state is given, so they minimise V of stage 0 alone.
+
+    Args:
+        w: Workspace.
+        now: The plan that the step starts from.
+        damping: Levenberg-Marquardt term on the decisions.
+
+    Returns:
+        Change of the merit that the model predicts.
+    """
     if NA == 0:
         return 0.0
     for r in range(NA):
@@ -141,7 +160,13 @@ def minimise_decision(w, now, damping):
 
 @compiled
 def predicted_change(w, size, r):
-    """y_r (g + H y / 2)_r: the share of component r in the change of the model."""
+    """Share of component ``r`` in the change of the model, y_r (g + H y / 2)_r, ``w`` holding all.
+
+    Args:
+        w: Workspace.
+        size: Number of components.
+        r: Component.
+    """
     slope = w.slope[r]
     for c in range(size):
         slope += 0.5 * w.hessian[r, c] * w.step[c]

@@ -50,7 +50,14 @@ def minimise_over_box(w, size, damping):
 
 @compiled
 def factorise(w, size):
-    """L L' = H on the free components, identity on the others; H is made positive definite."""
+    """Factor L of H = L L' on the free components, identity on the others.
+
+    H is made positive definite where it is not.
+
+    Args:
+        w: Workspace.
+        size: Number of components.
+    """
     for r in range(size):
         for c in range(r + 1):
             entry = w.hessian[r, c] * w.free[r] * w.free[c]
@@ -72,7 +79,13 @@ def factorise(w, size):
 
 @compiled
 def solve_factor(w, size, y):
-    """Y <- (L L')^-1 y."""
+    """Replace a vector by its solution: y becomes (L L')^-1 y.
+
+    Args:
+        w: Workspace, with L.
+        size: Number of components.
+        y: Right-hand side; overwritten.
+    """
     for r in range(size):
         for j in range(r):
             y[r] -= w.factor[r, j] * y[j]
@@ -85,7 +98,12 @@ def solve_factor(w, size, y):
 
 @compiled
 def newton_step(w, size):
-    """y_F = -H_FF^-1 (g_F + H_FC y_C); clamped components stay."""
+    """Minimise over the free components, y_F = -H_FF^-1 (g_F + H_FC y_C); clamped ones stay.
+
+    Args:
+        w: Workspace.
+        size: Number of components.
+    """
     for j in range(size):
         if w.free[j] == 0.0:
             continue
@@ -100,7 +118,12 @@ def newton_step(w, size):
 
 @compiled
 def clamp(w, size):
-    """Clamp free components that left the box; True if there were any."""
+    """Clamp free components that left the box; True if there were any.
+
+    Args:
+        w: Workspace.
+        size: Number of components.
+    """
     clamped = False
     for j in range(size):
         if w.free[j] == 1.0 and not w.lower[j] <= w.step[j] <= w.upper[j]:
@@ -112,7 +135,12 @@ def clamp(w, size):
 
 @compiled
 def release(w, size):
-    """Free the clamped component whose slope points inside most steeply; False if none does."""
+    """Free the clamped component whose slope points inside most steeply; False if none does.
+
+    Args:
+        w: Workspace.
+        size: Number of components.
+    """
     steepest, chosen = 0.0, -1
     for j in range(size):
         if w.free[j] == 1.0:

@@ -1,9 +1,9 @@
 """One attempt: a guess, then sweep, line search on the rollout, multiplier update, until it stops.
 
-Inside, Newton's method on the augmented Lagrangian; once its gradient is small against the
-constraint residual, the multipliers move and the next Newton step sees the new merit. They also
-move right after a full step whose change of the merit the model foretold: that step has led to the
-minimum. So near a solution both happen in every iteration.
+Inside is Newton's method on the augmented Lagrangian. The multipliers are updated when its gradient
+is small against the constraint residual, and also right after a full step that changed the merit
+as its quadratic model predicted, since such a step ends at the minimum. So near a solution every
+iteration updates both the plan and the multipliers.
 """
 
 import math
@@ -29,7 +29,7 @@ SHORTEST = 1e-4  # of the step lengths tried
 ROUNDING = 1e-13  # error of the merit, relative to 1 + its size
 INNER = 0.1  # gradient, against the constraint residual, at which multipliers move
 SHORT = 0.3
-FORETOLD = 0.1  # relative error of the predicted change, up to which a full step ends at a minimum
+AS_PREDICTED = 0.1  # relative error of the change up to which a full step ends at a minimum
 DAMPING_START, DAMPING_LIMIT, DAMPING_GROWTH = 1e-2, 1e8, 10.0
 
 
@@ -99,11 +99,11 @@ def minimise(address, start, stages, tolerance, iteration_limit, deadline):
         if accepted:
             now, trial = trial, now
             error = abs(new - value - predicted)
-            foretold = (
+            as_predicted = (
                 length == 1.0
                 and damping == 0.0
                 and w.shifts[0] == 0.0
-                and error <= FORETOLD * abs(predicted) + ROUNDING * (1.0 + abs(value))
+                and error <= AS_PREDICTED * abs(predicted) + ROUNDING * (1.0 + abs(value))
             )
             value = new
             exact_cost(w, now)
@@ -114,7 +114,7 @@ def minimise(address, start, stages, tolerance, iteration_limit, deadline):
                 damping = max(DAMPING_GROWTH * damping, DAMPING_START)
             elif length == 1.0:
                 damping = damping / DAMPING_GROWTH if damping > DAMPING_START else 0.0
-            if foretold and constraint_residual(w, now) > tolerance:
+            if as_predicted and constraint_residual(w, now) > tolerance:
                 if not update_multipliers(w, now):
                     status = INFEASIBLE
                     break
@@ -135,7 +135,7 @@ def minimise(address, start, stages, tolerance, iteration_limit, deadline):
 
 @compiled
 def data_finite(w):
-    """Whether x_0 and p hold numbers only."""
+    """Whether x_0 and p of the workspace ``w`` are finite."""
     for r in range(NX):
         if not math.isfinite(w.x_0[r]):
             return False
@@ -148,7 +148,14 @@ def data_finite(w):
 
 @compiled
 def better(w, new, old, tolerance):
-    """Whether a plan is feasible and cheaper than another, or less infeasible."""
+    """Whether a plan is feasible and cheaper than another, or less infeasible.
+
+    Args:
+        w: Workspace.
+        new: Row of the one plan.
+        old: Row of the other.
+        tolerance: Largest violation of a plan that counts as feasible.
+    """
     if w.value[new, 2] <= tolerance:
         return not w.value[old, 2] <= tolerance or w.value[new, 1] < w.value[old, 1]
     return w.value[new, 2] < w.value[old, 2]
@@ -156,7 +163,7 @@ def better(w, new, old, tolerance):
 
 @compiled
 def copy_plan(w, source, target):
-    """Plan ``target`` <- plan ``source``."""
+    """Copy a plan within the workspace ``w``, from row ``source`` to row ``target``."""
     for i in range(w.horizon[0] + 1):
         for r in range(NX):
             w.x[target, i, r] = w.x[source, i, r]
@@ -175,7 +182,7 @@ def copy_plan(w, source, target):
 
 @compiled
 def copy_multipliers(w, source, target):
-    """Multipliers and weights of row ``target`` <- those of row ``source``."""
+    """Copy multipliers and weights within ``w``, from row ``source`` to row ``target``."""
     for j in range(NH):
         for i in range(w.horizon[0]):
             w.mu_h[target, i, j] = w.mu_h[source, i, j]

@@ -25,26 +25,54 @@ PROGRESS = 0.25  # a residual that falls by less than this makes its weight grow
 
 @compiled
 def multiplier(c, mu, rho, lower, upper):
-    """M = clip(mu + rho c, lower, upper)."""
+    """Multiplier m of a constraint, clip(mu + rho c, lower, upper).
+
+    Args:
+        c: Value of the constraint.
+        mu: Estimate of its multiplier.
+        rho: Weight.
+        lower: Least value of the multiplier.
+        upper: Greatest.
+    """
     return min(max(mu + rho * c, lower), upper)
 
 
 @compiled
 def augmented_term(c, mu, rho, lower, upper):
-    """psi(c)."""
+    """Term psi(c) of the augmented Lagrangian.
+
+    Args:
+        c: Value of the constraint.
+        mu: Estimate of its multiplier.
+        rho: Weight.
+        lower: Least value of the multiplier.
+        upper: Greatest.
+    """
     m = multiplier(c, mu, rho, lower, upper)
     return m * c - (m - mu) ** 2 / (2.0 * rho)
 
 
 @compiled
 def exact_term(c, lower, upper):
-    """What c adds to the cost itself: the L1 penalty of a soft constraint, else 0."""
+    """What a constraint adds to the cost itself: the L1 penalty of a soft one, else 0.
+
+    Args:
+        c: Value of the constraint.
+        lower: Least value of its multiplier.
+        upper: Greatest; finite for a soft one.
+    """
     return upper * c if lower == 0.0 and upper < 1e300 and c > 0.0 else 0.0
 
 
 @compiled
 def hard_violation(c, lower, upper):
-    """Violation of a hard constraint; 0 for a soft one."""
+    """Violation of a hard constraint; 0 for a soft one.
+
+    Args:
+        c: Value of the constraint.
+        lower: Least value of its multiplier.
+        upper: Greatest; finite for a soft one.
+    """
     if upper < 1e300:
         return 0.0
     return abs(c) if lower < 0.0 else max(0.0, c)
@@ -52,7 +80,16 @@ def hard_violation(c, lower, upper):
 
 @compiled
 def stage_multipliers(w, now, i):
-    """M and psi'' of the inequalities of stage i, into m_h and d_h; returns max |m - mu| / rho."""
+    """Multipliers m and psi'' of the inequalities of one stage, into m_h and d_h.
+
+    Args:
+        w: Workspace.
+        now: Row of the plan.
+        i: Stage.
+
+    Returns:
+        Largest |m - mu| / rho of them.
+    """
     residual = 0.0
     for j in range(NH):
         rho, mu = w.rho_h[WORKING, j], w.mu_h[WORKING, i, j]
@@ -66,7 +103,15 @@ def stage_multipliers(w, now, i):
 
 @compiled
 def terminal_multipliers(w, now):
-    """M and psi'' of the terminal constraints, into m_e and d_e; returns max |m - mu| / rho."""
+    """Multipliers m and psi'' of the terminal constraints, into m_e and d_e.
+
+    Args:
+        w: Workspace.
+        now: Row of the plan.
+
+    Returns:
+        Largest |m - mu| / rho of them.
+    """
     residual = 0.0
     for j in range(w.ends[0]):
         rho, mu = w.rho_e[WORKING, j], w.mu_e[WORKING, j]
@@ -80,7 +125,12 @@ def terminal_multipliers(w, now):
 
 @compiled
 def constraint_residual(w, now):
-    """Max |m - mu| / rho of all constraints."""
+    """Largest |m - mu| / rho of all constraints.
+
+    Args:
+        w: Workspace.
+        now: Row of the plan.
+    """
     residual = terminal_multipliers(w, now)
     for i in range(w.horizon[0]):
         residual = max(residual, stage_multipliers(w, now, i))
@@ -89,7 +139,12 @@ def constraint_residual(w, now):
 
 @compiled
 def merit(w, now):
-    """Augmented Lagrangian of a plan: its smooth cost and psi of every constraint."""
+    """Augmented Lagrangian of a plan: its smooth cost and psi of every constraint.
+
+    Args:
+        w: Workspace.
+        now: Row of the plan.
+    """
     total = w.value[now, 0]
     for i in range(w.horizon[0]):
         for j in range(NH):
@@ -113,7 +168,12 @@ def merit(w, now):
 
 @compiled
 def exact_cost(w, now):
-    """Cost with exact penalties and largest hard violation of a plan, into its value."""
+    """Cost with exact penalties and largest hard violation of a plan, into its value.
+
+    Args:
+        w: Workspace.
+        now: Row of the plan.
+    """
     cost, violation = w.value[now, 0], 0.0
     for i in range(w.horizon[0]):
         for j in range(NH):
@@ -130,7 +190,11 @@ def exact_cost(w, now):
 
 @compiled
 def update_multipliers(w, now):
-    """Mu <- m for every constraint; weights of those that progress slowly grow.
+    """Take m as the new estimate mu of every constraint; weights of slow ones grow.
+
+    Args:
+        w: Workspace.
+        now: Row of the plan.
 
     Returns:
         Whether all weights were below their limit.

@@ -13,7 +13,14 @@ from .stage import NA, NS, NU, NX, stage_values, terminal_values
 
 @compiled
 def rollout(w, now, trial, length):
-    """Fill plan ``trial`` by following the step from plan ``now`` for a fraction of its length."""
+    """Fill one plan by following the step from another.
+
+    Args:
+        w: Workspace, with the step k, K, k_a.
+        now: Row of the plan that the step starts from.
+        trial: Row to fill.
+        length: alpha, the fraction of the step to take.
+    """
     end = w.horizon[0]
     for j in range(NA):
         a = w.a[now, j] + length * w.k_a[j]

@@ -2,10 +2,11 @@
 
 A program is text such as ::
 
-    x = input 0 5
-    t0 = load x 1
+    t0 = load 0 1
     t1 = sin t0
-    store 0 3 t1
+    store 2 3 t1
+
+which writes the sine of element 1 of input 0 to element 3 of output 2.
 
 numba could compile the same lines written as Python, but its type inference takes 2 ms a line and
 the derivatives of a Runge-Kutta step have thousands. Everything here is a float64, so nothing needs
@@ -24,41 +25,11 @@ from numba.extending import intrinsic
 
 DOUBLE = ir.DoubleType()
 FAST = ("contract", "reassoc", "nsz", "arcp")  # not nnan, ninf: rejected steps rely on NaN
-FUNCTIONS = {  # name in a program: LLVM intrinsic or function of the C library
-    "sqrt": "llvm.sqrt.f64",
-    "sin": "llvm.sin.f64",
-    "cos": "llvm.cos.f64",
-    "exp": "llvm.exp.f64",
-    "log": "llvm.log.f64",
-    "fabs": "llvm.fabs.f64",
-    "floor": "llvm.floor.f64",
-    "ceil": "llvm.ceil.f64",
-    "pow": "llvm.pow.f64",
-    "copysign": "llvm.copysign.f64",
-    "fmin": "llvm.minnum.f64",
-    "fmax": "llvm.maxnum.f64",
-    **{
-        name: name
-        for name in [
-            "tan",
-            "asin",
-            "acos",
-            "atan",
-            "atan2",
-            "sinh",
-            "cosh",
-            "tanh",
-            "asinh",
-            "acosh",
-            "atanh",
-            "erf",
-            "log1p",
-            "expm1",
-            "hypot",
-            "fmod",
-        ]
-    },
-}
+INTRINSICS = {  # operations that LLVM knows; the others are functions of the C library
+    "fmin": "minnum", "fmax": "maxnum",
+    **{name: name for name in ("sqrt", "sin", "cos", "exp", "log", "fabs", "floor", "ceil")},
+    "pow": "pow", "copysign": "copysign",
+}  # fmt: skip
 COMPARISONS = {"lt": "<", "le": "<=", "eq": "==", "ne": "!="}
 
 
@@ -66,7 +37,8 @@ def straight_line(program: str) -> Callable[..., None]:
     """Function for compiled code that runs a program.
 
     Args:
-        program: Lines ``target = operation operands`` and ``store output element value``.
+        program: Lines ``target = load input element``, ``target = operation operands`` and
+            ``store output element value``; an operand is an earlier target or a number.
 
     Returns:
         ``run((inputs...), (outputs...))``: two tuples of contiguous float64 arrays; the program
@@ -139,5 +111,6 @@ class _Translation:
             nonzero = builder.fcmp_unordered("!=", values[0], ir.Constant(DOUBLE, 0.0))
             return builder.select(nonzero, values[1], ir.Constant(DOUBLE, 0.0))
         kind = ir.FunctionType(DOUBLE, [DOUBLE] * len(values))
-        function = cgutils.get_or_insert_function(builder.module, kind, FUNCTIONS[operation])
+        name = f"llvm.{INTRINSICS[operation]}.f64" if operation in INTRINSICS else operation
+        function = cgutils.get_or_insert_function(builder.module, kind, name)
         return builder.call(function, values)

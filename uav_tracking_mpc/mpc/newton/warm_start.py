@@ -13,9 +13,10 @@ WEIGHT_KEPT = 1e3  # largest penalty weight to begin with
 def move_on(w, stages):
     """Inputs, decisions and multipliers of row KEPT, ``stages`` later, into row SECOND.
 
-    Between samples by linear interpolation, and after the last stage the problem's continuation.
-    The gains are 0: a rollout repeats the inputs. Large weights come down: they would bind the next
-    plan to the curved surface on which the constraints hold, along which steps are short.
+    Values between two stages are interpolated linearly; the input after the last stage is the
+    problem's continuation. The gains are 0, so that a rollout repeats the inputs. Penalty weights
+    above :data:`WEIGHT_KEPT` are reduced to it: larger ones would force the next plan to follow
+    the curved surface on which the constraints hold, and allow only short steps along it.
 
     Args:
         w: Workspace.

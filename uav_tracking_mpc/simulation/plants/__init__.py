@@ -1,1 +1,133 @@
-"""Plants."""
+"""What can be flown in simulation, one plant a file.
+
+=============  ==================================================================
+``vehicle``    the vehicle (3) in moving air, behind an autopilot that lags
+``euler``      the prediction model itself by Euler's method, as in Section 6
+=============  ==================================================================
+
+A plant is a subclass of :class:`Plant` in a file of its own name. It is found by that name, by an
+entry point in the group ``uav_tracking_mpc.simulation.plants``, or as ``path.py:Class``;
+:func:`uav_tracking_mpc.simulation.plants._check.check_plant` tells its author whether it keeps
+what the base asks for.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.parameters.registry import PLANT, ExtensionError
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.configuration import Configuration
+from uav_tracking_mpc.settings.simulator import SimulatorParameters
+from uav_tracking_mpc.simulation.plan_follower import PlanFollower
+from uav_tracking_mpc.simulation.vehicle_sensors import VehicleSensors
+
+
+class SimulationError(RuntimeError):
+    """The flight left what the plant can describe; the message says where."""
+
+
+class Plant(ABC):
+    """An aircraft with its autopilot: commands in, time goes on, sensors and the truth out.
+
+    Args:
+        parameters: Start, limits, air and sensors; a plant may leave some of them aside.
+
+    Attributes:
+        name: By which it is found.
+        period: Time in [s] from one command to the next, where the plant has one of its own.
+        parameters: As above.
+        time: Of the state in [s], since the start.
+        plan: What it was told to fly, and how often it had nothing left to fly.
+    """
+
+    name: ClassVar[str]
+    period: float | None = None
+
+    def __init__(self, parameters: SimulatorParameters) -> None:
+        self.parameters = parameters
+        self.time = 0.0
+        self.plan = PlanFollower()
+        _, noise = np.random.SeedSequence(parameters.seed).spawn(2)  # the first is the air's
+        self._sensors = VehicleSensors(parameters, noise)
+
+    @classmethod
+    def of(cls, configuration: Configuration) -> Plant:
+        """The plant of a mission.
+
+        Args:
+            configuration: Of the mission; a plant that depends on more than the simulator's
+                parameters takes it from here.
+        """
+        return cls(configuration.simulator)
+
+    def accept(self, inputs: ArrayLike, starts: ArrayLike) -> None:
+        """Take over a plan; see :meth:`PlanFollower.accept`.
+
+        Args:
+            inputs: (u_psi, u_chi, u_v) of each segment, shape (n, 3), in [rad/s], [rad/s] and
+                [m/s^2].
+            starts: When each begins in [s], shape (n,).
+
+        Raises:
+            ValueError: The plan cannot be flown; the present one stays.
+        """
+        self.plan.accept(inputs, starts, self.time)
+
+    @abstractmethod
+    def advance(self, duration: float) -> None:
+        """Fly on.
+
+        Args:
+            duration: How long in [s]; nothing happens unless it is positive.
+
+        Raises:
+            SimulationError: The flight left what the plant can describe.
+        """
+
+    @property
+    @abstractmethod
+    def truth(self) -> Measurement:
+        """The state now, as ideal sensors would give it."""
+
+    @property
+    def wind(self) -> NDArray[np.float64]:
+        """Velocity of the air now with its gusts in ``map``, shape (3,), in [m/s]."""
+        return np.zeros(3)
+
+    def measured(self) -> Measurement:
+        """The state now, as the sensors give it; every call draws their noise anew."""
+        return self._sensors.measure(self.truth)
+
+
+def plant_named(name: str) -> type[Plant]:
+    """Class of a plant.
+
+    Args:
+        name: Of one that is installed, or ``path.py:Class``.
+
+    Raises:
+        ParameterError: There is no such plant.
+    """
+    try:
+        return PLANT.find(name)
+    except ExtensionError as error:
+        raise ParameterError(f"parameter 'plant': {error}") from error
+
+
+def plant_of(configuration: Configuration) -> Plant:
+    """The plant that a mission names.
+
+    Args:
+        configuration: Of the mission.
+
+    Raises:
+        ParameterError: There is no plant of that name.
+        SimulationError: The plant cannot fly the mission.
+    """
+    return plant_named(configuration.mission.plant).of(configuration)

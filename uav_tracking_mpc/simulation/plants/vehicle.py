@@ -1,26 +1,26 @@
-"""The simulated aircraft: the vehicle (3) in moving air, behind an autopilot that flies plans."""
+"""The vehicle (3) in moving air, behind an autopilot that flies plans and lags."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics import vehicle
-from uav_tracking_mpc.dynamics.angles import wrap_angle
+from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.inner_loop import Channel, InnerLoop
 from uav_tracking_mpc.simulation.lagged_flight import advance_lagged
+from uav_tracking_mpc.simulation.plants import Plant
 from uav_tracking_mpc.simulation.wind import Wind
 
-GRAVITY = 9.80665  # m/s^2
 LEVELLING_TIME = 1.0  # s, in which wings-level flight takes the path angle out
-LEAD_LIMIT = 1.0  # s, by which a plan may begin in the future
 
 
-class Plant:
-    """Vehicle and autopilot: flies the newest plan, then wings level.
+class VehiclePlant(Plant):
+    """Flies the newest plan, then wings level.
 
     (3) moves it through the air, and the air moves over ground, which lies at z = 0: the airspeed
     is the autopilot's, so a gust shifts the vehicle and does not shake it.
@@ -29,30 +29,17 @@ class Plant:
         parameters: Start, limits, inner loop, wind and sensors.
 
     Attributes:
-        state: (x, y, z, psi, chi, v), shape (6,): position in ``map``; heading, path angle and
-            magnitude of the velocity through the air.
-        time: Time of the state in [s].
-        holding: Whether it holds wings level because no plan is left.
-        failsafes: How often it ran out of plan.
+        state: (x, y, z, psi, chi, v), shape (6,): position in ``map`` in [m]; heading [rad], path
+            angle [rad] and magnitude [m/s] of the velocity through the air.
     """
 
+    name = "vehicle"
+
     def __init__(self, parameters: SimulatorParameters) -> None:
-        self._parameters = parameters
-        self._lower = np.array(
-            [-parameters.yaw_rate_max, -parameters.pitch_rate_max, parameters.acceleration_min]
-        )
-        self._upper = np.array(
-            [parameters.yaw_rate_max, parameters.pitch_rate_max, parameters.acceleration_max]
-        )
+        super().__init__(parameters)
         self.state = parameters.initial_state
-        self.time = 0.0
-        self.holding = True
-        self.failsafes = 0
-        self._plan: NDArray[np.float64] | None = None
-        self._starts = np.zeros(0)
-        self._end = -math.inf
         self._inner_loop = InnerLoop(parameters.rate_lag, parameters.dead_time)
-        gusts, sensors = np.random.SeedSequence(parameters.seed).spawn(2)
+        gusts, _ = np.random.SeedSequence(parameters.seed).spawn(2)  # the other is the sensors'
         east, north, up = parameters.wind
         self._wind = Wind(
             (east, north, up),
@@ -61,12 +48,6 @@ class Plant:
             heading=parameters.initial_heading,
             height=parameters.initial_position[2],
         )
-        self._sensors = np.random.default_rng(sensors)
-
-    @property
-    def commanded(self) -> bool:
-        """Whether a plan has ever arrived."""
-        return self._plan is not None
 
     @property
     def rates(self) -> NDArray[np.float64]:
@@ -75,112 +56,78 @@ class Plant:
 
     @property
     def wind(self) -> NDArray[np.float64]:
-        """Velocity of the air now with its gusts, shape (3,), in ``map``, in [m/s]."""
+        """See :meth:`Plant.wind`."""
         return self._wind.velocity
 
     @property
     def ground_velocity(self) -> NDArray[np.float64]:
-        """Velocity through the air plus that of the air, shape (3,), in ``map``, in [m/s]."""
+        """Velocity through the air plus that of the air in ``map``, shape (3,), in [m/s]."""
         return vehicle.velocity(self.state) + self._wind.velocity
 
-    def measured(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """State, shape (6,), and ground velocity, shape (3,), as the sensors give them.
-
-        Every call draws anew; without noise they are the truth.
-        """
-        parameters = self._parameters
-        deviations = (
-            *[parameters.position_noise] * 3,
-            *[parameters.attitude_noise] * 2,
-            parameters.airspeed_noise,
-            *[parameters.velocity_noise] * 3,
+    @property
+    def truth(self) -> Measurement:
+        """See :meth:`Plant.truth`."""
+        *position, heading, path_angle, airspeed = self.state.tolist()
+        turn, climb, _ = self._inner_loop.channels
+        return Measurement(
+            stamp=self.time,
+            position=np.array(position),
+            ground_velocity=self.ground_velocity,
+            heading=heading,
+            path_angle=path_angle,
+            turn_rate=turn.rate,
+            path_angle_rate=climb.rate,
+            airspeed=airspeed,
         )
-        state, ground_velocity = self.state.copy(), self.ground_velocity
-        if any(deviations):
-            noise = np.array(deviations) * self._sensors.standard_normal(9)
-            state += noise[:6]
-            state[3] = wrap_angle(state[3])
-            state[4] = min(max(state[4], -0.5 * math.pi), 0.5 * math.pi)
-            state[5] = max(state[5], 0.0)
-            ground_velocity += noise[6:]
-        return state, ground_velocity
 
-    def accept(self, plan: ArrayLike, starts: ArrayLike) -> None:
-        """Take over a plan.
-
-        Args:
-            plan: (u_psi, u_chi, u_v) of each segment, shape (n, 3).
-            starts: When each segment begins in [s], shape (n,), increasing; the last segment is
-                as long as the one before it, a single one lasts 1 s.
-
-        Raises:
-            ValueError: Empty, not finite, not in order, older than the present plan, or from the
-                future; the present plan stays.
-        """
-        plan, starts = np.asarray(plan, dtype=float), np.asarray(starts, dtype=float)
-        if plan.ndim != 2 or plan.shape[1] != 3 or len(plan) == 0 or starts.shape != (len(plan),):
-            raise ValueError(f"plan has shape {plan.shape}, must be (n, 3) with a start for each")
-        if not (np.all(np.isfinite(plan)) and np.all(np.isfinite(starts))):
-            raise ValueError("plan holds values that are not finite")
-        steps = np.diff(starts)
-        if np.any(steps <= 0.0):
-            raise ValueError("plan's segments are not in order of time")
-        if starts[0] > self.time + LEAD_LIMIT:
-            raise ValueError(
-                f"plan begins {starts[0] - self.time:.3f} s from now, may by {LEAD_LIMIT:g} s"
-            )
-        if len(self._starts) and starts[0] < self._starts[0]:
-            raise ValueError("plan is older than the one that is flown")
-        self._plan = np.clip(plan, self._lower, self._upper)
-        self._starts = starts
-        self._end = starts[-1] + (steps[-1] if len(steps) else 1.0)
-
-    def inputs(self) -> NDArray[np.float64]:
-        """Inputs that the autopilot commands now, shape (3,): the plan's, or wings level."""
-        if self._plan is not None and self.time < self._end:
-            self.holding = False
-            segment = int(np.searchsorted(self._starts, self.time + 1e-9, side="right")) - 1
-            inputs = self._plan[max(segment, 0)].copy()
+    def inputs(self) -> tuple[float, float, float]:
+        """(u_psi, u_chi, u_v) that the autopilot commands now: the plan's, or wings level."""
+        limits = self.parameters
+        *_, path_angle, airspeed = self.state.tolist()
+        plan = self.plan.inputs(self.time)
+        if plan is None:
+            turn, climb, acceleration = 0.0, -path_angle / LEVELLING_TIME, 0.0
         else:
-            if not self.holding:
-                self.holding = True
-                self.failsafes += 1
-            level = -float(self.state[4]) / LEVELLING_TIME
-            limit = self._parameters.pitch_rate_max
-            inputs = np.array([0.0, min(max(level, -limit), limit), 0.0])
+            turn, climb, acceleration = plan.tolist()
         # Coordinated turn: tan(bank) = v u_psi / g.
-        turning = GRAVITY * math.tan(self._parameters.bank_max) / max(float(self.state[5]), 1e-6)
-        inputs[0] = min(max(float(inputs[0]), -turning), turning)
-        return inputs
+        turn_max = GRAVITY * math.tan(limits.bank_max) / max(airspeed, 1e-6)
+        turn_max = min(turn_max, limits.yaw_rate_max)
+        climb_max = limits.pitch_rate_max
+        return (
+            min(max(turn, -turn_max), turn_max),
+            min(max(climb, -climb_max), climb_max),
+            min(max(acceleration, limits.acceleration_min), limits.acceleration_max),
+        )
 
-    def advance(self, duration: float) -> NDArray[np.float64]:
-        """Fly on for ``duration`` [s] under a held command and return the state, shape (6,)."""
+    def advance(self, duration: float) -> None:
+        """See :meth:`Plant.advance`."""
         if duration <= 0.0:
-            return self.state
-        self._inner_loop.command(self.time, self.inputs().tolist())
-        before, flown = self.state.tolist(), 0.0
+            return
+        self._inner_loop.command(self.time, self.inputs())
+        _, _, height, heading, _, airspeed = self.state.tolist()
+        flown = 0.0
         while flown < duration:
             change = self._inner_loop.unchanged_until(self.time + flown) - self.time
             until = min(change, duration)
             self._fly(until - flown)
             flown = until
-        drift = self._wind.advance(
+        *_, heading_after, _, _ = self.state.tolist()
+        self.state[:3] += self._wind.advance(
             duration,
-            airspeed=before[5],
-            height=before[2],
-            heading=before[3],
-            turn=math.remainder(float(self.state[3]) - before[3], 2.0 * math.pi),
+            airspeed=airspeed,
+            height=height,
+            heading=heading,
+            turn=math.remainder(heading_after - heading, 2.0 * math.pi),
         )
-        self.state[:3] += drift
         self.time += duration
-        return self.state
 
     def _fly(self, duration: float) -> None:
-        """Fly through the air while the inner loop's channels follow the same commands."""
+        """Fly through the air for a time [s] in which the channels' commands stay the same."""
         turn, climb, engine = self._inner_loop.channels
-        slowest, fastest = self._parameters.speed_min, self._parameters.speed_max
-        gained, speed = engine.after(duration)[1], float(self.state[5])
-        allowed = min(max(gained, slowest - speed), fastest - speed)
+        *_, airspeed = self.state.tolist()
+        gained = engine.after(duration)[1]
+        slowest, fastest = self.parameters.speed_min, self.parameters.speed_max
+        allowed = min(max(gained, slowest - airspeed), fastest - airspeed)
         acceleration = engine
         if gained != allowed:  # the limit is reached at the end, whatever the engine does
             acceleration = Channel(lag=0.0, dead_time=0.0)

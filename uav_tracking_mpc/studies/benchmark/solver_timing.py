@@ -1,8 +1,9 @@
 """Every solver on one case: a closed-loop transient, warm, and random states, cold.
 
-Our closed loop makes the states of the transient; then the solvers take turns at flying it, so that
-whatever else the machine does falls on all of them. At the cold starts they take turns at every
-state.
+Our closed loop makes the states of the transient. The solvers then fly through these states in two
+ways: each the whole transient, one solver after the other, as in a controller that runs alone; and
+in turns at every step, where the others have emptied the processor's caches in between. At the cold
+starts they take turns at every state.
 """
 
 from __future__ import annotations
@@ -10,16 +11,19 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.mpc.casadi_solver import PLUGINS, CasadiSolver
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
-from uav_tracking_mpc.mpc.prediction_loop import closed_loop
+from uav_tracking_mpc.mpc.prediction_loop import closed_loop, solutions
 from uav_tracking_mpc.mpc.solution import Solution
 from uav_tracking_mpc.mpc.solver import Solver
 from uav_tracking_mpc.studies.benchmark.cases import Case
+from uav_tracking_mpc.studies.flight_start import Start
 
 OURS = "ours"
 TRANSIENT_STEPS = 30
@@ -30,19 +34,38 @@ Progress = Callable[[str], None]
 
 @dataclass
 class Record:
-    """What one solver did on one case: times in [s], warm and cold; costs of cold solves."""
+    """What one solver did on one case.
+
+    Attributes:
+        warm: Times of warm solves in [s], the solver alone.
+        warm_iterations: Of these solves.
+        warm_converged: Whether they converged.
+        alternating: Times of warm solves in [s], in turns with the others at every step.
+        cold: Times of cold solves in [s].
+        cold_converged: Whether they converged.
+        cold_cost: Their costs [-], infinite where not converged.
+    """
 
     warm: list[float] = field(default_factory=list)
     warm_iterations: list[int] = field(default_factory=list)
     warm_converged: list[bool] = field(default_factory=list)
+    alternating: list[float] = field(default_factory=list)
     cold: list[float] = field(default_factory=list)
     cold_converged: list[bool] = field(default_factory=list)
-    cold_cost: list[float] = field(default_factory=list)  # inf where not converged
+    cold_cost: list[float] = field(default_factory=list)
 
 
-def peers(case: Case, names: tuple[str, ...] = PLUGINS) -> dict[str, Solver]:
-    """The other solvers, with expanded expressions and their structure given."""
-    return {name: CasadiSolver(case.problem, name, iteration_limit=500) for name in names}
+def all_solvers(case: Case, others: tuple[str, ...] = PLUGINS) -> dict[str, Solver]:
+    """Our solver and others, with expanded expressions and their structure given.
+
+    Args:
+        case: Whose problem they solve.
+        others: Names of plugins of CasADi.
+    """
+    solvers: dict[str, Solver] = {OURS: NewtonSolver(case.problem)}
+    for name in others:
+        solvers[name] = CasadiSolver(case.problem, name, iteration_limit=500)
+    return solvers
 
 
 def measure(
@@ -60,7 +83,7 @@ def measure(
     Args:
         case: Problem and starts.
         solvers: By name, :data:`OURS` among them.
-        repetitions: Transients, flown by all solvers in turn.
+        repetitions: Transients of each kind.
         cold: Random states for ours.
         peers_cold: How many of them the peers solve as well.
         seed: Of the random states.
@@ -72,11 +95,12 @@ def measure(
         progress(f"{case.name}: transient {repetition + 1} of {repetitions}")
         for name, solver in solvers.items():
             _transient(case, solver, records[name], states)
-    for index, state in enumerate(case.cold_states(cold, seed)):
+        _alternating(case, solvers, records, states)
+    for index, start in enumerate(case.cold_starts(cold, seed)):
         if index % 50 == 0:
             progress(f"{case.name}: cold start {index} of {cold}")
         for name in solvers if index < peers_cold else (OURS,):
-            solution, duration = _timed(solvers[name], state, case, None)
+            solution, duration = _timed(solvers[name], start, start.state, None)
             record = records[name]
             record.cold.append(duration)
             record.cold_converged.append(solution.converged)
@@ -86,12 +110,9 @@ def measure(
 
 def _transient_states(case: Case, solver: Solver) -> list[NDArray[np.float64]]:
     """States of the first closed-loop steps, flown by one solver."""
-    plant, states = case.plant(), [case.start]
-    solver.reset()
-    for step in range(TRANSIENT_STEPS - 1):
-        solution = solver.solve(states[-1], case.parameters, case.problem.step if step else None)
-        states.append(plant(states[-1], solution.inputs[0]))
-    return states
+    start = case.start
+    loop = solutions(solver, start.state, start.parameters, start.guess)
+    return [solution.states[0] for solution in islice(loop, TRANSIENT_STEPS)]
 
 
 def _transient(
@@ -99,18 +120,35 @@ def _transient(
 ) -> None:
     solver.reset()
     for step, state in enumerate(states):
-        solution, duration = _timed(solver, state, case, case.problem.step if step else None)
+        solution, duration = _timed(solver, case.start, state, case.problem.step if step else None)
         if step:  # the first is a cold start
             record.warm.append(duration)
             record.warm_iterations.append(solution.iterations)
             record.warm_converged.append(solution.converged)
 
 
+def _alternating(
+    case: Case,
+    solvers: dict[str, Solver],
+    records: dict[str, Record],
+    states: list[NDArray[np.float64]],
+) -> None:
+    for solver in solvers.values():
+        solver.reset()
+    for step, state in enumerate(states):
+        elapsed = case.problem.step if step else None
+        for name, solver in solvers.items():
+            _, duration = _timed(solver, case.start, state, elapsed)
+            if step:
+                records[name].alternating.append(duration)
+
+
 def _timed(
-    solver: Solver, state: NDArray[np.float64], case: Case, elapsed: float | None
+    solver: Solver, start: Start, state: NDArray[np.float64], elapsed: float | None
 ) -> tuple[Solution, float]:
+    guess = None if start.guess is None else partial(start.guess, state)
     begin = time.perf_counter()
-    solution = solver.solve(state, case.parameters, elapsed)
+    solution = solver.solve(state, start.parameters, elapsed, guess)
     return solution, time.perf_counter() - begin
 
 
@@ -119,6 +157,9 @@ def summary(records: dict[str, Record]) -> dict[str, dict[str, float | int | Non
 
     The best cost of a state is the lowest that any solver found; only states that all solvers
     tried count for ``best_cost_share`` (all states if there is one solver).
+
+    Args:
+        records: By solver.
     """
     common = min(len(record.cold_cost) for record in records.values())
     costs = np.array([record.cold_cost[:common] for record in records.values()])
@@ -128,6 +169,8 @@ def summary(records: dict[str, Record]) -> dict[str, dict[str, float | int | Non
             "transient_median_us": _microseconds(record.warm, 50.0),
             "p99_us": _microseconds(record.warm, 99.0),
             "max_us": _microseconds(record.warm, 100.0),
+            "alternating_median_us": _microseconds(record.alternating, 50.0),
+            "alternating_p99_us": _microseconds(record.alternating, 99.0),
             "iterations_median": float(np.median(record.warm_iterations)),
             "warm_converged_share": float(np.mean(record.warm_converged)),
             "cold_median_us": _microseconds(record.cold, 50.0),
@@ -151,16 +194,18 @@ def horizon_sweep(
     make_case: Callable[[int], Case],
     progress: Progress = lambda _: None,
 ) -> dict[str, list[float]]:
-    """Median transient time in [us] of every solver at every horizon."""
+    """Median transient time in [us] of every solver at every horizon.
+
+    Args:
+        horizons: Values of N [-].
+        make_case: Makes the case of a horizon.
+        progress: Called with a word about what begins.
+    """
     medians: dict[str, list[float]] = {}
     for horizon in horizons:
-        case = make_case(horizon)
         progress(f"horizon {horizon}")
-        solvers: dict[str, Solver] = {OURS: NewtonSolver(case.problem), **peers(case)}
-        records = {name: Record() for name in solvers}
-        states = _transient_states(case, solvers[OURS])
-        for name, solver in solvers.items():
-            _transient(case, solver, records[name], states)
+        case = make_case(horizon)
+        records = measure(case, all_solvers(case), repetitions=1, cold=0, peers_cold=0, seed=0)
         for name, record in records.items():
             medians.setdefault(name, []).append(float(np.median(record.warm) * 1e6))
     return medians
@@ -174,9 +219,9 @@ def missions_per_second(case: Case, steps: int, count: int = 200) -> float:
         steps: Length of a mission.
         count: Missions that are timed, after one that is not.
     """
-    solver = NewtonSolver(case.problem)
-    closed_loop(solver, case.start, steps, case.parameters)
+    solver, start = NewtonSolver(case.problem), case.start
+    closed_loop(solver, start.state, steps, start.parameters)
     begin = time.perf_counter()
     for _ in range(count):
-        closed_loop(solver, case.start, steps, case.parameters)
+        closed_loop(solver, start.state, steps, start.parameters)
     return count / (time.perf_counter() - begin)

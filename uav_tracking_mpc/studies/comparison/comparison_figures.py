@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -13,20 +12,16 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.report.figure_style import (
     BLACK,
-    BLUE,
     GREEN,
     GREY,
     LIGHT_GREY,
-    STYLE,
-    VERMILLION,
-    new_figure,
+    colours,
+    drawing,
 )
-from uav_tracking_mpc.simulation.target_motion import target_velocity
-from uav_tracking_mpc.studies.comparison.flights import LAWS
+from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.studies.comparison.measures import SETTLED, Measures, flown_bank
 from uav_tracking_mpc.studies.comparison.results import Scenario
 
-COLOURS = dict(zip(LAWS, (BLUE, VERMILLION, GREEN), strict=True))
 SIZE = (9.5, 4.4)  # [inch]
 FINEST = 1e-3  # m of range error, the least that is drawn
 
@@ -37,21 +32,21 @@ def scenario_figure(scenario: Scenario) -> Figure:
     Args:
         scenario: Flights of the same length.
     """
-    with matplotlib.rc_context(STYLE):
-        figure = new_figure(*SIZE)
+    colour = colours(scenario.logs)
+    with drawing(*SIZE) as figure:
         grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.25))
         top_view = figure.add_subplot(grid[:, 0])
         error = figure.add_subplot(grid[0, 1])
         bank = figure.add_subplot(grid[1, 1], sharex=error)
-        _draw_top_view(top_view, scenario)
-        _draw_error(error, scenario)
-        _draw_bank(bank, scenario)
+        _draw_top_view(top_view, scenario, colour)
+        _draw_error(error, scenario, colour)
+        _draw_bank(bank, scenario, colour)
         figure.subplots_adjust(
             left=0.07, right=0.985, bottom=0.11, top=0.85, wspace=0.2, hspace=0.3
         )
         figure.suptitle(scenario.title, x=0.07, ha="left", fontsize=11)
         figure.legend(
-            handles=[Line2D([], [], color=COLOURS[law], label=law) for law in scenario.logs],
+            handles=[Line2D([], [], color=colour[law], label=law) for law in scenario.logs],
             loc="upper right",
             bbox_to_anchor=(0.99, 0.995),
             ncols=len(scenario.logs),
@@ -59,7 +54,7 @@ def scenario_figure(scenario: Scenario) -> Figure:
     return figure
 
 
-def _draw_top_view(axes: Axes, scenario: Scenario) -> None:
+def _draw_top_view(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> None:
     """North up, the target in the middle: paths are those relative to it."""
     log = next(iter(scenario.logs.values()))
     angle = np.linspace(0.0, 2.0 * np.pi, 181)
@@ -70,14 +65,14 @@ def _draw_top_view(axes: Axes, scenario: Scenario) -> None:
     )  # fmt: skip
     for law, flight in scenario.logs.items():
         x, y = (flight.vehicle - np.pad(flight.target, ((0, 0), (0, 3)))).T[:2]
-        axes.plot(x, y, color=COLOURS[law], lw=1.1)
+        axes.plot(x, y, color=colour[law], lw=1.1)
         axes.plot(x[0], y[0], "s", color=BLACK, ms=4.5, zorder=4)
     axes.plot(0.0, 0.0, "*", color=BLACK, ms=9, zorder=4)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.12)
     axes.set(xlabel="east of the target [m]", ylabel="north of the target [m]")
     axes.set_title("(a) seen from the target")
-    moving = target_velocity(scenario.configuration.target, 0.0)
+    moving = motion_of(scenario.configuration.target).velocity(0.0)
     wind = np.array(scenario.configuration.simulator.wind)
     gusts = " and gusts" if scenario.configuration.simulator.gust_intensity > 0.0 else ""
     _draw_arrow(axes, 0.94, wind, f"wind {np.hypot(*wind[:2]):g} m/s{gusts}", GREY)
@@ -106,10 +101,10 @@ def _draw_arrow(
     )  # fmt: skip
 
 
-def _draw_error(axes: Axes, scenario: Scenario) -> None:
+def _draw_error(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> None:
     for law, log in scenario.logs.items():
         axes.semilogy(
-            log.time, np.maximum(np.abs(log.error[:, 0]), FINEST), color=COLOURS[law], lw=1.0
+            log.time, np.maximum(np.abs(log.error[:, 0]), FINEST), color=colour[law], lw=1.0
         )
     axes.axhspan(FINEST, SETTLED, color=GREEN, alpha=0.08, lw=0.0)
     end = log.time[-1]
@@ -121,11 +116,11 @@ def _draw_error(axes: Axes, scenario: Scenario) -> None:
     axes.set_title("(b) range error; shaded: settled, black: targets for settling and RMS")
 
 
-def _draw_bank(axes: Axes, scenario: Scenario) -> None:
+def _draw_bank(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> None:
     limit = np.degrees(scenario.configuration.controller.bank_max)
     for law, log in scenario.logs.items():
         middle = 0.5 * (log.time[1:] + log.time[:-1])
-        axes.plot(middle, np.degrees(flown_bank(log)), color=COLOURS[law], lw=1.0)
+        axes.plot(middle, np.degrees(flown_bank(log)), color=colour[law], lw=1.0)
     for bound in (-limit, limit):
         axes.axhline(bound, color=BLACK, lw=1.0, ls=(0, (1, 1.2)))
     axes.set(xlabel="time [s]", ylabel="bank [deg]", ylim=(-1.15 * limit, 1.15 * limit))
@@ -133,13 +128,17 @@ def _draw_bank(axes: Axes, scenario: Scenario) -> None:
 
 
 def summary_figure(scenarios: Sequence[Scenario]) -> Figure:
-    """Range RMS, settling and bank rate of every law in every scenario, with the targets."""
-    with matplotlib.rc_context(STYLE):
-        height = 0.9 + 0.55 * max(len(scenarios), 2)  # [inch]
-        figure = new_figure(9.5, height)
+    """Range RMS, settling and bank rate of every law in every scenario, with the targets.
+
+    Args:
+        scenarios: What was flown.
+    """
+    height = 0.9 + 0.55 * max(len(scenarios), 2)  # [inch]
+    colour = colours(law for scenario in scenarios for law in scenario.logs)
+    with drawing(9.5, height) as figure:
         panels = figure.subplots(1, 3, sharey=True)
         for axes, (title, value) in zip(panels, PANELS, strict=True):
-            _draw_bars(axes, scenarios, value)
+            _draw_bars(axes, scenarios, value, colour)
             axes.set_title(title)
             axes.grid(axis="y", visible=False)
         panels[0].set_xscale("log")
@@ -152,8 +151,7 @@ def summary_figure(scenarios: Sequence[Scenario]) -> Figure:
                     panels, (scenario.target.range_rms, scenario.target.settling), strict=False
                 ):
                     axes.plot([bound] * 2, [index - 0.42, index + 0.42], color=BLACK, lw=1.8)
-        laws = dict.fromkeys(law for scenario in scenarios for law in scenario.logs)
-        handles = [Line2D([], [], color=COLOURS[law], lw=6, label=law) for law in laws]
+        handles = [Line2D([], [], color=paint, lw=6, label=law) for law, paint in colour.items()]
         if any(scenario.target is not None for scenario in scenarios):
             handles.append(Line2D([], [], color=BLACK, lw=1.8, label="target"))
         figure.subplots_adjust(
@@ -171,18 +169,22 @@ PANELS: tuple[tuple[str, Callable[[Measures], float | None]], ...] = (
 
 
 def _draw_bars(
-    axes: Axes, scenarios: Sequence[Scenario], value: Callable[[Measures], float | None]
+    axes: Axes,
+    scenarios: Sequence[Scenario],
+    value: Callable[[Measures], float | None],
+    colour: dict[str, str],
 ) -> None:
     for index, scenario in enumerate(scenarios):
         count = len(scenario.measures)
+        pitch = 0.78 / max(count, 3)
         for place, (law, flight) in enumerate(scenario.measures.items()):
-            y, length = index + 0.26 * (place - 0.5 * (count - 1)), value(flight)
+            y, length = index + pitch * (place - 0.5 * (count - 1)), value(flight)
             if length is None:
                 axes.text(
                     0.01, y, "never", transform=axes.get_yaxis_transform(), va="center",
-                    color=COLOURS[law], fontsize=8,
+                    color=colour[law], fontsize=8,
                 )  # fmt: skip
             else:
-                axes.barh(y, length, height=0.23, color=COLOURS[law])
+                axes.barh(y, length, height=0.88 * pitch, color=colour[law])
         if index:
             axes.axhline(index - 0.5, color=LIGHT_GREY, lw=0.6)

@@ -1,15 +1,11 @@
-"""The table of the comparison: for the terminal, and for a page of the documentation."""
+"""The table of the comparison."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
-from rich.box import SIMPLE_HEAD
-from rich.markup import escape
-from rich.table import Table
-
-from uav_tracking_mpc.studies.comparison.flights import NMPC
+from uav_tracking_mpc.report.table import Table
+from uav_tracking_mpc.studies.comparison.law_names import NMPC
 from uav_tracking_mpc.studies.comparison.measures import Measures
 from uav_tracking_mpc.studies.comparison.results import Scenario
 
@@ -17,49 +13,33 @@ COLUMNS = (
     "range RMS [m]", "settled [s]", "altitude RMS [m]", "airspeed RMS [m/s]",
     "bank rate RMS [deg/s]", "violations",
 )  # fmt: skip
-BEGIN, END = "<!-- table comparison -->\n", "<!-- end -->"
+CAPTION = (
+    "RMS over the last third of the flight; settled: from then on within 10 m of the range; "
+    "violations: samples at which airspeed, path angle, bank, specific force, height or "
+    "distance is beyond its limit by more than 1 %; target: range RMS and settling of nmpc."
+)
 
 
-def as_table(scenarios: Sequence[Scenario]) -> Table:
-    """For the terminal."""
-    table = Table(box=SIMPLE_HEAD, caption=caption(), caption_justify="left")
-    table.add_column("scenario", no_wrap=True)
-    table.add_column("law", no_wrap=True)
-    for column in COLUMNS:
-        table.add_column(escape(column.replace(" [", "\n[")), justify="right")
-    table.add_column("target", justify="right", no_wrap=True)
-    table.add_column("verdict", no_wrap=True)
-    for row in rows(scenarios):
-        if row[0]:
-            table.add_section()
-        table.add_row(*row, style="bold" if row[1] == NMPC else "")
-    return table
+def comparison_table(scenarios: Sequence[Scenario]) -> Table:
+    """One row for every flight.
 
-
-def as_markdown(scenarios: Sequence[Scenario]) -> str:
-    """For a page."""
-    titles = ["scenario", "law", *COLUMNS, "target", "verdict"]
-    lines = ["| " + " | ".join(titles) + " |", "|---|---|" + "---:|" * 7 + "---|"]
-    lines += ["| " + " | ".join(row) + " |" for row in rows(scenarios)]
-    return "\n".join(lines)
-
-
-def write_into(page: Path, table: str) -> None:
-    """Put a Markdown table between the two marks of a page.
-
-    Raises:
-        ValueError: The page has no such place.
+    Args:
+        scenarios: What was flown.
     """
-    text = page.read_text(encoding="utf-8")
-    before, found, rest = text.partition(BEGIN)
-    _, closed, after = rest.partition(END)
-    if not (found and closed):
-        raise ValueError(f"{page} has no place {BEGIN.strip()!r} for the table")
-    page.write_text(f"{before}{BEGIN}{table}\n{END}{after}", encoding="utf-8")
+    return Table(
+        headings=("scenario", "law", *COLUMNS, "target", "verdict"),
+        rows=comparison_rows(scenarios),
+        numeric=(*COLUMNS, "target"),
+        caption=CAPTION,
+    )
 
 
-def rows(scenarios: Sequence[Scenario]) -> list[list[str]]:
-    """Scenario (once), law, the numbers, target and verdict (where set) of every flight."""
+def comparison_rows(scenarios: Sequence[Scenario]) -> list[list[str]]:
+    """Scenario (once), law, the numbers, target and verdict (where set) of every flight.
+
+    Args:
+        scenarios: What was flown.
+    """
     return [
         [
             scenario.name if index == 0 else "",
@@ -73,17 +53,12 @@ def rows(scenarios: Sequence[Scenario]) -> list[list[str]]:
 
 
 def misses(scenarios: Sequence[Scenario]) -> list[str]:
-    """What the predictive controller missed, one line each."""
+    """What the predictive controller missed, one line each.
+
+    Args:
+        scenarios: What was flown.
+    """
     return [f"{scenario.name}: {words}" for scenario in scenarios for words in scenario.missed]
-
-
-def caption() -> str:
-    """What the columns mean."""
-    return (
-        "RMS over the last third of the flight; settled: from then on within 10 m of the range; "
-        "violations: samples at which airspeed, path angle, bank, specific force, height or "
-        "distance is beyond its limit by more than 1 %; target: range RMS and settling of nmpc."
-    )
 
 
 def _numbers(flight: Measures) -> list[str]:

@@ -8,20 +8,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from uav_tracking_mpc.control.direction import NEAREST, nearest_direction
+from uav_tracking_mpc.control.direction import nearest_direction
 from uav_tracking_mpc.estimation.situation import Situation
-from uav_tracking_mpc.laws.l1 import L1Loiter
-from uav_tracking_mpc.laws.vector_field import VectorField
-from uav_tracking_mpc.settings.configuration import Configuration
-from uav_tracking_mpc.settings.tracking import TrackingParameters
-from uav_tracking_mpc.simulation.closed_loop import LoiterLaw, fly_vehicle
+from uav_tracking_mpc.settings.configuration import Configuration, scenario_names
+from uav_tracking_mpc.settings.tracking import NEAREST
+from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.flight_log import FlightLog
-from uav_tracking_mpc.simulation.plants.vehicle import Plant
-from uav_tracking_mpc.simulation.target_motion import target_position, target_velocity
+from uav_tracking_mpc.simulation.motions import motion_of
+from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
 from uav_tracking_mpc.studies.parallel import parallel_map
 
-NMPC = "nmpc"
-LAWS = (NMPC, L1Loiter.name, VectorField.name)
+# From easy to hard; scenarios that are not named come after these.
+ORDER = (
+    "still", "wind", "crosswind", "headwind", "tight_headwind", "circling_target", "gusts",
+    "noisy_target",
+)  # fmt: skip
 # Longer than any solve takes: with the budget of a real flight the load of the machine would
 # decide which plan is flown, and no flight could be repeated.
 SOLVE_TIME_MAX = 10.0  # s
@@ -33,7 +34,7 @@ class Task:
 
     Attributes:
         configuration: Of the scenario.
-        law: Name in :data:`LAWS`.
+        law: Name of a law, or ``path.py:Class``.
     """
 
     configuration: Configuration
@@ -50,7 +51,7 @@ def fly_all(
 
     Args:
         configurations: One of each scenario.
-        laws: Names in :data:`LAWS`.
+        laws: Names of laws, or ``path.py:Class``.
         workers: Processes; all cores by default.
         show: Progress bar on stderr.
 
@@ -66,7 +67,11 @@ def fly_all(
 
 
 def prepared(configuration: Configuration) -> Configuration:
-    """The configuration with what all laws share: the direction, and time enough to solve."""
+    """The configuration with what all laws share: the direction, and time enough to solve.
+
+    Args:
+        configuration: Of a scenario.
+    """
     controller = dataclasses.replace(
         configuration.controller,
         direction=start_direction(configuration),
@@ -76,23 +81,31 @@ def prepared(configuration: Configuration) -> Configuration:
 
 
 def start_direction(configuration: Configuration) -> str:
-    """Direction of the orbit; where the nearest is asked for, that of the true start."""
+    """Direction of the orbit; where the nearest is asked for, that of the true start.
+
+    Args:
+        configuration: Of a scenario.
+    """
     if configuration.controller.direction != NEAREST:
         return configuration.controller.direction
-    plant, still = Plant(configuration.simulator), np.zeros(3)
-    drift = plant.wind - target_velocity(configuration.target, 0.0)
-    target = target_position(configuration.target, 0.0)
+    plant, still = VehiclePlant(configuration.simulator), np.zeros(3)
+    motion = motion_of(configuration.target)
+    drift, target = plant.wind - motion.velocity(0.0), motion.position(0.0)
     return nearest_direction(Situation(plant.state, target, drift, still, still))
 
 
 def fly(task: Task) -> FlightLog:
-    """Fly one law through one scenario."""
-    return fly_vehicle(task.configuration, law=_law(task.law, task.configuration.controller))
+    """Fly one law through one scenario.
+
+    Args:
+        task: Which law, which scenario.
+    """
+    configuration = task.configuration
+    controller = dataclasses.replace(configuration.controller, law=task.law)
+    return simulate(dataclasses.replace(configuration, controller=controller))
 
 
-def _law(name: str, parameters: TrackingParameters) -> LoiterLaw | None:
-    """The classical law of a name; None for the predictive controller."""
-    if name == NMPC:
-        return None
-    law = L1Loiter if name == L1Loiter.name else VectorField
-    return law(parameters.orbit, parameters.envelope)
+def scenarios_in_order() -> list[str]:
+    """Names of all scenarios that come with the package, from easy to hard."""
+    names = scenario_names()
+    return [*(name for name in ORDER if name in names), *(n for n in names if n not in ORDER)]

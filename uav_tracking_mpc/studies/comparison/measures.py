@@ -19,11 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.angles import wrap_angle
+from uav_tracking_mpc.dynamics.gravity import GRAVITY
 from uav_tracking_mpc.report.metrics import settling_time
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
-GRAVITY = 9.80665  # m/s^2
 SETTLED = 10.0  # m of range error below which a flight counts as settled
 TOLERANCE = 0.01  # share of a limit by which it may be passed
 
@@ -77,13 +77,20 @@ def flown_bank(log: FlightLog) -> NDArray[np.float64]:
     """Bank of a coordinated turn between each two samples, shape (n - 1,), in [rad].
 
     Positive to the left, as the turn rate that it comes from.
+
+    Args:
+        log: Record of the flight.
     """
     turn = np.asarray(wrap_angle(np.diff(log.vehicle[:, 3]))) / np.diff(log.time)
     return np.arctan(_middle(log.vehicle[:, 5]) * turn / GRAVITY)
 
 
 def flown_force(log: FlightLog) -> NDArray[np.float64]:
-    """Thrust less drag over mass between each two samples, shape (n - 1,), in [m/s^2]."""
+    """Thrust less drag over mass between each two samples, shape (n - 1,), in [m/s^2].
+
+    Args:
+        log: Record of the flight.
+    """
     climb = GRAVITY * np.sin(_middle(log.vehicle[:, 4]))
     return np.asarray(climb + np.diff(log.vehicle[:, 5]) / np.diff(log.time))
 
@@ -92,6 +99,10 @@ def violations(log: FlightLog, parameters: TrackingParameters) -> dict[str, NDAr
     """At which samples which limit is passed by more than :data:`TOLERANCE`, each of shape (n,).
 
     Bank and force are those of the interval after a sample.
+
+    Args:
+        log: Record of the flight.
+        parameters: The limits.
     """
     p = parameters
     z, chi, v = log.vehicle[:, 2], log.vehicle[:, 4], log.vehicle[:, 5]

@@ -10,9 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.simulation.flight_log import FlightLog
-from uav_tracking_mpc.studies.comparison.flights import NMPC
+from uav_tracking_mpc.studies.comparison.flights import fly_all
+from uav_tracking_mpc.studies.comparison.law_names import NMPC, law_label
 from uav_tracking_mpc.studies.comparison.measures import Measures, measures
 from uav_tracking_mpc.studies.comparison.targets import Target, missed, target_of
 
@@ -24,7 +26,7 @@ class Scenario:
     Attributes:
         name: Of its file.
         configuration: What was flown.
-        logs: Flight of each law.
+        logs: Flight of each law, by its label.
         measures: Of these flights.
     """
 
@@ -57,10 +59,45 @@ class Scenario:
         return [] if target is None else missed(target, self.configuration, self.measures)
 
 
+def compare(
+    configurations: Mapping[str, Configuration],
+    laws: Sequence[str],
+    workers: int | None = None,
+    show: bool = True,
+) -> list[Scenario]:
+    """Fly laws through scenarios and measure the flights.
+
+    Args:
+        configurations: One of each scenario, by the scenario's name.
+        laws: Names of laws, or ``path.py:Class``.
+        workers: Processes; all cores by default.
+        show: Progress bar on stderr.
+
+    Raises:
+        ExtensionError: There is no such law.
+        SimulationError: The target of a scenario was never seen.
+    """
+    labels = [law_label(law) for law in laws]
+    if len(set(labels)) < len(labels):
+        raise ParameterError(f"laws are {', '.join(labels)}, each must have a name of its own")
+    flights = fly_all(list(configurations.values()), laws, workers, show)
+    return [
+        scenario_of(name, configuration, labels, logs)
+        for (name, configuration), logs in zip(configurations.items(), flights, strict=True)
+    ]
+
+
 def scenario_of(
     name: str, configuration: Configuration, laws: Sequence[str], logs: Sequence[FlightLog]
 ) -> Scenario:
-    """Flights of each law through a scenario, measured."""
+    """Flights of each law through a scenario, measured.
+
+    Args:
+        name: Of the scenario.
+        configuration: What was flown.
+        laws: Labels of the laws.
+        logs: Flight of each law.
+    """
     flights = dict(zip(laws, logs, strict=True))
     limits = configuration.controller
     return Scenario(
@@ -71,8 +108,11 @@ def scenario_of(
     )
 
 
-def as_json(config: str, scenarios: Sequence[Scenario]) -> dict[str, Any]:
+def as_json(scenarios: Sequence[Scenario]) -> dict[str, Any]:
     """The comparison as plain values, never NaN.
+
+    Args:
+        scenarios: At least one, all of one configuration.
 
     Returns:
         - ``config``
@@ -84,7 +124,7 @@ def as_json(config: str, scenarios: Sequence[Scenario]) -> dict[str, Any]:
     """
     flown = [each for each in scenarios if NMPC in each.logs]
     numbers = {
-        "config": config,
+        "config": scenarios[0].configuration.name,
         "scenarios": {
             each.name: {law: dataclasses.asdict(flight) for law, flight in each.measures.items()}
             for each in scenarios

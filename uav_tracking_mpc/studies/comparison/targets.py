@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from uav_tracking_mpc.settings.configuration import Configuration
-from uav_tracking_mpc.studies.comparison.flights import NMPC
+from uav_tracking_mpc.simulation.motions import motion_of
+from uav_tracking_mpc.studies.comparison.law_names import NMPC
 from uav_tracking_mpc.studies.comparison.measures import Measures
 
 CONFIGURATION = "small_uav"
@@ -41,7 +42,12 @@ TARGETS = {
 
 
 def target_of(configuration: Configuration, scenario: str) -> Target | None:
-    """Target of a scenario; None where none is set."""
+    """Target of a scenario; None where none is set.
+
+    Args:
+        configuration: What was flown.
+        scenario: Name of the scenario.
+    """
     return TARGETS.get(scenario) if configuration.name == CONFIGURATION else None
 
 
@@ -84,7 +90,7 @@ def missed(
 def _disturbed(configuration: Configuration) -> bool:
     """Whether target or air moves."""
     simulator, target = configuration.simulator, configuration.target
-    moves = target.motion != "stationary" and target.speed > 0.0
+    moves = any(motion_of(target).velocity(0.0))
     return moves or any(simulator.wind) or simulator.gust_intensity > 0.0
 
 

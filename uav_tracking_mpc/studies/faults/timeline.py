@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import matplotlib
-
-from uav_tracking_mpc.report.figure_style import BLUE, GREEN, GREY, STYLE, VERMILLION, new_figure
+from uav_tracking_mpc.report.figure_style import BLUE, GREEN, GREY, VERMILLION, drawing
 from uav_tracking_mpc.report.figure_style import png as as_png
 from uav_tracking_mpc.studies.faults.fault_findings import Campaign
 
@@ -18,8 +16,7 @@ def timeline(campaign: Campaign, tolerance: float, limit: float) -> bytes:
         limit: Time allowed for a recovery [s].
     """
     families = list(dict.fromkeys(campaign.families.values()))
-    with matplotlib.rc_context(STYLE):
-        figure = new_figure(9.0, 6.5)
+    with drawing(9.0, 6.5) as figure:
         upper, middle, lower = figure.subplots(
             3, 1, sharex=True, gridspec_kw={"height_ratios": (2, 2.4, 1.6)}
         )

@@ -7,28 +7,26 @@ cost is never to rise; in a steady drift both are observations.
 from __future__ import annotations
 
 import dataclasses
-import math
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import islice, pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from uav_tracking_mpc.control.direction import NEAREST, nearest_direction
-from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
+from uav_tracking_mpc.mpc.prediction_loop import solutions
 from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.studies.flight_start import flight_start
 from uav_tracking_mpc.studies.parallel import parallel_map
 
 STEPS = 40  # of a flight
 FEASIBLE = 1e-5  # largest violation of a hard constraint, scaled: 0.1 mm, 1e-5 rad or m/s
-# Solvers stop at a tolerance: what a cost may rise by it, relative and absolute.
-RISE = (1e-6, 1e-5)
+# Solvers stop at a tolerance: what a cost may rise by it, relative and absolute [-].
+RELATIVE_RISE, RISE = 1e-6, 1e-5
 SOLVE_TIME_MAX = 10.0  # s; with a budget the load of the machine would decide what is counted
 PIECE = 50  # flights
 
@@ -44,9 +42,9 @@ class FlightCounts:
         converged: Solves that converged.
         feasible: Solves whose plan keeps the hard constraints.
         cost_rises: Solves whose cost is above that of the one before.
-        worst_rise: Largest difference, 0 if there is none.
-        cold_us: Wall time of the first solve with everything about it in [us].
-        warm_us: Of the others.
+        worst_rise: Largest difference [-], 0 if there is none.
+        cold_us: Wall time of the first solve in [us].
+        warm_us: Of the others in [us].
     """
 
     drifting: bool
@@ -87,6 +85,9 @@ def campaign(
 
 def summary(flights: Sequence[FlightCounts]) -> dict[str, Any]:
     """Sums over flights: plain values, never NaN.
+
+    Args:
+        flights: Any number of them.
 
     Returns:
         - ``states``, and of these ``cold_failures``: their first solve did not converge
@@ -137,50 +138,26 @@ def _formulation(parameters: TrackingParameters) -> FlightFormulation:
 
 
 def _fly(formulation: FlightFormulation, situation: Situation, steps: int) -> FlightCounts:
-    parameters = formulation.parameters
-    orbit = _orbit(parameters, situation)
-    formulation.reset()
-    converged = feasible = rises = 0
-    worst, before, cold_failure = 0.0, math.inf, False
-    times: list[float] = []
-    for step in range(steps):
-        forecast = steady_forecast(situation, parameters.horizon)
-        begin = time.perf_counter()
-        plan = formulation.solve(
-            situation, forecast, orbit, parameters.horizon_step if step else None
-        )
-        times.append(1e6 * (time.perf_counter() - begin))
-        solution = plan.solution
-        converged += solution.converged
-        feasible += solution.violation <= FEASIBLE
-        if step == 0 and not solution.converged:
-            cold_failure = True
-            break
-        if not solution.cost <= before * (1.0 + RISE[0]) + RISE[1]:
-            rises += 1
-            worst = max(worst, solution.cost - before)
-        before = solution.cost
-        state = solution.states[1]
-        situation = dataclasses.replace(
-            situation,
-            vehicle=np.array(state[:6]),
-            rates=np.array(state[6:9]) if formulation.lag else situation.rates,
-        )
+    start = flight_start(formulation, situation)
+    loop = solutions(formulation.solver, start.state, start.parameters, start.guess)
+    flown = [next(loop)]
+    if flown[0].converged:
+        flown += islice(loop, steps - 1)
+    costs = [solution.cost for solution in flown]
+    rises = [
+        cost - before
+        for before, cost in pairwise(costs)
+        if not cost <= before * (1.0 + RELATIVE_RISE) + RISE
+    ]
+    cold, *warm = (1e6 * solution.solve_time for solution in flown)
     return FlightCounts(
         drifting=bool(np.any(situation.drift)),
-        cold_failure=cold_failure,
-        steps=len(times),
-        converged=converged,
-        feasible=feasible,
-        cost_rises=rises,
-        worst_rise=worst,
-        cold_us=times[0],
-        warm_us=tuple(times[1:]),
+        cold_failure=not flown[0].converged,
+        steps=len(flown),
+        converged=sum(solution.converged for solution in flown),
+        feasible=sum(solution.violation <= FEASIBLE for solution in flown),
+        cost_rises=len(rises),
+        worst_rise=max(rises, default=0.0),
+        cold_us=cold,
+        warm_us=tuple(warm),
     )
-
-
-def _orbit(parameters: TrackingParameters, situation: Situation) -> Orbit:
-    """The wanted orbit; where the nearest is asked for, that of the start, kept."""
-    if parameters.direction != NEAREST:
-        return parameters.orbit
-    return dataclasses.replace(parameters.orbit, direction=nearest_direction(situation))

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import IO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -202,8 +203,13 @@ def _cost(solution: Solution) -> float:
     return solution.cost if found else float("nan")
 
 
-def save_maps(maps: list[AttractionMap], path: str) -> None:
-    """Write maps as a NumPy archive: map k has ``k_feasible``, ``k_cost`` and its axes."""
+def save_maps(maps: list[AttractionMap], file: IO[bytes]) -> None:
+    """Write maps as a NumPy archive: map k has ``k_feasible``, ``k_cost`` and its axes.
+
+    Args:
+        maps: Any number of them.
+        file: Open for writing.
+    """
     arrays: dict[str, NDArray] = {}
     for k, entry in enumerate(maps):
         where = entry.slice
@@ -216,4 +222,4 @@ def save_maps(maps: list[AttractionMap], path: str) -> None:
         arrays[f"{k}_cost"] = entry.cost
         arrays[f"{k}_marked"] = entry.marked
         arrays[f"{k}_marked_feasible"] = np.array(entry.marked_feasible)
-    np.savez_compressed(path, **arrays)  # type: ignore[arg-type]
+    np.savez_compressed(file, **arrays)  # type: ignore[arg-type]

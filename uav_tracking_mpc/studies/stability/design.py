@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from uav_tracking_mpc.report.table import Table
 from uav_tracking_mpc.studies.stability.analysis import obstacle
 from uav_tracking_mpc.terminal.admissible import domain_limits, input_limits, lowest
 from uav_tracking_mpc.terminal.direct_condition import prove_direct_condition
@@ -108,7 +109,13 @@ def design(
 def changed_problem(
     problem: StabilityProblem, scaling: float, input_factor: float
 ) -> StabilityProblem:
-    """The configuration with another rho and R scaled."""
+    """The configuration with another rho and R scaled.
+
+    Args:
+        problem: The configuration.
+        scaling: The other rho [-].
+        input_factor: R is this times its R [-].
+    """
     return replace(problem, scaling=scaling, input_weight=input_factor * problem.input_weight)
 
 
@@ -149,6 +156,29 @@ def _cost(asked: StabilityProblem, gain: np.ndarray, steps: int = 120) -> float:
         total += float(np.einsum("ki,ij,kj->", u, asked.input_weight, u))
         states = np.array(dynamics(states.T, u.T)).T
     return total / len(states) if np.isfinite(total) else float("inf")
+
+
+def candidate_table(found: Design) -> Table:
+    """All candidates.
+
+    Args:
+        found: Outcome of a search.
+    """
+    proved = {True: "yes", False: "no", None: "-"}
+    rows = [
+        (
+            f"{c.scaling:g}",
+            f"{c.input_factor:g}",
+            f"{c.level:.4g}",
+            f"{c.volume:.3g}",
+            f"{c.cost:.3f}",
+            proved[c.proved],
+            c.binding,
+        )
+        for c in found.candidates
+    ]
+    headings = ("rho", "R times", "varrho", "volume", "cost", "proved", "limited by")
+    return Table(headings, rows, numeric=headings[:5])
 
 
 def _words(problem: StabilityProblem, asked: Candidate, best: Candidate | None) -> str:

@@ -9,6 +9,7 @@ return: its cost stays below varrho all the same) and is counted as an observati
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from uav_tracking_mpc.formulation.paper_problem import (
     newton_solver,
     tracking_problem,
 )
+from uav_tracking_mpc.mpc.prediction_loop import solutions
 from uav_tracking_mpc.studies.parallel import parallel_map
 from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
 from uav_tracking_mpc.terminal.theorems import q_star
@@ -36,7 +38,7 @@ class CampaignResult:
         outside_inputs: Flights in which the input left U.
         cost_rose: Flights in which the cost did not fall at some step.
         failures: Flights in which a solve failed.
-        largest_height: Largest V_f seen over varrho.
+        largest_height: Largest V_f seen over varrho [-].
     """
 
     law: str
@@ -61,7 +63,7 @@ def random_states(
 
     Args:
         problem: The configuration.
-        level: varrho.
+        level: varrho [-].
         count: How many.
         seed: Of the generator.
     """
@@ -77,7 +79,7 @@ def fly_local(
 
     Args:
         problem: The configuration.
-        level: varrho.
+        level: varrho [-].
         states: Shape (count, 5).
         steps: Of every flight.
     """
@@ -101,14 +103,14 @@ def fly_local(
         height = following
         largest = max(largest, float(height.max()))
     return CampaignResult(
-        "kappa_l",
-        count,
-        count * steps,
-        int(left.sum()),
-        int(outside.sum()),
-        int(rose.sum()),
-        0,
-        largest / level,
+        law="kappa_l",
+        flights=count,
+        steps=count * steps,
+        left=int(left.sum()),
+        outside_inputs=int(outside.sum()),
+        cost_rose=int(rose.sum()),
+        failures=0,
+        largest_height=largest / level,
     )
 
 
@@ -134,7 +136,7 @@ def fly_nmpc(
 
     Args:
         problem: The configuration; its N counts.
-        level: varrho.
+        level: varrho [-].
         states: Shape (count, 5).
         steps: Of every flight; it ends sooner once the cost is below a millionth of varrho.
         solver: Makes the solver; at module level, so that processes can find it.
@@ -144,44 +146,58 @@ def fly_nmpc(
     chunks = np.array_split(np.asarray(states, dtype=float), max(1, len(states) // 50))
     pieces = [_Piece(problem, level, chunk, steps, solver) for chunk in chunks]
     parts = parallel_map(_fly_piece, pieces, workers, "NMPC flights", show)
-    flown, count, left, outside, rose, failures = (
-        int(sum(part[i] for part in parts)) for i in range(6)
+    flights = [flight for part in parts for flight in part]
+    return CampaignResult(
+        law="nmpc",
+        flights=len(flights),
+        steps=sum(flight.steps for flight in flights),
+        left=sum(flight.height > level * (1.0 + 1e-9) for flight in flights),
+        outside_inputs=sum(flight.outside_inputs for flight in flights),
+        cost_rose=sum(flight.cost_rose for flight in flights),
+        failures=sum(flight.failed for flight in flights),
+        largest_height=max((flight.height for flight in flights), default=0.0) / level,
     )
-    largest = max(part[6] for part in parts)
-    return CampaignResult("nmpc", flown, count, left, outside, rose, failures, largest)
 
 
-def _fly_piece(piece: _Piece) -> tuple[int, int, int, int, int, int, float]:
+@dataclass(frozen=True)
+class _Flight:
+    """One flight of the NMPC.
+
+    Attributes:
+        steps: Solves.
+        height: Largest V_f [-] after a step.
+        outside_inputs: An input left U.
+        cost_rose: The cost did not fall at some step.
+        failed: A solve did not converge; the flight ended there.
+    """
+
+    steps: int
+    height: float
+    outside_inputs: bool
+    cost_rose: bool
+    failed: bool
+
+
+def _fly_piece(piece: _Piece) -> list[_Flight]:
     problem, level = piece.problem, piece.level
-    dynamics, weight = problem.dynamics(), problem.ingredients().weight
+    weight = problem.ingredients().weight
     lower, upper = problem.deviation_bounds()
     solver = piece.solver(tracking_problem(problem, level))
-    flown = left = outside = rose = failures = 0
-    largest = 0.0
+    flights = []
     for start in piece.states:
-        solver.reset()
-        x, cost, elapsed = start, np.inf, None
-        flags = [False] * 3
-        failed = False
-        for _ in range(piece.steps):
-            solution = solver.solve(x, elapsed=elapsed)
-            flown += 1
-            if not solution.converged:
-                failed = True
+        steps, height, cost = 0, 0.0, np.inf
+        outside = rose = failed = False
+        for solution in islice(solutions(solver, start), piece.steps):
+            steps += 1
+            failed = not solution.converged
+            if failed:
                 break
-            if np.isfinite(cost):
-                # Solvers stop at a tolerance: allow it, not more.
-                flags[2] |= bool(solution.cost > cost + 1e-7 * level)
-            cost = solution.cost
-            u = solution.inputs[0]
-            flags[1] |= bool(np.any(u < lower - 1e-9) or np.any(u > upper + 1e-9))
-            x = np.array(dynamics(x, u)).ravel()
-            height = float(x @ weight @ x)
-            flags[0] |= height > level * (1.0 + 1e-9)
-            largest = max(largest, height / level)
-            elapsed = problem.step
+            # Solvers stop at a tolerance: allow it, not more.
+            rose |= bool(solution.cost > cost + 1e-7 * level)
+            cost, inputs, following = solution.cost, solution.inputs[0], solution.states[1]
+            outside |= bool(np.any((inputs < lower - 1e-9) | (inputs > upper + 1e-9)))
+            height = max(height, float(following @ weight @ following))
             if cost < 1e-6 * level:
                 break
-        left, outside, rose = left + flags[0], outside + flags[1], rose + flags[2]
-        failures += failed
-    return len(piece.states), flown, left, outside, rose, failures, largest
+        flights.append(_Flight(steps, height, outside, rose, failed))
+    return flights

@@ -1,16 +1,15 @@
-"""The paper report for people: a table in the terminal, JSON, and a page of the documentation."""
+"""The paper report for people: tables for the terminal and a page of the documentation."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
+from uav_tracking_mpc.report.atomic_write import write_atomically
+from uav_tracking_mpc.report.table import Table
 from uav_tracking_mpc.studies.stability.paper_report import Row, paper_report
 
 HEADINGS = ("quantity", "where", "as printed", "printed A", "with (11)", "exact", "verdict")
-PAGE = "paper_errata.md"
 
 _INTRODUCTION = """# What the paper prints, and what is true
 
@@ -34,56 +33,57 @@ _CLOSING = """
 
 
 def number(value: float | None) -> str:
-    """Four significant digits, or a dash."""
+    """Four significant digits, or a dash.
+
+    Args:
+        value: What to print [-].
+    """
     return "-" if value is None else f"{value:.4g}"
 
 
 def cells(row: Row) -> tuple[str, ...]:
-    """One row as text."""
-    return (
-        row.name,
-        row.equation,
-        number(row.printed),
-        number(row.printed_A),
-        number(row.model_11),
-        number(row.exact),
-        row.verdict,
-    )
+    """One row as text.
+
+    Args:
+        row: Of the report.
+    """
+    numbers = (row.printed, row.printed_A, row.model_11, row.exact)
+    return (row.name, row.equation, *map(number, numbers), row.verdict)
 
 
-def as_table(rows: Sequence[Row]) -> Any:
-    """The numbers as a table for the terminal (rich); its rows count those of the verdicts."""
-    from rich.table import Table
+def numbers_table(rows: Sequence[Row]) -> Table:
+    """The numbers as a table for the terminal; its rows count those of the verdicts.
 
-    table = Table(title="The paper, quantity by quantity")
-    for heading in ("", *HEADINGS[:-1]):
-        table.add_column(heading, overflow="fold")
-    for number, row in enumerate(rows, start=1):
-        table.add_row(str(number), *cells(row)[:-1])
-    return table
+    Args:
+        rows: Of the report.
+    """
+    counted = [(str(count), *cells(row)[:-1]) for count, row in enumerate(rows, start=1)]
+    return Table(("", *HEADINGS[:-1]), counted, title="The paper, quantity by quantity")
 
 
 def verdicts(rows: Sequence[Row]) -> list[str]:
-    """The verdict on each row of the table, one line each: too long for a column."""
-    return [f"{number:3d}  {cells(row)[-1]}" for number, row in enumerate(rows, start=1)]
+    """The verdict on each row of the table, one line each: too long for a column.
 
-
-def as_json(rows: Sequence[Row]) -> list[dict[str, Any]]:
-    """Rows as JSON values."""
-    return [asdict(row) for row in rows]
+    Args:
+        rows: Of the report.
+    """
+    return [f"{count:3d}  {row.verdict}" for count, row in enumerate(rows, start=1)]
 
 
 def as_markdown(rows: Sequence[Row]) -> str:
-    """The page ``docs/paper_errata.md``."""
-    lines = [
-        "| " + " | ".join(HEADINGS) + " |",
-        "|" + "---|" * len(HEADINGS),
-        # A bar inside a cell would end it.
-        *("| " + " | ".join(c.replace("|", "\\|") for c in cells(row)) + " |" for row in rows),
-    ]
-    return _INTRODUCTION + "\n" + "\n".join(lines) + "\n" + _CLOSING
+    """The page ``docs/paper_errata.md``.
+
+    Args:
+        rows: Of the report.
+    """
+    table = Table(HEADINGS, [cells(row) for row in rows]).as_markdown()
+    return f"{_INTRODUCTION}\n{table}\n{_CLOSING}"
 
 
 def write_page(path: Path) -> None:
-    """Recompute the report and write the page."""
-    path.write_text(as_markdown(paper_report()))
+    """Recompute the report and write the page.
+
+    Args:
+        path: File of the page.
+    """
+    write_atomically(path, as_markdown(paper_report()).encode())

@@ -1,0 +1,82 @@
+"""The command from end to end, and what it refuses."""
+
+import json
+import subprocess
+
+import pytest
+from compared_flights import KEYS
+from processes import command, environment
+
+LAW = """
+import numpy as np
+from uav_tracking_mpc.laws import GuidanceLaw
+
+class Circler(GuidanceLaw):
+    name = "circler"
+
+    def inputs(self, situation):
+        return np.array([self.orbit.speed / self.orbit.radius, 0.0, 0.0])
+"""
+
+
+def run(*arguments, limit=110):
+    return subprocess.run(
+        command("cli.main", "compare", *map(str, arguments)),
+        capture_output=True,
+        text=True,
+        env=environment(),
+        timeout=limit,
+    )
+
+
+def test_two_laws_through_one_scenario(tmp_path):
+    finished = run(
+        "--config", "small_uav", "--scenario", "wind", "--laws", "nmpc", "l1",
+        "--set", "mission.duration=30", "--output", tmp_path, "--json",
+    )  # fmt: skip
+    assert finished.returncode == 0, finished.stderr
+    content = json.loads(finished.stdout)
+    flights = content["scenarios"]["wind"]
+    assert list(flights) == ["nmpc", "l1"]
+    assert all(set(flight) == KEYS for flight in flights.values())
+    assert flights["nmpc"]["settling_s"] < 25.0
+    assert flights["nmpc"]["range_rms_m"] < 10.0
+    assert json.loads((tmp_path / "compare.json").read_text()) == content
+    assert (tmp_path / "wind.png").is_file()
+    assert (tmp_path / "compare.html").is_file()
+
+
+def test_people_get_a_table():
+    finished = run("--scenario", "still", "--laws", "l1", "--set", "mission.duration=5")
+    assert finished.returncode == 0, finished.stderr
+    assert "range RMS" in finished.stdout
+    assert "never" in finished.stdout
+    assert "missed" not in finished.stdout  # without the controller nothing is judged
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--scenario", "storm"], "scenario is 'storm', must be a file or one of"),
+        (["--laws", "pid"], "invalid choice: 'pid'"),
+        (["--law", "nowhere.py:Pursuit"], "there is no file"),
+        (["--config", "mars"], "configuration is 'mars'"),
+    ],
+)
+def test_mistakes_are_explained(arguments, words):
+    finished = run(*arguments)
+    assert finished.returncode == 2
+    assert words in finished.stderr
+    assert finished.stdout == ""
+
+
+def test_a_law_of_ones_own_flies_beside_the_others(tmp_path):
+    path = tmp_path / "circler.py"
+    path.write_text(LAW)
+    finished = run(
+        "--scenario", "still", "--laws", "l1", "--law", f"{path}:Circler",
+        "--set", "mission.duration=5", "--output", tmp_path / "out", "--json",
+    )  # fmt: skip
+    assert finished.returncode == 0, finished.stderr
+    assert list(json.loads(finished.stdout)["scenarios"]["still"]) == ["l1", "circler"]
+    assert (tmp_path / "out" / "still.png").is_file()

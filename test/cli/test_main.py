@@ -1,0 +1,100 @@
+import importlib
+import json
+import re
+import subprocess
+import sys
+
+import pytest
+from processes import command, environment
+
+from uav_tracking_mpc.cli.main import COMMANDS, main
+
+
+def run(*arguments, limit=60):
+    return subprocess.run(
+        command("cli.main", *arguments),
+        capture_output=True,
+        text=True,
+        env=environment(),
+        timeout=limit,
+    )
+
+
+def test_simulate_prints_one_json_object_and_writes_the_report(tmp_path):
+    finished = run("simulate", "--duration", "40", "--output", tmp_path / "out", "--json")
+    assert finished.returncode == 0, finished.stderr
+    metrics = json.loads(finished.stdout)
+    assert metrics["config"] == "paper"
+    assert metrics["settling_s"]["altitude"] == 16.0
+    assert json.loads((tmp_path / "out" / "metrics.json").read_text()) == metrics
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert names == {"metrics.json", "trajectory.png", "states.png", "report.html"}
+
+
+def test_simulate_speaks_to_people(tmp_path):
+    finished = run("simulate", "--duration", "40", "--output", tmp_path)
+    assert "settled: range 20.0 s" in finished.stdout
+    assert str(tmp_path / "report.html") in finished.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (["simulate", "--config", "mars"], 2, "configuration is 'mars', must be a file or one of"),
+        (["simulate", "--set", "nmpc_controller.range=1"], 2, "orbit range is 1.0 m"),
+        (["simulate", "--duration", "-1"], 2, "parameter 'duration' is -1.0"),
+        (["fly", "--speed", "1e9"], 2, "parameter 'speed' is 1000000000.0"),
+        (["simulate", "--duration", "5", "--output", "/proc/nowhere"], 1, "/proc/nowhere"),
+        (
+            ["simulate", "--set", "uav_simulator.initial_position=[0,0,50]"],
+            1,
+            "the Euler plant has no value there",
+        ),
+        (["fly", "--domain-id", "500"], 2, "--domain-id"),
+        (["benchmark", "--cold", "-3"], 2, "--cold"),
+        (["hover"], 2, "invalid choice: 'hover'"),
+        ([], 2, "required: COMMAND"),
+    ],
+)
+def test_mistakes_are_explained_without_a_traceback(arguments, code, words):
+    finished = run(*arguments)
+    assert finished.returncode == code
+    assert words in finished.stderr
+    assert "Traceback" not in finished.stderr
+    assert finished.stdout == ""
+
+
+def test_help_teaches():
+    text = run("--help").stdout
+    for word in (*COMMANDS, "examples:"):
+        assert word in text
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_says_what_it_does(name, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main([name, "--help"])
+    assert ended.value.code == 0
+    text = capsys.readouterr().out
+    module = importlib.import_module(f"uav_tracking_mpc.cli.{name}")
+    assert " ".join(module.DESCRIPTION.split()) in " ".join(text.split())
+    options = re.findall(r"^  (--\S+)( .*)?$", text, re.MULTILINE)
+    assert options or name == "monitor"
+
+
+def test_help_imports_nothing_that_takes_long():
+    program = (
+        "import sys; import uav_tracking_mpc.cli.main as cli\n"
+        "try: cli.main(['--help'])\n"
+        "except SystemExit: pass\n"
+        "slow = {'numpy', 'casadi', 'matplotlib', 'scipy', 'numba', 'rich'}\n"
+        "print(sorted(slow & set(sys.modules)))"
+    )
+    finished = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert finished.stdout.endswith("[]\n"), finished.stdout
+
+
+def test_a_mission_shorter_than_a_step_is_one_step(tmp_path):
+    few = ["--duration", "1", "--set", "nmpc_controller.horizon_step=5", "--output", tmp_path]
+    finished = run("simulate", *few, "--set", "nmpc_controller.solver=ipopt")
+    assert finished.returncode == 0, finished.stderr

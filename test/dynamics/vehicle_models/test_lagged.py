@@ -1,0 +1,86 @@
+"""The lagged vehicle in a drift, against numerical integration and the vehicle without lag."""
+
+import casadi as ca
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from uav_tracking_mpc.dynamics import vehicle
+from uav_tracking_mpc.dynamics.vehicle_models import Drift
+from uav_tracking_mpc.dynamics.vehicle_models.lagged import Lagged, LaggedState
+
+LAG = (0.3, 0.13, 0.16)
+START = LaggedState(200.0, -80.0, 40.0, 2.9, 0.05, 22.0, 0.1, -0.05, 0.4)
+INPUTS = [-0.3, 0.2, -1.0]
+DRIFT = Drift([6.0, -3.0, 0.5], [0.2, 0.1, -0.1])
+
+
+def advance(state, inputs, duration, lag=LAG, drift=DRIFT):
+    model = Lagged(lag)
+    return model.step(state, inputs, duration, model.numbers(duration), drift)
+
+
+def integrated(state, inputs, duration, drift):
+    """SciPy's answer to the equations of the module."""
+
+    def rates(time, state):
+        _, _, _, psi, chi, v, *flown = state
+        air = np.array(vehicle.air_velocity(psi, chi, v, np))
+        ground = air + np.array(drift.velocity) + time * np.array(drift.rate)
+        lagged = (np.array(inputs) - flown) / np.array(LAG)
+        return np.concatenate([ground, flown, lagged])
+
+    return solve_ivp(rates, (0.0, duration), state, rtol=1e-11, atol=1e-11).y[:, -1]
+
+
+def test_it_is_the_solution_of_its_equations():
+    """At a short step: what is left is Simpson's error in the position, all else is exact."""
+    flown = advance(START, INPUTS, 0.05)
+    expected = integrated(START, INPUTS, 0.05, DRIFT)
+    np.testing.assert_allclose(flown[:3], expected[:3], rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(flown[3:], expected[3:], rtol=0.0, atol=1e-9)
+
+
+def test_heading_path_angle_airspeed_and_rates_are_exact_at_any_step():
+    flown = advance(START, INPUTS, 3.0)
+    expected = integrated(START, INPUTS, 3.0, DRIFT)
+    np.testing.assert_allclose(flown[3:], expected[3:], rtol=0.0, atol=1e-8)
+
+
+def test_the_position_is_of_fourth_order_in_the_step():
+    errors = []
+    for count in (2, 4, 8):
+        state = START
+        for k in range(count):
+            now = np.array(DRIFT.velocity) + k / count * np.array(DRIFT.rate)
+            state = advance(state, INPUTS, 1.0 / count, drift=Drift(now, DRIFT.rate))
+        expected = integrated(START, INPUTS, 1.0, DRIFT)
+        errors.append(np.abs(np.array(state[:3]) - expected[:3]).max())
+    assert errors[0] < 1e-2  # m, at a step of 0.5 s
+    assert 12.0 < errors[0] / errors[1] < 22.0
+    assert 12.0 < errors[1] / errors[2] < 22.0
+
+
+def test_without_lag_and_drift_it_is_the_vehicle():
+    """Whatever rates were flown before."""
+    still = Drift(np.zeros(3), np.zeros(3))
+    flown = advance(START, INPUTS, 0.05, (0.0, 0.0, 0.0), still)
+    np.testing.assert_allclose(flown[:6], vehicle.advance(START[:6], INPUTS, 0.05), atol=1e-6)
+    np.testing.assert_allclose(flown[6:], INPUTS)
+
+
+def test_a_measurement_gives_the_state_relative_to_the_target():
+    state = Lagged().initial([5.0, 7.0, 9.0, 0.1, 0.2, 20.0], [1.0, 2.0, 3.0], [0.3, 0.4, 0.5])
+    assert state == LaggedState(4.0, 5.0, 6.0, 0.1, 0.2, 20.0, 0.3, 0.4, 0.5)
+
+
+@given(st.floats(0.01, 0.5), st.lists(st.floats(-0.5, 0.5), min_size=3, max_size=3))
+def test_numbers_and_symbols_give_the_same(duration, inputs):
+    state = ca.SX.sym("x", 9)
+    symbolic = advance(LaggedState(*ca.vertsplit(state)), inputs, duration)
+    evaluate = ca.Function("f", [state], [ca.vertcat(*symbolic)])
+    numbers = advance(START, inputs, duration)
+    np.testing.assert_allclose(
+        evaluate(np.array(START)).full().ravel(), numbers, rtol=1e-13, atol=1e-13
+    )

@@ -1,0 +1,57 @@
+"""Every link that needs no aircraft passes the check, and it finds what an author gets wrong."""
+
+import dataclasses
+
+import pytest
+
+from uav_tracking_mpc.links._check import check_link
+from uav_tracking_mpc.links.simulated import SimulatedLink
+from uav_tracking_mpc.parameters.conformance import ConformanceError
+
+
+@pytest.mark.parametrize("plant", ["", "vehicle", "euler"])
+def test_the_simulated_one_passes(plant):
+    check_link(SimulatedLink, plant)
+
+
+class Mute(SimulatedLink):
+    when_silent = ""
+
+
+class Deaf(SimulatedLink):
+    def measured(self, timeout):
+        super().measured(timeout)
+
+
+class OtherClock(SimulatedLink):
+    """Stamps of the autopilot's boot, not of our clock."""
+
+    def measured(self, timeout):
+        state = super().measured(timeout)
+        return dataclasses.replace(state, stamp=state.stamp + 1e6)
+
+
+class Careless(SimulatedLink):
+    def command(self, stamp, inputs, step):
+        super().command(stamp, inputs, step)
+        return ""
+
+
+class Clinging(SimulatedLink):
+    def close(self):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("link", "words"),
+    [
+        (Mute, "must say in `when_silent`"),
+        (Deaf, "no state within 2 s"),
+        (OtherClock, r"stamps must be of now\(\)'s clock"),
+        (Careless, "a plan that is not finite is taken"),
+        (Clinging, r"still gives states after close\(\)"),
+    ],
+)
+def test_what_is_wrong_is_said(link, words):
+    with pytest.raises(ConformanceError, match=words):
+        check_link(link)

@@ -1,0 +1,73 @@
+"""The simulator node flies any plant, and outlives one that fails."""
+
+import os
+
+import pytest
+import rclpy
+from rclpy.parameter import Parameter
+
+from uav_tracking_mpc.nodes.diagnostics import ERROR
+from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
+from uav_tracking_mpc.parameters.specification import ParameterError
+
+pytestmark = pytest.mark.nodes
+
+FAILING = """
+from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
+
+
+class Failing(VehiclePlant):
+    name = "failing"
+
+    def advance(self, duration):
+        super().advance(duration)
+        if self.time > 0.2:
+            raise RuntimeError("the wing came off")
+"""
+
+
+@pytest.fixture
+def simulator():
+    """Makes the node with parameters; no other node is there."""
+    context, nodes = rclpy.Context(), []
+    context.init(args=[], domain_id=110 + os.getpid() % 90)
+
+    def make(**parameters):
+        overrides = [Parameter(name, value=value) for name, value in parameters.items()]
+        nodes.append(UavSimulator(context=context, parameter_overrides=overrides))
+        return nodes[-1]
+
+    yield make
+    for node in nodes:
+        node.destroy_node()
+    context.try_shutdown()
+
+
+def test_a_plant_of_ones_own_is_flown_until_it_fails(simulator, tmp_path):
+    file = tmp_path / "failing.py"
+    file.write_text(FAILING)
+    node = simulator(plant=f"{file}:Failing", publish_clock=True, initial_speed=8.0)
+    published = []
+    node._odometry_publisher.publish = lambda message: published.append(
+        message.pose.pose.position.x
+    )
+    for _ in range(10):
+        node._step()
+    assert len(published) == 4  # at 0.05, 0.1, 0.15 and 0.2 s
+    assert node._diagnostics._status.level == ERROR
+    assert "the wing came off" in node._diagnostics._status.message
+    assert node._now == 500_000_000  # time goes on
+    assert node._values()["x [m]"] == pytest.approx(published[-1])
+
+
+@pytest.mark.parametrize(
+    ("parameters", "words"),
+    [
+        ({"plant": "balloon"}, "'plant' is 'balloon', must be one of euler, vehicle"),
+        ({"plant": "nowhere.py:Balloon"}, "'plant': there is no file"),
+        ({"plant": "euler", "initial_position": [0.0, 0.0, 9.0]}, "'plant': at 0 s the range"),
+    ],
+)
+def test_what_cannot_be_flown_is_refused_at_the_start(simulator, parameters, words):
+    with pytest.raises(ParameterError, match=words):
+        simulator(**parameters)

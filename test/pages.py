@@ -1,0 +1,24 @@
+"""Two texts that say the same: word for word, and number for number to their last digit."""
+
+from __future__ import annotations
+
+import re
+
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
+
+
+def last_digit(number: str) -> float:
+    """What one step of the last digit of a printed number is worth."""
+    mantissa, _, exponent = number.partition("e")
+    return 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
+
+
+def assert_same(found: str, expected: str) -> None:
+    """Fail where words differ, or a decimal number by more than one step of its last digit.
+
+    The last digit that a table prints depends on how a library of linear algebra rounds.
+    """
+    assert NUMBER.split(found) == NUMBER.split(expected)
+    for one, other in zip(NUMBER.findall(found), NUMBER.findall(expected), strict=True):
+        step = max(last_digit(one), last_digit(other)) if "." in one + other else 0.0
+        assert abs(float(one) - float(other)) <= 1.001 * step, f"{one} is not {other}"

@@ -1,0 +1,20 @@
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.settings.target import TargetParameters
+from uav_tracking_mpc.simulation.motions.circle import Circle
+
+
+@pytest.mark.parametrize("time", [0.0, 7.0, 100.0])
+def test_it_keeps_its_radius_and_its_height(time):
+    circle = Circle(TargetParameters(position=(1.0, 2.0, 3.0), speed=5.0, radius=50.0))
+    east, north, up = circle.position(time) - [1.0, 2.0, 3.0]
+    assert np.hypot(east, north) == pytest.approx(50.0)
+    assert up == 0.0
+    assert np.linalg.norm(circle.velocity(time)) == pytest.approx(5.0)
+
+
+def test_it_starts_at_its_heading_and_turns_counter_clockwise():
+    circle = Circle(TargetParameters(speed=np.pi, radius=1.0, heading=np.pi / 2))
+    np.testing.assert_allclose(circle.position(0.0), [0.0, 1.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(circle.position(0.5), [-1.0, 0.0, 0.0], atol=1e-12)

@@ -1,0 +1,24 @@
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.settings.target import TargetParameters
+from uav_tracking_mpc.simulation.motions.waypoints import Waypoints
+
+CORNERS = (0.0, 0.0, 0.0, 30.0, 0.0, 0.0, 30.0, 40.0, 0.0)
+TARGET = Waypoints(TargetParameters(speed=5.0, waypoints=CORNERS))
+
+
+@pytest.mark.parametrize(
+    ("time", "corner"),
+    [(0.0, [0, 0, 0]), (6.0, [30, 0, 0]), (14.0, [30, 40, 0]), (24.0, [0, 0, 0])],
+)
+def test_they_are_visited_in_turn_and_again(time, corner):
+    np.testing.assert_allclose(TARGET.position(time), corner, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("time", "velocity"),
+    [(0.0, [5, 0, 0]), (6.0, [0, 5, 0]), (13.9, [0, 5, 0]), (14.0, [-3, -4, 0])],
+)
+def test_at_a_corner_the_velocity_is_the_one_after_it(time, velocity):
+    np.testing.assert_allclose(TARGET.velocity(time), velocity, atol=1e-12)

@@ -1,0 +1,60 @@
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.simulation.plan_follower import PlanFollower
+
+PRESENT = [[0.1, 0.0, 0.0]]
+
+
+@pytest.fixture
+def follower():
+    """At 0.5 s, with a plan that began then."""
+    follower = PlanFollower()
+    follower.accept(PRESENT, [0.5], now=0.5)
+    return follower
+
+
+def test_segments_follow_each_other_and_the_last_is_as_long_as_the_one_before():
+    follower = PlanFollower()
+    follower.accept([[0.1, 0, 0], [0.2, 0, 0]], [1.0, 1.5], now=0.8)
+    asked = [follower.inputs(time) for time in (0.8, 1.0, 1.49, 1.5, 1.99)]
+    assert [inputs[0] for inputs in asked] == [0.1, 0.1, 0.1, 0.2, 0.2]
+    assert not follower.holding
+    assert follower.inputs(2.0) is None
+
+
+def test_the_end_of_a_plan_is_counted_once(follower):
+    assert [follower.inputs(time) is None for time in (1.4, 1.5, 1.6)] == [False, True, True]
+    assert (follower.holding, follower.failsafes) == (True, 1)
+
+
+def test_waiting_for_the_first_plan_is_no_failsafe():
+    follower = PlanFollower()
+    assert follower.inputs(0.0) is None
+    assert (follower.commanded, follower.holding, follower.failsafes) == (False, True, 0)
+
+
+@pytest.mark.parametrize(
+    ("plan", "starts", "words"),
+    [
+        ([[np.nan, 0, 0]], [0.6], "not finite"),
+        ([[0, 0, 0]], [np.inf], "not finite"),
+        ([], [], r"shape \(0,\)"),
+        ([[0, 0]], [0.6], r"shape \(1, 2\)"),
+        ([[0, 0, 0]] * 2, [1.0], r"a start for each"),
+        ([[0, 0, 0]] * 2, [1.0, 1.0], "not in order"),
+        ([[0, 0, 0]], [3600.5], "begins 3600.000 s from now"),
+        ([[0, 0, 0]], [0.4], "older"),
+    ],
+)
+def test_a_bad_plan_is_refused_and_the_present_one_stays(follower, plan, starts, words):
+    with pytest.raises(ValueError, match=words):
+        follower.accept(plan, starts, now=0.5)
+    np.testing.assert_array_equal(follower.inputs(0.5), PRESENT[0])
+
+
+def test_a_plan_is_kept_as_it_was_given():
+    given, follower = np.array(PRESENT), PlanFollower()
+    follower.accept(given, [0.0], now=0.0)
+    given[:] = 9.0
+    np.testing.assert_array_equal(follower.inputs(0.0), PRESENT[0])

@@ -1,0 +1,57 @@
+import dataclasses
+
+import numpy as np
+
+from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.settings.simulator import SimulatorParameters
+from uav_tracking_mpc.simulation.vehicle_sensors import VehicleSensors
+
+TRUTH = Measurement(
+    stamp=7.0,
+    position=np.array([100.0, -50.0, 120.0]),
+    ground_velocity=np.array([20.0, 3.0, 0.0]),
+    heading=3.14,
+    path_angle=0.1,
+    airspeed=22.0,
+)
+NOISE = {
+    "position_noise": 2.0,
+    "attitude_noise": 0.02,
+    "airspeed_noise": 0.5,
+    "velocity_noise": 0.3,
+}
+
+
+def sensors(seed=0, **noise):
+    return VehicleSensors(SimulatorParameters(**noise), np.random.SeedSequence(seed))
+
+
+def test_without_noise_they_tell_the_truth():
+    assert sensors().measure(TRUTH) is TRUTH
+
+
+def test_noise_is_as_large_as_told():
+    measured = [sensor.measure(TRUTH) for sensor in [sensors(**NOISE)] for _ in range(4000)]
+    assert all(abs(each.heading) <= np.pi for each in measured)
+    position = np.array([each.position for each in measured]) - TRUTH.position
+    velocity = np.array([each.ground_velocity for each in measured]) - TRUTH.ground_velocity
+    heading = np.angle(np.exp(1j * np.array([each.heading - TRUTH.heading for each in measured])))
+    path_angle = np.array([each.path_angle for each in measured]) - TRUTH.path_angle
+    airspeed = np.array([each.airspeed for each in measured]) - TRUTH.airspeed
+    errors = np.column_stack([position, heading, path_angle, airspeed, velocity])
+    told = np.array([2.0, 2.0, 2.0, 0.02, 0.02, 0.5, 0.3, 0.3, 0.3])
+    np.testing.assert_allclose(errors.std(axis=0), told, rtol=0.06)
+    np.testing.assert_array_less(np.abs(errors.mean(axis=0)), 5.0 * told / np.sqrt(4000))
+
+
+def test_the_same_seed_measures_the_same():
+    one, other = sensors(seed=3, **NOISE).measure(TRUTH), sensors(seed=3, **NOISE).measure(TRUTH)
+    np.testing.assert_array_equal(one.position, other.position)
+    assert one.heading == other.heading
+
+
+def test_a_measured_airspeed_is_never_negative_and_none_stays_none():
+    slow = dataclasses.replace(TRUTH, airspeed=0.0)
+    sensor = sensors(airspeed_noise=1.0)
+    assert min(sensor.measure(slow).airspeed for _ in range(50)) == 0.0
+    assert sensor.measure(dataclasses.replace(TRUTH, airspeed=None)).airspeed is None

@@ -1,0 +1,217 @@
+"""Options that several commands have, and the configuration that they choose.
+
+Options that set a parameter (``--law``, ``--duration``) are short forms of ``--set``: they add to
+the same list of overrides, so the last one on the command line wins.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from uav_tracking_mpc.parameters.registry import Kind
+    from uav_tracking_mpc.settings.configuration import Configuration
+
+
+class HelpFormatter(argparse.ArgumentDefaultsHelpFormatter):
+    """Help that shows the default of every option that has one."""
+
+    def _get_help_string(self, action: argparse.Action) -> str | None:
+        if action.default in (None, False, []):
+            return action.help
+        return super()._get_help_string(action)
+
+
+def add_configuration_arguments(parser: argparse.ArgumentParser, default: str = "paper") -> None:
+    """Options that choose a configuration and change its parameters.
+
+    Args:
+        parser: Gets the options.
+        default: Name of the configuration that is taken without ``--config``.
+    """
+    parser.add_argument(
+        "--config", default=default, metavar="NAME|FILE", help="configuration of all nodes"
+    )
+    parser.add_argument(
+        "--set",
+        dest="overrides",
+        action="append",
+        default=[],
+        metavar="SECTION.PARAMETER=VALUE",
+        help="override a parameter, e.g. nmpc_controller.model=paper; may be repeated",
+    )
+
+
+def add_mission_arguments(parser: argparse.ArgumentParser, plant: str) -> None:
+    """Options of every command that flies a mission.
+
+    Args:
+        parser: Gets the options.
+        plant: Parameter that ``--plant`` sets, as ``SECTION.PARAMETER``.
+    """
+    from uav_tracking_mpc.parameters.registry import GUIDANCE_LAW, PLANT
+    from uav_tracking_mpc.parameters.specification import specifications
+    from uav_tracking_mpc.settings.configuration import MissionParameters, scenario_names
+
+    add_configuration_arguments(parser)
+    parser.add_argument(
+        "--scenario",
+        metavar="NAME|FILE",
+        help=f"wind, target and measurements: {', '.join(scenario_names())}",
+    )
+    for specification in specifications(MissionParameters):
+        if isinstance(specification.default, float):
+            _add_setting(
+                parser,
+                specification.name,
+                f"mission.{specification.name}",
+                float,
+                "NUMBER",
+                f"{specification.description} ({specification.allowed}; default: the "
+                "configuration's)",
+            )
+    _add_extension(parser, "law", "nmpc_controller.law", GUIDANCE_LAW, "law that flies")
+    _add_extension(parser, "plant", plant, PLANT, "vehicle that is flown")
+    add_limit_argument(parser)
+
+
+def add_limit_argument(parser: argparse.ArgumentParser) -> None:
+    """The option ``--limit``.
+
+    Args:
+        parser: Gets the option.
+    """
+    parser.add_argument(
+        "--limit",
+        dest="limits",
+        action="append",
+        default=[],
+        metavar="NAME|FILE.py:CLASS",
+        help="one more limit for the controller to keep; may be repeated",
+    )
+
+
+def add_domain_argument(parser: argparse.ArgumentParser, words: str) -> None:
+    """The option ``--domain-id``.
+
+    Args:
+        parser: Gets the option.
+        words: What the domain is for, and what is taken without the option.
+    """
+    from uav_tracking_mpc.launch.domain import domain_number
+
+    parser.add_argument("--domain-id", type=domain_number, metavar="N", help=words)
+
+
+def add_output_arguments(
+    parser: argparse.ArgumentParser, content: str, default: str | None = None
+) -> None:
+    """The options ``--output`` and ``--json``.
+
+    Args:
+        parser: Gets the options.
+        content: What the folder will hold.
+        default: Folder; without one nothing is written unless it is asked for.
+    """
+    parser.add_argument(
+        "--output",
+        type=Path,
+        default=None if default is None else Path(default),
+        metavar="DIR",
+        help=f"folder for {content}",
+    )
+    parser.add_argument(
+        "--json", action="store_true", help="print one JSON object and nothing else"
+    )
+
+
+def number(
+    convert: Callable[[str], Any], lower: float, upper: float = float("inf")
+) -> Callable[[str], Any]:
+    """Type of an option that takes a number of a range.
+
+    Args:
+        convert: ``int`` or ``float``.
+        lower: Least value [-].
+        upper: Greatest value [-].
+
+    Returns:
+        Converts text; raises ArgumentTypeError, in words, where the value is out of the range.
+    """
+    limits = f"at least {lower:g}" if upper == float("inf") else f"from {lower:g} to {upper:g}"
+
+    def checked(text: str) -> Any:
+        try:
+            value = convert(text)
+        except ValueError:
+            value = None
+        if value is None or not lower <= value <= upper:
+            kind = "an integer" if convert is int else "a number"
+            raise argparse.ArgumentTypeError(f"{text!r} is not {kind} {limits}")
+        return value
+
+    return checked
+
+
+def chosen_configuration(
+    arguments: argparse.Namespace, scenario: str | None = None
+) -> Configuration:
+    """Configuration that the options of a command line choose.
+
+    Args:
+        arguments: Of a parser with :func:`add_configuration_arguments`.
+        scenario: Name or file of a scenario.
+
+    Raises:
+        ParameterError: It does not exist or is not allowed.
+    """
+    from uav_tracking_mpc.settings.configuration import load_configuration
+
+    configuration = load_configuration(arguments.config, arguments.overrides, scenario)
+    more = getattr(arguments, "limits", [])
+    if not more:
+        return configuration
+    limits = ",".join(filter(None, [configuration.controller.limits, *more]))
+    overrides = [*arguments.overrides, _override("nmpc_controller.limits", limits)]
+    return load_configuration(arguments.config, overrides, scenario)
+
+
+def _add_extension(
+    parser: argparse.ArgumentParser, name: str, parameter: str, kind: Kind, words: str
+) -> None:
+    words = f"{words}: {', '.join(kind.names)} (sets {parameter})"
+    _add_setting(parser, name, parameter, str, "NAME|FILE.py:CLASS", words)
+
+
+def _add_setting(
+    parser: argparse.ArgumentParser,
+    name: str,
+    parameter: str,
+    convert: Callable[[str], Any],
+    metavar: str,
+    words: str,
+) -> None:
+    """Add an option that is a short form of ``--set``."""
+
+    def override(text: str) -> str:
+        return _override(parameter, convert(text))
+
+    override.__name__ = metavar  # argparse names it where the value cannot be converted
+    parser.add_argument(
+        f"--{name}",
+        dest="overrides",
+        action="append",
+        default=[],
+        type=override,
+        metavar=metavar,
+        help=words,
+    )
+
+
+def _override(parameter: str, value: Any) -> str:
+    """``SECTION.PARAMETER=VALUE`` with the value in JSON, which is YAML."""
+    return f"{parameter}={json.dumps(value)}"

@@ -1,0 +1,83 @@
+"""``uav_tracking compare``: every law through every scenario, measured by the same rule."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from uav_tracking_mpc.cli.answer import answer
+from uav_tracking_mpc.cli.arguments import (
+    add_configuration_arguments,
+    add_limit_argument,
+    add_output_arguments,
+    chosen_configuration,
+)
+
+HELP = "the controller beside classical laws, in wind and about moving targets"
+DESCRIPTION = (
+    "Fly all laws through all scenarios; print and plot how they do. Exit code 0: flown; whether "
+    "the targets are reached is said in the table."
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options.
+
+    Args:
+        parser: Of this command.
+    """
+    from uav_tracking_mpc.settings.configuration import scenario_names
+    from uav_tracking_mpc.studies.comparison.law_names import law_names
+
+    add_configuration_arguments(parser, default="small_uav")
+    add_limit_argument(parser)
+    parser.add_argument(
+        "--scenario",
+        nargs="+",
+        metavar="NAME|FILE",
+        help=f"some of {', '.join(scenario_names())} (default: all)",
+    )
+    laws = law_names()
+    parser.add_argument("--laws", nargs="+", choices=laws, default=laws, help="laws that fly")
+    parser.add_argument(
+        "--law",
+        dest="more_laws",
+        action="append",
+        default=[],
+        metavar="FILE.py:CLASS",
+        help="one more law; may be repeated",
+    )
+    add_output_arguments(parser, "compare.json, compare.html, figures")
+    parser.add_argument(
+        "--page", type=Path, metavar="FILE", help="put the table into a page of the documentation"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Fly the comparison.
+
+    Args:
+        arguments: As parsed.
+
+    Returns:
+        Exit code.
+    """
+    from uav_tracking_mpc.studies.comparison.comparison_page import write_comparison
+    from uav_tracking_mpc.studies.comparison.comparison_table import comparison_table, misses
+    from uav_tracking_mpc.studies.comparison.flights import scenarios_in_order
+    from uav_tracking_mpc.studies.comparison.results import as_json, compare
+
+    names = list(dict.fromkeys(arguments.scenario or scenarios_in_order()))
+    laws = list(dict.fromkeys([*arguments.laws, *arguments.more_laws]))
+    configurations = {Path(name).stem: chosen_configuration(arguments, name) for name in names}
+    scenarios = compare(configurations, laws)
+    content = as_json(scenarios)
+    table = comparison_table(scenarios)
+    words = [table.as_rich(), *(f"missed, {line}" for line in misses(scenarios))]
+    if arguments.output is not None:
+        write_comparison(content, scenarios, arguments.output)
+        words.append(f"report: {arguments.output / 'compare.html'}")
+    if arguments.page is not None:
+        table.write_into(arguments.page, "comparison")
+    answer(content, words, arguments.json)
+    return 0

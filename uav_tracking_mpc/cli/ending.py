@@ -1,0 +1,77 @@
+"""How a command that failed reports it: one line on stderr and an exit code."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+
+@dataclass
+class Ending:
+    """How a command ended.
+
+    Attributes:
+        code: Exit code: 0 done, 1 failed, 2 asked for what is not allowed, 128 + n by signal n.
+    """
+
+    code: int = 0
+
+
+@contextmanager
+def explained(program: str) -> Iterator[Ending]:
+    """Turn the errors that a command expects into one line and an exit code; others pass.
+
+    Args:
+        program: What the line begins with.
+    """
+    ending = Ending()
+    try:
+        yield ending
+    except (Exception, KeyboardInterrupt) as error:
+        found = explanation(error)
+        if found is None:
+            raise
+        ending.code, message = found
+        print(f"{program}: {message}", file=sys.stderr)
+
+
+def explanation(error: BaseException) -> tuple[int, str] | None:
+    """Exit code and message of an error, or None where it is none that a command expects.
+
+    Args:
+        error: What was raised.
+    """
+    if isinstance(error, KeyboardInterrupt):
+        return 128 + signal.SIGINT, "interrupted"
+    if isinstance(error, ImportError):
+        return _missing(error)
+    # Only now: what raises these errors takes longer to import than help takes to print.
+    from uav_tracking_mpc.launch.domain import DomainError
+    from uav_tracking_mpc.launch.flight import FlightInterruptedError
+    from uav_tracking_mpc.launch.supervisor import LaunchError
+    from uav_tracking_mpc.parameters.registry import ExtensionError
+    from uav_tracking_mpc.parameters.specification import ParameterError
+    from uav_tracking_mpc.simulation.closed_loop import SimulationError
+
+    if isinstance(error, FlightInterruptedError):
+        return 128 + error.signal, str(error)
+    if isinstance(error, (ParameterError, ExtensionError)):
+        return 2, str(error)
+    if isinstance(error, (LaunchError, DomainError, SimulationError, OSError)):
+        return 1, str(error)
+    return None
+
+
+def _missing(error: ImportError) -> tuple[int, str] | None:
+    """A package that is not installed; a module of this one that is missing is a mistake in it."""
+    if not isinstance(error, ModuleNotFoundError):
+        return 1, str(error)
+    if error.name is None or error.name.startswith("uav_tracking_mpc"):
+        return None
+    return 1, (
+        f"{error.name} is not installed; flying needs ROS 2 Jazzy: source its setup file, or "
+        "`pip install 'uav_tracking_mpc[ros]'`"
+    )

@@ -1,0 +1,155 @@
+"""``uav_tracking stability``: what is proved of a configuration, and campaigns that show it."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from uav_tracking_mpc.cli.answer import answer
+from uav_tracking_mpc.cli.arguments import (
+    add_configuration_arguments,
+    add_output_arguments,
+    chosen_configuration,
+    number,
+)
+
+HELP = "the paper's stability analysis, and a proof of the terminal set"
+DESCRIPTION = (
+    "Theorems 2 and 3, the paper beside the truth, a proof of the terminal set; for a "
+    "configuration with an artificial orbit: what is guaranteed. Exit codes: 0 done (--verify: "
+    "accepted), 1 not (rejected, no certified set, or a campaign saw what is guaranteed not to "
+    "happen), 2 bad usage."
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options.
+
+    Args:
+        parser: Of this command.
+    """
+    add_configuration_arguments(parser)
+    add_output_arguments(parser, "stability.json, certificate.json and figures")
+    count = number(int, 1)
+    parser.add_argument("--verify", type=_file, metavar="FILE", help="check a certificate")
+    parser.add_argument("--design", action="store_true", help="search rho and the weights")
+    parser.add_argument("--maps", action="store_true", help="map the domain of attraction")
+    parser.add_argument("--points", type=count, default=25, help="of a map along each coordinate")
+    parser.add_argument("--campaign", type=count, metavar="COUNT", help="fly random states")
+    parser.add_argument("--figures", action="store_true", help="draw the ellipsoid, the decrease")
+    parser.add_argument("--errata", type=Path, metavar="FILE", help="write the page on the paper")
+    parser.add_argument(
+        "--jobs", type=count, metavar="N", help="processes for maps and campaigns (default: cores)"
+    )
+
+
+def _file(text: str) -> Path:
+    path = Path(text)
+    if not path.is_file():
+        raise argparse.ArgumentTypeError(f"there is no file {text!r}")
+    return path
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Do what the options ask for.
+
+    Args:
+        arguments: As parsed.
+
+    Returns:
+        Exit code.
+    """
+    if arguments.verify is not None:
+        return _verify(arguments)
+    if arguments.errata is not None:
+        from uav_tracking_mpc.studies.stability.paper_report_text import write_page
+
+        write_page(arguments.errata)
+        return 0
+    from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT
+
+    configuration = chosen_configuration(arguments)
+    if arguments.output is not None:
+        arguments.output.mkdir(parents=True, exist_ok=True)
+    if configuration.controller.terminal_constraint == ARTIFICIAL_ORBIT:
+        return _artificial_orbit(arguments)
+    return _design(arguments) if arguments.design else _analyse(arguments)
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+def _verify(arguments: argparse.Namespace) -> int:
+    from uav_tracking_mpc.terminal.certificate import read_certificate
+    from uav_tracking_mpc.terminal.verify import verify
+
+    try:
+        content = read_certificate(arguments.verify)
+        reason = verify(content)
+    except ValueError as error:
+        reason = str(error)
+    if reason is None:
+        words = f"accepted: x'P_rho x <= {content['level']:.6g} is a terminal set"
+    else:
+        words = f"REJECTED: {reason}"
+    found = {"file": str(arguments.verify), "accepted": reason is None, "reason": reason}
+    answer(found, [words], arguments.json)
+    return 0 if reason is None else 1
+
+
+def _artificial_orbit(arguments: argparse.Namespace) -> int:
+    """The problem has no ellipsoid: say what is guaranteed, and fly random states."""
+    from uav_tracking_mpc.parameters.specification import ParameterError
+    from uav_tracking_mpc.studies.feasibility.feasibility_study import feasibility_study, in_words
+
+    for option in ("design", "maps", "figures"):
+        if getattr(arguments, option):
+            raise ParameterError(
+                f"--{option} is about the ellipsoid of the paper's terminal set; configuration "
+                f"{arguments.config!r} has an artificial orbit and no such set"
+            )
+    content = feasibility_study(
+        chosen_configuration(arguments), arguments.campaign or 0, arguments.jobs
+    )
+    if arguments.output is not None:
+        from uav_tracking_mpc.report.atomic_write import write_json
+
+        write_json(arguments.output / "stability.json", content)
+    answer(content, in_words(content), arguments.json)
+    return 0 if content.get("clean", True) else 1
+
+
+def _design(arguments: argparse.Namespace) -> int:
+    from dataclasses import asdict
+
+    from uav_tracking_mpc.formulation.paper_terminal import stability_problem
+    from uav_tracking_mpc.report.atomic_write import write_json
+    from uav_tracking_mpc.studies.stability.design import candidate_table, design
+
+    configuration = chosen_configuration(arguments)
+    found = design(stability_problem(configuration.controller, configuration.name), _say)
+    content = asdict(found)
+    if arguments.output is not None:
+        write_json(arguments.output / "design.json", content)
+    answer(content, [found.words, candidate_table(found).as_rich()], arguments.json)
+    return 0 if found.best is not None else 1
+
+
+def _analyse(arguments: argparse.Namespace) -> int:
+    from uav_tracking_mpc.formulation.paper_terminal import stability_problem
+    from uav_tracking_mpc.studies.stability.stability_study import in_words, stability_study
+
+    configuration = chosen_configuration(arguments)
+    study = stability_study(
+        stability_problem(configuration.controller, configuration.name),
+        campaign=arguments.campaign or 0,
+        points=arguments.points if arguments.maps else 0,
+        workers=arguments.jobs,
+        say=_say,
+    )
+    if arguments.output is not None:
+        study.save(arguments.output, figures=arguments.figures)
+    answer(study.content, in_words(study), arguments.json)
+    return 0 if study.analysis.certified else 1

@@ -1,0 +1,139 @@
+"""``uav_tracking torture``: fly real nodes under faults, and report what came of it."""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import signal
+from typing import Any
+
+from uav_tracking_mpc.cli.answer import answer
+from uav_tracking_mpc.cli.arguments import (
+    add_configuration_arguments,
+    add_domain_argument,
+    add_output_arguments,
+    chosen_configuration,
+    number,
+)
+
+HELP = "inject faults into real nodes and check that nothing breaks"
+DESCRIPTION = (
+    "Fly with real nodes, inject faults from a seeded schedule, check every message. Or fly for "
+    "hours without faults (--soak). Exit code 0 if nothing was violated and no process was lost."
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options.
+
+    Args:
+        parser: Of this command.
+    """
+    add_configuration_arguments(parser, "small_uav")
+    add_domain_argument(parser, "ROS domain to fly in (default: one that no other launch uses)")
+    parser.add_argument(
+        "--minutes", type=number(float, 0.01, 1e4), default=10.0, help="wall time of faults [min]"
+    )
+    parser.add_argument(
+        "--fault",
+        action="append",
+        default=[],
+        dest="faults",
+        metavar="FILE.py:CLASS",
+        help="a fault of your own, injected before all others; may be repeated",
+    )
+    parser.add_argument(
+        "--soak",
+        type=number(float, 0.1, 1000.0),
+        metavar="HOURS",
+        help="instead: hours of simulated flight without faults",
+    )
+    parser.add_argument("--seed", type=int, default=0, help="of everything random")
+    parser.add_argument(
+        "--case",
+        type=number(int, 0),
+        metavar="N",
+        help="only this case of the schedule, to see it again",
+    )
+    add_output_arguments(
+        parser,
+        "torture.json, timeline.png, nodes.log and the bags of failing cases",
+        "output/torture",
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the campaign.
+
+    Args:
+        arguments: As parsed.
+
+    Returns:
+        Exit code.
+    """
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    # SIGTERM ends the campaign as Ctrl-C does.
+    previous = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        return _campaign(arguments) if arguments.soak is None else _soak(arguments)
+    finally:
+        signal.signal(signal.SIGTERM, previous)
+
+
+def _soak(arguments: argparse.Namespace) -> int:
+    from rich.console import Console
+
+    from uav_tracking_mpc.studies.faults.soak import SPEED, soak
+
+    arguments.overrides = [f"mission.speed={SPEED!r}", *arguments.overrides]
+    summary = soak(
+        chosen_configuration(arguments),
+        arguments.soak,
+        arguments.output,
+        Console(stderr=True),
+        arguments.domain_id,
+    )
+    _report(arguments, "soak.json", summary)
+    return 1 if summary["violations"] else 0
+
+
+def _campaign(arguments: argparse.Namespace) -> int:
+    from rich.console import Console
+
+    from uav_tracking_mpc.report.atomic_write import write_atomically
+    from uav_tracking_mpc.studies.faults.catalogue import catalogue, variants
+    from uav_tracking_mpc.studies.faults.fault_campaign import (
+        RECOVERY_LIMIT,
+        TOLERANCE,
+        FaultCampaign,
+    )
+    from uav_tracking_mpc.studies.faults.fault_findings import table
+    from uav_tracking_mpc.studies.faults.schedule import schedule
+    from uav_tracking_mpc.studies.faults.timeline import timeline
+
+    configuration = chosen_configuration(arguments)
+    faults = catalogue(arguments.faults)
+    first = [label for reference in arguments.faults for label in variants(reference)]
+    for bag in (arguments.output / "cases").glob("case_*.mcap"):
+        bag.unlink()  # of another run
+    cases = schedule(faults, arguments.seed, arguments.minutes, first)
+    if arguments.case is not None:
+        cases = itertools.islice(cases, arguments.case, arguments.case + 1)
+    flown = FaultCampaign(configuration, faults, arguments.output, Console(stderr=True))
+    campaign = flown.fly(
+        cases, seed=arguments.seed, minutes=arguments.minutes, domain=arguments.domain_id
+    )
+    summary = campaign.summary()
+    picture = timeline(campaign, TOLERANCE, RECOVERY_LIMIT)
+    write_atomically(arguments.output / "timeline.png", picture)
+    _report(arguments, "torture.json", summary, table(summary))
+    return 1 if summary["violations"] or summary["deaths"] else 0
+
+
+def _report(
+    arguments: argparse.Namespace, name: str, summary: dict[str, Any], words: str | None = None
+) -> None:
+    from uav_tracking_mpc.report.atomic_write import json_text, write_json
+
+    write_json(arguments.output / name, summary)
+    answer(summary, [words or json_text(summary)], arguments.json)

@@ -1,0 +1,76 @@
+"""Whether the control rate is kept, and by how much it is not."""
+
+from __future__ import annotations
+
+from collections import deque
+
+WINDOW = 2.0  # s of the stamps
+KEPT = 0.9  # share of the rate that counts as kept
+LATE = 1.5  # periods from command to command, beyond which one came late
+
+
+class RateKeeper:
+    """Counts commands and the states they could have answered over the latest seconds.
+
+    Args:
+        rate: Commands a second that are asked for in [Hz].
+
+    Attributes:
+        rate: Commands a second that are asked for in [Hz].
+        missed: Periods in which a command was due and none was sent.
+        late: Commands that came late.
+    """
+
+    def __init__(self, rate: float) -> None:
+        self.rate = rate
+        self.missed = self.late = 0
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the latest seconds."""
+        self._states: deque[float] = deque()
+        self._commands: deque[float] = deque()
+
+    def state(self, time: float) -> None:
+        """Count a state.
+
+        Args:
+            time: Its stamp in [s].
+        """
+        _add(self._states, time)
+
+    def command(self, time: float) -> None:
+        """Count a command that has been sent.
+
+        Args:
+            time: Stamp of the state that it answers in [s].
+        """
+        if self._commands:
+            periods = (time - self._commands[-1]) * self.rate
+            self.missed += max(0, round(periods) - 1)
+            self.late += periods > LATE
+        _add(self._commands, time)
+
+    def complaint(self) -> str:
+        """How the rate is missed, in words; empty while it is kept or not yet known."""
+        commands, states = _rate(self._commands), _rate(self._states)
+        if commands is None or commands >= KEPT * self.rate:
+            return ""
+        words = f"keeps {commands:.1f} Hz of the {self.rate:g} Hz asked for"
+        if states is not None and states < KEPT * self.rate:
+            words += f": states come at {states:.1f} Hz only"
+        return words
+
+
+def _add(times: deque[float], time: float) -> None:
+    if times and time < times[-1]:
+        times.clear()
+    times.append(time)
+    while times[0] < time - WINDOW:
+        times.popleft()
+
+
+def _rate(times: deque[float]) -> float | None:
+    if len(times) < 2 or times[-1] - times[0] < 0.5 * WINDOW:
+        return None
+    return (len(times) - 1) / (times[-1] - times[0])

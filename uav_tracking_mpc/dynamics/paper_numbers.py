@@ -1,0 +1,23 @@
+"""The numbers of the paper: Table 1, the weights (59), and the initial state of Section 6.
+
+``config/paper.yaml`` says the same to those who fly it; a test compares the two.
+"""
+
+from __future__ import annotations
+
+import math
+
+from uav_tracking_mpc.dynamics.orbit import Orbit
+
+ORBIT = Orbit(range=150.0, altitude=50.0, speed=4.0)
+STEP = 1.0  # T_s [s]
+HORIZON = 10  # N [-]
+STATE_WEIGHTS = (0.008, 0.09, 0.05, 0.04, 0.9)  # diagonal of Q, (59)
+INPUT_WEIGHTS = (1.0, 1.0, 1.0)  # diagonal of R, (59)
+SCALING = 2.5  # rho of (28) [-]
+# U is never printed. With these bounds of |u_psi|, |u_chi| [rad/s] and |u_v| [m/s^2] the terminal
+# level (60) comes out within 1 %.
+INPUT_BOUNDS = (math.pi / 4.0, math.pi / 4.0, 1.0)
+# x_o, the state (r, theta, z, chi, v) itself, not its error.
+INITIAL_STATE = (212.83, -math.pi / 4.0, 20.0, 0.0, 0.0)
+DURATION = 150.0  # of the simulation [s]

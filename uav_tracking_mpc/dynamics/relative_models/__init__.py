@@ -1,0 +1,46 @@
+"""Models of the motion relative to the target, state (r, theta, z, chi, v), one file each.
+
+=========== =======================================================================================
+``exact``   the kinematics (3) in these coordinates, no approximation
+``paper``   (11) as printed: (9) with r^2 - z_p^2 replaced by r^2 cos^2(chi)
+``paper9``  (9) as printed
+=========== =======================================================================================
+
+theta = psi - phi - pi with phi = atan2(y, x), the azimuth of the UAV seen from the target; the
+inputs are (u_psi, u_chi, u_v). (6), (7) and hence (9) replace d/r by cos(chi) and z/r by sin(chi),
+d = sqrt(r^2 - z^2): true only when the path angle equals the target's elevation. Their steady turns
+differ from the true one, so a controller that predicts with them holds a constant range offset on
+the true vehicle.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from uav_tracking_mpc.dynamics.prediction_model import PredictionModel
+from uav_tracking_mpc.dynamics.relative import RelativeState, relative_state
+
+
+class RelativeModel(PredictionModel):
+    """Base of the models; derivatives are made from :meth:`rates` by machine."""
+
+    State = RelativeState
+
+    @abstractmethod
+    def rates(self, state: RelativeState, inputs: Any) -> list[Any]:
+        """Time derivative of the state, as CasADi symbols.
+
+        Args:
+            state: Symbols.
+            inputs: (u_psi, u_chi, u_v), three symbols.
+
+        Returns:
+            Five expressions, in the order of the state.
+        """
+
+    def initial(self, vehicle: ArrayLike, target: ArrayLike, rates: ArrayLike) -> RelativeState:
+        """See :meth:`PredictionModel.initial`; these models have no lag."""
+        return RelativeState(*relative_state(vehicle, target).tolist())

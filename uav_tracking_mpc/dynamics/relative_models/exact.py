@@ -1,0 +1,26 @@
+"""The kinematics (3) seen from the target, no approximation."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+
+from uav_tracking_mpc.dynamics.relative import RelativeState
+from uav_tracking_mpc.dynamics.relative_models import RelativeModel
+from uav_tracking_mpc.dynamics.vehicle import air_velocity
+
+
+class Exact(RelativeModel):
+    """The kinematics (3) seen from the target, no approximation."""
+
+    name = "exact"
+
+    def rates(self, state: RelativeState, inputs: Any) -> list[Any]:
+        """See :meth:`RelativeModel.rates`."""
+        r, theta, z, chi, v = state
+        u_psi, u_chi, u_v = inputs
+        d = ca.sqrt(r**2 - z**2)
+        # theta is the heading counted from the direction that points at the target.
+        inward, across, climb = air_velocity(theta, chi, v, ca)
+        return [(climb * z - inward * d) / r, across / d + u_psi, climb, u_chi, u_v]

@@ -1,0 +1,29 @@
+"""(11) as printed, for any bearing; it is printed at theta = pi/2 + x_2."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+
+from uav_tracking_mpc.dynamics.relative import RelativeState
+from uav_tracking_mpc.dynamics.relative_models import RelativeModel
+
+
+class Paper(RelativeModel):
+    """(11) as printed, for any bearing; it is printed at theta = pi/2 + x_2."""
+
+    name = "paper"
+
+    def rates(self, state: RelativeState, inputs: Any) -> list[Any]:
+        """See :meth:`RelativeModel.rates`."""
+        r, theta, _, chi, v = state
+        u_psi, u_chi, u_v = inputs
+        level = ca.cos(chi) ** 2
+        return [
+            v * (ca.sin(chi) ** 2 - ca.cos(theta) * level),  # (9a), (11a)
+            v * level * ca.sin(theta) / (r * (1.0 - ca.sin(chi) ** 2)) + u_psi,  # (11b)
+            v * ca.sin(chi),  # (9c), (11c)
+            u_chi,  # (9d), (11d)
+            u_v,  # (9e), (11e)
+        ]

@@ -1,0 +1,79 @@
+"""Models of the aircraft for the prediction of a real flight, one file each.
+
+==================  ==================================================================
+``lagged``          the vehicle (3) behind inner loops that lag, in a drift
+==================  ==================================================================
+
+A model is a subclass of :class:`VehicleModel` in a file of its own name. Its fields are parameters
+of the controller.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.dynamics.drifting_orbit import OrbitMotion
+from uav_tracking_mpc.dynamics.prediction_model import PredictionModel
+
+
+class Drift(NamedTuple):
+    """The air as seen from the target.
+
+    Attributes:
+        velocity: c at the beginning of a step, three values in [m/s]: numbers or symbols.
+        rate: c', three values in [m/s^2], constant over the step.
+    """
+
+    velocity: Any
+    rate: Any
+
+
+@dataclass(frozen=True)
+class VehicleModel(PredictionModel):
+    """Base of the models.
+
+    The state's first six components are x, y, z relative to the target in the axes of ``map``,
+    heading, path_angle and airspeed.
+    """
+
+    @abstractmethod
+    def numbers(self, duration: float) -> NDArray[np.float64]:
+        """What a step is told of this model, shape (k,): may change in flight.
+
+        Args:
+            duration: Of the step in [s], positive.
+        """
+
+    @property
+    @abstractmethod
+    def lags(self) -> NDArray[np.float64]:
+        """Time constants with which (psi', chi', v') follow commands, shape (3,), in [s]."""
+
+    @abstractmethod
+    def step(self, state: Any, inputs: Any, duration: float, numbers: Any, drift: Drift) -> Any:
+        """State after a step under held inputs, for numbers and CasADi symbols alike.
+
+        Args:
+            state: A ``State``.
+            inputs: (u_psi, u_chi, u_v), three values in [rad/s, rad/s, m/s^2].
+            duration: In [s].
+            numbers: Of this duration, as of :meth:`numbers`, shape (k,).
+            drift: Of the air as seen from the target.
+
+        Returns:
+            A ``State``; angles are not wrapped.
+        """
+
+    @abstractmethod
+    def settled(self, state: Any, orbit: OrbitMotion) -> list[Any]:
+        """What must vanish, beside position and velocity, for the state to be on an orbit.
+
+        Args:
+            state: A ``State`` of symbols.
+            orbit: Motion on the orbit where the aircraft is.
+        """

@@ -1,0 +1,131 @@
+r"""The vehicle (3) behind inner loops that lag, in an air mass that drifts.
+
+Each of the rates (psi', chi', v') follows its command u with a time constant tau,
+:math:`\tau \dot\omega = u - \omega`; under held commands that has a closed solution, and so have
+heading, path angle and airspeed:
+
+.. math::
+
+    \omega(t) = u + (\omega_0 - u) e^{-t/\tau}, \qquad
+    \psi(t) = \psi_0 + u t + (\omega_0 - u)\, \tau (1 - e^{-t/\tau}).
+
+Position relative to the target integrates air velocity plus drift; the air velocity by Simpson's
+rule, exact to fourth order in the step.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from uav_tracking_mpc.dynamics.drifting_orbit import OrbitMotion
+from uav_tracking_mpc.dynamics.vehicle import air_velocity
+from uav_tracking_mpc.dynamics.vehicle_models import Drift, VehicleModel
+from uav_tracking_mpc.parameters.specification import parameter
+
+
+class LaggedState(NamedTuple):
+    """State of the aircraft, relative to the target: numbers or symbols.
+
+    Attributes:
+        x: East of the target in [m].
+        y: North of the target in [m].
+        z: Above the target in [m].
+        heading: psi in [rad].
+        path_angle: chi in [rad].
+        airspeed: v in [m/s].
+        turn_rate: psi' in [rad/s].
+        path_angle_rate: chi' in [rad/s].
+        acceleration: v' in [m/s^2].
+    """
+
+    x: Any
+    y: Any
+    z: Any
+    heading: Any
+    path_angle: Any
+    airspeed: Any
+    turn_rate: Any
+    path_angle_rate: Any
+    acceleration: Any
+
+
+@dataclass(frozen=True)
+class Lagged(VehicleModel):
+    """First-order lag of turn rate, path-angle rate and acceleration."""
+
+    name = "lagged"
+    State = LaggedState
+
+    rate_lag: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Time constants of the aircraft's turn rate, path-angle rate and acceleration.",
+        unit="s",
+        size=3,
+        lower=0.0,
+        upper=5.0,
+    )
+
+    def numbers(self, duration: float) -> NDArray[np.float64]:
+        """See :meth:`VehicleModel.numbers`.
+
+        Returns:
+            tau (1 - e^(-t/tau)) after half the step and after all of it in [s], and e^(-t/tau)
+            after all of it, for each of the three rates, shape (9,).
+        """
+        tau = self.lags
+        with np.errstate(divide="ignore"):  # without lag e^(-inf) = 0 is meant
+            half, whole = np.exp(-0.5 * duration / tau), np.exp(-duration / tau)
+        return np.concatenate([tau * (1.0 - half), tau * (1.0 - whole), whole])
+
+    @property
+    def lags(self) -> NDArray[np.float64]:
+        """See :attr:`VehicleModel.lags`."""
+        return np.array(self.rate_lag)
+
+    def step(
+        self, state: LaggedState, inputs: Any, duration: float, numbers: Any, drift: Drift
+    ) -> LaggedState:
+        """See :meth:`VehicleModel.step`."""
+        xp = ca if isinstance(state.heading, ca.SX) else math
+        angles = (state.heading, state.path_angle, state.airspeed)
+        rates = (state.turn_rate, state.path_angle_rate, state.acceleration)
+        excess = [rate - u for rate, u in zip(rates, _three(inputs), strict=True)]
+
+        def after(time: float, first: int) -> list[Any]:
+            """Heading, path angle and airspeed."""
+            return [
+                angles[axis] + inputs[axis] * time + excess[axis] * numbers[first + axis]
+                for axis in range(3)
+            ]
+
+        halfway, end = after(0.5 * duration, 0), after(duration, 3)
+        end_rates = [inputs[axis] + excess[axis] * numbers[6 + axis] for axis in range(3)]
+        begin, middle, last = (air_velocity(*at, xp) for at in (angles, halfway, end))
+        position = [
+            start
+            + duration / 6.0 * (begin[axis] + 4.0 * middle[axis] + last[axis])
+            + duration * drift.velocity[axis]
+            + 0.5 * duration**2 * drift.rate[axis]
+            for axis, start in enumerate((state.x, state.y, state.z))
+        ]
+        return LaggedState(*position, *end, *end_rates)
+
+    def initial(self, vehicle: ArrayLike, target: ArrayLike, rates: ArrayLike) -> LaggedState:
+        """See :meth:`PredictionModel.initial`."""
+        *position, psi, chi, v = np.asarray(vehicle, dtype=float).tolist()
+        offset = (np.array(position) - target).tolist()
+        return LaggedState(*offset, psi, chi, v, *np.asarray(rates, dtype=float).tolist())
+
+    def settled(self, state: LaggedState, orbit: OrbitMotion) -> list[Any]:
+        """See :meth:`VehicleModel.settled`: the rates are those of the orbit."""
+        return [state.turn_rate - orbit.turn_rate, state.path_angle_rate, state.acceleration]
+
+
+def _three(values: Any) -> list[Any]:
+    return [values[axis] for axis in range(3)]

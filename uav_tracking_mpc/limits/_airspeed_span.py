@@ -1,0 +1,25 @@
+"""The span of airspeeds: what is limited itself, and what other limits are given over."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from uav_tracking_mpc.limits import Limit
+from uav_tracking_mpc.parameters.specification import ParameterError, parameter
+
+
+@dataclass(frozen=True)
+class AirspeedSpan(Limit):
+    """A limit that knows the least and the greatest airspeed."""
+
+    airspeed_min: float = parameter(0.0, "Least airspeed.", unit="m/s", lower=0.0, upper=300.0)
+    airspeed_max: float = parameter(20.0, "Greatest airspeed.", unit="m/s", lower=0.1, upper=400.0)
+
+    def __post_init__(self) -> None:
+        """Refuse a span that is empty."""
+        super().__post_init__()
+        if not self.airspeed_max > self.airspeed_min:
+            raise ParameterError(
+                f"parameter 'airspeed_max' is {self.airspeed_max:g}, must be above "
+                f"'airspeed_min' = {self.airspeed_min:g} m/s"
+            )

@@ -1,0 +1,38 @@
+"""Least and greatest acceleration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+from uav_tracking_mpc.limits import COMPILED, Limit, Motion
+from uav_tracking_mpc.parameters.specification import parameter
+
+
+@dataclass(frozen=True)
+class Acceleration(Limit):
+    """acceleration_min <= u_v <= acceleration_max."""
+
+    name = "acceleration"
+
+    acceleration_min: float = parameter(
+        -1.0,
+        "Least acceleration u_v.",
+        unit="m/s^2",
+        lower=-100.0,
+        upper=-1e-3,
+        fixed_unless=COMPILED,
+    )
+    acceleration_max: float = parameter(
+        1.0,
+        "Greatest acceleration u_v.",
+        unit="m/s^2",
+        lower=1e-3,
+        upper=100.0,
+        fixed_unless=COMPILED,
+    )
+
+    def inputs(self, motion: Motion, numbers: Any, xp: ModuleType) -> dict[str, tuple[Any, Any]]:
+        """See :meth:`Limit.inputs`."""
+        return {"acceleration": (numbers[0], numbers[1])}

@@ -1,0 +1,53 @@
+"""A circle on the ground that is not to be left."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.limits import Bound, Limit, Motion, OrbitShape
+from uav_tracking_mpc.parameters.specification import parameter
+
+NO_FENCE = 1e6  # m, radius
+SMALL = 0.01  # [m] keeps the distance smooth where it vanishes
+SCALE = 10.0  # m
+
+
+@dataclass(frozen=True)
+class Fence(Limit):
+    """Horizontal distance to the fence's centre <= fence_radius."""
+
+    name = "fence"
+    on_ground = True
+
+    fence_radius: float = parameter(
+        0.0, "Radius of the circle not to be left; 0 for none.", unit="m", lower=0.0, upper=1e6
+    )
+    fence_centre: tuple[float, ...] = parameter(
+        (0.0, 0.0), "Its centre in map.", unit="m", size=2, lower=-1e7, upper=1e7
+    )
+
+    def numbers(self, targets: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Centre seen from the target (x, y) and radius in [m], shape (n, 3)."""
+        if self.fence_radius == 0.0:
+            return np.tile([0.0, 0.0, NO_FENCE], (len(targets), 1))
+        centre = np.array(self.fence_centre) - targets[:, :2]
+        return np.column_stack([centre, np.full(len(targets), self.fence_radius)])
+
+    def stage(self, motion: Motion, numbers: Any, xp: ModuleType) -> Bound:
+        """See :meth:`Limit.stage`."""
+        away = _length(motion.x - numbers[0], motion.y - numbers[1], xp)
+        return Bound(away, upper=numbers[2], scale=SCALE)
+
+    def orbit(self, shape: OrbitShape, numbers: Any, xp: ModuleType) -> Bound:
+        """See :meth:`Limit.orbit`."""
+        farthest = _length(numbers[0], numbers[1], xp) + shape.radius
+        return Bound(farthest, upper=numbers[2], scale=SCALE)
+
+
+def _length(x: Any, y: Any, xp: ModuleType) -> Any:
+    return xp.sqrt(x**2 + y**2 + SMALL**2)

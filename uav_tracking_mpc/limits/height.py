@@ -1,0 +1,38 @@
+"""Least height above the origin of ``map``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.limits import Bound, Limit, Motion, OrbitShape
+from uav_tracking_mpc.parameters.specification import parameter
+
+DEEPEST = 1e4  # m below the target, as deep as the problem is told
+SCALE = 5.0  # m
+
+
+@dataclass(frozen=True)
+class Height(Limit):
+    """height_min <= z in ``map``; the problem sees it from the target."""
+
+    name = "height"
+    on_ground = True
+
+    height_min: float = parameter(-1e5, "Least height z in map.", unit="m", lower=-1e5, upper=1e5)
+
+    def numbers(self, targets: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Least height above the target in [m], shape (n, 1)."""
+        return np.maximum(self.height_min - targets[:, 2:], -DEEPEST)
+
+    def stage(self, motion: Motion, numbers: Any, xp: ModuleType) -> Bound:
+        """See :meth:`Limit.stage`."""
+        return Bound(motion.z, lower=numbers[0], scale=SCALE)
+
+    def orbit(self, shape: OrbitShape, numbers: Any, xp: ModuleType) -> Bound:
+        """See :meth:`Limit.orbit`."""
+        return Bound(shape.altitude, lower=numbers[0], scale=SCALE)

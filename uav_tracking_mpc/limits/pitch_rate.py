@@ -1,0 +1,31 @@
+"""Greatest path-angle rate."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+from uav_tracking_mpc.limits import COMPILED, Limit, Motion
+from uav_tracking_mpc.parameters.specification import parameter
+
+
+@dataclass(frozen=True)
+class PitchRate(Limit):
+    """abs(u_chi) <= pitch_rate_max."""
+
+    name = "pitch_rate"
+
+    pitch_rate_max: float = parameter(
+        math.pi / 4,
+        "Greatest path-angle rate u_chi, either way.",
+        unit="rad/s",
+        lower=1e-3,
+        upper=10.0,
+        fixed_unless=COMPILED,
+    )
+
+    def inputs(self, motion: Motion, numbers: Any, xp: ModuleType) -> dict[str, tuple[Any, Any]]:
+        """See :meth:`Limit.inputs`."""
+        return {"path_angle_rate": (None, numbers[0] + 0.0 * motion.airspeed)}

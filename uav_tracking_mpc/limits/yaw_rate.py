@@ -1,0 +1,39 @@
+"""Greatest turn rate, whatever the airspeed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+from uav_tracking_mpc.dynamics.drift import sharpest_turn
+from uav_tracking_mpc.limits import COMPILED, Bound, Limit, Motion, OrbitShape
+from uav_tracking_mpc.limits._turn import TURN_RATE_SHARE
+from uav_tracking_mpc.parameters.specification import parameter
+
+
+@dataclass(frozen=True)
+class YawRate(Limit):
+    """abs(u_psi) <= yaw_rate_max."""
+
+    name = "yaw_rate"
+    hard_on_orbit = True
+
+    yaw_rate_max: float = parameter(
+        math.pi / 4,
+        "Greatest yaw rate u_psi, either way.",
+        unit="rad/s",
+        lower=1e-3,
+        upper=10.0,
+        fixed_unless=COMPILED,
+    )
+
+    def inputs(self, motion: Motion, numbers: Any, xp: ModuleType) -> dict[str, tuple[Any, Any]]:
+        """See :meth:`Limit.inputs`."""
+        return {"turn_rate": (None, numbers[0])}
+
+    def orbit(self, shape: OrbitShape, numbers: Any, xp: ModuleType) -> Bound:
+        """See :meth:`Limit.orbit`."""
+        turn = sharpest_turn(shape.radius, shape.airspeed, shape.drift)
+        return Bound(turn / (TURN_RATE_SHARE * numbers[0]), upper=1.0)

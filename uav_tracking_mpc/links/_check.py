@@ -1,0 +1,60 @@
+"""Whether a link keeps what :class:`VehicleLink` asks for."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from uav_tracking_mpc.links import LinkError, VehicleLink
+from uav_tracking_mpc.parameters.conformance import ConformanceError, require, require_name
+from uav_tracking_mpc.simulation.plants._check import check_measurement
+
+STATES = 40  # that are looked at
+WAIT = 2.0  # s for each
+LEVEL = np.zeros((4, 3))
+
+
+def check_link(link: type[VehicleLink], address: str = "") -> None:
+    """Connect to an aircraft, listen to it, command straight and level flight, let go of it.
+
+    Args:
+        link: Class of the link.
+        address: Where its aircraft is: a simulated one, for it is flown.
+
+    Raises:
+        ConformanceError: A state is not one, stamps do not follow each other or are not of the
+            link's clock, a plan that is not finite is taken, or one that can be flown is not.
+        LinkError: There is no aircraft.
+    """
+    name = require_name(link)
+    require(
+        isinstance(getattr(link, "when_silent", None), str) and link.when_silent != "",
+        f"{name}: must say in `when_silent` what the aircraft does when commands stop",
+    )
+    with link(address) as connected:
+        stamp = -math.inf
+        for _ in range(STATES):
+            state = connected.measured(WAIT)
+            if state is None:
+                raise ConformanceError(f"{name}: no state within {WAIT:g} s")
+            check_measurement(state, f"{name}: state of {state.stamp:g} s")
+            require(stamp < state.stamp, f"{name}: stamp {state.stamp} s follows {stamp} s")
+            stamp, now = state.stamp, connected.now()
+            require(
+                abs(now - stamp) <= WAIT,
+                f"{name}: a state of {stamp} s is new at {now} s: stamps must be of now()'s clock",
+            )
+            refusal = connected.command(now, LEVEL, 0.5)
+            require(refusal == "", f"{name}: straight and level flight is refused: {refusal}")
+        for words, bad in {"not finite": LEVEL * math.nan, "empty": LEVEL[:0]}.items():
+            refusal = connected.command(connected.now(), bad, 0.5)
+            require(
+                isinstance(refusal, str) and refusal != "",
+                f"{name}: a plan that is {words} is taken, must be refused in words",
+            )
+    try:
+        connected.measured(0.0)
+    except LinkError:
+        return
+    raise ConformanceError(f"{name}: still gives states after close()")

@@ -1,0 +1,79 @@
+"""One table, for the terminal and for a page of the documentation, from the same rows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from uav_tracking_mpc.report.atomic_write import write_atomically
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of text under headings.
+
+    Attributes:
+        headings: Of the columns; a unit in brackets goes to a line of its own in the terminal.
+        rows: Cells of every row, as many as there are headings. A row whose first cell is empty
+            belongs to the row above it.
+        numeric: Headings of the columns that are aligned to the right.
+        title: Above the table in the terminal.
+        caption: Below it.
+    """
+
+    headings: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    numeric: Sequence[str] = ()
+    title: str = ""
+    caption: str = ""
+
+    def as_rich(self) -> Any:
+        """The table as rich prints it in the terminal."""
+        from rich.box import SIMPLE_HEAD
+        from rich.table import Table as RichTable
+        from rich.text import Text
+
+        table = RichTable(
+            box=SIMPLE_HEAD, title=self.title, caption=self.caption, caption_justify="left"
+        )
+        for heading in self.headings:
+            table.add_column(
+                Text(heading.replace(" [", "\n[")),
+                justify="right" if heading in self.numeric else "left",
+                overflow="fold",
+            )
+        grouped = any(not row[0] for row in self.rows)
+        for row in self.rows:
+            if grouped and row[0]:
+                table.add_section()
+            table.add_row(*(Text(cell) for cell in row))
+        return table
+
+    def as_markdown(self) -> str:
+        """The table as Markdown, without a line break at its end."""
+        rules = ("---:" if heading in self.numeric else "---" for heading in self.headings)
+        # A bar inside a cell would end it.
+        cells = ([cell.replace("|", "\\|") for cell in row] for row in self.rows)
+        lines = [list(self.headings), *cells]
+        written = ["| " + " | ".join(line) + " |" for line in lines]
+        return "\n".join([written[0], "|" + "|".join(rules) + "|", *written[1:]])
+
+    def write_into(self, page: Path, name: str) -> None:
+        """Put the table into a page, between ``<!-- table NAME -->`` and ``<!-- end -->``.
+
+        Args:
+            page: File of the page.
+            name: Of the table's place.
+
+        Raises:
+            ValueError: The page has no such place.
+        """
+        begin, end = f"<!-- table {name} -->\n", "<!-- end -->"
+        before, found, rest = page.read_text(encoding="utf-8").partition(begin)
+        _, closed, after = rest.partition(end)
+        if not (found and closed):
+            raise ValueError(f"{page} has no place {begin.strip()!r} for the table")
+        text = f"{before}{begin}{self.as_markdown()}\n{end}{after}"
+        write_atomically(page, text.encode())

@@ -1,0 +1,100 @@
+"""Parameter files in the form that ROS 2 reads: sections of names and values, in YAML."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from uav_tracking_mpc.parameters.specification import ParameterError
+
+Sections = dict[str, dict[str, Any]]
+
+
+class _Loader(yaml.SafeLoader):
+    """Numbers as YAML 1.2 and people write them: 1e3 is one, 1:30 is none."""
+
+
+_NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
+_Loader.yaml_implicit_resolvers = {
+    first: [(tag, pattern) for tag, pattern in resolvers if tag not in _NUMBERS]
+    for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
+}
+_Loader.add_implicit_resolver(_NUMBERS[0], re.compile(r"[-+]?[0-9]+$"), list("-+0123456789"))
+_Loader.add_implicit_resolver(
+    _NUMBERS[1],
+    re.compile(
+        r"([-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN))$"
+    ),
+    list("-+0123456789."),
+)
+
+
+def read_sections(path: Path, known: Collection[str]) -> Sections:
+    """Values by section and parameter; a section that the file does not have is empty.
+
+    Args:
+        path: YAML file whose sections are ``/**/NAME: {ros__parameters: {...}}``.
+        known: Names that sections may have.
+
+    Raises:
+        ParameterError: Not readable as YAML, an unknown section, or one without parameters.
+    """
+    try:
+        document = yaml.load(path.read_text(encoding="utf-8"), _Loader)
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise ParameterError(f"configuration {path} cannot be read: {error}") from error
+    if not isinstance(document, Mapping):
+        raise ParameterError(f"configuration {path} holds no sections")
+    sections: Sections = {section: {} for section in known}
+    for key, content in document.items():
+        section = str(key).rsplit("/", 1)[-1]
+        if section not in known:
+            raise ParameterError(
+                f"configuration {path}: section '{key}' is unknown, known are: {', '.join(known)}"
+            )
+        values = content.get("ros__parameters") if isinstance(content, Mapping) else None
+        if not isinstance(values, Mapping):
+            raise ParameterError(f"configuration {path}: section '{key}' has no ros__parameters")
+        sections[section].update(values)
+    return sections
+
+
+def override(sections: Sections, assignment: str) -> None:
+    """Replace one value.
+
+    Args:
+        sections: Changed in place.
+        assignment: ``SECTION.PARAMETER=VALUE``, VALUE in YAML.
+
+    Raises:
+        ParameterError: It has another form, its section is unknown, or the value is not YAML.
+    """
+    name, equals, text = assignment.partition("=")
+    section, dot, parameter_name = name.strip().partition(".")
+    if not (equals and dot and section in sections and parameter_name):
+        raise ParameterError(
+            f"override is {assignment!r}, must be SECTION.PARAMETER=VALUE with SECTION one of "
+            f"{', '.join(sections)}"
+        )
+    try:
+        sections[section][parameter_name] = yaml.load(text, _Loader)
+    except yaml.YAMLError as error:
+        raise ParameterError(f"override {assignment!r} is not YAML: {error}") from error
+
+
+def parameter_file(sections: Sections) -> str:
+    """Text of a parameter file for nodes in any namespace.
+
+    Args:
+        sections: Values by section and parameter; empty sections are left out.
+    """
+    document = {
+        f"/**/{section}": {"ros__parameters": values}
+        for section, values in sections.items()
+        if values
+    }
+    return yaml.safe_dump(document, sort_keys=False)

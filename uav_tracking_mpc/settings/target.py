@@ -1,0 +1,97 @@
+"""The simulated target, how it moves and how it is measured, as parameters."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from uav_tracking_mpc.parameters.registry import TARGET_MOTION
+from uav_tracking_mpc.parameters.specification import ParameterError, parameter
+
+
+@dataclass(frozen=True)
+class TargetParameters:
+    """Motion and measurement of the target.
+
+    Raises:
+        ParameterError: The waypoints hold fewer than two different points.
+    """
+
+    motion: str = parameter("stationary", "How the target moves.", extension=TARGET_MOTION)
+    position: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Where it stands or starts in map; for a circle, its centre.",
+        unit="m",
+        size=3,
+        lower=-1e6,
+        upper=1e6,
+    )
+    speed: float = parameter(
+        0.0, "Speed along its path; ignored when stationary.", unit="m/s", lower=0.0, upper=100.0
+    )
+    heading: float = parameter(
+        0.0,
+        "Direction of a straight run, or azimuth of a circle's start, from East.",
+        unit="rad",
+        lower=-2.0 * math.pi,
+        upper=2.0 * math.pi,
+    )
+    radius: float = parameter(100.0, "Radius of a circle.", unit="m", lower=0.1, upper=1e5)
+    waypoints: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0, 100.0, 0.0, 0.0),
+        "x, y, z of one point after the other, visited in turn and from the start again.",
+        unit="m",
+        multiple=3,
+        lower=-1e6,
+        upper=1e6,
+    )
+    drive_time: float = parameter(
+        20.0,
+        "How long stop_and_go drives at a time, straight on.",
+        unit="s",
+        lower=0.1,
+        upper=1e5,
+    )
+    stand_time: float = parameter(
+        20.0, "How long stop_and_go stands in between.", unit="s", lower=0.1, upper=1e5
+    )
+    jump_time: float = parameter(
+        60.0,
+        "When jump, otherwise a straight run, is somewhere else at once.",
+        unit="s",
+        lower=0.0,
+        upper=1e6,
+    )
+    jump_offset: tuple[float, ...] = parameter(
+        (100.0, 0.0, 0.0), "By how much it is moved.", unit="m", size=3, lower=-1e6, upper=1e6
+    )
+    rate: float = parameter(
+        10.0, "How often the position is measured.", unit="Hz", lower=0.1, upper=1000.0
+    )
+    noise: float = parameter(
+        0.0,
+        "Standard deviation of the measured position, each axis.",
+        unit="m",
+        lower=0.0,
+        upper=1e3,
+    )
+    dropout: float = parameter(
+        0.0, "Probability with which a measurement is lost.", lower=0.0, upper=1.0
+    )
+    delay: float = parameter(
+        0.0,
+        "How late a measurement is published; its stamp is the time of measuring.",
+        unit="s",
+        lower=0.0,
+        upper=60.0,
+    )
+    seed: int = parameter(0, "Seed of noise and dropouts.", lower=0, upper=2**31 - 1)
+
+    def __post_init__(self) -> None:
+        """Check that the waypoints make a path."""
+        points = {self.waypoints[first : first + 3] for first in range(0, len(self.waypoints), 3)}
+        if len(points) < 2:
+            raise ParameterError(
+                f"parameter 'waypoints' is {list(self.waypoints)}, must hold at least two "
+                "different points"
+            )

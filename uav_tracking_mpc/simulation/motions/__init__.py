@@ -1,0 +1,80 @@
+"""How simulated targets move, one motion a file.
+
+=================  ==============================================================
+``stationary``     stands where it is
+``line``           runs straight on
+``circle``         runs round a circle
+``waypoints``      visits points in turn, again and again
+``stop_and_go``    runs straight on, with stops
+``jump``           runs straight on, and is somewhere else at once
+=================  ==============================================================
+
+A motion is a subclass of :class:`TargetMotion` in a file of its own name. It is found by that
+name, by an entry point in the group ``uav_tracking_mpc.simulation.motions``, or as
+``path.py:Class``; :func:`uav_tracking_mpc.simulation.motions._check.check_motion` tells its author
+whether it keeps what the base asks for.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.parameters.registry import TARGET_MOTION, ExtensionError
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.target import TargetParameters
+
+
+class TargetMotion(ABC):
+    """Where the target is, as a function of time alone.
+
+    Args:
+        parameters: Start, speed and figures of the motion.
+
+    Attributes:
+        name: By which it is found.
+        parameters: As above.
+    """
+
+    name: ClassVar[str]
+
+    def __init__(self, parameters: TargetParameters) -> None:
+        self.parameters = parameters
+        self._start = np.array(parameters.position)
+
+    @abstractmethod
+    def position(self, time: float) -> NDArray[np.float64]:
+        """True position in ``map``, shape (3,), in [m].
+
+        Args:
+            time: Since the target's start in [s].
+        """
+
+    @abstractmethod
+    def velocity(self, time: float) -> NDArray[np.float64]:
+        """True velocity in ``map``, shape (3,), in [m/s].
+
+        At a corner, a start or a stop it is the velocity after it; a jump has none.
+
+        Args:
+            time: Since the target's start in [s].
+        """
+
+
+def motion_of(parameters: TargetParameters) -> TargetMotion:
+    """The motion that the parameters name.
+
+    Args:
+        parameters: Name and figures of the motion.
+
+    Raises:
+        ParameterError: There is no motion of that name.
+    """
+    try:
+        motion = TARGET_MOTION.find(parameters.motion)
+    except ExtensionError as error:
+        raise ParameterError(f"parameter 'motion': {error}") from error
+    return motion(parameters)

@@ -1,0 +1,76 @@
+"""The part of an autopilot that flies plans: the newest one, segment by segment, to its end."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+LEAD_LIMIT = 1.0  # s, by which a plan may begin in the future
+
+
+class PlanFollower:
+    """Keeps the newest plan and says which inputs it asks for.
+
+    Attributes:
+        holding: Whether no plan was left when inputs were last asked for.
+        failsafes: How often a plan came to its end with no other there.
+    """
+
+    def __init__(self) -> None:
+        self.holding = True
+        self.failsafes = 0
+        self._inputs: NDArray[np.float64] | None = None
+        self._starts = np.zeros(0)
+        self._end = -math.inf
+
+    @property
+    def commanded(self) -> bool:
+        """Whether a plan has ever arrived."""
+        return self._inputs is not None
+
+    def accept(self, inputs: ArrayLike, starts: ArrayLike, now: float) -> None:
+        """Take over a plan.
+
+        Args:
+            inputs: (u_psi, u_chi, u_v) of each segment, shape (n, 3).
+            starts: When each segment begins in [s], shape (n,), increasing; the last segment is
+                as long as the one before it, a single one lasts 1 s.
+            now: Present time in [s].
+
+        Raises:
+            ValueError: Empty, not finite, not in order, older than the present plan, or from the
+                future; the present plan stays.
+        """
+        plan, starts = np.asarray(inputs, dtype=float), np.asarray(starts, dtype=float)
+        if plan.ndim != 2 or plan.shape[1] != 3 or len(plan) == 0 or starts.shape != (len(plan),):
+            raise ValueError(f"plan has shape {plan.shape}, must be (n, 3) with a start for each")
+        if not (np.all(np.isfinite(plan)) and np.all(np.isfinite(starts))):
+            raise ValueError("plan holds values that are not finite")
+        steps = np.diff(starts)
+        if np.any(steps <= 0.0):
+            raise ValueError("plan's segments are not in order of time")
+        if starts[0] > now + LEAD_LIMIT:
+            raise ValueError(
+                f"plan begins {starts[0] - now:.3f} s from now, may by {LEAD_LIMIT:g} s"
+            )
+        if len(self._starts) and starts[0] < self._starts[0]:
+            raise ValueError("plan is older than the one that is flown")
+        self._inputs, self._starts = plan.copy(), starts
+        self._end = starts[-1] + (steps[-1] if len(steps) else 1.0)
+
+    def inputs(self, now: float) -> NDArray[np.float64] | None:
+        """(u_psi, u_chi, u_v) that the plan asks for, shape (3,); None where no plan is left.
+
+        Args:
+            now: Present time in [s].
+        """
+        if self._inputs is not None and now < self._end:
+            self.holding = False
+            segment = int(np.searchsorted(self._starts, now + 1e-9, side="right")) - 1
+            return self._inputs[max(segment, 0)]
+        if not self.holding:
+            self.holding = True
+            self.failsafes += 1
+        return None

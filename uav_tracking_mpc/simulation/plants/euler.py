@@ -1,0 +1,110 @@
+"""Section 6 as the paper ran it: the prediction model itself, by Euler's method, is flown."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from uav_tracking_mpc.dynamics.angles import wrap_angle
+from uav_tracking_mpc.dynamics.relative import rates_function, relative_state, vehicle_state
+from uav_tracking_mpc.dynamics.vehicle import velocity
+from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.settings.configuration import Configuration
+from uav_tracking_mpc.settings.simulator import SimulatorParameters
+from uav_tracking_mpc.simulation.plants import Plant, SimulationError
+
+
+class EulerPlant(Plant):
+    """xbar+ = xbar + T_s f(xbar, u), (10), about a target that stands, as (9) demands.
+
+    It has one command a step T_s, no limits of its own, still air and no lag.
+
+    Args:
+        parameters: Where it starts.
+        model: Prediction model that gives the rates f.
+        step: T_s in [s].
+        target: Position in ``map``, shape (3,), in [m].
+
+    Raises:
+        SimulationError: It starts straight above or below the target.
+    """
+
+    name = "euler"
+
+    def __init__(
+        self,
+        parameters: SimulatorParameters,
+        model: str = "exact",
+        step: float = 1.0,
+        target: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> None:
+        super().__init__(parameters)
+        self.period = step
+        self._rates = rates_function(model)
+        self._target = np.array(target, dtype=float)
+        self._relative = relative_state(parameters.initial_state, self._target)
+        self._heading = parameters.initial_heading
+        self._inputs = np.zeros(3)
+        self._check()
+
+    @classmethod
+    def of(cls, configuration: Configuration) -> EulerPlant:
+        """See :meth:`Plant.of`.
+
+        Raises:
+            SimulationError: The target moves.
+        """
+        tracking, target = configuration.controller, configuration.target
+        if target.motion != "stationary":
+            raise SimulationError(
+                f"parameter 'motion' of target_publisher is '{target.motion}', must be "
+                "'stationary' on the Euler plant; fly the vehicle with "
+                "--set mission.plant=vehicle"
+            )
+        return cls(configuration.simulator, tracking.model, tracking.horizon_step, target.position)
+
+    def advance(self, duration: float) -> None:
+        """See :meth:`Plant.advance`."""
+        if duration <= 0.0:
+            return
+        plan = self.plan.inputs(self.time)
+        self._inputs = np.zeros(3) if plan is None else plan
+        turn_rate, *_ = self._inputs.tolist()
+        rates = np.array(self._rates(self._relative, self._inputs)).ravel()
+        range_, bearing, altitude, path_angle, speed = self._relative + duration * rates  # (10)
+        self._relative = np.array([range_, wrap_angle(bearing), altitude, path_angle, speed])
+        self._heading += duration * turn_rate
+        self.time += duration
+        self._check()
+
+    def _check(self) -> None:
+        range_, _, altitude, _, _ = self._relative.tolist()
+        if not range_ > abs(altitude):
+            raise SimulationError(
+                f"at {self.time:g} s the range is {range_:.6g} m at a height of {altitude:.6g} m: "
+                "the Euler plant has no value there; fly the vehicle with "
+                "--set mission.plant=vehicle"
+            )
+
+    @property
+    def state(self) -> NDArray[np.float64]:
+        """(x, y, z, psi, chi, v) with the relative state and the heading, shape (6,)."""
+        _, bearing, *_ = self._relative.tolist()
+        return vehicle_state(self._relative, self._heading - bearing - np.pi, self._target)  # (4)
+
+    @property
+    def truth(self) -> Measurement:
+        """See :meth:`Plant.truth`."""
+        state = self.state
+        *position, heading, path_angle, airspeed = state.tolist()
+        turn_rate, path_angle_rate, _ = self._inputs.tolist()
+        return Measurement(
+            stamp=self.time,
+            position=np.array(position),
+            ground_velocity=velocity(state),
+            heading=heading,
+            path_angle=path_angle,
+            turn_rate=turn_rate,
+            path_angle_rate=path_angle_rate,
+            airspeed=airspeed,
+        )

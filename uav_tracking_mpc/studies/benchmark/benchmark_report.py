@@ -1,0 +1,112 @@
+"""The benchmark for people: a table, a figure, and whether our solver converged."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from uav_tracking_mpc.report.atomic_write import write_json
+from uav_tracking_mpc.report.figure_style import drawing, save_figure
+from uav_tracking_mpc.report.table import Table
+from uav_tracking_mpc.studies.benchmark.solver_timing import OURS
+
+LEAST_CONVERGED = 0.99  # share of the cold starts
+COLUMNS = (
+    "median [us]", "p99 [us]", "max [us]", "iterations", "ratio", "in turns [us]", "ratio in turns",
+    "cold [us]", "cold solves", "converged [%]", "best [%]",
+)  # fmt: skip
+CAPTION = (
+    "median, p99, max: warm, first 30 closed-loop steps, one solver after the other; in turns: "
+    "median where the solvers alternate at every step, with cold caches; ratio: their median over "
+    "ours; best: cost within 0.1 % of the best found, over the states that all solved."
+)
+
+
+def converged(results: dict[str, Any]) -> bool:
+    """Whether our solver converged from nearly all cold starts of every case.
+
+    Args:
+        results: Of :func:`~uav_tracking_mpc.studies.benchmark.benchmark_study.benchmark`.
+    """
+    shares = [figures[OURS]["converged_share"] for figures in results["cases"].values()]
+    return all(share is None or share >= LEAST_CONVERGED for share in shares)
+
+
+def in_words(results: dict[str, Any]) -> list[Any]:
+    """Lines of text and a table of rich.
+
+    Args:
+        results: Of :func:`~uav_tracking_mpc.studies.benchmark.benchmark_study.benchmark`.
+    """
+    return [
+        benchmark_table(results).as_rich(),
+        f"missions of {results['mission_steps']} steps (paper_n10, ours): "
+        f"{results['missions_per_second']:.0f} a second",
+        f"{results['duration_s']:.0f} s",
+    ]
+
+
+def benchmark_table(results: dict[str, Any]) -> Table:
+    """One row for every solver on every case.
+
+    Args:
+        results: Of :func:`~uav_tracking_mpc.studies.benchmark.benchmark_study.benchmark`.
+    """
+    rows = []
+    for case, solvers in results["cases"].items():
+        for name, figures in solvers.items():
+            ratio = results["ratios"][case].get(name)
+            in_turns = results["ratios_alternating"][case].get(name)
+            rows.append(
+                [
+                    case if name == OURS else "",
+                    name,
+                    _number(figures["transient_median_us"], 1),
+                    _number(figures["p99_us"], 1),
+                    _number(figures["max_us"], 1),
+                    _number(figures["iterations_median"], 0),
+                    _number(ratio, 1),
+                    _number(figures["alternating_median_us"], 1),
+                    _number(in_turns, 1),
+                    _number(figures["cold_median_us"], 0),
+                    str(figures["cold_solves"]),
+                    _number(figures["converged_share"], 1, 100.0),
+                    _number(figures["best_cost_share"], 1, 100.0),
+                ]
+            )
+    return Table(("case", "solver", *COLUMNS), rows, numeric=COLUMNS, caption=CAPTION)
+
+
+def save(results: dict[str, Any], output: Path) -> None:
+    """Write ``benchmark.json`` and, where the horizon was swept, ``solve_time.png``.
+
+    Args:
+        results: Of :func:`~uav_tracking_mpc.studies.benchmark.benchmark_study.benchmark`.
+        output: Folder, made if it is not there.
+    """
+    output.mkdir(parents=True, exist_ok=True)
+    write_json(output / "benchmark.json", results)
+    if "horizons" in results:
+        save_figure(_figure(results), output / "solve_time.png")
+
+
+def _figure(results: dict[str, Any]) -> Figure:
+    """Solve time over the horizon."""
+    horizons = results["horizons"]
+    with drawing(6.4, 4.2) as figure:
+        axes = figure.add_subplot()
+        for name, medians in results["horizon_median_us"].items():
+            axes.loglog(horizons, medians, marker="o", label=name)
+        axes.set_xlabel("horizon N")
+        axes.set_ylabel("median solve time [us], warm, to convergence")
+        axes.set_xticks(horizons, [str(n) for n in horizons])
+        axes.minorticks_off()
+        axes.legend()
+        figure.tight_layout()
+    return figure
+
+
+def _number(value: float | None, digits: int, scale: float = 1.0) -> str:
+    return "" if value is None else f"{scale * value:.{digits}f}"
