@@ -5,9 +5,9 @@ import pytest
 import small_uav
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from uav_tracking_mpc.control.pilot import BLEND_TIME, Outlook, Pilot, formulation_of
 
 from uav_tracking_mpc.control.fallback import Rung
-from uav_tracking_mpc.control.pilot import BLEND_TIME, Outlook, Pilot, formulation_of
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, COUNTER_CLOCKWISE
 from uav_tracking_mpc.dynamics.relative import vehicle_state
 from uav_tracking_mpc.estimation.forecast import Forecast, steady_forecast

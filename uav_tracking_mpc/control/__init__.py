@@ -1,1 +1,17 @@
-"""The controller and its fallback modes."""
+"""The controller, from a measurement to a command, and its fallback modes.
+
+====================  ==============================================================
+``controller``        the whole control step
+``guidance``          what the parameters ask for: an optimal control problem, or a law
+``fallback``          the modes from the optimal plan down to silence, and their choice
+``command_shaping``   commands inside their limits, faded from one guidance to another
+``command``           what the controller answers
+``event``             what it reports
+``direction``         which way round
+``pace``              when a command is due
+``plan_memory``       what is left of the last plan
+``rate_keeper``       whether the control rate is kept
+``record``            what a controller was given, to be flown again
+``certification``     what may be claimed of the terminal set that is flown
+====================  ==============================================================
+"""

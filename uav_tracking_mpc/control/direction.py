@@ -1,4 +1,4 @@
-"""Which way round: as asked for, or the nearer one, kept once chosen."""
+"""Which way round: the nearer direction, kept once chosen."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ import math
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, COUNTER_CLOCKWISE
 from uav_tracking_mpc.estimation.situation import Situation
 
-NEAREST = "nearest"
-# A choice is kept until the flight goes against it by more than this angle from the tangent: half
-# a right angle beyond the one at which the other direction becomes the nearer.
-HYSTERESIS = math.radians(135.0)
+# The other direction is the nearer one beyond 90 deg from the tangent. The direction changes only
+# when it is nearer by more than 45 deg (hysteresis).
+HYSTERESIS = math.radians(45.0)
 
 
 def nearest_direction(situation: Situation, present: str | None = None) -> str:
@@ -28,6 +27,6 @@ def nearest_direction(situation: Situation, present: str | None = None) -> str:
     if present is None:
         return COUNTER_CLOCKWISE if along > 0.0 else CLOCKWISE
     follows = along if present == COUNTER_CLOCKWISE else -along
-    if not follows < math.cos(HYSTERESIS):  # also where it is no number
+    if not follows < -math.sin(HYSTERESIS):  # also where it is no number
         return present
     return CLOCKWISE if present == COUNTER_CLOCKWISE else COUNTER_CLOCKWISE

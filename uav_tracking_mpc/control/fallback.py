@@ -1,6 +1,6 @@
-"""The ladder: from the optimal plan down to silence, one rung for everything that can fail.
+"""Fallback modes: from the optimal plan down to silence, one for everything that can fail.
 
-A pure state machine: it is told what there is, and says what to fly and why.
+A pure state machine: from what is available it chooses what to fly, and says why.
 """
 
 from __future__ import annotations
@@ -14,10 +14,11 @@ FEASIBLE_VIOLATION = 1e-2  # of hard constraints, in their own scale, that a pla
 UNFINISHED = (Status.TIME_LIMIT, Status.ITERATION_LIMIT)
 
 
-class Rung(Enum):
+class FallbackMode(Enum):
     """What is flown, best first; the value is what people read."""
 
     OPTIMAL = "optimal plan"
+    GUIDANCE_LAW = "guidance law"  # the one that was asked for in place of the predictive control
     FEASIBLE = "feasible plan, not optimal"
     EARLIER_PLAN = "earlier plan"
     LOITER = "loiter law"
@@ -25,103 +26,119 @@ class Rung(Enum):
     SILENCE = "silence"
 
     @property
+    def nominal(self) -> bool:
+        """Whether it is what was asked for."""
+        return self in (FallbackMode.OPTIMAL, FallbackMode.GUIDANCE_LAW)
+
+    @property
     def planned(self) -> bool:
         """Whether it is a plan of the predictive controller."""
-        return self in (Rung.OPTIMAL, Rung.FEASIBLE, Rung.EARLIER_PLAN)
-
-
-RUNGS = tuple(Rung)
+        return self in (FallbackMode.OPTIMAL, FallbackMode.FEASIBLE, FallbackMode.EARLIER_PLAN)
 
 
 @dataclass(frozen=True)
-class Footing:
-    """What there is to stand on.
+class Available:
+    """What there is to fly by.
 
     Attributes:
         state: Whether a fresh and usable vehicle state is known.
         target: Whether a target position has ever been known.
         target_fresh: Whether the last one is young enough to plan with.
-        solution: What the solver said; None if it was not asked or broke.
+        solution: What the solver answered; None if it was not asked or failed.
         plan_left: Whether an earlier plan, young enough, has something left.
+        law: Whether the guidance law that was asked for has answered.
         trouble: What is wrong with the inputs, in words; empty if nothing is.
     """
 
-    state: bool
-    target: bool
-    target_fresh: bool
-    solution: Solution | None
-    plan_left: bool
+    state: bool = True
+    target: bool = True
+    target_fresh: bool = True
+    solution: Solution | None = None
+    plan_left: bool = False
+    law: bool = False
     trouble: str = ""
 
 
 @dataclass(frozen=True)
-class Change:
-    """A step on the ladder.
+class ModeChange:
+    """A change of the fallback mode.
 
     Attributes:
-        before: Rung left.
-        after: Rung reached.
-        reason: Why; empty on the top rung.
+        before: Mode left.
+        after: Mode reached.
+        reason: Why; empty if it is what was asked for.
     """
 
-    before: Rung
-    after: Rung
+    before: FallbackMode
+    after: FallbackMode
     reason: str
 
     def __str__(self) -> str:
         """The change in a sentence."""
-        if self.after is Rung.OPTIMAL:
-            return f"now flying {self.after.value}s, before {self.before.value}"
-        return f"now flying {self.after.value}, before {self.before.value}: {self.reason}"
+        words = f"now flying {self.after.value}, before {self.before.value}"
+        return f"{words}: {self.reason}" if self.reason else words
 
 
-def choose(footing: Footing) -> tuple[Rung, str]:
-    """Highest rung that holds, and why it is none higher (empty on the top)."""
-    solution = footing.solution
-    if not footing.state:
-        return Rung.SILENCE, footing.trouble or "vehicle state is lost"
-    if not footing.target:
-        return Rung.HOLD, footing.trouble or "no target position"
-    if not footing.target_fresh:
-        return Rung.LOITER, footing.trouble or "target position is lost"
+def choose(available: Available) -> tuple[FallbackMode, str]:
+    """Best mode that can be flown, and why it is none better (empty if it is nominal).
+
+    Args:
+        available: What there is to fly by.
+    """
+    solution, trouble = available.solution, available.trouble
+    if not available.state:
+        return FallbackMode.SILENCE, trouble or "vehicle state is lost"
+    if not available.target:
+        return FallbackMode.HOLD, trouble or "no target position"
+    if not available.target_fresh:
+        return FallbackMode.LOITER, trouble or "target position is lost"
+    if available.law:
+        return FallbackMode.GUIDANCE_LAW, ""
     if solution is not None and solution.converged:
-        return Rung.OPTIMAL, ""
-    reason = footing.trouble or "no solution"
-    if not footing.trouble and solution is not None:
+        return FallbackMode.OPTIMAL, ""
+    reason = trouble or "no solution"
+    if not trouble and solution is not None:
         reason = solution.message or solution.status.value
     if (
         solution is not None
         and solution.status in UNFINISHED
         and solution.violation <= FEASIBLE_VIOLATION
     ):
-        return Rung.FEASIBLE, reason
-    if footing.plan_left:
-        return Rung.EARLIER_PLAN, reason
-    return Rung.LOITER, reason
+        return FallbackMode.FEASIBLE, reason
+    if available.plan_left:
+        return FallbackMode.EARLIER_PLAN, reason
+    return FallbackMode.LOITER, reason
 
 
-class Ladder:
-    """Where one stands, and how often one has stood where.
+class ModeSelector:
+    """The mode that is flown, and how often each one has been.
 
     Attributes:
-        rung: Present rung; SILENCE before the first step.
-        reason: Why it is none higher; empty on the top.
-        counts: Steps spent on each rung.
-        changes: How often the rung changed.
+        mode: Present mode; SILENCE before the first selection.
+        reason: Why it is none better; empty if it is nominal.
+        counts: Commands in each mode.
+        changes: How often the mode changed.
     """
 
     def __init__(self) -> None:
-        self.rung = Rung.SILENCE
+        self.mode = FallbackMode.SILENCE
         self.reason = "nothing has been received yet"
-        self.counts = dict.fromkeys(RUNGS, 0)
+        self.counts = dict.fromkeys(FallbackMode, 0)
         self.changes = 0
 
-    def step(self, footing: Footing) -> Change | None:
-        """Step to the highest rung that holds; the change, if there is one."""
-        rung, self.reason = choose(footing)
-        self.counts[rung] += 1
-        before, self.rung = self.rung, rung
-        if rung is before:
+    def select(self, available: Available) -> ModeChange | None:
+        """Go to the best mode that can be flown.
+
+        Args:
+            available: What there is to fly by.
+
+        Returns:
+            The change, if there is one.
+        """
+        mode, self.reason = choose(available)
+        self.counts[mode] += 1
+        before, self.mode = self.mode, mode
+        if mode is before:
             return None
         self.changes += 1
-        return Change(before, rung, self.reason)
+        return ModeChange(before, mode, self.reason)

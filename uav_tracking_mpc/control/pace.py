@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
+FORGIVEN = 0.01  # of the period by which a state may be early: rounding must not cost a whole state
+
 
 class Pace:
     """Picks the states from which a command is computed.
 
     Args:
-        rate: Commands per second wanted; no more can come than there are states.
+        rate: Commands per second wanted in [Hz]; no more can come than there are states.
     """
 
     def __init__(self, rate: float) -> None:
-        self.period = round(1e9 / rate)
-        self._next: int | None = None
+        self.period = 1.0 / rate
+        self._next: float | None = None
 
-    def due(self, stamp: int) -> bool:
-        """Whether the state of this stamp [ns] is the one to answer.
+    def due(self, stamp: float) -> bool:
+        """Whether the state of this stamp is the one to answer.
 
-        A hundredth of the period is forgiven, so that rounding does not cost a whole state. Time
-        lost is not caught up with: after a gap the pace starts anew.
+        Time lost is not caught up with: after a gap the pace starts anew.
+
+        Args:
+            stamp: In [s].
         """
         if self._next is None:
             self._next = stamp
-        if stamp < self._next - self.period // 100:
+        if stamp < self._next - FORGIVEN * self.period:
             return False
         self._next += self.period
         if self._next <= stamp:

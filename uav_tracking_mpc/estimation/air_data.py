@@ -1,23 +1,25 @@
-"""The airspeed that belongs to a state; without a measurement the air is taken as still."""
+"""The airspeed that belongs to a measurement; without one the air is taken as still."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.nodes.conversions import Motion
+from uav_tracking_mpc.estimation.measurement import Measurement
 
-SLOW = 0.1  # m/s over ground, below which the pose tells where the vehicle goes
+SLOW = 0.1  # m/s over ground, below which the body's axis tells where the vehicle goes
 
 
 class AirData:
-    """Latest airspeed.
+    """The newest airspeed that came by itself, beside the measurements of the aircraft.
 
     Args:
-        timeout: Age, against the state, at which it counts no more, in [s].
+        timeout: Greatest difference of its stamp from that of a measurement in [s].
+
+    Attributes:
+        missing: Whether the latest vehicle state had no airspeed to go by.
     """
 
     def __init__(self, timeout: float) -> None:
@@ -25,28 +27,43 @@ class AirData:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the airspeed; say anew if there is none."""
-        self._stamp: int | None = None
-        self._airspeed = math.nan
-        self._said = False
+        """Forget the airspeed."""
+        self._stamp, self._airspeed = -math.inf, math.nan
+        self.missing = False
 
-    def take(self, stamp: int, airspeed: float) -> None:
-        """An airspeed [m/s] has been measured at a stamp [ns]."""
+    def see(self, stamp: float, airspeed: float) -> None:
+        """Take in a measured airspeed.
+
+        Args:
+            stamp: When it was measured in [s].
+            airspeed: In [m/s].
+
+        Raises:
+            ValueError: One of them is not finite, or the airspeed is negative.
+        """
+        if not (math.isfinite(stamp) and math.isfinite(airspeed) and airspeed >= 0.0):
+            raise ValueError(
+                f"airspeed is {airspeed!r} m/s at {stamp!r} s, must be finite and at least 0 m/s"
+            )
         self._stamp, self._airspeed = stamp, airspeed
 
-    def vehicle_state(self, stamp: int, motion: Motion, logger: Any) -> NDArray[np.float64]:
-        """(x, y, z, psi, chi, v) of position and air velocity, shape (6,).
+    def vehicle_state(self, measurement: Measurement) -> NDArray[np.float64]:
+        """State (x, y, z, psi, chi, v) of position and air velocity, shape (6,).
 
         In still air the velocity over ground is that through the air.
+
+        Args:
+            measurement: Its own airspeed counts first, then the one that came by itself.
         """
-        if self._stamp is not None and abs(stamp - self._stamp) <= self.timeout * 1e9:
-            return motion.state(self._airspeed)
-        if not self._said:
-            self._said = True
-            logger.warning("no airspeed on uav/air_velocity: the air is taken as still")
-        east, north, up = (float(value) for value in motion.ground_velocity)
+        airspeed = measurement.airspeed
+        if airspeed is None and abs(measurement.stamp - self._stamp) <= self.timeout:
+            airspeed = self._airspeed
+        self.missing = airspeed is None
+        if airspeed is not None:
+            return measurement.state(airspeed)
+        east, north, up = (float(value) for value in measurement.ground_velocity)
         speed = math.sqrt(east**2 + north**2 + up**2)
-        state = motion.state(speed)
-        if speed > SLOW:
-            state[3], state[4] = math.atan2(north, east), math.atan2(up, math.hypot(east, north))
-        return state
+        if not speed > SLOW:
+            return measurement.state(speed)
+        heading, path_angle = math.atan2(north, east), math.atan2(up, math.hypot(east, north))
+        return np.array([*measurement.position, heading, path_angle, speed])

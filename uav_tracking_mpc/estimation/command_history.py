@@ -1,46 +1,69 @@
-"""Commands that were sent, as the aircraft will still be flying them: dead time, then the plan."""
+"""Commands that were sent, as the aircraft flies them: from when they come on, segment by segment.
+
+A plan's segments are laid out from the stamp of the state that it answers, but the aircraft flies
+the plan before it until the new one has been sent.
+"""
 
 from __future__ import annotations
 
 from collections import deque
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+
+class _SentPlan(NamedTuple):
+    """A plan under way: see :meth:`CommandHistory.add`."""
+
+    sent: float
+    begin: float
+    inputs: NDArray[np.float64]
+    step: float
 
 
 class CommandHistory:
     """Plans by the time at which they were sent.
 
     Args:
-        memory: For how long a plan matters after another has replaced it, in [s].
+        memory: How long a plan is kept after another has replaced it, in [s].
     """
 
     def __init__(self, memory: float) -> None:
-        self._memory = memory
-        self._plans: deque[tuple[float, NDArray[np.float64], float]] = deque()
+        self.memory = memory
+        self._plans: deque[_SentPlan] = deque()
 
     def reset(self) -> None:
         """Forget every command."""
         self._plans.clear()
 
-    def add(self, time: float, plan: NDArray[np.float64], step: float) -> None:
-        """A plan is sent.
+    def add(self, sent: float, begin: float, inputs: NDArray[np.float64], step: float) -> None:
+        """Record a plan that takes effect when it is sent.
 
         Args:
-            time: When its first inputs are commanded in [s].
-            plan: (u_psi, u_chi, u_v) at 0, step, 2 step, ..., shape (n, 3), held in between.
-            step: In [s].
+            sent: From when on it is flown in [s].
+            begin: When its first segment begins in [s], at or before ``sent``.
+            inputs: (u_psi, u_chi, u_v) at begin, begin + step, ..., shape (n, 3), held in between.
+            step: Length of a segment in [s].
         """
-        self._plans.append((time, plan, step))
-        while len(self._plans) > 1 and self._plans[1][0] <= time - self._memory:
+        self._plans.append(_SentPlan(sent, begin, inputs, step))
+        while len(self._plans) > 1 and self._plans[1].sent <= sent - self.memory:
             self._plans.popleft()
 
     def demanded(self, time: float, axis: int) -> float:
-        """Input that was or will be demanded at a time, by what has been sent so far.
+        """Input demanded at a time by what has been sent so far.
 
         The last segment of a plan is held; before the first command nothing is demanded.
+
+        Args:
+            time: Past or future, in [s].
+            axis: 0 for u_psi, 1 for u_chi, 2 for u_v.
+
+        Returns:
+            In [rad/s] or [m/s^2].
         """
-        for start, plan, step in reversed(self._plans):
-            if start <= time:
-                return float(plan[min(int((time - start) / step), len(plan) - 1), axis])
+        for plan in reversed(self._plans):
+            if plan.sent <= time:
+                segment = min(int((time - plan.begin) / plan.step), len(plan.inputs) - 1)
+                return float(plan.inputs[segment, axis])
         return 0.0

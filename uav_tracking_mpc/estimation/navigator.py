@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics import vehicle as vehicle_model
 from uav_tracking_mpc.dynamics.vehicle_models import Drift
+from uav_tracking_mpc.estimation.air_data import AirData
 from uav_tracking_mpc.estimation.command_history import CommandHistory
 from uav_tracking_mpc.estimation.forecast import Forecast
+from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.estimation.target_filter import TargetFilter
 from uav_tracking_mpc.settings.tracking import TrackingParameters
@@ -20,13 +22,29 @@ from uav_tracking_mpc.settings.tracking import TrackingParameters
 LONGEST_SUBSTEP = 0.05  # s, in which dead time is flown through
 ROUNDING = 1e-9
 LATENCY_LIMIT = 0.5  # s
-# What a measurement corrects of the target's track is faded in with this time constant [s]: the
-# steps of a noisy track would go straight into the bank angle.
+LATENCY_SHARE = 0.05  # of a new measurement in the latency that the prediction starts with
+# A measurement corrects the target's track by steps. They are faded in with this time constant
+# [s], or those of a noisy track would go straight into the bank angle.
 FADE_TIME = 0.8
+ACCELERATION = 2  # axis of u_v among the inputs
+
+
+class Estimate(NamedTuple):
+    """What a command is computed from.
+
+    Attributes:
+        present: Situation when the aircraft was measured.
+        effect: Situation when a command sent now takes effect.
+        forecast: Target and drift from then on.
+    """
+
+    present: Situation
+    effect: Situation
+    forecast: Forecast
 
 
 class Navigator:
-    """Measurements in, situation and forecast out.
+    """Measurements in, situations and forecast out.
 
     The drift is the present wind triangle, c = v_ground - v_air - v_target: a mean wind would still
     lose in gusts. Turn rate and path-angle rate are measured; the acceleration that is flown comes
@@ -36,31 +54,39 @@ class Navigator:
         parameters: Lag, dead time, horizon and filter settings.
 
     Attributes:
-        wind: At the latest situation, shape (3,), in [m/s].
+        air: The airspeed that came by itself.
         target: The filter of the target's positions.
-        latency: Time in [s] from a state to the command that answers it, as measured by the caller.
+        wind: At the latest estimate, shape (3,), in [m/s].
+        latency: Time from a measurement to the command that answers it, averaged, in [s].
     """
 
     def __init__(self, parameters: TrackingParameters) -> None:
+        self.air = AirData(parameters.state_timeout)
         self.target = TargetFilter(parameters.target_noise, parameters.target_agility)
         self.latency = 0.0
-        self._history = CommandHistory(2.0 * max(parameters.dead_time) + 1.0)
+        self._history = CommandHistory(0.0)
         self.change(parameters)
         self.reset()
 
     def change(self, parameters: TrackingParameters) -> None:
-        """Use other parameters from now on; what is known of the target is kept."""
-        self._parameters = parameters
+        """Use other parameters from now on; what is known of the target is kept.
+
+        Args:
+            parameters: The new ones.
+        """
         self._model = parameters.vehicle
-        self._lag = float(self._model.lags[2])
+        self._lag = float(self._model.lags[ACCELERATION])
         self._dead_time = parameters.dead_time
         self._stages = parameters.horizon_step * np.arange(parameters.horizon + 1)
         self._times = np.zeros(len(self._stages) + 1)
         self._shares = np.exp(-self._stages / FADE_TIME)[:, np.newaxis]
+        self._history.memory = 2.0 * max(self._dead_time) + 1.0
+        self.air.timeout = parameters.state_timeout
         self.target.tune(parameters.target_noise, parameters.target_agility)
 
     def reset(self) -> None:
-        """Forget target and commands."""
+        """Forget air, target and commands."""
+        self.air.reset()
         self.target.reset()
         self._history.reset()
         self.wind = np.zeros(3)
@@ -68,11 +94,25 @@ class Navigator:
         self._acceleration = 0.0
         self._time: float | None = None
 
-    def see_target(self, time: float, position: ArrayLike) -> bool:
-        """Take in a measured position of the target: see :meth:`TargetFilter.update`."""
+    def see_target(
+        self,
+        time: float,
+        position: ArrayLike,
+        velocity: ArrayLike | None = None,
+        covariance: ArrayLike | None = None,
+    ) -> bool:
+        """Take in a measurement of the target: see :meth:`TargetFilter.update`.
+
+        Args:
+            time: When it was measured in [s].
+            position: In ``map``, shape (3,), in [m].
+            velocity: In ``map``, shape (3,), in [m/s]; None if it is not known.
+            covariance: Of position, shape (3, 3), or of position and velocity, shape (6, 6), in
+                SI units; None if it is not known.
+        """
         known = self.target.time
         before = None if known is None else self.target.predict(max(time, known))
-        taken = self.target.update(time, position)
+        taken = self.target.update(time, position, velocity, covariance)
         if taken and before is not None:
             after = self.target.predict(time)
             self._faded = self._fading(time)
@@ -84,80 +124,84 @@ class Navigator:
         """What is not yet corrected of position and velocity at a time, shape (2, 3)."""
         return self._faded * math.exp(-max(0.0, time - self._fade_begin) / FADE_TIME)
 
-    def commanded(self, time: float, plan: NDArray[np.float64], step: float) -> None:
-        """A plan has been sent in answer to the state of a time [s]."""
-        self._history.add(time, plan, step)
-
-    def situation(
-        self,
-        time: float,
-        vehicle: NDArray[np.float64],
-        ground_velocity: ArrayLike,
-        turn_rates: ArrayLike,
-    ) -> Situation:
-        """Situation at the time of a measured state.
+    def commanded(self, stamp: float, delay: float, plan: NDArray[np.float64], step: float) -> None:
+        """Record a plan that has been sent.
 
         Args:
-            time: Of the state in [s].
-            vehicle: (x, y, z, psi, chi, v) of position and air velocity, shape (6,).
-            ground_velocity: In ``map``, shape (3,), in [m/s].
-            turn_rates: Measured psi' and chi', shape (2,), in [rad/s].
+            stamp: Of the measurement that it answers, at which its first segment begins, in [s].
+            delay: From the stamp to when it was sent in [s].
+            plan: (u_psi, u_chi, u_v) of each segment, shape (n, 3).
+            step: Length of a segment in [s].
+        """
+        self._history.add(stamp + delay, stamp, plan, step)
+        self.latency += LATENCY_SHARE * (min(delay, LATENCY_LIMIT) - self.latency)
+
+    def vehicle_state(self, measurement: Measurement) -> NDArray[np.float64]:
+        """State (x, y, z, psi, chi, v) with the airspeed that belongs to it, shape (6,).
+
+        Args:
+            measurement: Of the aircraft.
+        """
+        return self.air.vehicle_state(measurement)
+
+    def estimate(self, measurement: Measurement) -> Estimate:
+        """Situations and forecast of a measurement.
+
+        Args:
+            measurement: Of the aircraft, not older than the one before.
 
         Raises:
             ValueError: No target position is known.
         """
-        self._delay = max(self._dead_time) + min(max(self.latency, 0.0), LATENCY_LIMIT)
+        time, vehicle = measurement.stamp, self.vehicle_state(measurement)
+        delay = max(self._dead_time) + min(max(self.latency, 0.0), LATENCY_LIMIT)
         self._times[0] = time
-        self._times[1:] = time + self._delay + self._stages
-        self._track = self.target.ahead(self._times)
-        position, velocity, acceleration = (part[0] for part in self._track)
-        fading = self._fading(time)
-        self.wind = np.asarray(ground_velocity, dtype=float) - vehicle_model.velocity(vehicle)
+        self._times[1:] = time + delay + self._stages
+        positions, velocities, accelerations = self.target.ahead(self._times)
+        position_fading, velocity_fading = self._fading(time)
+        self.wind = measurement.ground_velocity - vehicle_model.velocity(vehicle)
         self._follow_acceleration(time)
-        turn, pitch = (float(value) for value in np.asarray(turn_rates))
-        return Situation(
+        rates = [measurement.turn_rate, measurement.path_angle_rate, self._acceleration]
+        present = Situation(
             vehicle=vehicle,
-            target=position + fading[0],
-            drift=self.wind - velocity - fading[1],
-            drift_rate=-acceleration,
-            rates=np.array([turn, pitch, self._acceleration]),
+            target=positions[0] + position_fading,
+            drift=self.wind - velocities[0] - velocity_fading,
+            drift_rate=-accelerations[0],
+            rates=np.array(rates),
         )
-
-    def at_effect(self, time: float, situation: Situation) -> tuple[Situation, Forecast]:
-        """Situation when a command sent now takes effect, and the forecast from then on.
-
-        Args:
-            time: Of the situation in [s].
-            situation: The latest of :meth:`situation`.
-        """
-        positions, velocities, accelerations = (part[1:] for part in self._track)
-        fading = self._fading(time + self._delay)[:, np.newaxis] * self._shares
+        later_position, later_velocity = self._fading(time + delay)[:, np.newaxis] * self._shares
         forecast = Forecast(
-            positions + fading[0], self.wind - velocities - fading[1], -accelerations
+            positions[1:] + later_position,
+            self.wind - velocities[1:] - later_velocity,
+            -accelerations[1:],
         )
-        if self._delay == 0.0:
-            return situation, forecast
-        state = self._flown_through(time, situation)
-        turns = [math.remainder(angle, 2.0 * math.pi) for angle in state[3:5]]
-        vehicle = np.array([*state[:3], *turns, state[5]])
-        vehicle[:3] += forecast.target[0]
-        later = replace(
-            situation,
-            vehicle=vehicle,
-            target=forecast.target[0],
+        if delay == 0.0:
+            return Estimate(present, present, forecast)
+        return Estimate(present, self._at_effect(time, delay, present, forecast), forecast)
+
+    def _at_effect(
+        self, time: float, delay: float, present: Situation, forecast: Forecast
+    ) -> Situation:
+        """Situation when a command sent now takes effect."""
+        x, y, z, heading, path_angle, airspeed, *rates = self._flown_through(time, delay, present)
+        offset, target = np.array([x, y, z]), forecast.target[0]
+        turns = [math.remainder(angle, 2.0 * math.pi) for angle in (heading, path_angle)]
+        return replace(
+            present,
+            vehicle=np.array([*(offset + target), *turns, airspeed]),
+            target=target,
             drift=forecast.drift[0],
             drift_rate=forecast.drift_rate[0],
-            rates=np.array(state[6:9]),
+            rates=np.array(rates[:3]),
         )
-        return later, forecast
 
-    def _flown_through(self, time: float, situation: Situation) -> Any:
+    def _flown_through(self, time: float, delay: float, present: Situation) -> Any:
         """State relative to the target after the delay, by the commands already under way."""
         model = self._model
-        state = model.initial(situation.vehicle, situation.target, situation.rates)
-        drift, rate = situation.drift.tolist(), situation.drift_rate.tolist()
-        count = max(1, math.ceil(self._delay / LONGEST_SUBSTEP - ROUNDING))
-        substep = self._delay / count
+        state = model.initial(present.vehicle, present.target, present.rates)
+        drift, rate = present.drift.tolist(), present.drift_rate.tolist()
+        count = max(1, math.ceil(delay / LONGEST_SUBSTEP - ROUNDING))
+        substep = delay / count
         numbers = model.numbers(substep).tolist()
         for index in range(count):
             middle = time + (index + 0.5) * substep
@@ -174,6 +218,7 @@ class Navigator:
         self._time = time
         if not elapsed > 0.0:
             return
-        demanded = self._history.demanded(time - 0.5 * elapsed - self._dead_time[2], 2)
+        dead_time = self._dead_time[ACCELERATION]
+        demanded = self._history.demanded(time - 0.5 * elapsed - dead_time, ACCELERATION)
         share = -math.expm1(-elapsed / self._lag) if self._lag else 1.0
         self._acceleration += share * (demanded - self._acceleration)

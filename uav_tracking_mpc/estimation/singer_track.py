@@ -20,6 +20,7 @@ MANOEUVRE_TIME = 5.0  # tau [s]: least prediction errors on circles, straight ru
 BRIDGE_TIME = 5.0  # s without a position after which the velocity fades
 FADE_TIME = 10.0  # s, its time constant
 TURN_MEMORY = 2.0  # s over which the turn rate is averaged
+Motion = tuple[NDArray[np.float64], float]  # velocity, shape (3,), and its variance [m^2/s^2]
 TERMS = 16  # of the series of exp(-x), x <= 1/2: exact to rounding
 
 
@@ -118,29 +119,59 @@ class SingerTrack:
         row = transition[0]
         return math.sqrt(row @ self.covariance @ row + self._agility**2 * noise[0, 0])
 
-    def update(self, time: float, position: NDArray[np.float64], gate: float) -> bool:
+    def update(
+        self,
+        time: float,
+        position: NDArray[np.float64],
+        gate: float,
+        variance: float | None = None,
+        motion: Motion | None = None,
+    ) -> bool:
         """Take in a position unless its squared normalised innovation exceeds the gate.
 
         Args:
             time: When it was measured, after that of the track, in [s].
             position: Shape (3,), in [m].
-            gate: Greatest squared normalised innovation, chi-square of 3 degrees of freedom.
+            gate: Greatest squared normalised innovation, chi-square of 3 degrees of freedom, [-].
+            variance: Of the position on each axis in [m^2]; that of the first one by default.
+            motion: Velocity, shape (3,), in [m/s] and its variance in [m^2/s^2], or None; it is
+                left out by itself where it exceeds the gate.
         """
         state, covariance = self.propagated(time)
         innovation = position - state[0]
-        variance = covariance[0, 0] + self._variance
-        if not innovation @ innovation <= gate * variance:
+        variance = self._variance if variance is None else variance
+        if not innovation @ innovation <= gate * (covariance[0, 0] + variance):
             return False
-        gain = covariance[:, 0] / variance
-        self.state = state + np.outer(gain, innovation)
-        # Joseph's form: a sum of squares, whatever is rounded.
-        remaining = np.eye(3)
-        remaining[:, 0] -= gain
-        covariance = remaining @ covariance @ remaining.T + self._variance * np.outer(gain, gain)
-        self.covariance = 0.5 * (covariance + covariance.T)
+        self.state, self.covariance = state, covariance
+        self._correct(0, innovation, variance)
+        if motion is not None:
+            self.see_velocity(*motion, gate)
         self._average_turn(time - self.time)
         self.time = time
         return True
+
+    def see_velocity(self, velocity: NDArray[np.float64], variance: float, gate: float) -> None:
+        """Take in a velocity of the track's time unless its innovation exceeds the gate.
+
+        Args:
+            velocity: Shape (3,), in [m/s].
+            variance: On each axis in [m^2/s^2].
+            gate: Greatest squared normalised innovation, [-].
+        """
+        innovation = velocity - self.state[1]
+        if innovation @ innovation <= gate * (self.covariance[1, 1] + variance):
+            self._correct(1, innovation, variance)
+
+    def _correct(self, order: int, innovation: NDArray[np.float64], variance: float) -> None:
+        """Kalman correction by a measured derivative of the position, of order 0 or 1."""
+        covariance = self.covariance
+        gain = covariance[:, order] / (covariance[order, order] + variance)
+        self.state = self.state + np.outer(gain, innovation)
+        # Joseph's form: a sum of squares, whatever is rounded.
+        remaining = np.eye(3)
+        remaining[:, order] -= gain
+        covariance = remaining @ covariance @ remaining.T + variance * np.outer(gain, gain)
+        self.covariance = 0.5 * (covariance + covariance.T)
 
     def _average_turn(self, elapsed: float) -> None:
         (_, (vx, vy, _), (ax, ay, _)) = self.state.tolist()

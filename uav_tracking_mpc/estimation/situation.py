@@ -33,6 +33,21 @@ class Situation:
     rates: NDArray[np.float64]
 
     @property
+    def heading(self) -> float:
+        """Heading psi of the air velocity in [rad]."""
+        return float(self.vehicle[3])
+
+    @property
+    def path_angle(self) -> float:
+        """Path angle chi of the air velocity in [rad]."""
+        return float(self.vehicle[4])
+
+    @property
+    def airspeed(self) -> float:
+        """Airspeed v in [m/s]."""
+        return float(self.vehicle[5])
+
+    @property
     def offset(self) -> NDArray[np.float64]:
         """From the target to the aircraft, shape (3,), in [m]."""
         return self.vehicle[:3] - self.target

@@ -1,34 +1,37 @@
-"""Which vehicle states are believed: an odd one is a bad message, several that agree are a fact."""
+"""Which measurements are believed: an odd one is an outlier, several that agree are a fact."""
 
 from __future__ import annotations
 
 from enum import Enum
 
 import numpy as np
-from numpy.typing import NDArray
 
-SPEED_LIMIT = 500.0  # m/s over ground; what moves faster has jumped
-SLACK = 50.0  # m of position that no motion need explain
-AGREEING = 3  # odd states in a row, each following the one before, that are a fact
+from uav_tracking_mpc.estimation.measurement import Measurement
+
+SPEED_LIMIT = 500.0  # m/s over ground; a faster change of position is a jump
+JUMP_MIN = 50.0  # m; a smaller change of position is never a jump
+NOISE_MULTIPLE = 6.0  # standard deviations of the position that are no jump either
+AGREEING = 3  # outliers in a row, each consistent with the one before, that are a fact
 
 
 class Verdict(Enum):
-    """What to do with a state."""
+    """What to do with a measurement."""
 
     USE = "use"
-    DROP = "drop"  # a duplicate, or out of order: nothing to say
-    DOUBT = "doubt"  # odd: not used unless the next ones agree
+    DROP = "drop"  # a duplicate, or out of order: nothing to report
+    DOUBT = "doubt"  # an outlier: not used unless the next ones agree
     RESTART = "restart"  # time has gone back, or the vehicle is elsewhere: start anew
 
 
 class StateGate:
-    """Judges states by stamp and position.
+    """Judges measurements by stamp and position.
 
     Args:
         timeout: Step of the stamps, either way, that is no longer ordinary, in [s].
 
     Attributes:
-        reason: Why the last state was doubted or made a restart, in words.
+        newest: The newest measurement that was believed; None before the first.
+        reason: Why the last measurement was doubted or made a restart, in words.
     """
 
     def __init__(self, timeout: float) -> None:
@@ -36,50 +39,60 @@ class StateGate:
         self.reset()
 
     def reset(self) -> None:
-        """Believe the next state, whatever it is."""
-        self._newest: tuple[int, NDArray[np.float64]] | None = None
-        self._odd: tuple[int, NDArray[np.float64]] | None = None
+        """Believe the next measurement, whatever it is."""
+        self.newest: Measurement | None = None
+        self._outlier: Measurement | None = None
         self._agreeing = 0
         self.reason = ""
 
-    def judge(self, stamp: int, position: NDArray[np.float64]) -> Verdict:
-        """What to do with a state.
+    def judge(self, measurement: Measurement) -> Verdict:
+        """What to do with a measurement.
 
         Args:
-            stamp: In [ns].
-            position: In ``map``, shape (3,), in [m].
+            measurement: Stamp and position count, and the noise of the position where it is known.
         """
-        if self._newest is None:
-            return self._believe(stamp, position, Verdict.USE)
-        step = (stamp - self._newest[0]) * 1e-9
+        newest = self.newest
+        if newest is None:
+            return self._believe(measurement, Verdict.USE)
+        step, jump = _change(newest, measurement)
         if -self.timeout < step <= 0.0:
             return Verdict.DROP
-        jump = float(np.linalg.norm(position - self._newest[1]))
-        moved = jump > SLACK + SPEED_LIMIT * min(abs(step), self.timeout)
+        moved = jump > _explained(measurement, min(abs(step), self.timeout))
         if abs(step) <= self.timeout and not moved:
-            return self._believe(stamp, position, Verdict.USE)
+            return self._believe(measurement, Verdict.USE)
         if step < 0.0:
-            self.reason = f"header.stamp went back by {-step:.3f} s"
+            self.reason = f"the stamp went back by {-step:.3f} s"
         elif moved:
-            self.reason = f"pose.position jumped by {jump:.6g} m in {step:.3f} s"
+            self.reason = f"the position jumped by {jump:.6g} m in {step:.3f} s"
         else:
-            self.reason = f"header.stamp went ahead by {step:.3f} s"
-        self._agreeing = self._agreeing + 1 if self._follows(stamp, position) else 1
-        self._odd = stamp, position
+            self.reason = f"the stamp went ahead by {step:.3f} s"
+        self._agreeing = self._agreeing + 1 if self._agrees(measurement) else 1
+        self._outlier = measurement
         if self._agreeing < AGREEING:
             return Verdict.DOUBT
-        # A gap is flown on after; time gone back and a vehicle elsewhere are a new beginning.
+        # After a gap the flight goes on; time gone back and a vehicle elsewhere are a new beginning
         verdict = Verdict.RESTART if step < 0.0 or moved else Verdict.USE
-        return self._believe(stamp, position, verdict)
+        return self._believe(measurement, verdict)
 
-    def _believe(self, stamp: int, position: NDArray[np.float64], verdict: Verdict) -> Verdict:
-        self._newest, self._odd, self._agreeing = (stamp, position), None, 0
+    def _believe(self, measurement: Measurement, verdict: Verdict) -> Verdict:
+        self.newest, self._outlier, self._agreeing = measurement, None, 0
         return verdict
 
-    def _follows(self, stamp: int, position: NDArray[np.float64]) -> bool:
-        """Whether a state follows the odd one before it."""
-        if self._odd is None:
+    def _agrees(self, measurement: Measurement) -> bool:
+        """Whether a measurement is consistent with the outlier before it."""
+        if self._outlier is None:
             return False
-        step = (stamp - self._odd[0]) * 1e-9
-        jump = float(np.linalg.norm(position - self._odd[1]))
-        return 0.0 < step <= self.timeout and jump <= SLACK + SPEED_LIMIT * step
+        step, jump = _change(self._outlier, measurement)
+        return 0.0 < step <= self.timeout and jump <= _explained(measurement, step)
+
+
+def _change(before: Measurement, after: Measurement) -> tuple[float, float]:
+    """Time [s] and distance [m] from one measurement to another."""
+    moved = after.position - before.position
+    return after.stamp - before.stamp, float(np.linalg.norm(moved))
+
+
+def _explained(measurement: Measurement, step: float) -> float:
+    """Greatest distance [m] that motion and noise explain in a time [s]."""
+    noise = 0.0 if measurement.noise is None else measurement.noise.position
+    return JUMP_MIN + NOISE_MULTIPLE * noise + SPEED_LIMIT * step

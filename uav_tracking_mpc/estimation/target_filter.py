@@ -7,18 +7,21 @@ starts anew from them.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.estimation.singer_track import SingerTrack, bridged
+from uav_tracking_mpc.estimation.singer_track import Motion, SingerTrack, bridged
 from uav_tracking_mpc.estimation.turn_prediction import predict_turn
 
 GATE = 16.27  # chi-square of 3 degrees of freedom: one good position in a thousand is left out
 JUMP = 3  # positions left out in a row that agree: the target is there
 FORGOTTEN = 300.0  # s without a position after which nothing is left of the track
-REWIND = 1.0  # s before the newest position for which the past is told
+REWIND = 1.0  # s before the newest position for which an estimate is given
+VELOCITY_NOISE = 1.0  # m/s, standard deviation of a velocity that comes without a covariance
+NOISE_MIN = 1e-3  # m or m/s, the least standard deviation that is believed
 
 
 @dataclass(frozen=True)
@@ -39,7 +42,7 @@ class TargetEstimate:
 
 
 class TargetFilter:
-    """Position, velocity and acceleration of a target from positions that come noisy at any rate.
+    """Position, velocity and acceleration of a target from noisy measurements at any rate.
 
     Args:
         noise: Standard deviation of a measured position in [m].
@@ -57,7 +60,12 @@ class TargetFilter:
         self.reset()
 
     def tune(self, noise: float, agility: float) -> None:
-        """Believe other standard deviations, from the next track on."""
+        """Use other standard deviations, from the next track on.
+
+        Args:
+            noise: Of a measured position in [m].
+            agility: Of the target's acceleration in [m/s^2].
+        """
         self._noise, self._agility = noise, agility
 
     def reset(self) -> None:
@@ -72,55 +80,106 @@ class TargetFilter:
         """Time of the newest position taken in, in [s]; None before the first."""
         return None if self._track is None else self._track.time
 
-    def update(self, time: float, position: ArrayLike) -> bool:
-        """Take in one measured position.
+    def update(
+        self,
+        time: float,
+        position: ArrayLike,
+        velocity: ArrayLike | None = None,
+        covariance: ArrayLike | None = None,
+    ) -> bool:
+        """Take in one measurement.
 
         Args:
             time: When it was measured in [s].
             position: In ``map``, shape (3,), in [m].
+            velocity: In ``map``, shape (3,), in [m/s]; None if it is not known.
+            covariance: Of position, shape (3, 3), or of position and velocity, shape (6, 6), in
+                SI units; None for the filter's own noise. Its largest variance counts on every
+                axis.
 
         Returns:
             False if it was left out: late, or not to be believed.
 
         Raises:
-            ValueError: The position is not three finite numbers, or the time not one; the filter
-                is unchanged.
+            ValueError: A value is not finite or not of its shape, or the covariance is none; the
+                filter is unchanged.
         """
-        measured = np.asarray(position, dtype=float)
-        if measured.shape != (3,) or not np.all(np.isfinite(measured)):
-            raise ValueError(f"target position is {position!r}, must be three finite numbers")
         if not np.isfinite(time):
             raise ValueError(f"time of the target position is {time!r} s, must be finite")
+        measured = _vector("target position", position)
+        variance, velocity_variance = self._variances(covariance)
+        motion = None
+        if velocity is not None:
+            motion = _vector("target velocity", velocity), velocity_variance
         if self._track is None or time - self._track.time > FORGOTTEN:
-            self._track, self._rival = self._begin(time, measured), None
+            self._track, self._rival = self._begin(time, measured, variance, motion), None
             return True
         newest = self._track if self._rival is None else self._rival
         if time <= newest.time:
             self.late += 1
             return False
-        if self._track.update(time, measured, GATE):
+        if self._track.update(time, measured, GATE, variance, motion):
             self._rival = None
             return True
-        return self._doubt(time, measured)
+        return self._doubt(time, measured, variance, motion)
 
-    def _begin(self, time: float, position: NDArray[np.float64]) -> SingerTrack:
-        return SingerTrack(time, position, self._noise, self._agility, self._speed)
+    @staticmethod
+    def _variances(covariance: ArrayLike | None) -> tuple[float | None, float]:
+        """Variances of position [m^2], None for the track's own, and of velocity [m^2/s^2]."""
+        if covariance is None:
+            return None, VELOCITY_NOISE**2
+        matrix = np.asarray(covariance, dtype=float)
+        if matrix.shape not in ((3, 3), (6, 6)) or not np.isfinite(matrix).all():
+            raise ValueError(
+                f"covariance of the target has shape {matrix.shape}, must be (3, 3) or (6, 6) and "
+                "finite"
+            )
+        largest = [
+            float(np.linalg.eigvalsh(matrix[axes, axes])[-1])
+            for axes in (slice(0, 3), slice(3, 6))[: len(matrix) // 3]
+        ]
+        if not min(largest) >= 0.0:
+            raise ValueError(f"covariance of the target is {matrix.tolist()}, must not be negative")
+        position, velocity = [*largest, VELOCITY_NOISE**2][:2]
+        return max(position, NOISE_MIN**2), max(velocity, NOISE_MIN**2)
 
-    def _doubt(self, time: float, position: NDArray[np.float64]) -> bool:
+    def _begin(
+        self,
+        time: float,
+        position: NDArray[np.float64],
+        variance: float | None,
+        motion: Motion | None,
+    ) -> SingerTrack:
+        noise = self._noise if variance is None else math.sqrt(variance)
+        track = SingerTrack(time, position, noise, self._agility, self._speed)
+        if motion is not None:
+            track.see_velocity(*motion, GATE)
+        return track
+
+    def _doubt(
+        self,
+        time: float,
+        position: NDArray[np.float64],
+        variance: float | None,
+        motion: Motion | None,
+    ) -> bool:
         """Hold a position that was left out against those left out just before."""
-        if self._rival is not None and self._rival.update(time, position, GATE):
+        if self._rival is not None and self._rival.update(time, position, GATE, variance, motion):
             self._rival_count += 1
             if self._rival_count == JUMP:
                 self._track, self._rival = self._rival, None
                 self.jumps += 1
                 return True
         else:
-            self._rival, self._rival_count = self._begin(time, position), 1
+            self._rival, self._rival_count = self._begin(time, position, variance, motion), 1
         self.rejected += 1
         return False
 
     def predict(self, time: float) -> TargetEstimate:
         """Estimate at a time: on from the newest position, or up to a second back from it.
+
+        Args:
+            time: In [s].
 
         Raises:
             ValueError: Nothing has been measured yet.
@@ -159,3 +218,10 @@ class TargetFilter:
         if self._track is None:
             raise ValueError("no target position has been received yet")
         return self._track
+
+
+def _vector(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    vector = np.asarray(values, dtype=float)
+    if vector.shape != (3,) or not np.isfinite(vector).all():
+        raise ValueError(f"{name} is {values!r}, must be three finite numbers")
+    return vector

@@ -49,9 +49,6 @@ class FlightFormulation:
         self._data = np.zeros((self._stages + 1, self.flight.layout.size))
         self.change(parameters)
 
-    def check(self, parameters: TrackingParameters) -> None:
-        """Everything that the problem is told can be taken in flight."""
-
     def change(self, parameters: TrackingParameters) -> None:
         """Fly other orbits, weights, limits and lags from now on.
 

@@ -49,16 +49,8 @@ class Formulation(Protocol):
         """Watches (54); None where it says nothing."""
         ...
 
-    def check(self, parameters: TrackingParameters) -> None:
-        """Whether other parameters can be taken in flight.
-
-        Raises:
-            ParameterError: They can only be taken at the start.
-        """
-        ...
-
     def change(self, parameters: TrackingParameters) -> None:
-        """Fly other parameters, which pass :meth:`check`, from now on."""
+        """Fly other parameters from now on, of which no fixed one differs."""
         ...
 
     def solve(

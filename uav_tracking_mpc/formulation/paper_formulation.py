@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
@@ -19,16 +17,8 @@ from uav_tracking_mpc.formulation.paper_terminal import (
 from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.solver import Solver
-from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.terminal.decrease import decrease_monitor
-
-# Its orbit, weights and limits are part of the terminal ingredients and of the compiled equations.
-CHANGEABLE = (
-    "solve_time_max", "plan_age_max", "state_timeout", "target_timeout", "target_noise",
-    "target_agility",
-    "control_rate",
-)  # fmt: skip
 
 
 class PaperFormulation:
@@ -40,33 +30,15 @@ class PaperFormulation:
     """
 
     def __init__(self, parameters: TrackingParameters, solver: Solver | None = None) -> None:
-        self.parameters = parameters
         self.step = parameters.horizon_step
         self.solver = solver or _solver(parameters)
         self.decrease = decrease_monitor(stability_problem(parameters), terminal_level(parameters))
         self._steady_inputs = parameters.steady_inputs
         self._target = np.full(3, np.nan)
 
-    def check(self, parameters: TrackingParameters) -> None:
-        """Whether only timeouts and filter settings have changed.
-
-        Raises:
-            ParameterError: Something else has.
-        """
-        for field in dataclasses.fields(parameters):
-            name = field.name
-            before, after = getattr(self.parameters, name), getattr(parameters, name)
-            if before != after and name not in CHANGEABLE:
-                raise ParameterError(
-                    f"parameter '{name}' is {after!r}, must stay {before!r} in flight unless "
-                    "terminal_constraint is 'artificial_orbit'"
-                )
-
     def change(self, parameters: TrackingParameters) -> None:
-        """Take new timeouts and filter settings."""
-        self.parameters = parameters
-        if isinstance(self.solver, NewtonSolver):
-            self.solver.time_limit = parameters.solve_time_max
+        """Take a new time budget; nothing else that changes in flight is in the problem."""
+        self.solver.time_limit = parameters.solve_time_max
 
     def reset(self) -> None:
         """Forget the last plan."""

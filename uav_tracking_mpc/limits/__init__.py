@@ -37,6 +37,9 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.parameters.specification import specifications
 
+# Parameter and value without which the bounds of the inputs are compiled into the problem, which is
+# then the paper's.
+COMPILED = ("terminal_constraint", "artificial_orbit")
 TOLERANCE = 0.01  # share of a bound by which a flown quantity may pass it
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
-from uav_tracking_mpc.limits import Limit, Motion
+from uav_tracking_mpc.limits import COMPILED, Limit, Motion
 from uav_tracking_mpc.parameters.specification import parameter
 
 
@@ -23,6 +23,7 @@ class PitchRate(Limit):
         unit="rad/s",
         lower=1e-3,
         upper=10.0,
+        fixed_unless=COMPILED,
     )
 
     def inputs(self, motion: Motion, numbers: Any, xp: ModuleType) -> dict[str, tuple[Any, Any]]:

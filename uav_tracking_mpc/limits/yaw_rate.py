@@ -8,7 +8,7 @@ from types import ModuleType
 from typing import Any
 
 from uav_tracking_mpc.dynamics.drift import sharpest_turn
-from uav_tracking_mpc.limits import Bound, Limit, Motion, OrbitShape
+from uav_tracking_mpc.limits import COMPILED, Bound, Limit, Motion, OrbitShape
 from uav_tracking_mpc.limits._turn import TURN_RATE_SHARE
 from uav_tracking_mpc.parameters.specification import parameter
 
@@ -21,7 +21,12 @@ class YawRate(Limit):
     hard_on_orbit = True
 
     yaw_rate_max: float = parameter(
-        math.pi / 4, "Greatest yaw rate u_psi, either way.", unit="rad/s", lower=1e-3, upper=10.0
+        math.pi / 4,
+        "Greatest yaw rate u_psi, either way.",
+        unit="rad/s",
+        lower=1e-3,
+        upper=10.0,
+        fixed_unless=COMPILED,
     )
 
     def inputs(self, motion: Motion, numbers: Any, xp: ModuleType) -> dict[str, tuple[Any, Any]]:

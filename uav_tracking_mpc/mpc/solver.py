@@ -30,10 +30,16 @@ class Solver(Protocol):
     A solver keeps its last converged plan and starts from it, moved on by the time that has passed.
     It never raises on data and never returns an input that is not finite or outside the box: bad
     data gives :attr:`Status.REFUSED` and leaves everything that the solver holds as it was.
+
+    Attributes:
+        name: By which it is chosen.
+        problem: What it solves.
+        time_limit: Time budget of one solve in [s], may be set between solves; inf for none.
     """
 
     name: str
     problem: OptimalControlProblem
+    time_limit: float
 
     def solve(
         self,

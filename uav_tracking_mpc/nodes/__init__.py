@@ -3,13 +3,11 @@
 =======================  =============================================================
 ``uav_simulator``        the vehicle and its autopilot
 ``target_publisher``     where the target is
-``nmpc_controller``      the control law
+``nmpc_controller``      messages to the controller, its commands to the vehicle
 ``controller_report``    what it has done, as numbers for /diagnostics
 ``controller_views``     what it shows to people: tracking errors, path, markers
 ``command_wire``         a command as bytes, rewritten in place
-``air_data``             the airspeed that belongs to a state
 ``stall_guard``          whether the process has been standing still
-``rate_keeper``          whether the control rate is kept, and by how much not
 ``monitor``              a live table in the terminal
 ``flight_recorder``      every topic of a flight
 ``flight_bag``           an MCAP bag: written, and read back as a flight log

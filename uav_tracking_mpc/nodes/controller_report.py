@@ -1,53 +1,116 @@
-"""What the controller has done, as numbers for /diagnostics."""
+"""What the controller has done and how it is: in the log, and as /diagnostics."""
 
 from __future__ import annotations
 
-import numpy as np
+from rclpy.node import Node
 
-from uav_tracking_mpc.control.fallback import Rung
-from uav_tracking_mpc.control.pilot import Command, Pilot
-from uav_tracking_mpc.estimation.navigator import Navigator
-from uav_tracking_mpc.estimation.situation import Situation
-from uav_tracking_mpc.nodes.rate_keeper import RateKeeper
+from uav_tracking_mpc.control.command import Command
+from uav_tracking_mpc.control.controller import Controller
+from uav_tracking_mpc.control.event import Level
+from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.nodes import diagnostics
+from uav_tracking_mpc.nodes.peers import Peers
 from uav_tracking_mpc.nodes.sample_window import SampleWindow
 from uav_tracking_mpc.terminal.claim import CertificateStatus
 
-LATE = 1.5  # control periods from command to command, beyond which one came late
+WARNING_PERIOD = 5.0  # s between warnings of one kind that may come with every message
 
 
 class ControllerReport:
-    """Counts and times of one controller.
+    """Counts, times, log and diagnostics of one controller.
 
     Args:
-        rate: Commands a second that are asked for.
+        node: Whose log and diagnostics they are.
 
     Attributes:
-        rate: Whether it is kept.
-        drift: c at the last command, shape (3,), in [m/s].
+        certification: What may be claimed of the terminal set; None while not configured.
+        peers: Who publishes what the node listens to.
         refused: Messages that could not be used.
         deadlines_missed: How often no command came for two control periods of wall time.
-        flying: Whether a command has been sent.
     """
 
-    def __init__(self, rate: float) -> None:
-        self.rate = RateKeeper(rate)
-        self.drift = np.zeros(3)
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self.certification: CertificateStatus | None = None
         self.refused = self.deadlines_missed = 0
-        self.flying = False
-        self._sent = self._late = self._failures = 0
-        self._failure = self._decrease = ""
-        self._last: float | None = None
+        self._controller: Controller | None = None
+        self._sent = self._failures = 0
+        self._trouble = self._failure = self._decrease = ""
         self._solve_times, self._response_times = SampleWindow(), SampleWindow()
+        self._diagnostics = diagnostics.Diagnostics(node, self._values)
+        self.peers = Peers(lambda words: self._diagnostics.report(diagnostics.WARN, words))
 
-    def command(self, time: float, command: Command, situation: Situation, response: float) -> None:
-        """A command has been sent for the state of a time [s], ``response`` [us] after it came."""
+    def configured(self, controller: Controller, certification: CertificateStatus) -> None:
+        """Report a controller from now on.
+
+        Args:
+            controller: Ready to fly.
+            certification: What may be claimed of its terminal set.
+        """
+        self._controller, self.certification = controller, certification
+        parameters = controller.parameters
+        orbit = parameters.orbit
+        self._node.get_logger().info(
+            f"orbit of {orbit.range:g} m at {orbit.altitude:g} m and {orbit.speed:g} m/s, "
+            f"{parameters.direction}, {parameters.model} model, N = {parameters.horizon}; "
+            f"terminal set {certification.status}: {certification.reason}"
+        )
+
+    def unconfigured(self, trouble: str) -> None:
+        """Report that there is no controller.
+
+        Args:
+            trouble: What went wrong, in words; empty if nothing did.
+        """
+        self._controller, self._trouble = None, trouble
+        if trouble:
+            self._diagnostics.report(diagnostics.ERROR, trouble)
+
+    def refuse(self, words: str) -> None:
+        """Report a message that cannot be used.
+
+        Args:
+            words: Why.
+        """
+        self.refused += 1
+        self._node.get_logger().warning(
+            f"message refused: {words}", throttle_duration_sec=WARNING_PERIOD
+        )
+
+    def late(self) -> None:
+        """Report that no command came in two control periods of wall time."""
+        if self._controller is not None and self._controller.flying:
+            self.deadlines_missed += 1
+            self._node.get_logger().warning(
+                "the control rate is not kept: a command is overdue",
+                throttle_duration_sec=WARNING_PERIOD,
+            )
+
+    def tell(self) -> None:
+        """Log what has happened to the controller, and say how it is if that is news."""
+        if self._controller is None:
+            return
+        for level, words in self._controller.events.take():
+            if level is Level.REFUSAL:
+                self.refuse(words)
+            elif level is Level.INFO:
+                self._node.get_logger().info(words)
+            else:
+                self._node.get_logger().warning(words)
+        self._diagnostics.report(*_status(self._controller))
+
+    def publish(self) -> None:
+        """Publish the present diagnostics."""
+        self._diagnostics.publish()
+
+    def command(self, command: Command, response: float) -> None:
+        """Count a command that has been sent.
+
+        Args:
+            command: What was sent.
+            response: Time from the arrival of the state to the command in [us].
+        """
         self._sent += 1
-        self.flying = True
-        if self._last is not None and 0.0 < LATE / self.rate.rate < time - self._last:
-            self._late += 1
-        self._last = time
-        self.rate.command(time)
-        self.drift = situation.drift
         self._response_times.add(response)
         if command.reason:
             self._failure = command.reason
@@ -59,48 +122,69 @@ class ControllerReport:
         if plan.decrease is not None and not plan.decrease.held:
             self._decrease = plan.decrease.reason
 
-    def values(
-        self, pilot: Pilot, navigator: Navigator, certification: CertificateStatus
-    ) -> dict[str, object]:
+    def _values(self) -> dict[str, object]:
         """Keys, with units, and values."""
-        solve, response, ladder = self._solve_times, self._response_times, pilot.ladder
+        controller = self._controller
+        if controller is None:
+            return {"configured": False, "reason": self._trouble}
+        solve, response, modes = self._solve_times, self._response_times, controller.modes
+        formulation, navigator = controller.formulation, controller.navigator
+        east, north, up = controller.drift.tolist()
+        envelope = controller.parameters.envelope
+        claim = self.certification
         values: dict[str, object] = {
-            "rung": ladder.rung.value,
-            "rung reason": ladder.reason,
-            "rung changes": ladder.changes,
+            "mode": modes.mode.value,
+            "mode reason": modes.reason,
+            "mode changes": modes.changes,
             "commands sent": self._sent,
-            "commands late": self._late,
-            "control periods missed": self.rate.missed,
+            "commands late": controller.rate.late,
+            "control periods missed": controller.rate.missed,
             "command deadlines missed": self.deadlines_missed,
-            "control rate": self.rate.complaint() or "kept",
-            "plan reused": ladder.counts[Rung.EARLIER_PLAN],
-            **{f"rung {rung.value}": count for rung, count in ladder.counts.items()},
+            "control rate": controller.rate.complaint() or "kept",
+            "plan reused": modes.counts[FallbackMode.EARLIER_PLAN],
+            **{f"mode {mode.value}": count for mode, count in modes.counts.items()},
             "messages refused": self.refused,
-            "orbit refused": pilot.envelope.refusal(pilot.orbit, self.drift) or "no",
-            "direction": pilot.orbit.direction,
-            "drift east [m/s]": float(self.drift[0]),
-            "drift north [m/s]": float(self.drift[1]),
-            "drift up [m/s]": float(self.drift[2]),
+            "orbit refused": envelope.refusal(controller.orbit, controller.drift) or "no",
+            "direction": controller.orbit.direction,
+            "drift east [m/s]": east,
+            "drift north [m/s]": north,
+            "drift up [m/s]": up,
             "target positions rejected": navigator.target.rejected,
             "target positions late": navigator.target.late,
             "target jumps": navigator.target.jumps,
             "latency [s]": float(navigator.latency),
-            "solver": pilot.formulation.solver.name,
+            "solver": "none" if formulation is None else formulation.solver.name,
             "solves": solve.count,
             "solver failures": self._failures,
             "last failure": self._failure,
             "solve time median [us]": solve.percentile(50.0),
             "solve time p99 [us]": solve.percentile(99.0),
             "solve time max [us]": solve.max,
-            "terminal set": f"{certification.status}: {certification.reason}",
+            "terminal set": "unknown" if claim is None else f"{claim.status}: {claim.reason}",
             "state in to command out median [us]": response.percentile(50.0),
             "state in to command out p99 [us]": response.percentile(99.0),
             "state in to command out max [us]": response.max,
             "state in to command out": response.histogram,
+            **self.peers.values(),
         }
-        decrease = pilot.formulation.decrease
+        decrease = None if formulation is None else formulation.decrease
         if decrease is not None:
             values["cost decrease (54) checked"] = decrease.checked
             values["cost decrease (54) failed"] = decrease.failed
             values["cost decrease (54) last reason"] = self._decrease
         return values
+
+
+def _status(controller: Controller) -> tuple[bytes, str]:
+    """Level and words of how the controller is."""
+    mode, reason = controller.modes.mode, controller.modes.reason
+    if mode is FallbackMode.SILENCE:
+        return diagnostics.WARN, f"{reason}: no command is sent"
+    if mode is FallbackMode.HOLD:
+        return diagnostics.ERROR, f"{reason}: wings level"
+    if not mode.nominal:
+        level = diagnostics.WARN if mode.planned else diagnostics.ERROR
+        return level, f"flying {mode.value}, not the optimal one"
+    if controller.rate.complaint():  # the figures are in the values
+        return diagnostics.WARN, "the control rate is not kept"
+    return diagnostics.OK, f"tracking: {mode.value}"

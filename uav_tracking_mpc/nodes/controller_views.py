@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rclpy.node import Node
 
-from uav_tracking_mpc.control.pilot import Command
+from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.dynamics import vehicle
 from uav_tracking_mpc.nodes.conversions import markers_message, path_message
 from uav_tracking_mpc.nodes.topics import MARKERS, PREDICTED_PATH, TRACKING
@@ -34,20 +34,11 @@ class ControllerViews:
         ]
         self._last = -float("inf")
 
-    def publish(
-        self,
-        stamp: int,
-        state: NDArray[np.float64],
-        target: NDArray[np.float64],
-        wind: NDArray[np.float64],
-        command: Command,
-    ) -> None:
+    def publish(self, stamp: int, wind: NDArray[np.float64], command: Command) -> None:
         """Show one command.
 
         Args:
             stamp: Of the state that it answers in [ns].
-            state: (x, y, z, psi, chi, v), shape (6,).
-            target: Position in ``map``, shape (3,).
             wind: Shape (3,), in [m/s].
             command: What was sent.
         """
@@ -58,13 +49,13 @@ class ControllerViews:
                 if publisher.get_subscription_count():
                     message.data = float(value)
                     publisher.publish(message)
-        now = time.monotonic()
+        now, present = time.monotonic(), command.present
         viewers = self._path.get_subscription_count() + self._markers.get_subscription_count()
-        if viewers and now - self._last >= PERIOD:
+        if present is not None and viewers and now - self._last >= PERIOD:
             self._last = now
-            flown = _flown(state, wind, command)
+            flown = _flown(present.vehicle, wind, command)
             self._path.publish(path_message(stamp, flown))
-            self._markers.publish(markers_message(stamp, flown, target, command.orbit))
+            self._markers.publish(markers_message(stamp, flown, present.target, command.orbit))
 
 
 def _flown(

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -37,6 +36,7 @@ from uav_tracking_mpc.dynamics.frames import (
     rotation_from_quaternion,
 )
 from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.estimation.measurement import Measurement
 
 MAP, BASE_LINK = "map", "base_link"
 POSITION_LIMIT = 1e7  # m; what lies beyond is no position on this earth
@@ -46,31 +46,6 @@ RATE_LIMIT = 1e2  # rad/s
 
 class MessageError(ValueError):
     """A message cannot be used; the text names topic, field and value."""
-
-
-@dataclass(frozen=True)
-class Motion:
-    """What an Odometry message says of the vehicle.
-
-    Attributes:
-        position: In ``map``, shape (3,), in [m].
-        heading: psi in [rad].
-        path_angle: chi in [rad].
-        ground_velocity: In ``map``, shape (3,), in [m/s].
-        turn_rate: u_psi in [rad/s].
-        path_angle_rate: u_chi in [rad/s].
-    """
-
-    position: NDArray[np.float64]
-    heading: float
-    path_angle: float
-    ground_velocity: NDArray[np.float64]
-    turn_rate: float
-    path_angle_rate: float
-
-    def state(self, airspeed: float) -> NDArray[np.float64]:
-        """(x, y, z, psi, chi, v), shape (6,), at an airspeed in [m/s]."""
-        return np.array([*self.position, self.heading, self.path_angle, airspeed])
 
 
 def nanoseconds(stamp: Time) -> int:
@@ -127,8 +102,12 @@ def set_point(message: PointStamped, stamp: int, position: NDArray[np.float64]) 
     _set_vector(message.point, position)
 
 
-def motion_from_odometry(message: Odometry) -> Motion:
-    """Motion of an Odometry message, whose body may roll.
+def measurement_from_odometry(message: Odometry, stamp: float = 0.0) -> Measurement:
+    """Measurement of an Odometry message, whose body may roll.
+
+    Args:
+        message: As in ``uav/odometry``.
+        stamp: Its time by whatever clock the measurement is to have, in [s].
 
     Raises:
         MessageError: Wrong frame, no time, not finite, absurd, or no unit quaternion.
@@ -146,17 +125,25 @@ def motion_from_odometry(message: Odometry) -> Motion:
         raise MessageError(f"uav/odometry: pose.orientation: {error}") from error
     rotation = rotation_from_quaternion(q.x, q.y, q.z, q.w)
     turn_rate, path_angle_rate = course_rates(rotation, angular)
-    return Motion(position, heading, path_angle, rotation @ ground, turn_rate, path_angle_rate)
+    return Measurement(
+        stamp,
+        position,
+        rotation @ ground,
+        heading,
+        path_angle,
+        turn_rate,
+        path_angle_rate,
+    )
 
 
 def vehicle_from_odometry(message: Odometry) -> NDArray[np.float64]:
     """State (x, y, z, psi, chi, v), shape (6,), of an Odometry message in still air.
 
     Raises:
-        MessageError: As in :func:`motion_from_odometry`.
+        MessageError: As in :func:`measurement_from_odometry`.
     """
-    motion = motion_from_odometry(message)
-    return motion.state(math.hypot(*motion.ground_velocity))
+    measurement = measurement_from_odometry(message)
+    return measurement.state(math.hypot(*measurement.ground_velocity))
 
 
 def air_velocity_from_twist(message: TwistStamped) -> NDArray[np.float64]:

@@ -15,12 +15,12 @@ from rclpy.serialization import deserialize_message
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from uav_tracking_mpc.control.fallback import Rung
+from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.relative import steady_inputs
+from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes.conversions import (
-    Motion,
     air_velocity_from_twist,
-    motion_from_odometry,
+    measurement_from_odometry,
     nanoseconds,
     plan_from_command,
 )
@@ -127,7 +127,7 @@ class _Contents:
     """
 
     def __init__(self, path: Path) -> None:
-        self.states: list[tuple[int, Motion]] = []
+        self.states: list[tuple[int, Measurement]] = []
         self.commands: list[tuple[int, NDArray[np.float64]]] = []
         self.airspeeds: list[tuple[int, float]] = []
         self.heard: list[int] = []
@@ -156,7 +156,7 @@ class _Contents:
             return
         stamp = nanoseconds(message.header.stamp)
         if topic is ODOMETRY:
-            self.states.append((stamp, motion_from_odometry(message)))
+            self.states.append((stamp, measurement_from_odometry(message)))
             self.heard.append(time)
         elif topic is AIR_VELOCITY:
             speed = float(np.linalg.norm(air_velocity_from_twist(message)))
@@ -197,7 +197,8 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
     # With the nearest direction asked for, the controller tells which one it chose.
     direction = controller.get("direction", tracking.orbit.direction)
     orbit = replace(tracking.orbit, direction=direction)
-    unplanned = (int(controller.get(f"rung {r.value}", 0)) for r in (Rung.LOITER, Rung.HOLD))
+    modes = (FallbackMode.LOITER, FallbackMode.HOLD)
+    unplanned = (int(controller.get(f"mode {mode.value}", 0)) for mode in modes)
     vehicle = [
         motion.state(speed)
         for (_, motion), speed in zip(flown, _airspeeds(flown, bag.airspeeds), strict=True)
@@ -234,7 +235,7 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
 
 
 def _airspeeds(
-    flown: list[tuple[int, Motion]], measured: list[tuple[int, float]]
+    flown: list[tuple[int, Measurement]], measured: list[tuple[int, float]]
 ) -> NDArray[np.float64]:
     """Airspeed at each state, shape (n,), in [m/s]; of still air where none was measured."""
     if not measured:

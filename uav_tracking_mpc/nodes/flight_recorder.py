@@ -18,7 +18,7 @@ from rclpy.subscription import Subscription
 from uav_tracking_mpc.nodes.conversions import (
     MessageError,
     air_velocity_from_twist,
-    motion_from_odometry,
+    measurement_from_odometry,
     nanoseconds,
     position_from_point,
 )
@@ -99,7 +99,7 @@ class FlightRecorder(Node):
         if odometry is None or target is None:
             return Progress()
         try:
-            motion, position = motion_from_odometry(odometry), position_from_point(target)
+            motion, position = measurement_from_odometry(odometry), position_from_point(target)
             velocity = motion.ground_velocity if air is None else air_velocity_from_twist(air)
         except MessageError:
             return Progress()

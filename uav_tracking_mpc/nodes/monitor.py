@@ -18,7 +18,7 @@ from rich.table import Table
 from uav_tracking_mpc.nodes.conversions import (
     MessageError,
     air_velocity_from_twist,
-    motion_from_odometry,
+    measurement_from_odometry,
     plan_from_command,
     position_from_point,
 )
@@ -99,7 +99,7 @@ class Monitor(Node):
             return ""
         try:
             if topic is ODOMETRY:
-                motion = motion_from_odometry(message)
+                motion = measurement_from_odometry(message)
                 x, y, z = motion.position
                 return (
                     f"x {x:.2f}  y {y:.2f}  z {z:.2f} m   "

@@ -33,11 +33,12 @@ class Specification:
         unit: SI unit, or "".
         lower: Least value allowed (of every element) in [unit], or None.
         upper: Greatest value allowed (of every element) in [unit], or None.
-        choices: The only values allowed, or () for any.
+        choices: The only values allowed beside those of ``extension``, or () for any.
         size: Number of elements of a tuple; 0 for any multiple of ``multiple``.
         multiple: A tuple's length must be a multiple of this.
         extension: The value names one of this kind: an installed one, or ``path.py:Class``.
-        fixed: Whether it can only be set at the start, not while the node is configured.
+        fixed: Whether it can only be set at the start, not while the controller is configured.
+        fixed_unless: Name and value of another parameter; without that value this one is fixed.
     """
 
     name: str
@@ -51,15 +52,17 @@ class Specification:
     multiple: int = 1
     extension: Kind | None = None
     fixed: bool = False
+    fixed_unless: tuple[str, str] | None = None
 
     @property
     def allowed(self) -> str:
         """The allowed values in words."""
         kind = {bool: "true or false", int: "an integer", float: "a number", str: "text"}
+        if self.extension is not None:
+            names = (*self.choices, *self.extension.names)
+            return f"one of {', '.join(names)}, or path.py:Class"
         if self.choices:
             return "one of " + ", ".join(self.choices)
-        if self.extension is not None:
-            return f"one of {', '.join(self.extension.names)}, or path.py:Class"
         if isinstance(self.default, tuple):
             count = str(self.size) if self.size else f"a multiple of {self.multiple}"
             words = f"a list of {count} numbers"
@@ -94,14 +97,13 @@ class Specification:
             high = self.upper is not None and number > self.upper
             if not math.isfinite(number) or low or high:
                 raise self._error(value)
-        if self.choices and checked not in self.choices:
-            raise self._error(value)
-        if self.extension is not None and not self._is_extension(str(checked)):
+        if (self.choices or self.extension) and not self._is_choice(str(checked)):
             raise self._error(value)
         return checked
 
-    def _is_extension(self, name: str) -> bool:
-        assert self.extension is not None
+    def _is_choice(self, name: str) -> bool:
+        if name in self.choices or self.extension is None:
+            return name in self.choices
         return ":" in name or name in self.extension.names
 
     def _convert(self, value: Any) -> Value:
@@ -225,3 +227,44 @@ def from_mapping(parameters: type[T], values: Mapping[str, Any]) -> T:
         if name not in known:
             raise ParameterError(f"parameter '{name}' is unknown, known are: {', '.join(known)}")
     return parameters(**{name: known[name].check(value) for name, value in values.items()})
+
+
+def changed(parameters: T, values: Mapping[str, Any]) -> T:
+    """A parameter dataclass with some values replaced.
+
+    Args:
+        parameters: The present ones.
+        values: New ones by name.
+
+    Raises:
+        ParameterError: An unknown name, or a value that is not allowed.
+    """
+    present = {known.name: getattr(parameters, known.name) for known in _known(parameters)}
+    return from_mapping(type(parameters), {**present, **values})
+
+
+def refuse_fixed(before: Any, after: Any) -> None:
+    """Refuse a change of what can only be set at the start.
+
+    Args:
+        before: Parameter dataclass that is in use.
+        after: One of the same kind, to take its place.
+
+    Raises:
+        ParameterError: A fixed parameter differs.
+    """
+    for known in _known(before):
+        old, new = getattr(before, known.name), getattr(after, known.name)
+        if old == new:
+            continue
+        words = f"parameter '{known.name}' is {new!r}, must stay {old!r}"
+        if known.fixed:
+            raise ParameterError(f"{words} while the controller is configured")
+        if known.fixed_unless is not None:
+            other, value = known.fixed_unless
+            if getattr(before, other) != value:
+                raise ParameterError(f"{words} in flight unless {other} is {value!r}")
+
+
+def _known(parameters: Any) -> tuple[Specification, ...]:
+    return specifications(type(parameters))

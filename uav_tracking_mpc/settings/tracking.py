@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.control.direction import NEAREST
 from uav_tracking_mpc.dynamics.discretisation import SCHEMES
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, DIRECTIONS, Orbit
 from uav_tracking_mpc.dynamics.relative import steady_inputs
 from uav_tracking_mpc.dynamics.vehicle_models import VehicleModel
-from uav_tracking_mpc.limits import Limit
+from uav_tracking_mpc.limits import COMPILED, Limit
 from uav_tracking_mpc.limits._envelope import Envelope
 from uav_tracking_mpc.mpc.quadratic import TERMINAL_CONSTRAINTS
 from uav_tracking_mpc.parameters.registry import (
+    GUIDANCE_LAW,
     LIMIT,
     RELATIVE_MODEL,
     VEHICLE_MODEL,
@@ -33,7 +33,9 @@ from uav_tracking_mpc.parameters.specification import (
     taken,
 )
 
-ARTIFICIAL_ORBIT = "artificial_orbit"
+ARTIFICIAL_ORBIT = COMPILED[1]
+NEAREST = "nearest"  # direction: the nearer one where the flight begins
+PREDICTIVE = "nmpc"  # law: none, the optimal control problem is solved
 SOLVERS = ("newton", "ipopt")  # fatrop may never return, see CasadiSolver
 
 
@@ -53,24 +55,68 @@ class TrackingParameters(Gathered):
     """
 
     range: float = parameter(
-        150.0, "Distance to the target to hold, r_d.", unit="m", lower=1.0, upper=1e5
+        150.0,
+        "Distance to the target to hold, r_d.",
+        unit="m",
+        lower=1.0,
+        upper=1e5,
+        fixed_unless=COMPILED,
     )
     altitude: float = parameter(
-        50.0, "Height above the target to hold, z_d.", unit="m", lower=-1e4, upper=1e4
+        50.0,
+        "Height above the target to hold, z_d.",
+        unit="m",
+        lower=-1e4,
+        upper=1e4,
+        fixed_unless=COMPILED,
     )
-    airspeed: float = parameter(4.0, "Speed to hold, v_d.", unit="m/s", lower=0.1, upper=300.0)
+    airspeed: float = parameter(
+        4.0,
+        "Speed to hold, v_d.",
+        unit="m/s",
+        lower=0.1,
+        upper=300.0,
+        fixed_unless=COMPILED,
+    )
+    law: str = parameter(
+        PREDICTIVE,
+        "What is flown: the predictive controller, or a guidance law.",
+        choices=(PREDICTIVE,),
+        extension=GUIDANCE_LAW,
+        fixed=True,
+    )
     direction: str = parameter(
         "clockwise",
         "Sense of the orbit seen from above; nearest needs the artificial orbit.",
         choices=(*DIRECTIONS, NEAREST),
+        fixed_unless=COMPILED,
     )
     model: str = parameter(
-        "exact", "Prediction model: exact, or the paper's (11) or (9).", extension=RELATIVE_MODEL
+        "exact",
+        "Prediction model: exact, or the paper's (11) or (9).",
+        extension=RELATIVE_MODEL,
+        fixed=True,
     )
-    scheme: str = parameter("euler", "Discretisation of the model.", choices=tuple(SCHEMES))
-    horizon: int = parameter(10, "Stages of the horizon, N.", lower=1, upper=200)
+    scheme: str = parameter(
+        "euler",
+        "Discretisation of the model.",
+        choices=tuple(SCHEMES),
+        fixed=True,
+    )
+    horizon: int = parameter(
+        10,
+        "Stages of the horizon, N.",
+        lower=1,
+        upper=200,
+        fixed=True,
+    )
     horizon_step: float = parameter(
-        1.0, "Time from stage to stage, T_s.", unit="s", lower=0.001, upper=10.0
+        1.0,
+        "Time from stage to stage, T_s.",
+        unit="s",
+        lower=0.001,
+        upper=10.0,
+        fixed=True,
     )
     control_rate: float = parameter(
         10.0, "How often a new command is computed.", unit="Hz", lower=0.1, upper=1000.0
@@ -81,6 +127,7 @@ class TrackingParameters(Gathered):
         size=5,
         lower=1e-9,
         upper=1e9,
+        fixed_unless=COMPILED,
     )
     input_weights: tuple[float, ...] = parameter(
         (1.0, 1.0, 1.0),
@@ -88,15 +135,21 @@ class TrackingParameters(Gathered):
         size=3,
         lower=1e-9,
         upper=1e9,
+        fixed_unless=COMPILED,
     )
     terminal_scaling: float = parameter(
-        2.5, "rho: terminal weight P_rho = rho P.", lower=1.0, upper=1e3
+        2.5,
+        "rho: terminal weight P_rho = rho P.",
+        lower=1.0,
+        upper=1e3,
+        fixed_unless=COMPILED,
     )
     terminal_constraint: str = parameter(
         "none",
         "End of every plan: free, the paper's set (16e) penalised exactly or enforced, or an "
         "orbit that the optimiser chooses (for wind, moving targets, envelope and lag).",
         choices=(*TERMINAL_CONSTRAINTS, ARTIFICIAL_ORBIT),
+        fixed=True,
     )
     offset_weights: tuple[float, ...] = parameter(
         (0.06, 0.5, 2.0),
@@ -106,10 +159,16 @@ class TrackingParameters(Gathered):
         upper=1e9,
     )
     terminal_penalty: float = parameter(
-        100.0, "Weight of a violation of the soft terminal set.", lower=1e-3, upper=1e6
+        100.0,
+        "Weight of a violation of the soft terminal set.",
+        lower=1e-3,
+        upper=1e6,
+        fixed_unless=COMPILED,
     )
     certificate: str = parameter(
-        "", "File of the terminal set's certificate; empty for those that come with the package."
+        "",
+        "File of the terminal set's certificate; empty for those that come with the package.",
+        fixed=True,
     )
     limit_penalty: float = parameter(
         1000.0,
@@ -117,12 +176,18 @@ class TrackingParameters(Gathered):
         "distance (per 5 m) or fence (per 10 m).",
         lower=1.0,
         upper=1e6,
+        fixed=True,
     )
     limits: str = parameter(
-        "", "Further limits, comma-separated: names of installed ones, or path.py:Class."
+        "",
+        "Further limits, comma-separated: names of installed ones, or path.py:Class.",
+        fixed=True,
     )
     vehicle_model: str = parameter(
-        "lagged", "Model of the aircraft, with the artificial orbit.", extension=VEHICLE_MODEL
+        "lagged",
+        "Model of the aircraft, with the artificial orbit.",
+        extension=VEHICLE_MODEL,
+        fixed=True,
     )
     dead_time: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0),
@@ -132,7 +197,12 @@ class TrackingParameters(Gathered):
         lower=0.0,
         upper=2.0,
     )
-    solver: str = parameter("newton", "Solver of the optimal control problem.", choices=SOLVERS)
+    solver: str = parameter(
+        "newton",
+        "Solver of the optimal control problem.",
+        choices=SOLVERS,
+        fixed=True,
+    )
     solve_time_max: float = parameter(
         0.05,
         "Budget of one solve; past it the earlier plan is flown.",
@@ -167,9 +237,13 @@ class TrackingParameters(Gathered):
         lower=1e-3,
         upper=100.0,
     )
-
+    record: str = parameter(
+        "", "File to record what the controller is given and answers; empty for none.", fixed=True
+    )
     autostart: bool = parameter(
-        True, "Configure and activate at the start; else a lifecycle manager does."
+        True,
+        "Configure and activate at the start; else a lifecycle manager does.",
+        fixed=True,
     )
 
     def __post_init__(self) -> None:

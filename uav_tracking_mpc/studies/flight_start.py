@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.control.direction import NEAREST, nearest_direction
+from uav_tracking_mpc.control.direction import nearest_direction
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
 from uav_tracking_mpc.mpc.solver import Guess
-from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.settings.tracking import NEAREST, TrackingParameters
 
 
 @dataclass(frozen=True)

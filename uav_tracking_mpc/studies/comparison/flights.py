@@ -8,15 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from uav_tracking_mpc.control.direction import NEAREST, nearest_direction
+from uav_tracking_mpc.control.direction import nearest_direction
 from uav_tracking_mpc.estimation.situation import Situation
-from uav_tracking_mpc.parameters.registry import GUIDANCE_LAW
 from uav_tracking_mpc.settings.configuration import Configuration, scenario_names
-from uav_tracking_mpc.simulation.closed_loop import fly_vehicle
+from uav_tracking_mpc.settings.tracking import NEAREST
+from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
-from uav_tracking_mpc.studies.comparison.law_names import NMPC
 from uav_tracking_mpc.studies.parallel import parallel_map
 
 # From easy to hard; scenarios that are not named come after these.
@@ -101,11 +100,9 @@ def fly(task: Task) -> FlightLog:
     Args:
         task: Which law, which scenario.
     """
-    controller = task.configuration.controller
-    law = None
-    if task.law != NMPC:
-        law = GUIDANCE_LAW.find(task.law)(controller.orbit, controller.envelope)
-    return fly_vehicle(task.configuration, law=law)
+    configuration = task.configuration
+    controller = dataclasses.replace(configuration.controller, law=task.law)
+    return simulate(dataclasses.replace(configuration, controller=controller))
 
 
 def scenarios_in_order() -> list[str]:

@@ -1,26 +1,29 @@
-"""Whether a node keeps its rate, and by how much it does not."""
+"""Whether the control rate is kept, and by how much it is not."""
 
 from __future__ import annotations
 
 from collections import deque
 
-WINDOW = 2.0  # s of the node's clock
+WINDOW = 2.0  # s of the stamps
 KEPT = 0.9  # share of the rate that counts as kept
+LATE = 1.5  # periods from command to command, beyond which one came late
 
 
 class RateKeeper:
     """Counts commands and the states they could have answered over the latest seconds.
 
     Args:
-        rate: Commands a second that are asked for.
+        rate: Commands a second that are asked for in [Hz].
 
     Attributes:
+        rate: Commands a second that are asked for in [Hz].
         missed: Periods in which a command was due and none was sent.
+        late: Commands that came late.
     """
 
     def __init__(self, rate: float) -> None:
         self.rate = rate
-        self.missed = 0
+        self.missed = self.late = 0
         self.reset()
 
     def reset(self) -> None:
@@ -29,14 +32,23 @@ class RateKeeper:
         self._commands: deque[float] = deque()
 
     def state(self, time: float) -> None:
-        """A state has arrived."""
+        """Count a state.
+
+        Args:
+            time: Its stamp in [s].
+        """
         _add(self._states, time)
 
     def command(self, time: float) -> None:
-        """A command has been sent."""
+        """Count a command that has been sent.
+
+        Args:
+            time: Stamp of the state that it answers in [s].
+        """
         if self._commands:
             periods = (time - self._commands[-1]) * self.rate
             self.missed += max(0, round(periods) - 1)
+            self.late += periods > LATE
         _add(self._commands, time)
 
     def complaint(self) -> str:

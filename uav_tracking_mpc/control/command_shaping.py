@@ -1,0 +1,95 @@
+"""Commands inside their limits, faded where one kind of guidance takes over from another."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.settings.tracking import TrackingParameters
+
+FADE_TIME = 0.5  # s, in which the command moves over from one kind of guidance to another
+TURN = 0  # axis of u_psi among the inputs
+
+
+class CommandShaper:
+    """Clips commands and fades between kinds of guidance.
+
+    Args:
+        parameters: Limits of the inputs and of the bank.
+    """
+
+    def __init__(self, parameters: TrackingParameters) -> None:
+        self.change(parameters)
+        self.reset()
+
+    def change(self, parameters: TrackingParameters) -> None:
+        """Use other limits from now on.
+
+        The difference to the next command fades: a wider orbit would begin at the bank limit.
+
+        Args:
+            parameters: The new ones.
+        """
+        self._envelope = parameters.envelope
+        self._lower, self._upper = parameters.input_lower, parameters.input_upper
+        self._changed = True
+
+    def reset(self) -> None:
+        """Forget what was commanded: the next command comes as it is."""
+        self._sent: NDArray[np.float64] | None = None
+        self._mode = FallbackMode.SILENCE
+        self._offset, self._begin = np.zeros(3), 0.0
+        self._changed = False
+
+    def shape(
+        self,
+        time: float,
+        inputs: NDArray[np.float64],
+        step: float,
+        airspeed: float,
+        mode: FallbackMode,
+    ) -> NDArray[np.float64]:
+        """Inputs to be sent.
+
+        Args:
+            time: From which on they count, in [s].
+            inputs: (u_psi, u_chi, u_v) at time, time + step, ..., shape (n, 3).
+            step: In [s].
+            airspeed: v in [m/s], which with the bank limits the turn rate.
+            mode: Where the inputs come from.
+
+        Returns:
+            Finite inputs inside their limits, shape (n, 3).
+        """
+        if np.isfinite(airspeed):
+            self._upper[TURN] = self._envelope.turn_rate_max(airspeed)
+            self._lower[TURN] = -self._upper[TURN]
+        inside = self._clipped(inputs)
+        shaped = self._faded(time, inside, step, mode)
+        if shaped is not inside:
+            shaped = self._clipped(shaped)
+        self._sent, self._mode, self._changed = shaped[0], mode, False
+        return shaped
+
+    def _faded(
+        self, time: float, inputs: NDArray[np.float64], step: float, mode: FallbackMode
+    ) -> NDArray[np.float64]:
+        if self._sent is None:
+            self._offset = np.zeros(3)
+        elif self._changed or (
+            mode is not self._mode and not (mode.planned and self._mode.planned)
+        ):
+            self._offset, self._begin = self._sent - inputs[0], time
+        if not 0.0 <= time - self._begin < FADE_TIME or not np.any(self._offset):
+            return inputs
+        ahead = time - self._begin + step * np.arange(len(inputs))
+        share = np.clip(1.0 - ahead / FADE_TIME, 0.0, 1.0)
+        return inputs + share[:, np.newaxis] * self._offset
+
+    def _clipped(self, inputs: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Inputs inside their limits; what is not finite becomes 0."""
+        finite = np.isfinite(inputs)
+        if not finite.all():
+            inputs = np.where(finite, inputs, 0.0)
+        return np.minimum(np.maximum(inputs, self._lower), self._upper)

@@ -1,0 +1,354 @@
+"""The whole control step, from a measurement to a command; knows nothing of ROS.
+
+A step judges the measurement, asks whether a command is due, estimates where the aircraft will be
+when the command takes effect, solves the optimal control problem from there, and falls back on
+something simpler where that fails::
+
+    controller = Controller(load_configuration("small_uav").controller)
+    controller.see_target(stamp, position)
+    command = controller.step(measurement, now=clock())  # None while there is nothing to answer
+    controller.change(range=350.0)                       # as a whole, or refused in words
+
+Times are in seconds of one clock, that of the stamps. Its origin does not matter.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from uav_tracking_mpc.control.command import Command
+from uav_tracking_mpc.control.command_shaping import CommandShaper
+from uav_tracking_mpc.control.direction import nearest_direction
+from uav_tracking_mpc.control.event import EventLog, Level
+from uav_tracking_mpc.control.fallback import Available, FallbackMode, ModeSelector
+from uav_tracking_mpc.control.guidance import formulation_of, law_inputs, law_of
+from uav_tracking_mpc.control.pace import Pace
+from uav_tracking_mpc.control.plan_memory import PlanMemory
+from uav_tracking_mpc.control.rate_keeper import RateKeeper
+from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.navigator import Estimate, Navigator
+from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.estimation.state_gate import StateGate, Verdict
+from uav_tracking_mpc.formulation.formulation import Formulation, Plan
+from uav_tracking_mpc.laws.vector_field import VectorField
+from uav_tracking_mpc.parameters.specification import ParameterError, changed, refuse_fixed
+from uav_tracking_mpc.settings.tracking import NEAREST, TrackingParameters
+
+LEVELLING_TIME = 1.0  # s, in which wings-level flight takes the path angle out
+
+
+class Controller:
+    """Answers measurements with commands that are always finite and inside the limits.
+
+    Args:
+        parameters: What to fly and how. Measurements must come more often than ``state_timeout``.
+        formulation: Of these parameters; made from them by default.
+        stopwatch: Clock in [s] with which the controller measures how long it takes.
+
+    Attributes:
+        parameters: What is flown and how.
+        formulation: The optimal control problem; None where a guidance law is flown.
+        orbit: What is flown, with the direction chosen.
+        modes: What the command comes from, with counts.
+        navigator: What is known of aircraft, air and target.
+        rate: Whether the control rate is kept.
+        flying: Whether a command has been sent since the start or the last reset.
+        drift: c when the latest command was computed, shape (3,), in [m/s].
+        events: What has happened since it was last asked.
+
+    Raises:
+        ParameterError: The parameters cannot be flown.
+    """
+
+    def __init__(
+        self,
+        parameters: TrackingParameters,
+        formulation: Formulation | None = None,
+        stopwatch: Callable[[], float] = time.perf_counter,
+    ) -> None:
+        self._law_class = law_of(parameters)
+        self.formulation = formulation or formulation_of(parameters)
+        self._stopwatch = stopwatch
+        self.navigator = Navigator(parameters)
+        self.modes = ModeSelector()
+        self.rate = RateKeeper(parameters.control_rate)
+        self.drift = np.zeros(3)
+        self.events = EventLog()
+        self._gate = StateGate(parameters.state_timeout)
+        self._pace = Pace(parameters.control_rate)
+        self._shaper = CommandShaper(parameters)
+        self._plan = PlanMemory()
+        self.reset()
+        self._take(parameters)
+
+    def reset(self) -> None:
+        """Forget aircraft, air, target, plans and commands; counts and latency stay."""
+        self._gate.reset()
+        self.flying = False
+        self._forget()
+
+    def _forget(self) -> None:
+        """Forget what belongs to a time or a place that is no more."""
+        for part in (self.navigator, self._pace, self.rate, self._shaper, self._plan):
+            part.reset()
+        if self.formulation is not None:
+            self.formulation.reset()
+        self._direction: str | None = None
+        self._solve_time: float | None = None
+        self._air_missing = False
+
+    @property
+    def state_time(self) -> float | None:
+        """Stamp of the newest measurement that was believed in [s]; None before the first."""
+        return None if self._gate.newest is None else self._gate.newest.stamp
+
+    def check(self, parameters: TrackingParameters) -> None:
+        """Whether other parameters can be taken now.
+
+        Args:
+            parameters: All of them.
+
+        Raises:
+            ParameterError: A fixed one differs, or the orbit cannot be flown in the present drift.
+        """
+        refuse_fixed(self.parameters, parameters)
+        refusal = parameters.envelope.refusal(parameters.orbit, self.drift)
+        if refusal:
+            raise ParameterError(f"parameters 'range', 'altitude', 'airspeed': {refusal}")
+
+    def change(self, **values: Any) -> None:
+        """Fly by other parameters from now on; the present plan is the next one's start.
+
+        Args:
+            values: Parameters by name, in the units of :class:`TrackingParameters`.
+
+        Raises:
+            ParameterError: Unknown, not allowed, or as of :meth:`check`; nothing has changed.
+        """
+        parameters = changed(self.parameters, values)
+        self.check(parameters)
+        if self.formulation is not None:
+            self.formulation.change(parameters)
+        if parameters.direction != self.parameters.direction:
+            self._direction = None
+        self._shaper.change(parameters)
+        self.navigator.change(parameters)
+        self._gate.timeout = parameters.state_timeout
+        self._pace = Pace(parameters.control_rate)
+        self.rate.rate = parameters.control_rate
+        self._take(parameters)
+        orbit, direction = parameters.orbit, parameters.direction
+        words = f"{orbit.range:g} m at {orbit.altitude:g} m and {orbit.speed:g} m/s, {direction}"
+        self.events.add(Level.INFO, f"from now on {words}")
+
+    def _take(self, parameters: TrackingParameters) -> None:
+        self.parameters = parameters
+        direction = self._direction or parameters.orbit.direction  # the nearest one, chosen before
+        self._choose(dataclasses.replace(parameters.orbit, direction=direction))
+
+    def _choose(self, orbit: Orbit) -> None:
+        envelope = self.parameters.envelope
+        self.orbit = orbit
+        self._loiter = VectorField(orbit, envelope)
+        self._law = None if self._law_class is None else self._law_class(orbit, envelope)
+
+    def see_air(self, stamp: float, airspeed: float) -> None:
+        """Take in an airspeed that comes beside the measurements: see :meth:`AirData.see`.
+
+        Args:
+            stamp: When it was measured in [s].
+            airspeed: v in [m/s].
+        """
+        self.navigator.air.see(stamp, airspeed)
+
+    def see_target(
+        self,
+        stamp: float,
+        position: ArrayLike,
+        velocity: ArrayLike | None = None,
+        covariance: ArrayLike | None = None,
+    ) -> bool:
+        """Take in a measurement of the target: see :meth:`TargetFilter.update`.
+
+        Args:
+            stamp: When it was measured in [s].
+            position: In ``map``, shape (3,), in [m].
+            velocity: In ``map``, shape (3,), in [m/s]; None if it is not known.
+            covariance: Of position, shape (3, 3), or of position and velocity, shape (6, 6), in
+                SI units; None if it is not known.
+
+        Raises:
+            ValueError: Not finite, not of its shape, or stamped by another clock.
+        """
+        lead = 0.0 if self.state_time is None else stamp - self.state_time
+        if lead > self.parameters.target_timeout:
+            raise ValueError(
+                f"target: its stamp is {lead:.3f} s ahead of the vehicle's, may be "
+                f"{self.parameters.target_timeout:g} s: do the clocks agree?"
+            )
+        return self.navigator.see_target(stamp, position, velocity, covariance)
+
+    def see_state(self, measurement: Measurement) -> None:
+        """Take note of a measurement that is not to be answered.
+
+        Args:
+            measurement: Of the aircraft.
+        """
+        self._believe(measurement)
+
+    def step(self, measurement: Measurement, now: float) -> Command | None:
+        """Answer a measurement.
+
+        Args:
+            measurement: Of the aircraft.
+            now: Time at the call in [s], by the clock of the stamps.
+
+        Returns:
+            None while there is nothing to answer: no command is due yet, the measurement is
+            doubted or late, or no target has been seen.
+        """
+        begin, stamp = self._stopwatch(), measurement.stamp
+        if not self._believe(measurement):
+            return None
+        self.rate.state(stamp)
+        target = self.navigator.target
+        if target.time is not None and target.time - stamp > self.parameters.target_timeout:
+            target.reset()  # it was seen in a time that is no more
+        if target.time is None and not self.flying:
+            self._silence("no target position")
+            return None
+        if not self._pace.due(stamp):
+            return None
+        command = self._answer(measurement)
+        taken = self._stopwatch() - begin
+        if taken > self.parameters.state_timeout:
+            words = f"vehicle state: answered only after {taken:.3f} s, the command is not sent"
+            self.events.add(Level.REFUSAL, words)
+            return None
+        delay = max(0.0, now - stamp) + taken
+        self.navigator.commanded(stamp, delay, command.inputs, command.step)
+        self.flying = True
+        self.rate.command(stamp)
+        return command
+
+    def fall_silent(self, reason: str) -> None:
+        """Send nothing: the vehicle flies its plan to the end, then holds.
+
+        Args:
+            reason: Why, in words.
+        """
+        self._silence(reason)
+
+    def _silence(self, reason: str) -> None:
+        self._shaper.reset()
+        self._select(Available(state=False, trouble=reason))
+
+    def _believe(self, measurement: Measurement) -> bool:
+        """Whether a measurement is to be used."""
+        verdict, reason = self._gate.judge(measurement), f"vehicle state: {self._gate.reason}"
+        if verdict is Verdict.DOUBT:
+            self.events.add(Level.REFUSAL, f"{reason}; used if the next ones agree")
+        if verdict is Verdict.RESTART:
+            self.events.add(Level.WARNING, f"{reason}, starting anew")
+            self._forget()
+        return verdict in (Verdict.USE, Verdict.RESTART)
+
+    def _answer(self, measurement: Measurement) -> Command:
+        """Command for a measurement that is believed and due."""
+        stamp, seen = measurement.stamp, self.navigator.target.time
+        try:
+            if seen is None:
+                raise ValueError("no target position")
+            estimate = self.navigator.estimate(measurement)
+        except (ArithmeticError, ValueError) as error:
+            # No measurement should make the navigation fail; the aircraft is not lost over it.
+            trouble = str(error) if seen is None else f"the navigation failed: {error}"
+            return self._hold(stamp, self.navigator.vehicle_state(measurement), trouble)
+        if self.navigator.air.missing and not self._air_missing:
+            self._air_missing = True
+            words = "no airspeed is measured: the air is taken as still"
+            self.events.add(Level.WARNING, words)
+        self.drift = estimate.present.drift
+        return self._fly(stamp, estimate, stamp - seen <= self.parameters.target_timeout)
+
+    def _fly(self, stamp: float, estimate: Estimate, target_fresh: bool) -> Command:
+        """Command for an estimate; values that are not finite are survived."""
+        self._orient(estimate.effect)
+        plan, by_law, trouble = None, None, ""
+        if target_fresh and self._law is not None:
+            by_law, trouble = law_inputs(self._law, estimate.present)
+        elif target_fresh:
+            plan, trouble = self._solve(stamp, estimate)
+        left = self._plan.remaining(stamp, self.parameters.plan_age_max)
+        solution = None if plan is None else plan.solution
+        mode = self._select(
+            Available(
+                True, True, target_fresh, solution, left is not None, by_law is not None, trouble
+            )
+        )
+        if mode is FallbackMode.EARLIER_PLAN and left is not None:
+            inputs, step = left
+        elif mode.planned and plan is not None:
+            self._plan.keep(plan, stamp)
+            inputs, step = plan.inputs, plan.step
+        else:
+            if by_law is None:
+                by_law, _ = law_inputs(self._loiter, estimate.effect)
+            inputs, step = np.zeros((1, 3)) if by_law is None else by_law, LEVELLING_TIME
+        airspeed = estimate.effect.airspeed
+        return self._command(stamp, inputs, step, airspeed, plan, estimate.present)
+
+    def _hold(self, stamp: float, vehicle: NDArray[np.float64], trouble: str) -> Command:
+        """Wings level at the present speed: there is no target to fly about."""
+        self._select(Available(target=False, target_fresh=False, trouble=trouble))
+        _, _, _, _, path_angle, airspeed = vehicle.tolist()
+        level = np.array([[0.0, -path_angle / LEVELLING_TIME, 0.0]])
+        return self._command(stamp, level, LEVELLING_TIME, airspeed)
+
+    def _orient(self, situation: Situation) -> None:
+        """The nearest direction is chosen once, with hysteresis."""
+        if self.parameters.direction != NEAREST:
+            return
+        self._direction = nearest_direction(situation, self._direction)
+        if self._direction != self.orbit.direction:
+            self._choose(dataclasses.replace(self.orbit, direction=self._direction))
+
+    def _solve(self, stamp: float, estimate: Estimate) -> tuple[Plan | None, str]:
+        """The predictive controller's answer, or what kept it from one."""
+        assert self.formulation is not None
+        elapsed = None if self._solve_time is None else max(0.0, stamp - self._solve_time)
+        self._solve_time = stamp
+        try:
+            plan = self.formulation.solve(estimate.effect, estimate.forecast, self.orbit, elapsed)
+        except (ArithmeticError, RuntimeError, ValueError) as error:
+            return None, f"the controller failed: {error}"
+        if not np.all(np.isfinite(plan.inputs)):
+            return None, f"the plan is not finite: {plan.solution.message}"
+        return plan, ""
+
+    def _command(
+        self,
+        stamp: float,
+        inputs: NDArray[np.float64],
+        step: float,
+        airspeed: float,
+        plan: Plan | None = None,
+        present: Situation | None = None,
+    ) -> Command:
+        mode, reason = self.modes.mode, self.modes.reason
+        inputs = self._shaper.shape(stamp, inputs, step, airspeed, mode)
+        return Command(stamp, inputs, step, mode, reason, self.orbit, plan, present)
+
+    def _select(self, available: Available) -> FallbackMode:
+        """Choose the mode and report its change."""
+        change = self.modes.select(available)
+        if change is not None:
+            self.events.add(Level.INFO if change.after.nominal else Level.WARNING, str(change))
+        return self.modes.mode

@@ -1,0 +1,51 @@
+"""What the controller reports to whoever runs it."""
+
+from __future__ import annotations
+
+from collections import deque
+from enum import Enum
+from typing import NamedTuple
+
+CAPACITY = 1000  # events kept until somebody takes them
+
+
+class Level(Enum):
+    """How serious it is."""
+
+    INFO = "info"
+    WARNING = "warning"
+    REFUSAL = "refusal"  # of one measurement: may come as often as measurements do
+
+
+class Event(NamedTuple):
+    """Something to report.
+
+    Attributes:
+        level: How serious it is.
+        words: For people.
+    """
+
+    level: Level
+    words: str
+
+
+class EventLog:
+    """What has happened and nobody has taken yet; the oldest are dropped first."""
+
+    def __init__(self) -> None:
+        self._events: deque[Event] = deque(maxlen=CAPACITY)
+
+    def add(self, level: Level, words: str) -> None:
+        """Report something.
+
+        Args:
+            level: How serious it is.
+            words: For people.
+        """
+        self._events.append(Event(level, words))
+
+    def take(self) -> list[Event]:
+        """What has happened since the last call, oldest first."""
+        events = list(self._events)
+        self._events.clear()
+        return events

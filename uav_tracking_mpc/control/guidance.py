@@ -1,0 +1,72 @@
+"""The guidance that the parameters ask for: an optimal control problem to solve, or a law."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.formulation.formulation import Formulation
+from uav_tracking_mpc.laws import GuidanceLaw
+from uav_tracking_mpc.parameters.registry import GUIDANCE_LAW, ExtensionError
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, PREDICTIVE, TrackingParameters
+
+
+def formulation_of(parameters: TrackingParameters) -> Formulation | None:
+    """Formulation that the parameters ask for; only this one is loaded.
+
+    Args:
+        parameters: What is flown.
+
+    Returns:
+        None where a guidance law is flown.
+    """
+    if parameters.law != PREDICTIVE:
+        return None
+    if parameters.terminal_constraint == ARTIFICIAL_ORBIT:
+        from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
+
+        return FlightFormulation(parameters)
+    from uav_tracking_mpc.formulation.paper_formulation import PaperFormulation
+
+    return PaperFormulation(parameters)
+
+
+def law_of(parameters: TrackingParameters) -> type[GuidanceLaw] | None:
+    """Class of the law that the parameters ask for.
+
+    Args:
+        parameters: What is flown.
+
+    Returns:
+        None where the predictive controller is flown.
+
+    Raises:
+        ParameterError: There is no such law.
+    """
+    if parameters.law == PREDICTIVE:
+        return None
+    try:
+        return GUIDANCE_LAW.find(parameters.law)
+    except ExtensionError as error:
+        raise ParameterError(f"parameter 'law': {error}") from error
+
+
+def law_inputs(law: GuidanceLaw, situation: Situation) -> tuple[NDArray[np.float64] | None, str]:
+    """Inputs of a law that may fail.
+
+    Args:
+        law: Anybody's.
+        situation: Where the aircraft is and goes.
+
+    Returns:
+        (u_psi, u_chi, u_v), shape (1, 3), finite, or None; and why there are none, in words.
+    """
+    try:
+        inputs = np.asarray(law.inputs(situation), dtype=float)
+    except Exception as error:  # whatever it raises, the aircraft is not lost over it
+        return None, f"the law {law.name} failed: {type(error).__name__}: {error}"
+    if inputs.shape != (3,) or not np.isfinite(inputs).all():
+        return None, f"the law {law.name} answered {inputs.tolist()}, must be three finite numbers"
+    return inputs[np.newaxis], ""

@@ -1,0 +1,46 @@
+"""The last plan, as far as it can stand in for one that cannot be had."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.formulation.formulation import Plan
+
+
+class PlanMemory:
+    """Keeps one plan and what is left of it."""
+
+    def __init__(self) -> None:
+        self._plan: Plan | None = None
+        self._begin = 0.0
+
+    def reset(self) -> None:
+        """Forget the plan."""
+        self._plan = None
+
+    def keep(self, plan: Plan, begin: float) -> None:
+        """Remember a plan in the place of the one before.
+
+        Args:
+            plan: That is flown.
+            begin: When its first segment begins in [s].
+        """
+        self._plan, self._begin = plan, begin
+
+    def remaining(self, time: float, age_max: float) -> tuple[NDArray[np.float64], float] | None:
+        """What is left of the plan.
+
+        Args:
+            time: From which on in [s].
+            age_max: Age at which a plan counts no more in [s].
+
+        Returns:
+            Inputs, shape (n, 3), n >= 1, and the length of a segment in [s]; None if there is
+            no plan, or nothing left of it.
+        """
+        age = time - self._begin
+        if self._plan is None or not 0.0 <= age <= age_max:
+            return None
+        inputs = self._plan.inputs[int(age / self._plan.step) :]
+        return (inputs, self._plan.step) if len(inputs) else None

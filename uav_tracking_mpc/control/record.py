@@ -1,0 +1,236 @@
+"""What a controller was given and what it answered, as a file that can be flown again.
+
+The file holds JSON lines: a header with version and parameters, then one line a call, in order,
+with the clock at the call, what the stopwatch showed and, of a step, the command. Numbers are
+written so that they come back bit for bit. A controller that is given the same calls answers the
+same commands on the same machine, as long as no solve runs out of time: that is up to the clock.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from uav_tracking_mpc import __version__
+from uav_tracking_mpc.control.command import Command
+from uav_tracking_mpc.control.controller import Controller
+from uav_tracking_mpc.estimation.measurement import Measurement, SensorNoise
+from uav_tracking_mpc.parameters.specification import ParameterError, from_mapping
+from uav_tracking_mpc.settings.tracking import TrackingParameters
+
+PENDING = 200  # calls after which they are written, if nobody has asked for it before
+
+
+class RecordingController(Controller):
+    """A controller that writes down what it is given; see :class:`Controller`.
+
+    Calls are kept in memory until :meth:`flush`, so that no answer waits for the disk.
+
+    Args:
+        parameters: What to fly and how.
+        path: File to write; an existing one is replaced.
+        stopwatch: Clock in [s] with which the controller measures how long it takes.
+
+    Raises:
+        ParameterError: The parameters cannot be flown, or the file cannot be written.
+    """
+
+    def __init__(
+        self,
+        parameters: TrackingParameters,
+        path: Path,
+        stopwatch: Callable[[], float] = time.perf_counter,
+    ) -> None:
+        self._readings: list[float] = []
+
+        def read() -> float:
+            self._readings.append(stopwatch())
+            return self._readings[-1]
+
+        self._calls: list[dict[str, Any]] = []
+        super().__init__(parameters, stopwatch=read)
+        try:
+            self._file = path.open("w", encoding="utf-8")
+        except OSError as error:
+            raise ParameterError(
+                f"parameter 'record' is {str(path)!r}, must be a file that can be written: {error}"
+            ) from error
+        self._calls = [{"version": __version__, "parameters": dataclasses.asdict(parameters)}]
+        self.flush()
+
+    def flush(self) -> None:
+        """Write the calls that are kept in memory."""
+        calls, self._calls = self._calls, []
+        self._file.writelines(json.dumps(call, default=_plain) + "\n" for call in calls)
+        self._file.flush()
+
+    def close(self) -> None:
+        """Write what is left and close the file."""
+        if not self._file.closed:
+            self.flush()
+            self._file.close()
+
+    def _note(self, name: str, **arguments: Any) -> dict[str, Any]:
+        call = {"call": name, **arguments}
+        if len(self._calls) >= PENDING:
+            self.flush()
+        self._calls.append(call)
+        return call
+
+    def reset(self) -> None:
+        """See :meth:`Controller.reset`."""
+        self._note("reset")
+        super().reset()
+
+    def change(self, **values: Any) -> None:
+        """See :meth:`Controller.change`."""
+        self._note("change", values=values)
+        super().change(**values)
+
+    def see_air(self, stamp: float, airspeed: float) -> None:
+        """See :meth:`Controller.see_air`."""
+        self._note("see_air", stamp=stamp, airspeed=airspeed)
+        super().see_air(stamp, airspeed)
+
+    def see_target(
+        self,
+        stamp: float,
+        position: ArrayLike,
+        velocity: ArrayLike | None = None,
+        covariance: ArrayLike | None = None,
+    ) -> bool:
+        """See :meth:`Controller.see_target`."""
+        self._note(
+            "see_target",
+            stamp=stamp,
+            position=position,
+            velocity=velocity,
+            covariance=covariance,
+        )
+        return super().see_target(stamp, position, velocity, covariance)
+
+    def see_state(self, measurement: Measurement) -> None:
+        """See :meth:`Controller.see_state`."""
+        self._note("see_state", measurement=measurement)
+        super().see_state(measurement)
+
+    def step(self, measurement: Measurement, now: float) -> Command | None:
+        """See :meth:`Controller.step`."""
+        self._readings.clear()
+        call = self._note("step", measurement=measurement, now=now)
+        command = super().step(measurement, now)
+        call["stopwatch"] = list(self._readings)
+        if command is not None:
+            call["command"] = {
+                "inputs": command.inputs,
+                "step": command.step,
+                "mode": command.mode.value,
+                "out_of_time": command.out_of_time,
+            }
+        return command
+
+    def fall_silent(self, reason: str) -> None:
+        """See :meth:`Controller.fall_silent`."""
+        self._note("fall_silent", reason=reason)
+        super().fall_silent(reason)
+
+
+class RecordedCommand(NamedTuple):
+    """A command as it was answered.
+
+    Attributes:
+        inputs: (u_psi, u_chi, u_v) of each segment, shape (n, 3), in [rad/s, rad/s, m/s^2].
+        step: Length of a segment in [s].
+        mode: Where it came from, in words.
+        out_of_time: Whether its solve met the time budget.
+    """
+
+    inputs: NDArray[np.float64]
+    step: float
+    mode: str
+    out_of_time: bool
+
+
+class ReplayedStep(NamedTuple):
+    """One step of a record.
+
+    Attributes:
+        recorded: What was answered; None for nothing.
+        command: What is answered now.
+    """
+
+    recorded: RecordedCommand | None
+    command: Command | None
+
+    @property
+    def same(self) -> bool:
+        """Whether both commands are the same bit for bit."""
+        if self.recorded is None or self.command is None:
+            return self.recorded is self.command
+        return (
+            np.array_equal(self.recorded.inputs, self.command.inputs)
+            and self.recorded.step == self.command.step
+            and self.recorded.mode == self.command.mode.value
+        )
+
+
+def replay(path: Path) -> Iterator[ReplayedStep]:
+    """Fly a record again, step by step; solves may take their time.
+
+    Args:
+        path: File that a :class:`RecordingController` has written.
+
+    Raises:
+        ValueError: It is no such file.
+    """
+    with path.open(encoding="utf-8") as file:
+        header = json.loads(next(file, "{}"))
+        if "parameters" not in header:
+            raise ValueError(f"{path} is not the record of a controller")
+        readings: list[float] = []
+        parameters = from_mapping(TrackingParameters, header["parameters"])
+        controller = Controller(parameters, stopwatch=lambda: readings.pop(0))
+        for line in file:
+            call = json.loads(line)
+            readings[:] = call.pop("stopwatch", ())
+            recorded = call.pop("command", None)
+            if controller.formulation is not None:
+                controller.formulation.solver.time_limit = math.inf
+            command = _repeat(controller, call.pop("call"), call)
+            if "now" in call:
+                yield ReplayedStep(recorded and _recorded(recorded), command)
+
+
+def _repeat(controller: Controller, name: str, arguments: dict[str, Any]) -> Command | None:
+    """Make a call again; one that was refused is refused again."""
+    if "measurement" in arguments:
+        values = arguments["measurement"]
+        noise = values.pop("noise")
+        values["noise"] = None if noise is None else SensorNoise(**noise)
+        arguments = {**arguments, "measurement": Measurement(**values)}
+    try:
+        answer = getattr(controller, name)(**arguments.get("values", arguments))
+    except ValueError:
+        return None
+    return answer if name == "step" else None
+
+
+def _recorded(values: dict[str, Any]) -> RecordedCommand:
+    return RecordedCommand(**{**values, "inputs": np.array(values["inputs"])})
+
+
+def _plain(value: Any) -> Any:
+    """What JSON does not know."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
+    return dataclasses.asdict(value)
