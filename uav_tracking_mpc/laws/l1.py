@@ -41,7 +41,7 @@ class L1Loiter(GuidanceLaw):
         orbit: What to fly.
         envelope: What can be flown.
         period: T in [s].
-        damping: zeta.
+        damping: zeta, [-].
     """
 
     name = "l1"
@@ -56,16 +56,20 @@ class L1Loiter(GuidanceLaw):
 
     def inputs(self, situation: Situation) -> NDArray[np.float64]:
         """See :meth:`GuidanceLaw.inputs`."""
-        path_angle, speed = (float(value) for value in situation.vehicle[4:6])
+        path_angle, speed = situation.path_angle, situation.airspeed
         # The bank turns the air velocity: a = v u_psi.
         turn_rate = self.lateral_acceleration(situation) / max(speed, 0.1 * self.orbit.speed)
         climb, acceleration = altitude_hold(self.orbit, self.envelope, situation)
         return self.envelope.clip([turn_rate, climb, acceleration], speed, path_angle)
 
     def lateral_acceleration(self, situation: Situation) -> float:
-        """Acceleration asked for across the velocity in [m/s^2], positive to the left."""
-        x, y = (float(value) for value in situation.offset[:2])
-        wx, wy = (float(value) for value in situation.relative_velocity[:2])
+        """Acceleration asked for across the velocity in [m/s^2], positive to the left.
+
+        Args:
+            situation: Aircraft, target and drift now.
+        """
+        x, y, _ = situation.offset.tolist()
+        wx, wy, _ = situation.relative_velocity.tolist()
         d, speed = math.hypot(x, y), max(math.hypot(wx, wy), 1.0)
         # Over the target, take the direction of the flight for that to the aircraft.
         ex, ey = (x / d, y / d) if d > 0.1 else (wx / speed, wy / speed)
