@@ -10,6 +10,10 @@ from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.formulation import Plan, solver_of
 from uav_tracking_mpc.formulation.paper_problem import (
+    problem_of,
+    stability_problem,
+    terminal_level,
+)
     stability_problem,
     terminal_level,
 )
