@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics import paper_numbers
 from uav_tracking_mpc.dynamics.discretisation import error_dynamics
-from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
 from uav_tracking_mpc.dynamics.relative import (
     relative_state,
     steady_inputs,
@@ -106,3 +106,22 @@ def paper_flight(model: str = "exact", plant: str = "euler") -> FlightLog:
         solver=solver.name,
         failures=sum(not solution.converged for solution in solutions),
     )
+
+
+def moving_target() -> FlightLog:
+    """Several orbits about a target that drives away at 2 m/s."""
+    log = orbiting(600, Orbit(300.0, 120.0, 22.0, COUNTER_CLOCKWISE), step=0.5)
+    target = np.outer(log.time, [2.0, 1.0, 0.0])
+    vehicle = log.vehicle.copy()
+    vehicle[:, :3] += target
+    return replace(log, vehicle=vehicle, target=target)
+
+
+def with_holes() -> FlightLog:
+    """Samples, costs and a bound that are not finite."""
+    log = orbiting(40)
+    vehicle, cost = log.vehicle.copy(), log.cost.copy()
+    vehicle[3:6] = np.nan
+    cost[::2] = np.nan
+    upper = np.array([np.inf, 1.0, 1.0])
+    return replace(log, vehicle=vehicle, cost=cost, input_upper=upper)

@@ -8,7 +8,7 @@ from uav_tracking_mpc.studies.comparison.results import as_json
 
 def test_the_folder_tells_the_comparison(tmp_path):
     scenarios = [compared("still"), compared("gusts")]
-    numbers = as_json("small_uav", scenarios)
+    numbers = as_json(scenarios)
     write_comparison(numbers, scenarios, tmp_path / "new")
     names = {path.name for path in (tmp_path / "new").iterdir()}
     assert names == {"compare.json", "compare.html", "summary.png", "still.png", "gusts.png"}

@@ -1,24 +1,19 @@
 import io
 
-import pytest
 from compared_flights import compared
 from rich.console import Console
 
-from uav_tracking_mpc.studies.comparison.command import WIDTH
+from uav_tracking_mpc.cli.answer import NARROWEST
 from uav_tracking_mpc.studies.comparison.comparison_table import (
-    BEGIN,
     COLUMNS,
-    END,
-    as_markdown,
-    as_table,
+    comparison_rows,
+    comparison_table,
     misses,
-    rows,
-    write_into,
 )
 
 
 def test_rows_hold_each_flight_and_the_verdict_on_the_controller():
-    first, second = rows([compared()])
+    first, second = comparison_rows([compared()])
     assert first[:2] == ["gusts", "nmpc"]
     assert first[3] == "never"
     assert first[-2:] == ["0.4 m, 20 s", "missed"]
@@ -29,7 +24,9 @@ def test_rows_hold_each_flight_and_the_verdict_on_the_controller():
 
 def test_the_terminal_shows_every_unit_and_number():
     file = io.StringIO()
-    Console(file=file, width=WIDTH).print(as_table([compared("circling_target", 3.0)]))
+    Console(file=file, width=NARROWEST).print(
+        comparison_table([compared("circling_target", 3.0)]).as_rich()
+    )
     text = file.getvalue()
     assert "…" not in text
     for word in ("[m]", "[s]", "[deg/s]", "circling_target", "missed"):
@@ -38,18 +35,3 @@ def test_the_terminal_shows_every_unit_and_number():
 
 def test_misses_name_the_scenario():
     assert any(words.startswith("gusts: settled never") for words in misses([compared()]))
-
-
-def test_a_table_is_put_into_a_page_and_into_no_other(tmp_path):
-    page = tmp_path / "page.md"
-    page.write_text(f"before\n{BEGIN}old\n{END}\nafter\n")
-    for _ in range(2):
-        write_into(page, as_markdown([compared()]))
-    lines = page.read_text().splitlines()
-    assert lines[0] == "before"
-    assert lines[-1] == "after"
-    assert len(lines) == 8
-    assert len({line.count("|") for line in lines[2:6]}) == 1
-    page.write_text("no place")
-    with pytest.raises(ValueError, match="has no place"):
-        write_into(page, "")

@@ -9,7 +9,7 @@ from uav_tracking_mpc.studies.comparison.results import as_json, scenario_of
 
 def test_json_has_every_number_of_every_flight():
     scenario = compared()
-    content = as_json("small_uav", [scenario])
+    content = as_json([scenario])
     assert json.loads(json.dumps(content, allow_nan=False)) == content
     assert content["config"] == "small_uav"
     flights = content["scenarios"]["gusts"]
@@ -25,7 +25,7 @@ def test_what_is_no_number_is_null():
     flown = compared()
     bad = replace(flown.logs["l1"], vehicle=np.full_like(flown.logs["l1"].vehicle, np.nan))
     scenario = scenario_of("gusts", flown.configuration, ["l1"], [bad])
-    flight = as_json("small_uav", [scenario])["scenarios"]["gusts"]["l1"]
+    flight = as_json([scenario])["scenarios"]["gusts"]["l1"]
     assert flight["range_rms_m"] is None
     assert flight["envelope_violations"] == len(bad.time)
 
@@ -35,7 +35,7 @@ def test_solve_times_are_those_of_the_controller():
     times = np.full_like(flown.logs["nmpc"].solve_time, 2e-4)
     log = replace(flown.logs["nmpc"], solve_time=times, failures=3)
     scenario = scenario_of("gusts", flown.configuration, ["nmpc"], [log])
-    solves = as_json("small_uav", [scenario])["solves"]["gusts"]
+    solves = as_json([scenario])["solves"]["gusts"]
     assert solves["not_converged"] == 3
     assert solves["count"] == len(times)
     assert abs(solves["median_us"] - 200.0) < 1e-6

@@ -38,6 +38,7 @@ def test_slices_vary_what_they_say():
 
 def test_archive_round_trip(tmp_path):
     found = attraction_map(PROBLEM, None, SMALL, 5, workers=1, show=False)
-    save_maps([found], str(tmp_path / "maps.npz"))
+    with (tmp_path / "maps.npz").open("wb") as file:
+        save_maps([found], file)
     stored = np.load(tmp_path / "maps.npz")
     np.testing.assert_array_equal(stored["0_feasible"], found.feasible)

@@ -1,8 +1,13 @@
+import importlib
 import json
+import re
 import subprocess
+import sys
 
 import pytest
 from processes import command, environment
+
+from uav_tracking_mpc.cli.main import COMMANDS, main
 
 
 def run(*arguments, limit=60):
@@ -61,8 +66,32 @@ def test_mistakes_are_explained_without_a_traceback(arguments, code, words):
 
 def test_help_teaches():
     text = run("--help").stdout
-    for word in ("fly", "simulate", "monitor", "examples:"):
+    for word in (*COMMANDS, "examples:"):
         assert word in text
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_says_what_it_does(name, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main([name, "--help"])
+    assert ended.value.code == 0
+    text = capsys.readouterr().out
+    module = importlib.import_module(f"uav_tracking_mpc.cli.{name}")
+    assert " ".join(module.DESCRIPTION.split()) in " ".join(text.split())
+    options = re.findall(r"^  (--\S+)( .*)?$", text, re.MULTILINE)
+    assert options or name == "monitor"
+
+
+def test_help_imports_nothing_that_takes_long():
+    program = (
+        "import sys; import uav_tracking_mpc.cli.main as cli\n"
+        "try: cli.main(['--help'])\n"
+        "except SystemExit: pass\n"
+        "slow = {'numpy', 'casadi', 'matplotlib', 'scipy', 'numba', 'rich'}\n"
+        "print(sorted(slow & set(sys.modules)))"
+    )
+    finished = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert finished.stdout.endswith("[]\n"), finished.stdout
 
 
 def test_a_mission_shorter_than_a_step_is_one_step(tmp_path):

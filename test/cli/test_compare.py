@@ -7,6 +7,17 @@ import pytest
 from compared_flights import KEYS
 from processes import command, environment
 
+LAW = """
+import numpy as np
+from uav_tracking_mpc.laws import GuidanceLaw
+
+class Circler(GuidanceLaw):
+    name = "circler"
+
+    def inputs(self, situation):
+        return np.array([self.orbit.speed / self.orbit.radius, 0.0, 0.0])
+"""
+
 
 def run(*arguments, limit=110):
     return subprocess.run(
@@ -48,6 +59,7 @@ def test_people_get_a_table():
     [
         (["--scenario", "storm"], "scenario is 'storm', must be a file or one of"),
         (["--laws", "pid"], "invalid choice: 'pid'"),
+        (["--law", "nowhere.py:Pursuit"], "there is no file"),
         (["--config", "mars"], "configuration is 'mars'"),
     ],
 )
@@ -56,3 +68,15 @@ def test_mistakes_are_explained(arguments, words):
     assert finished.returncode == 2
     assert words in finished.stderr
     assert finished.stdout == ""
+
+
+def test_a_law_of_ones_own_flies_beside_the_others(tmp_path):
+    path = tmp_path / "circler.py"
+    path.write_text(LAW)
+    finished = run(
+        "--scenario", "still", "--laws", "l1", "--law", f"{path}:Circler",
+        "--set", "mission.duration=5", "--output", tmp_path / "out", "--json",
+    )  # fmt: skip
+    assert finished.returncode == 0, finished.stderr
+    assert list(json.loads(finished.stdout)["scenarios"]["still"]) == ["l1", "circler"]
+    assert (tmp_path / "out" / "still.png").is_file()

@@ -1,0 +1,43 @@
+"""The flight in space: to scale, inside the figure, with marks that do not hide each other."""
+
+from dataclasses import replace
+
+import numpy as np
+from example_flights import moving_target, orbiting, paper_flight
+
+from uav_tracking_mpc.report import trajectory
+
+
+def test_the_trajectory_is_to_scale():
+    """A metre is as long along each axis."""
+    figure = trajectory.trajectory_figure(paper_flight())
+    (axes,) = figure.axes
+    limits = [axes.get_xlim3d(), axes.get_ylim3d(), axes.get_zlim3d()]
+    extent = np.ptp(limits, axis=1)
+    ratio = axes._box_aspect / extent
+    np.testing.assert_allclose(ratio, ratio[0])
+    assert limits[2][0] <= 0.0  # the target's ground is in the picture
+
+
+def test_time_marks_do_not_hide_each_other():
+    """Several orbits pass the same places: labels stay apart, and some remain."""
+    for log in (paper_flight(), moving_target()):
+        figure = trajectory.trajectory_figure(log)
+        figure.canvas.draw()
+        boxes = [text.get_window_extent() for text in figure.axes[0].texts]
+        assert len(boxes) >= 5
+        for index, box in enumerate(boxes):
+            assert not any(box.overlaps(other) for other in boxes[:index])
+            assert box.x0 > 0.0 and box.x1 < figure.bbox.width
+
+
+def test_everything_drawn_lies_inside_the_figure():
+    """Axis labels included, for flat and for tall flights."""
+    tall = orbiting(100)
+    vehicle = tall.vehicle.copy()
+    vehicle[:, 2] += np.linspace(800.0, 0.0, 100)
+    for log in (paper_flight(), moving_target(), replace(tall, vehicle=vehicle)):
+        figure = trajectory.trajectory_figure(log)
+        box = trajectory._scene_box(figure, figure.axes[0])
+        assert box.x0 >= 0.0 and box.x1 <= 1.0
+        assert box.y0 >= 0.0 and box.y1 <= 0.95

@@ -1,0 +1,26 @@
+"""The report on the paper for people; the page in docs is current."""
+
+from pathlib import Path
+
+from pages import assert_same
+
+from uav_tracking_mpc.studies.stability.paper_report import paper_report
+from uav_tracking_mpc.studies.stability.paper_report_text import (
+    as_markdown,
+    numbers_table,
+    verdicts,
+)
+
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "paper_errata.md"
+
+
+def test_every_row_has_a_verdict():
+    rows = paper_report()
+    assert [row[0] for row in numbers_table(rows).rows] == [str(n + 1) for n in range(len(rows))]
+    lines = verdicts(rows)
+    assert [int(line.split()[0]) for line in lines] == list(range(1, len(rows) + 1))
+    assert any("the printed certificate does not hold" in line for line in lines)
+
+
+def test_the_page_is_current():
+    assert_same(PAGE.read_text(), as_markdown(paper_report()))

@@ -1,0 +1,38 @@
+import math
+import os
+
+import pytest
+
+from uav_tracking_mpc.studies.parallel import parallel_map
+
+
+def process_of(_):
+    return os.getpid()
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_results_are_in_order(workers):
+    pieces = list(range(30))
+    found = parallel_map(math.factorial, pieces, workers, show=False)
+    assert found == [math.factorial(piece) for piece in pieces]
+
+
+def test_one_worker_stays_in_this_process():
+    assert parallel_map(process_of, [1, 2], workers=1, show=False) == [os.getpid()] * 2
+    assert os.getpid() not in parallel_map(process_of, [1, 2], workers=2, show=False)
+
+
+def test_nothing_to_do():
+    assert parallel_map(math.factorial, [], show=False) == []
+
+
+def test_what_a_piece_raises_reaches_the_caller():
+    with pytest.raises(ValueError, match="nonnegative|not defined for negative"):
+        parallel_map(math.factorial, [3, -1], workers=2, show=False)
+
+
+def test_the_bar_goes_to_stderr(capsys):
+    parallel_map(math.factorial, [1, 2], workers=1, label="numbers")
+    found = capsys.readouterr()
+    assert found.out == ""
+    assert "numbers" in found.err
