@@ -46,11 +46,7 @@ class TargetParameters:
         upper=1e6,
     )
     drive_time: float = parameter(
-        20.0,
-        "How long stop_and_go drives at a time, straight on.",
-        unit="s",
-        lower=0.1,
-        upper=1e5,
+        20.0, "How long stop_and_go drives at a time, straight on.", unit="s", lower=0.1, upper=1e5
     )
     stand_time: float = parameter(
         20.0, "How long stop_and_go stands in between.", unit="s", lower=0.1, upper=1e5
