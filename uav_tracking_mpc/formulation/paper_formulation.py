@@ -22,7 +22,7 @@ from uav_tracking_mpc.terminal.decrease import decrease_monitor
 
 
 class PaperFormulation:
-    """Problem of :func:`~uav_tracking_mpc.formulation.paper_problem.tracking_problem` and its solver.
+    """The paper's optimal control problem and its solver.
 
     Args:
         parameters: What is flown.
