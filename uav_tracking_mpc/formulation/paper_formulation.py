@@ -14,16 +14,13 @@ from uav_tracking_mpc.formulation.paper_problem import (
     stability_problem,
     terminal_level,
 )
-    stability_problem,
-    terminal_level,
-)
 from uav_tracking_mpc.mpc.solver import Solver
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.terminal.decrease import decrease_monitor
 
 
 class PaperFormulation:
-    """Problem of :mod:`~uav_tracking_mpc.formulation.paper_problem` and its solver.
+    """The paper's optimal control problem and its solver.
 
     Args:
         parameters: What is flown.
