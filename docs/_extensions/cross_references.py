@@ -23,6 +23,7 @@ def setup(app):
     """Connect to the reading of docstrings and the search for targets."""
     app.connect("autodoc-process-docstring", keep_first_line, priority=400)  # before napoleon
     app.connect("autodoc-process-signature", name_arrays)
+    app.connect("autodoc-skip-member", skip_private)
     app.connect("missing-reference", resolve)
     Inliner.dispatch["|"] = bar
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
@@ -45,13 +46,23 @@ def name_arrays(app, what, name, value, options, signature, returned):
     return tuple(text and ARRAY.sub(r"NDArray[\1]", text) for text in (signature, returned))
 
 
+def skip_private(app, what, name, value, skip, options):
+    """Private modules are shown, their private members are not."""
+    return True if name.startswith("_") else None
+
+
 def resolve(app, environment, node, content):
     """Find the one object of the package whose path ends in the reference's target."""
     if node.get("refdomain") != "py":
         return None
     target = node["reftarget"].lstrip(".~").removeprefix(f"{PACKAGE}.")
-    objects = environment.domains.python_domain.objects
-    found = [full for full in objects if full.endswith(f".{target}")]
+    domain = environment.domains.python_domain
+    objects, kinds = domain.objects, domain.objtypes_for_role(node["reftype"]) or []
+    found = [
+        full
+        for full, entry in objects.items()
+        if full.endswith(f".{target}") and entry.objtype in kinds
+    ]
     if len(found) > 1:  # prefer where the package's own text looks: the same module
         found = [full for full in found if full.startswith(f"{node.get('py:module')}.")]
     if not found and node.get("reftype") == "data":

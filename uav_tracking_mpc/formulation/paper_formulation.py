@@ -22,7 +22,7 @@ from uav_tracking_mpc.terminal.decrease import decrease_monitor
 
 
 class PaperFormulation:
-    """Problem of :mod:`tracking_problem` and its solver.
+    """Problem of :mod:`~uav_tracking_mpc.formulation.paper_problem` and its solver.
 
     Args:
         parameters: What is flown.

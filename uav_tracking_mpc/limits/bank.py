@@ -30,9 +30,7 @@ class Bank(Limit):
     hard_on_orbit = True
     of_rates = True
 
-    bank_max: float = parameter(
-        1.4, "Greatest bank angle of a coordinated turn.", unit="rad", lower=0.01, upper=1.5
-    )
+    bank_max: float = parameter(1.4, "Greatest bank angle of a coordinated turn.", "rad", 0.01, 1.5)
 
     def numbers(self, targets: NDArray[np.float64]) -> NDArray[np.float64]:
         """Lateral acceleration of the greatest bank that is planned in [m/s^2], shape (n, 1)."""

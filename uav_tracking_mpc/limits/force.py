@@ -35,18 +35,18 @@ class Force(AirspeedSpan):
     force_min: tuple[float, ...] = parameter(
         (-20.0, -20.0),
         "Least thrust less drag, over mass, at airspeed_min and at airspeed_max.",
-        unit="m/s^2",
+        "m/s^2",
+        -100.0,
+        100.0,
         size=2,
-        lower=-100.0,
-        upper=100.0,
     )
     force_max: tuple[float, ...] = parameter(
         (20.0, 20.0),
         "Greatest thrust less drag, over mass, at airspeed_min and at airspeed_max.",
-        unit="m/s^2",
+        "m/s^2",
+        -100.0,
+        100.0,
         size=2,
-        lower=-100.0,
-        upper=100.0,
     )
 
     def __post_init__(self) -> None:

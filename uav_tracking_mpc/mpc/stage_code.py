@@ -7,12 +7,17 @@ constant decisions, w = (s, u), F = d(x+, a)/dw, and the Lagrangian of a stage
 
     L(w, \lambda, m) = l(w) + \lambda^T f(w) + m^T h(w)
 
-``stage_values``        f, l, h
-``stage_quadratic``     gradient L_w, and the quadratic model that the Riccati recursion minimises,
-                        Q = L_ww + h_w^T D h_w + F^T V F,  q = L_w + F^T (v - lambda)
-``terminal_values``     V_f and the terminal constraints e
-``terminal_quadratic``  V = V_f,ss + (m^T e)_ss + e_s^T D e_s,  v = (V_f + m^T e)_s
-``continuation``        input after the last stage
+``stage_values``
+    f, l, h
+``stage_quadratic``
+    gradient L_w, and the quadratic model that the Riccati recursion minimises,
+    Q = L_ww + h_w^T D h_w + F^T V F,  q = L_w + F^T (v - lambda)
+``terminal_values``
+    V_f and the terminal constraints e
+``terminal_quadratic``
+    V = V_f,ss + (m^T e)_ss + e_s^T D e_s,  v = (V_f + m^T e)_s
+``continuation``
+    input after the last stage
 
 F^T V F is formed symbolically as well, so the zeros and constants of F cost nothing at run time.
 Each function is listed operation by operation in the form of

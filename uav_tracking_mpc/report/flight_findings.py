@@ -21,8 +21,8 @@ def quantity(value: float | None, unit: str, digits: int = 4) -> str:
     """A number with its unit, for people.
 
     Args:
-        value: None and what is not finite become a dash; what is smaller than people can use is
-            said to be so.
+        value: In ``unit`` [SI]; None and what is not finite become a dash; what is smaller than
+            people can use is said to be so.
         unit: Appended after a no-break space.
         digits: Significant digits, at most this many decimals.
     """
@@ -61,7 +61,11 @@ def in_short(numbers: dict[str, Any], output: Path) -> list[str]:
 
 
 def settled(numbers: dict[str, Any]) -> bool:
-    """Whether range, altitude, speed and bearing all came to stay inside their bands."""
+    """Whether range, altitude, speed and bearing all came to stay inside their bands.
+
+    Args:
+        numbers: What :func:`uav_tracking_mpc.report.metrics.metrics` returned.
+    """
     return all(time is not None for time in numbers["settling_s"].values())
 
 

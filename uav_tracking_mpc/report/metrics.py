@@ -94,7 +94,7 @@ def settling_time(
     Args:
         time: Times of the samples in [s], shape (n,).
         error: Shape (n,); a sample that is not finite counts as outside.
-        band: Half width of the band, in the unit of the error.
+        band: Half width of the band, in the unit of the error [SI].
 
     Returns:
         Time in [s], or None if the last sample is outside or there is none.
@@ -104,18 +104,12 @@ def settling_time(
     return _plain(time[first_inside]) if first_inside < len(time) else None
 
 
-def range_offset(log: FlightLog) -> float | None:
-    """Mean error in range over the last third of the flight in [m], None without samples.
-
-    A controller whose model does not share the vehicle's steady turn leaves an offset that no
-    feedback on the error removes; noise and transients leave little of a mean.
-    """
-    steady = range_errors(log)
-    return _plain(np.mean(steady)) if len(steady) else None
-
-
 def range_errors(log: FlightLog) -> NDArray[np.float64]:
-    """Errors in range over the last third of the flight, shape (k,), in [m]."""
+    """Errors in range over the last third of the flight, shape (k,), in [m].
+
+    Args:
+        log: Record of the flight.
+    """
     return log.error[_last_third(log), COLUMNS["range"]]
 
 

@@ -80,7 +80,12 @@ def mark_times(
 
 
 def on_screen(axes: Axes3D, places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Where points of space, (n, 3), are drawn, shape (n, 2), in [pixel]."""
+    """Where points of space are drawn, shape (n, 2), in [pixel].
+
+    Args:
+        axes: Axes whose limits and projection are final.
+        places: Points of space, shape (n, 3), in [m].
+    """
     x, y, _ = proj3d.proj_transform(*places.T, axes.get_proj())
     return np.asarray(axes.transData.transform(np.column_stack([x, y])))
 

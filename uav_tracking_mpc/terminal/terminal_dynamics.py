@@ -88,5 +88,5 @@ class ClosedLoopBalls:
         return value, flint().arb_mat(rows)
 
     def curvature(self, x: list[Any]) -> list[list[Any]]:
-        """Nonzeros of the Hessians' upper triangles, as :attr:`pattern`, over the box ``x``."""
+        """Nonzeros of the Hessians' upper triangles, as ``pattern``, over the box ``x``."""
         return self._second(x, self._numbers)

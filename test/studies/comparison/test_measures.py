@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from example_flights import ORBIT, orbiting
 
+from uav_tracking_mpc.dynamics.gravity import GRAVITY
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.studies.comparison.measures import (
-    GRAVITY,
     flown_bank,
-    flown_force,
     measures,
     violations,
 )
@@ -50,13 +49,6 @@ def test_bank_rate_of_a_bank_that_swings():
     assert measures(log, LIMITS).bank_rate_rms_dps == pytest.approx(expected, rel=1e-3)
 
 
-def test_force_carries_the_climb_and_the_acceleration():
-    log = with_vehicle(4, np.full(301, 0.1))
-    np.testing.assert_allclose(flown_force(log), GRAVITY * np.sin(0.1), rtol=1e-12)
-    log = with_vehicle(5, 3.0 + 0.5 * STEADY.time, log)
-    np.testing.assert_allclose(flown_force(log), GRAVITY * np.sin(0.1) + 0.5, rtol=1e-9)
-
-
 def test_errors_count_over_the_last_third_and_settling_over_all():
     height = 50.0 + np.where(STEADY.time < 15.0, 40.0, 0.3)
     flight = measures(with_vehicle(2, height), LIMITS)
@@ -93,7 +85,10 @@ def test_distance_bank_force_and_fence():
     weak = replace(LIMITS, force_max=(2.0, 3.0))  # 2.33 at 4 m/s
     assert violations(climbing, weak)["force"].sum() == 300
     assert not violations(climbing, LIMITS)["force"].any()
-    assert "fence" not in violations(STEADY, LIMITS)
+    speeding = with_vehicle(5, 3.0 + 0.5 * STEADY.time, climbing)  # 0.5 m/s^2 more
+    assert violations(speeding, replace(LIMITS, force_max=(2.9, 2.9)))["force"].sum() == 300
+    assert not violations(speeding, replace(LIMITS, force_max=(2.93, 2.93)))["force"].any()
+    assert not violations(STEADY, LIMITS)["fence"].any()
     fenced = replace(LIMITS, fence_radius=155.0, fence_centre=(-20.0, 0.0))
     assert 0 < violations(STEADY, fenced)["fence"].sum() < 301
 

@@ -1,7 +1,7 @@
 import numpy as np
 
+from uav_tracking_mpc.dynamics.gravity import GRAVITY
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.studies.comparison.measures import GRAVITY
 from uav_tracking_mpc.studies.feasibility.random_flights import random_situations
 
 PARAMETERS = load_configuration("small_uav").controller

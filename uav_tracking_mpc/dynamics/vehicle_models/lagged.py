@@ -65,10 +65,10 @@ class Lagged(VehicleModel):
     rate_lag: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0),
         "Time constants of the aircraft's turn rate, path-angle rate and acceleration.",
-        unit="s",
+        "s",
+        0.0,
+        5.0,
         size=3,
-        lower=0.0,
-        upper=5.0,
     )
 
     def numbers(self, duration: float) -> NDArray[np.float64]:

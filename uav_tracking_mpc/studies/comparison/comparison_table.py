@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from uav_tracking_mpc.report.table import Table
-from uav_tracking_mpc.studies.comparison.law_names import NMPC
+from uav_tracking_mpc.settings.tracking import PREDICTIVE
 from uav_tracking_mpc.studies.comparison.measures import Measures
 from uav_tracking_mpc.studies.comparison.results import Scenario
 
@@ -45,7 +45,7 @@ def comparison_rows(scenarios: Sequence[Scenario]) -> list[list[str]]:
             scenario.name if index == 0 else "",
             law,
             *_numbers(flight),
-            *(_verdict(scenario) if law == NMPC else ("", "")),
+            *(_verdict(scenario) if law == PREDICTIVE else ("", "")),
         ]
         for scenario in scenarios
         for index, (law, flight) in enumerate(scenario.measures.items())

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from uav_tracking_mpc.parameters.registry import GUIDANCE_LAW
-
-NMPC = "nmpc"  # the predictive controller
+from uav_tracking_mpc.settings.tracking import PREDICTIVE
 
 
 def law_names() -> list[str]:
     """The predictive controller and every law that is installed."""
-    return [NMPC, *GUIDANCE_LAW.names]
+    return [PREDICTIVE, *GUIDANCE_LAW.names]
 
 
 def law_label(law: str) -> str:

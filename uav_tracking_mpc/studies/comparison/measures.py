@@ -1,14 +1,9 @@
 r"""What counts of a flight, from the true trajectory and the configuration's limits alone.
 
-Nothing here asks the controller or its model of the envelope: bank and specific force are those
-flown between two samples of the state,
+Nothing here asks the controller. What depends on rates is that of the interval between two samples
+of the state, with the mean of position, path angle and airspeed over it; the bank, for instance:
 
-.. math::
-
-    \tan\phi = \frac{\bar v}{g} \frac{\Delta\psi}{\Delta t}, \qquad
-    f = g \sin\bar\chi + \frac{\Delta v}{\Delta t}
-
-with the mean of path angle and airspeed over the interval.
+.. math:: \tan\phi = \frac{\bar v}{g} \frac{\Delta\psi}{\Delta t}
 """
 
 from __future__ import annotations
@@ -20,12 +15,12 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.angles import wrap_angle
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.limits import Motion
 from uav_tracking_mpc.report.metrics import settling_time
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
 SETTLED = 10.0  # m of range error below which a flight counts as settled
-TOLERANCE = 0.01  # share of a limit by which it may be passed
 
 
 @dataclass(frozen=True)
@@ -81,55 +76,53 @@ def flown_bank(log: FlightLog) -> NDArray[np.float64]:
     Args:
         log: Record of the flight.
     """
-    turn = np.asarray(wrap_angle(np.diff(log.vehicle[:, 3]))) / np.diff(log.time)
-    return np.arctan(_middle(log.vehicle[:, 5]) * turn / GRAVITY)
-
-
-def flown_force(log: FlightLog) -> NDArray[np.float64]:
-    """Thrust less drag over mass between each two samples, shape (n - 1,), in [m/s^2].
-
-    Args:
-        log: Record of the flight.
-    """
-    climb = GRAVITY * np.sin(_middle(log.vehicle[:, 4]))
-    return np.asarray(climb + np.diff(log.vehicle[:, 5]) / np.diff(log.time))
+    motion = _between_samples(log)
+    return np.asarray(np.arctan(motion.airspeed * motion.turn_rate / GRAVITY))
 
 
 def violations(log: FlightLog, parameters: TrackingParameters) -> dict[str, NDArray[np.bool_]]:
-    """At which samples which limit is passed by more than :data:`TOLERANCE`, each of shape (n,).
+    """At which samples which limit is passed by more than 1 %, each of shape (n,).
 
     Bank and force are those of the interval after a sample.
 
     Args:
         log: Record of the flight.
         parameters: The limits.
+
+    Returns:
+        By the label of the limit.
     """
-    p = parameters
-    z, chi, v = log.vehicle[:, 2], log.vehicle[:, 4], log.vehicle[:, 5]
-    speeds, middle = (p.airspeed_min, p.airspeed_max), _middle(v)
-    bank, force = np.abs(flown_bank(log)), flown_force(log)
-    beyond = {
-        "airspeed": _below(v, p.airspeed_min) | _above(v, p.airspeed_max),
-        "path angle": _below(chi, p.path_angle_min) | _above(chi, p.path_angle_max),
-        "bank": _above(bank, p.bank_max),
-        "force": _below(force, np.interp(middle, speeds, p.force_min))
-        | _above(force, np.interp(middle, speeds, p.force_max)),
-        "height": _below(z, p.height_min),
-        "distance": _below(np.linalg.norm(log.vehicle[:, :3] - log.target, axis=1), p.distance_min),
-    }
-    if p.fence_radius > 0.0:
-        away = np.hypot(*(log.vehicle[:, :2] - p.fence_centre).T)
-        beyond["fence"] = _above(away, p.fence_radius)
-    # The last sample begins no interval.
-    return {name: np.append(found, False)[: len(v)] for name, found in beyond.items()}
+    at_samples, between = _at_samples(log), _between_samples(log)
+    passed = {}
+    for limit in parameters.envelope.limits:
+        motion, targets = at_samples, log.target
+        if limit.of_rates:
+            motion, targets = between, log.target[:-1]
+        bound = limit.flown(motion, limit.numbers(targets).T)
+        if bound is not None:
+            # The last sample begins no interval.
+            passed[limit.label] = np.append(bound.passed(), False)[: len(log.time)]
+    return passed
 
 
-def _above(values: NDArray[np.float64], limit: float | NDArray[np.float64]) -> NDArray[np.bool_]:
-    return np.asarray(~(values <= limit + TOLERANCE * np.abs(limit) + 1e-9))
+def _at_samples(log: FlightLog) -> Motion:
+    x, y, z, _, path_angle, airspeed = log.vehicle.T
+    x_target, y_target, z_target = log.target.T
+    return Motion(x - x_target, y - y_target, z - z_target, path_angle, airspeed)
 
 
-def _below(values: NDArray[np.float64], limit: float | NDArray[np.float64]) -> NDArray[np.bool_]:
-    return np.asarray(~(values >= limit - TOLERANCE * np.abs(limit) - 1e-9))
+def _between_samples(log: FlightLog) -> Motion:
+    samples, step = _at_samples(log), np.diff(log.time)
+    _, _, _, heading, _, _ = log.vehicle.T
+    return Motion(
+        x=_middle(samples.x),
+        y=_middle(samples.y),
+        z=_middle(samples.z),
+        path_angle=_middle(samples.path_angle),
+        airspeed=_middle(samples.airspeed),
+        turn_rate=np.asarray(wrap_angle(np.diff(heading))) / step,
+        acceleration=np.diff(samples.airspeed) / step,
+    )
 
 
 def _middle(values: NDArray[np.float64]) -> NDArray[np.float64]:

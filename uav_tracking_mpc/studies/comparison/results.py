@@ -12,9 +12,10 @@ import numpy as np
 
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import Configuration
+from uav_tracking_mpc.settings.tracking import PREDICTIVE
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 from uav_tracking_mpc.studies.comparison.flights import fly_all
-from uav_tracking_mpc.studies.comparison.law_names import NMPC, law_label
+from uav_tracking_mpc.studies.comparison.law_names import law_label
 from uav_tracking_mpc.studies.comparison.measures import Measures, measures
 from uav_tracking_mpc.studies.comparison.targets import Target, missed, target_of
 
@@ -122,7 +123,7 @@ def as_json(scenarios: Sequence[Scenario]) -> dict[str, Any]:
         - ``solves.<scenario>``: of the predictive controller: ``count``, ``not_converged``,
           ``median_us``, ``p99_us``, ``max_us``
     """
-    flown = [each for each in scenarios if NMPC in each.logs]
+    flown = [each for each in scenarios if PREDICTIVE in each.logs]
     numbers = {
         "config": scenarios[0].configuration.name,
         "scenarios": {
@@ -138,7 +139,7 @@ def as_json(scenarios: Sequence[Scenario]) -> dict[str, Any]:
             for each in flown
             if each.target is not None
         },
-        "solves": {each.name: _solves(each.logs[NMPC]) for each in flown},
+        "solves": {each.name: _solves(each.logs[PREDICTIVE]) for each in flown},
     }
     return json.loads(json.dumps(numbers), parse_constant=lambda _: None)
 

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from uav_tracking_mpc.settings.configuration import Configuration
+from uav_tracking_mpc.settings.tracking import PREDICTIVE
 from uav_tracking_mpc.simulation.motions import motion_of
-from uav_tracking_mpc.studies.comparison.law_names import NMPC
 from uav_tracking_mpc.studies.comparison.measures import Measures
 
 CONFIGURATION = "small_uav"
@@ -62,9 +62,9 @@ def missed(
         flights: Each law's flight through it; without one of the predictive controller nothing
             is judged, without classical laws nothing is compared.
     """
-    if NMPC not in flights:
+    if PREDICTIVE not in flights:
         return []
-    own = flights[NMPC]
+    own = flights[PREDICTIVE]
     words = []
     if not own.range_rms_m <= target.range_rms:
         words.append(f"range RMS {own.range_rms_m:.3f} m, at most {target.range_rms:g} m")
@@ -81,7 +81,7 @@ def missed(
         words.append(
             f"bank rate RMS {own.bank_rate_rms_dps:.2f} deg/s, at most {BANK_RATE_RMS:g} deg/s"
         )
-    others = [flight.range_rms_m for law, flight in flights.items() if law != NMPC]
+    others = [flight.range_rms_m for law, flight in flights.items() if law != PREDICTIVE]
     if others:
         words += _compared(own.range_rms_m, min(others), _disturbed(configuration))
     return words

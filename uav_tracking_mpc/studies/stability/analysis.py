@@ -48,9 +48,9 @@ class LevelBound:
     """How far a condition reaches.
 
     Attributes:
-        proved: It holds on every ellipsoid up to this level; 0 if none could be proved.
-        violation: The lowest level at which a state breaks it, or None if none was found.
-        state: That state, error coordinates, length 5.
+        proved: It holds on every ellipsoid up to this level [-]; 0 if none could be proved.
+        violation: The lowest level [-] at which a state breaks it, or None if none was found.
+        state: That state in error coordinates, [m, rad, m, rad, m/s].
         proof: The proof at ``proved``.
     """
 
@@ -65,10 +65,10 @@ class LipschitzBound:
     """L(varrho) of (31), a true maximum, from both sides.
 
     Attributes:
-        level: varrho.
-        lower: Attained at ``state``.
-        upper: Proved; infinite if nothing was.
-        state: Where ``lower`` is attained, length 5.
+        level: varrho [-].
+        lower: Attained at ``state`` [-].
+        upper: Proved [-]; infinite if nothing was.
+        state: Where ``lower`` is attained, error coordinates, [m, rad, m, rad, m/s].
     """
 
     level: float
@@ -131,7 +131,12 @@ class Analysis:
 
 
 def obstacle(inputs: Limit, domain: Limit) -> str:
-    """Why not even a small ellipsoid is a terminal set."""
+    """Why not even a small ellipsoid is a terminal set.
+
+    Args:
+        inputs: The input limit that binds first.
+        domain: The domain limit that binds first.
+    """
     if inputs.level <= 0.0:
         return f"{inputs.name}: the steady input of the orbit is outside it"
     if domain.level <= 0.0:
@@ -224,7 +229,7 @@ def lipschitz_constant(
     Args:
         problem: The configuration.
         ingredients: A_K and P_rho.
-        level: varrho.
+        level: varrho [-].
         loop: The closed loop in ball arithmetic, if it is at hand.
         time_limit: Of each proof in [s].
     """
@@ -262,8 +267,8 @@ def lipschitz_reach(
     Args:
         problem: The configuration.
         ingredients: A_K and P_rho.
-        constant: What (29) or (41) leaves for L.
-        ceiling: Levels above are not looked at.
+        constant: What (29) or (41) leaves for L [-].
+        ceiling: Levels above [-] are not looked at.
         loop: The closed loop in ball arithmetic.
         time_limit: Of each proof in [s].
     """

@@ -16,6 +16,9 @@ def as_json(analysis: Analysis) -> dict[str, Any]:
     Keys that programs may rely on: ``conditions.theorem2``, ``conditions.theorem3`` ({holds, left,
     right}, with the proved L at the terminal level), ``varrho.{theorem3, decrease, inputs,
     certified}`` (all proved), ``lipschitz.{upper, lower}``, ``certified``.
+
+    Args:
+        analysis: Of a configuration.
     """
     quantities, direct = analysis.quantities, analysis.direct
     content = {
@@ -85,7 +88,11 @@ def _finite(value: Any) -> Any:
 
 
 def as_words(analysis: Analysis) -> str:
-    """What was found, in a few lines."""
+    """What was found, in a few lines.
+
+    Args:
+        analysis: Of a configuration.
+    """
     problem, orbit = analysis.problem, analysis.problem.orbit
     lines = [
         f"{problem.name}: {problem.model} model, {problem.scheme}, T_s = {problem.step:g} s, "

@@ -16,6 +16,7 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.dynamics import paper_numbers
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import tracking_error
 from uav_tracking_mpc.formulation.paper_problem import (
@@ -104,11 +105,15 @@ def default_slices(problem: StabilityProblem, points: int = 25) -> list[Slice]:
 
 
 def marked_state(problem: StabilityProblem) -> NDArray[np.float64]:
-    """x_o of the paper, scaled to the orbit where that is not the paper's, shape (5,)."""
+    """x_o of the paper, scaled to the orbit where that is not the paper's, shape (5,).
+
+    Args:
+        problem: The configuration.
+    """
     orbit = problem.orbit
     state = PAPER_INITIAL_STATE.copy()
-    state[0] *= orbit.range / 150.0
-    state[2] = 0.4 * orbit.altitude
+    state[0] *= orbit.range / paper_numbers.ORBIT.range
+    state[2] *= orbit.altitude / paper_numbers.ORBIT.altitude
     return state
 
 
@@ -137,7 +142,7 @@ def attraction_map(
 
     Args:
         problem: The configuration.
-        level: varrho of the hard terminal set.
+        level: varrho [-] of the hard terminal set; None leaves the set away.
         where: The slice.
         horizon: N.
         solver: Makes the solver; at module level, so that processes can find it.

@@ -30,12 +30,12 @@ class Candidate:
     """One choice of weights.
 
     Attributes:
-        scaling: rho.
-        input_factor: R is this times the R asked for.
-        level: varrho that U, the domain and the search for violations allow.
-        volume: Of X_f, relative to the choice asked for.
-        extents: Half-widths of X_f along the five states, length 5.
-        cost: Closed-loop cost of kappa_l from common states, relative to the choice asked for.
+        scaling: rho [-].
+        input_factor: R is this times the R asked for [-].
+        level: varrho [-] that U, the domain and the search for violations allow.
+        volume: Of X_f, relative to the choice asked for [-].
+        extents: Half-widths of X_f along the five states, in [m, rad, m, rad, m/s].
+        cost: Closed-loop cost of kappa_l from common states, relative to the choice asked for [-].
         binding: Which limit is in the way of a larger set.
         proved: The direct condition was proved at ``level``; None if it was not tried.
     """
@@ -78,8 +78,8 @@ def design(
     Args:
         problem: What is asked for.
         say: Told what is being done.
-        scalings: Values of rho.
-        input_factors: Factors of R.
+        scalings: Values of rho [-].
+        input_factors: Factors of R [-].
     """
     say = say or (lambda text: None)
     raw = [_candidate(problem, problem.scaling, 1.0, problem)]

@@ -19,7 +19,7 @@ def distance_budget(
     Args:
         problem: Horizon, step, input bounds, weights.
         state: (r, theta, z, chi, v), shape (5,).
-        level: varrho.
+        level: varrho [-].
 
     Returns:
         (needed, possible), in [m]. needed > possible proves that (16e) is infeasible.

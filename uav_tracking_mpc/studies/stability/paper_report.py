@@ -45,10 +45,10 @@ class Row:
     Attributes:
         name: What it is.
         equation: Where the paper prints it.
-        printed: As printed, or None.
-        printed_A: Recomputed with (58), or None where it makes no sense.
-        model_11: Recomputed with (11).
-        exact: Recomputed with the exact kinematics.
+        printed: As printed, in the unit of the quantity [SI], or None.
+        printed_A: Recomputed with (58), in [SI], or None where it makes no sense.
+        model_11: Recomputed with (11), in [SI].
+        exact: Recomputed with the exact kinematics, in [SI].
         verdict: In words.
     """
 
