@@ -177,7 +177,9 @@ def findings(body, prefix=""):
         name = getattr(node, "name", "_")
         label = prefix + name
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
-            if name == "__call__" or (name[0] != "_" and "overload" not in decorators(node)):
+            if name == "__call__" or (
+                name[0] != "_" and not decorators(node) & {"overload", "setter"}
+            ):
                 yield from of_function(node, label)
         elif isinstance(node, ast.ClassDef) and name[0] != "_":
             yield from of_class(node, label)
