@@ -106,9 +106,7 @@ class Lagged(VehicleModel):
 
         halfway, end = after(0.5 * duration, 0), after(duration, 3)
         end_rates = [inputs[axis] + excess[axis] * numbers[6 + axis] for axis in range(3)]
-        begin, middle, last = (
-            air_velocity(psi, chi, v, xp) for psi, chi, v in (angles, halfway, end)
-        )
+        begin, middle, last = (air_velocity(*at, xp=xp) for at in (angles, halfway, end))
         position = [
             start
             + duration / 6.0 * (begin[axis] + 4.0 * middle[axis] + last[axis])
@@ -116,14 +114,14 @@ class Lagged(VehicleModel):
             + 0.5 * duration**2 * drift.rate[axis]
             for axis, start in enumerate((state.x, state.y, state.z))
         ]
-        return LaggedState._make([*position, *end, *end_rates])
+        return LaggedState(*position, *end, *end_rates)
 
     def initial(self, vehicle: ArrayLike, target: ArrayLike, rates: ArrayLike) -> LaggedState:
         """See :meth:`PredictionModel.initial`."""
         *position, psi, chi, v = np.asarray(vehicle, dtype=float).tolist()
-        offset = (np.array(position) - target).tolist()
-        flown = np.asarray(rates, dtype=float).tolist()
-        return LaggedState._make([*offset, psi, chi, v, *flown])
+        offset = np.array(position) - np.asarray(target, dtype=float)
+        values = [*offset.tolist(), psi, chi, v, *np.asarray(rates, dtype=float).tolist()]
+        return LaggedState(*values)
 
     def settled(self, state: LaggedState, orbit: OrbitMotion) -> list[Any]:
         """See :meth:`VehicleModel.settled`: the rates are those of the orbit."""
