@@ -10,7 +10,7 @@ from uav_tracking_mpc.dynamics.angles import angle_difference
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.navigator import LATENCY_LIMIT, Navigator
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.simulation.plants.vehicle import Plant
+from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
 
 TICK = 0.05
 FLIGHT = small_uav.parameters()
@@ -68,7 +68,7 @@ class Flight:
             ],
         )
         self.parameters = configuration.controller
-        self.plant = Plant(configuration.simulator)
+        self.plant = VehiclePlant(configuration.simulator)
         self.navigator = Navigator(self.parameters)
         self.run, self.ticks = np.array(run), 0
 
