@@ -50,7 +50,7 @@ def rates_function(model: str) -> ca.Function:
         ExtensionError: No model of that name.
     """
     state, inputs = ca.SX.sym("x", NX), ca.SX.sym("u", NU)
-    components = RelativeState(*ca.vertsplit(state))
+    components = RelativeState._make(ca.vertsplit(state))
     rates = RELATIVE_MODEL.find(model)().rates(components, ca.vertsplit(inputs))
     return ca.Function("rates", [state, inputs], [ca.vertcat(*rates)])
 
