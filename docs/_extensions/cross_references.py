@@ -58,6 +58,8 @@ def resolve(app, environment, node, content):
     target = node["reftarget"].lstrip(".~").removeprefix(f"{PACKAGE}.")
     domain = environment.domains.python_domain
     objects, kinds = domain.objects, domain.objtypes_for_role(node["reftype"]) or []
+    if "method" in kinds:
+        kinds = [*kinds, "property"]  # the base's method may be a property
     found = [
         full
         for full, entry in objects.items()

@@ -32,7 +32,11 @@ class Fence(Limit):
     )
 
     def numbers(self, targets: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Centre seen from the target (x, y) and radius in [m], shape (n, 3)."""
+        """See :meth:`Limit.numbers`.
+
+        Returns:
+            Centre seen from the target (x, y) and radius in [m], shape (n, 3).
+        """
         if self.fence_radius == 0.0:
             return np.tile([0.0, 0.0, NO_FENCE], (len(targets), 1))
         centre = np.array(self.fence_centre) - targets[:, :2]

@@ -19,14 +19,11 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.dynamics import paper_numbers
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import tracking_error
-from uav_tracking_mpc.formulation.paper_problem import (
-    SolverFactory,
-    newton_solver,
-    tracking_problem,
-)
+from uav_tracking_mpc.formulation.paper_problem import tracking_problem
+from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.mpc.solution import Solution
-from uav_tracking_mpc.mpc.solver import Solver
+from uav_tracking_mpc.mpc.solver import Solver, SolverFactory
 from uav_tracking_mpc.studies.parallel import parallel_map
 from uav_tracking_mpc.terminal.stability_problem import PAPER_INITIAL_STATE, StabilityProblem
 
@@ -132,7 +129,7 @@ def attraction_map(
     level: float | None,
     where: Slice,
     horizon: int,
-    solver: SolverFactory = newton_solver,
+    solver: SolverFactory = NewtonSolver,
     build: ProblemFactory = tracking_problem,
     coordinates: Coordinates = tracking_error,
     workers: int | None = None,

@@ -14,12 +14,10 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.formulation.paper_problem import (
-    SolverFactory,
-    newton_solver,
-    tracking_problem,
-)
+from uav_tracking_mpc.formulation.paper_problem import tracking_problem
+from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.prediction_loop import solutions
+from uav_tracking_mpc.mpc.solver import SolverFactory
 from uav_tracking_mpc.studies.parallel import parallel_map
 from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
 from uav_tracking_mpc.terminal.theorems import q_star
@@ -128,7 +126,7 @@ def fly_nmpc(
     level: float,
     states: NDArray[np.float64],
     steps: int = 20,
-    solver: SolverFactory = newton_solver,
+    solver: SolverFactory = NewtonSolver,
     workers: int | None = None,
     show: bool = True,
 ) -> CampaignResult:

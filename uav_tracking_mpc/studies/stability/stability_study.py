@@ -8,7 +8,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from uav_tracking_mpc.formulation.paper_problem import SolverFactory, newton_solver
+from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
+from uav_tracking_mpc.mpc.solver import SolverFactory
 from uav_tracking_mpc.report.atomic_write import write_atomically, write_json
 from uav_tracking_mpc.report.figure_style import save_figure
 from uav_tracking_mpc.studies.stability import analysis_text, paper_report, paper_report_text
@@ -91,7 +92,7 @@ def stability_study(
     points: int = 0,
     workers: int | None = None,
     say: Callable[[str], None] = lambda _: None,
-    solver: SolverFactory = newton_solver,
+    solver: SolverFactory = NewtonSolver,
 ) -> StabilityStudy:
     """Analyse a configuration, and fly it where a terminal set is certified.
 
