@@ -94,9 +94,7 @@ class Flight:
         return estimate
 
     def estimate(self):
-        state, ground_velocity = self.plant.measured()
-        turn, climb, _ = self.plant.rates
-        return self.navigator.estimate(measured(self.time, ground_velocity, (turn, climb), state))
+        return self.navigator.estimate(replace(self.plant.measured(), stamp=self.time))
 
 
 def test_the_acceleration_flown_is_told_from_the_commands():

@@ -95,14 +95,15 @@ def start_direction(configuration: Configuration) -> str:
 
 
 def fly(task: Task) -> FlightLog:
-    """Fly one law through one scenario.
+    """Fly one law through one scenario, on the plant of the simulator.
 
     Args:
         task: Which law, which scenario.
     """
     configuration = task.configuration
     controller = dataclasses.replace(configuration.controller, law=task.law)
-    return simulate(dataclasses.replace(configuration, controller=controller))
+    mission = dataclasses.replace(configuration.mission, plant=configuration.simulator.plant)
+    return simulate(dataclasses.replace(configuration, controller=controller, mission=mission))
 
 
 def scenarios_in_order() -> list[str]:
