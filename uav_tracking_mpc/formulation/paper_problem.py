@@ -2,20 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.mpc.quadratic import TerminalSet, quadratic_problem
-from uav_tracking_mpc.mpc.solver import Solver
 from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
-
-SolverFactory = Callable[[OptimalControlProblem], Solver]
-
-
-def newton_solver(problem: OptimalControlProblem) -> Solver:
-    """The default solver, at module level so that processes of a campaign can find it."""
-    return NewtonSolver(problem)
 
 
 def tracking_problem(
