@@ -6,13 +6,16 @@ from pathlib import Path
 from setuptools import find_packages, setup
 
 NAME = "uav_tracking_mpc"
+# With `colcon build --symlink-install` this file is a link in build/; what it reads is not there.
+ROOT = Path(__file__).resolve().parent
 
 setup(
     name=NAME,
-    version="0.1.0",
+    version="0.2.0",
     description="Nonlinear MPC of a fixed-wing UAV that circles a ground target in 3-D",
-    long_description=Path(__file__).with_name("README.md").read_text(encoding="utf-8"),
+    long_description=(ROOT / "README.md").read_text(encoding="utf-8"),
     long_description_content_type="text/markdown",
+    url="https://github.com/uav-tracking-mpc/uav_tracking_mpc",
     author="uav_tracking_mpc maintainers",
     author_email="maintainers@example.org",
     maintainer="uav_tracking_mpc maintainers",
@@ -25,9 +28,7 @@ setup(
     package_dir={f"{NAME}.config": "config"},
     package_data={
         f"{NAME}.config": ["*.yaml", "certificates/*.json", "scenarios/*.yaml", "security/*.xml"],
-        f"{NAME}.studies.comparison": ["*.j2"],
-        f"{NAME}.report": ["*.j2"],
-        NAME: ["py.typed"],
+        "": ["*.j2", "py.typed"],
     },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
@@ -68,6 +69,7 @@ setup(
             "ruff",
             "types-PyYAML",
         ],
+        "docs": ["furo", "myst-parser>=4.0", "sphinx>=8.2"],
     },
     entry_points={
         "console_scripts": [

@@ -5,7 +5,6 @@ Another autopilot is another subclass of ``VehicleLink``; the loop stays the sam
 """
 
 from uav_tracking_mpc.control.controller import Controller
-
 from uav_tracking_mpc.links import VehicleLink
 from uav_tracking_mpc.links._check import check_link
 from uav_tracking_mpc.links.simulated import SimulatedLink

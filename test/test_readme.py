@@ -1,29 +1,39 @@
-"""What the README and the documentation say is what the code does."""
+"""The README is short, and its links and commands are right."""
 
 import re
 from pathlib import Path
 
 import pytest
 
-from uav_tracking_mpc.nodes.reference_tables import tables, with_tables
+from uav_tracking_mpc.cli.main import main
 
 ROOT = Path(__file__).parents[1]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+TEXT = (ROOT / "README.md").read_text()
 
 
-def test_tables_are_those_of_the_code():
-    text = (ROOT / "README.md").read_text()
-    assert with_tables(text) == text, "run `make docs`"
-    assert len(tables()["nmpc_controller"].splitlines()) > 20
+def test_it_is_short():
+    assert len(TEXT.splitlines()) <= 150
 
 
-def test_a_text_without_a_place_is_refused():
-    with pytest.raises(ValueError, match="no place for the table 'topics'"):
-        with_tables("")
+def test_its_links_lead_somewhere():
+    for link in re.findall(r"\]\(([^)#]+)\)", TEXT):
+        assert "://" in link or (ROOT / link).exists(), link
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_links_lead_somewhere(page):
-    for link in re.findall(r"\]\(([^)#]+)\)", page.read_text()):
-        if "://" not in link:
-            assert (page.parent / link).exists(), link
+def test_its_snippet_names_what_the_package_has():
+    (names,) = re.findall(r"from uav_tracking_mpc import (.*)", TEXT)
+    for name in names.split(", "):
+        assert hasattr(__import__("uav_tracking_mpc"), name)
+
+
+def test_its_commands_are_known(capsys):
+    for command in set(re.findall(r"uav_tracking (\w+)", TEXT)):
+        with pytest.raises(SystemExit) as ending:
+            main([command, "--help"])
+        assert ending.value.code == 0, command
+        capsys.readouterr()
+
+
+def test_its_ros_commands_have_their_arguments_behind_ros_args():
+    for line in re.findall(r"ros2 run .*", TEXT):
+        assert "params-file" not in line or "--ros-args --params-file" in line

@@ -1,24 +1,114 @@
 """Nonlinear model predictive control of a fixed-wing UAV that circles a ground target in 3-D.
 
-The package is a ROS 2 node package and, without ROS, a library. Its rooms, top to bottom; each
-imports only from those below it:
+Everything a user needs is imported from here. The control step alone, in a loop of one's own:
 
-===============  ==============================================================================
-``cli``          the ``uav_tracking`` command
-``launch``       the nodes as processes, started by plain Python
-``nodes``        ROS 2 nodes: messages in, one call, messages out
-``feasibility``  the artificial orbit: what is guaranteed, and flights that show it
-``comparison``   the controller beside classical laws, through the same scenarios
-``report``       metrics, figures, the mission report
-``simulation``   closed loop without ROS, deterministic
-``guidance``     state in, command out; what to do when things fail
-``stability``    terminal ingredients and the paper's analysis
-``mpc``          the optimal control problem (14)-(16) as data, and its solvers
-``dynamics``     the vehicle (3) and its motion relative to the target (9)-(12)
-===============  ==============================================================================
+>>> from uav_tracking_mpc import Controller, Measurement, load_configuration
+>>> controller = Controller(load_configuration("small_uav").controller)
+>>> controller.see_target(0.0, [0.0, 0.0, 0.0])
+True
+>>> measurement = Measurement(
+...     stamp=0.0, position=[600.0, 0.0, 100.0], ground_velocity=[-22.0, 0.0, 0.0],
+...     heading=3.14, path_angle=0.0, airspeed=22.0,
+... )
+>>> command = controller.step(measurement, now=0.0)
+>>> command.inputs.shape  # turn rate, path-angle rate, acceleration of every stage of the plan
+(22, 3)
 
-Equation numbers are those of "On the Stability of Nonlinear Model Predictive Control for 3D Target
-Tracking". Units are SI and radians throughout; frames follow REP-103.
+A whole flight in simulation:
+
+>>> from uav_tracking_mpc import simulate
+>>> log = simulate(load_configuration("paper", ["mission.duration=30.0"]))
+>>> bool(abs(log.error[-1, 0]) < 1.0)  # of the range in [m]
+True
+
+What people add derives from one of the bases ``GuidanceLaw``, ``Limit``, ``Plant``,
+``TargetMotion``, ``VehicleLink``, ``VehicleModel``, ``RelativeModel`` and ``Fault``.
+
+Equation numbers everywhere are those of "On the Stability of Nonlinear Model Predictive Control for
+3D Target Tracking". Units are SI and radians; frames follow REP-103.
 """
 
-__version__ = "0.1.0"
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.2.0"
+
+if TYPE_CHECKING:
+    from uav_tracking_mpc.control.command import Command as Command
+    from uav_tracking_mpc.control.controller import Controller as Controller
+    from uav_tracking_mpc.control.record import replay as replay
+    from uav_tracking_mpc.dynamics.orbit import Orbit as Orbit
+    from uav_tracking_mpc.dynamics.relative_models import RelativeModel as RelativeModel
+    from uav_tracking_mpc.dynamics.vehicle_models import VehicleModel as VehicleModel
+    from uav_tracking_mpc.estimation.measurement import Measurement as Measurement
+    from uav_tracking_mpc.estimation.situation import Situation as Situation
+    from uav_tracking_mpc.laws import GuidanceLaw as GuidanceLaw
+    from uav_tracking_mpc.limits import Limit as Limit
+    from uav_tracking_mpc.limits._envelope import Envelope as Envelope
+    from uav_tracking_mpc.links import VehicleLink as VehicleLink
+    from uav_tracking_mpc.links._check import check_link as check_link
+    from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver as CasadiSolver
+    from uav_tracking_mpc.mpc.newton_solver import NewtonSolver as NewtonSolver
+    from uav_tracking_mpc.mpc.problem import OptimalControlProblem as OptimalControlProblem
+    from uav_tracking_mpc.parameters.specification import ParameterError as ParameterError
+    from uav_tracking_mpc.settings.configuration import Configuration as Configuration
+    from uav_tracking_mpc.settings.configuration import load_configuration as load_configuration
+    from uav_tracking_mpc.settings.tracking import TrackingParameters as TrackingParameters
+    from uav_tracking_mpc.simulation.closed_loop import simulate as simulate
+    from uav_tracking_mpc.simulation.flight_log import FlightLog as FlightLog
+    from uav_tracking_mpc.simulation.motions import TargetMotion as TargetMotion
+    from uav_tracking_mpc.simulation.motions._check import check_motion as check_motion
+    from uav_tracking_mpc.simulation.plants import Plant as Plant
+    from uav_tracking_mpc.simulation.plants._check import check_plant as check_plant
+    from uav_tracking_mpc.studies.faults.kinds import Fault as Fault
+
+# Where each name lives. It is imported when it is first asked for: the import of the package alone
+# costs next to nothing.
+_HOMES = {
+    "CasadiSolver": "mpc.casadi_solver",
+    "Command": "control.command",
+    "Configuration": "settings.configuration",
+    "Controller": "control.controller",
+    "Envelope": "limits._envelope",
+    "Fault": "studies.faults.kinds",
+    "FlightLog": "simulation.flight_log",
+    "GuidanceLaw": "laws",
+    "Limit": "limits",
+    "Measurement": "estimation.measurement",
+    "NewtonSolver": "mpc.newton_solver",
+    "OptimalControlProblem": "mpc.problem",
+    "Orbit": "dynamics.orbit",
+    "ParameterError": "parameters.specification",
+    "Plant": "simulation.plants",
+    "RelativeModel": "dynamics.relative_models",
+    "Situation": "estimation.situation",
+    "TargetMotion": "simulation.motions",
+    "TrackingParameters": "settings.tracking",
+    "VehicleLink": "links",
+    "VehicleModel": "dynamics.vehicle_models",
+    "check_link": "links._check",
+    "check_motion": "simulation.motions._check",
+    "check_plant": "simulation.plants._check",
+    "load_configuration": "settings.configuration",
+    "replay": "control.record",
+    "simulate": "simulation.closed_loop",
+}
+
+__all__ = ["__version__", *_HOMES]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a name from its home."""
+    home = _HOMES.get(name)
+    if home is None:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(importlib.import_module(f"{__name__}.{home}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """All names, loaded or not."""
+    return sorted({*globals(), *__all__})

@@ -1,4 +1,4 @@
-"""The ladder as a state machine: every footing there can be, and every way through them."""
+"""The modes as a state machine: everything there can be to fly by, and every way through it."""
 
 import itertools
 from collections import Counter
@@ -10,12 +10,11 @@ from hypothesis import strategies as st
 
 from uav_tracking_mpc.control.fallback import (
     FEASIBLE_VIOLATION,
-    RUNGS,
     UNFINISHED,
-    Change,
-    Footing,
-    Ladder,
-    Rung,
+    Available,
+    FallbackMode,
+    ModeChange,
+    ModeSelector,
     choose,
 )
 from uav_tracking_mpc.mpc.solution import Solution, Status
@@ -26,6 +25,7 @@ def solution(status, violation=0.0, message="told so"):
     return Solution(status, message, 1.0, 1, 0.01, empty, empty, np.zeros(0), violation)
 
 
+MODES = tuple(FallbackMode)
 VIOLATIONS = (0.0, FEASIBLE_VIOLATION, 1.0, np.inf, np.nan)
 SOLUTIONS = [
     None,
@@ -36,13 +36,13 @@ SOLUTIONS = [
         for message in ("told so", "")
     ),
 ]
-FOOTINGS = [
-    Footing(*values)
+SITUATIONS = [
+    Available(*values)
     for values in itertools.product(
-        *[(False, True)] * 3, SOLUTIONS, (False, True), ("", "something is wrong")
+        *[(False, True)] * 3, SOLUTIONS, *[(False, True)] * 2, ("", "something is wrong")
     )
 ]
-footings = st.sampled_from(FOOTINGS)
+situations = st.sampled_from(SITUATIONS)
 
 
 def quality(answer):
@@ -54,84 +54,85 @@ def quality(answer):
     return 1 if answer.status in UNFINISHED and answer.violation <= FEASIBLE_VIOLATION else 0
 
 
-def test_a_reason_is_given_for_every_rung_but_the_top():
-    for footing in FOOTINGS:
-        rung, reason = choose(footing)
-        assert (reason == "") == (rung is Rung.OPTIMAL)
+def test_a_reason_is_given_for_every_mode_but_the_nominal_ones():
+    for available in SITUATIONS:
+        mode, reason = choose(available)
+        assert (reason == "") == mode.nominal
 
 
-def test_every_rung_is_reached_from_every_other():
-    reached = {choose(footing)[0]: footing for footing in FOOTINGS}
-    assert set(reached) == set(RUNGS)
-    for before, after in itertools.permutations(RUNGS, 2):
-        ladder = Ladder()
-        ladder.step(reached[before])
-        change = ladder.step(reached[after])
+def test_every_mode_is_reached_from_every_other():
+    reached = {choose(available)[0]: available for available in SITUATIONS}
+    assert set(reached) == set(MODES)
+    for before, after in itertools.permutations(MODES, 2):
+        selector = ModeSelector()
+        selector.select(reached[before])
+        change = selector.select(reached[after])
         assert (change.before, change.after) == (before, after)
 
 
-@given(footings, footings)
-def test_more_to_stand_on_never_leads_lower(one, other):
-    """The rungs are a total order, and the choice follows it."""
+@given(situations, situations)
+def test_more_to_fly_by_never_leads_to_a_worse_mode(one, other):
+    """The modes are a total order, and the choice follows it."""
 
-    def measures(footing):
-        truths = footing.state, footing.target, footing.target_fresh, footing.plan_left
-        return (*truths, quality(footing.solution))
+    def measures(available):
+        truths = available.state, available.target, available.target_fresh, available.plan_left
+        return (*truths, available.law, quality(available.solution))
 
     if all(a >= b for a, b in zip(measures(one), measures(other), strict=True)):
-        assert RUNGS.index(choose(one)[0]) <= RUNGS.index(choose(other)[0])
+        assert MODES.index(choose(one)[0]) <= MODES.index(choose(other)[0])
 
 
-@given(st.lists(footings, max_size=30))
+@given(st.lists(situations, max_size=30))
 def test_counts_and_changes_add_up(walk):
-    ladder = Ladder()
-    before, changes, stood = ladder.rung, 0, Counter()
-    assert before is Rung.SILENCE and ladder.reason
-    for footing in walk:
-        change = ladder.step(footing)
-        rung, reason = choose(footing)
-        assert (ladder.rung, ladder.reason) == (rung, reason)
-        assert change == (Change(before, rung, reason) if rung is not before else None)
+    selector = ModeSelector()
+    before, changes, stood = selector.mode, 0, Counter()
+    assert before is FallbackMode.SILENCE and selector.reason
+    for available in walk:
+        change = selector.select(available)
+        mode, reason = choose(available)
+        assert (selector.mode, selector.reason) == (mode, reason)
+        assert change == (ModeChange(before, mode, reason) if mode is not before else None)
         changes += change is not None
-        stood[rung] += 1
-        before = rung
-    assert ladder.changes == changes
-    assert sum(ladder.counts.values()) == len(walk)
-    assert ladder.counts == {rung: stood[rung] for rung in RUNGS}
+        stood[mode] += 1
+        before = mode
+    assert selector.changes == changes
+    assert sum(selector.counts.values()) == len(walk)
+    assert selector.counts == {mode: stood[mode] for mode in MODES}
+
+
+FAILED, LATE = solution(Status.FAILED, 0.0, ""), solution(Status.TIME_LIMIT)
 
 
 @pytest.mark.parametrize(
-    ("footing", "rung", "reason"),
+    ("there_is", "mode", "reason"),
     [
-        (Footing(False, True, True, None, True), Rung.SILENCE, "vehicle state is lost"),
-        (Footing(True, False, False, None, True), Rung.HOLD, "no target position"),
-        (Footing(True, True, False, None, True), Rung.LOITER, "target position is lost"),
-        (Footing(True, True, True, None, False), Rung.LOITER, "no solution"),
+        ({"state": False, "plan_left": True}, "silence", "vehicle state is lost"),
+        ({"target": False, "target_fresh": False}, "wings level", "no target position"),
+        ({"target_fresh": False, "plan_left": True}, "loiter law", "target position is lost"),
+        ({}, "loiter law", "no solution"),
+        ({"solution": FAILED, "plan_left": True}, "earlier plan", "failed"),
         (
-            Footing(True, True, True, solution(Status.FAILED, 0.0, ""), True),
-            Rung.EARLIER_PLAN,
-            "failed",
-        ),
-        (
-            Footing(True, True, True, solution(Status.TIME_LIMIT, 2e-2), True),
-            Rung.EARLIER_PLAN,
+            {"solution": solution(Status.TIME_LIMIT, 2e-2), "plan_left": True},
+            "earlier plan",
             "told so",
         ),
-        (Footing(True, True, True, solution(Status.TIME_LIMIT), True), Rung.FEASIBLE, "told so"),
-        (Footing(True, True, True, None, True, "it broke"), Rung.EARLIER_PLAN, "it broke"),
-        (Footing(True, True, True, solution(Status.CONVERGED), False), Rung.OPTIMAL, ""),
+        ({"solution": LATE, "plan_left": True}, "feasible plan, not optimal", "told so"),
+        ({"plan_left": True, "trouble": "it broke"}, "earlier plan", "it broke"),
+        ({"solution": solution(Status.CONVERGED)}, "optimal plan", ""),
+        ({"law": True}, "guidance law", ""),
     ],
 )
-def test_where_one_stands_and_why(footing, rung, reason):
-    assert choose(footing) == (rung, reason)
+def test_what_is_flown_and_why(there_is, mode, reason):
+    assert choose(Available(**there_is)) == (FallbackMode(mode), reason)
 
 
 def test_changes_read_as_sentences():
-    down = Change(Rung.OPTIMAL, Rung.LOITER, "target position is lost")
+    down = ModeChange(FallbackMode.OPTIMAL, FallbackMode.LOITER, "target position is lost")
     assert str(down) == "now flying loiter law, before optimal plan: target position is lost"
-    up = Change(Rung.LOITER, Rung.OPTIMAL, "")
-    assert str(up) == "now flying optimal plans, before loiter law"
+    up = ModeChange(FallbackMode.LOITER, FallbackMode.OPTIMAL, "")
+    assert str(up) == "now flying optimal plan, before loiter law"
 
 
 def test_only_plans_count_as_planned():
-    assert [rung.planned for rung in RUNGS] == [True, True, True, False, False, False]
+    planned = {FallbackMode.OPTIMAL, FallbackMode.FEASIBLE, FallbackMode.EARLIER_PLAN}
+    assert {mode for mode in MODES if mode.planned} == planned

@@ -7,13 +7,19 @@ import pytest
 import small_uav
 
 from uav_tracking_mpc.dynamics.angles import angle_difference
+from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.navigator import LATENCY_LIMIT, Navigator
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
+from uav_tracking_mpc.simulation.plants.vehicle import Plant
 
 TICK = 0.05
 FLIGHT = small_uav.parameters()
 VEHICLE = np.array([300.0, -50.0, 120.0, 2.0, 0.05, 22.0])
+
+
+def measured(time, ground_velocity=(0.0, 0.0, 0.0), rates=(0.0, 0.0), vehicle=VEHICLE):
+    heading, path_angle, airspeed = vehicle[3:]
+    return Measurement(time, vehicle[:3], ground_velocity, heading, path_angle, *rates, airspeed)
 
 
 def seen(parameters, until=6.0, start=(5.0, -3.0, 2.0), run=(0.0, 0.0, 0.0)):
@@ -28,7 +34,7 @@ def test_the_drift_is_the_wind_triangle_less_the_targets_velocity():
     wind, run = np.array([6.0, -4.0, 0.5]), np.array([3.0, 2.0, 0.0])
     navigator = seen(FLIGHT, run=run)
     air = 22.0 * np.array([np.cos(0.05) * np.cos(2.0), np.cos(0.05) * np.sin(2.0), np.sin(0.05)])
-    now = navigator.situation(6.0, VEHICLE, air + wind, (0.2, -0.1))
+    now = navigator.estimate(measured(6.0, air + wind, (0.2, -0.1))).present
     estimate = navigator.target.predict(6.0)
     np.testing.assert_allclose(now.drift, wind - estimate.velocity, atol=1e-12)
     np.testing.assert_allclose(now.drift, wind - run, atol=0.05)
@@ -41,11 +47,11 @@ def test_the_drift_is_the_wind_triangle_less_the_targets_velocity():
 def test_without_a_target_there_is_no_situation():
     navigator = Navigator(FLIGHT)
     with pytest.raises(ValueError, match="no target position"):
-        navigator.situation(0.0, VEHICLE, np.zeros(3), np.zeros(2))
+        navigator.estimate(measured(0.0))
     navigator = seen(FLIGHT)
     navigator.reset()
     with pytest.raises(ValueError, match="no target position"):
-        navigator.situation(6.0, VEHICLE, np.zeros(3), np.zeros(2))
+        navigator.estimate(measured(6.0))
 
 
 class Flight:
@@ -62,7 +68,7 @@ class Flight:
             ],
         )
         self.parameters = configuration.controller
-        self.plant = VehiclePlant(configuration.simulator)
+        self.plant = Plant(configuration.simulator)
         self.navigator = Navigator(self.parameters)
         self.run, self.ticks = np.array(run), 0
 
@@ -75,23 +81,22 @@ class Flight:
         for _ in range(ticks):
             if self.ticks % 2 == 0:
                 self.navigator.target.update(self.time, self.time * self.run)
-            situation = self.situation()
+            estimate = self.estimate()
             if command:
                 t = self.time
                 turn, climb = 0.2 * np.sin(1.3 * t), 0.1 * np.cos(2.1 * t)
                 # Held far longer than any delay: the last one goes on
                 plan = np.tile([turn, climb, 0.8 * np.sin(0.7 * t)], (4, 1))
-                self.navigator.commanded(t, plan, 0.5)
+                self.navigator._history.add(t, t, plan, 0.5)
                 self.plant.accept(plan, t + 0.5 * np.arange(4))
             self.plant.advance(TICK)
             self.ticks += 1
-        return situation
+        return estimate
 
-    def situation(self):
-        plant = self.plant
-        return self.navigator.situation(
-            self.time, plant.state, plant.ground_velocity, plant.rates[:2]
-        )
+    def estimate(self):
+        state, ground_velocity = self.plant.measured()
+        turn, climb, _ = self.plant.rates
+        return self.navigator.estimate(measured(self.time, ground_velocity, (turn, climb), state))
 
 
 def test_the_acceleration_flown_is_told_from_the_commands():
@@ -99,7 +104,7 @@ def test_the_acceleration_flown_is_told_from_the_commands():
     flight = Flight((0.2, 0.2, 0.1))
     for _ in range(40):
         flight.fly(1)
-        told = flight.situation().rates
+        told = flight.estimate().present.rates
         np.testing.assert_allclose(told, flight.plant.rates, atol=1e-12)
     assert abs(flight.plant.rates[2]) > 0.2
 
@@ -121,8 +126,7 @@ def test_a_command_is_computed_for_where_the_aircraft_is_when_it_takes_effect(
     """The plant flies through its dead time by the commands already under way."""
     flight = Flight(dead_time, wind, run)
     flight.fly(120)
-    situation = flight.situation()
-    later, _ = flight.navigator.at_effect(flight.time, situation)
+    situation, later, _ = flight.estimate()
     delay = max(dead_time)
     flight.fly(round(delay / TICK), command=False)
     state, offset = flight.plant.state, flight.plant.state[:3] - flight.time * np.array(run)
@@ -142,12 +146,10 @@ def test_a_command_is_computed_for_where_the_aircraft_is_when_it_takes_effect(
 
 def test_latency_adds_to_the_dead_time_within_limits():
     navigator = seen(FLIGHT, run=(3.0, 0.0, 0.0))
-    now = navigator.situation(6.0, VEHICLE, np.zeros(3), np.zeros(2))
-    begin = navigator.at_effect(6.0, now)[1].target[0, 0]
+    begin = navigator.estimate(measured(6.0)).forecast.target[0, 0]
     for latency, counted in ((0.1, 0.1), (-1.0, 0.0), (1e9, LATENCY_LIMIT), (1e-12, 0.0)):
         navigator.latency = latency
-        now = navigator.situation(6.0, VEHICLE, np.zeros(3), np.zeros(2))
-        later, forecast = navigator.at_effect(6.0, now)
+        _, later, forecast = navigator.estimate(measured(6.0))
         assert forecast.target[0, 0] - begin == pytest.approx(3.0 * counted, abs=0.01)
         np.testing.assert_array_equal(later.target, forecast.target[0])
 
@@ -157,8 +159,7 @@ def test_the_forecast_follows_target_and_drift_from_the_effect_on():
     navigator = seen(FLIGHT, run=run)
     air = VEHICLE[5] * np.array([np.cos(0.05) * np.cos(2.0), np.cos(0.05) * np.sin(2.0), 0.0])
     air[2] = VEHICLE[5] * np.sin(0.05)
-    now = navigator.situation(6.0, VEHICLE, air + wind, np.zeros(2))
-    _, forecast = navigator.at_effect(6.0, now)
+    forecast = navigator.estimate(measured(6.0, air + wind)).forecast
     times = 6.0 + 0.2 + FLIGHT.horizon_step * np.arange(FLIGHT.horizon + 1)
     expected = np.array([5.0, -3.0, 2.0]) + times[:, np.newaxis] * run
     np.testing.assert_allclose(forecast.target, expected, atol=0.3)
@@ -169,8 +170,7 @@ def test_the_forecast_follows_target_and_drift_from_the_effect_on():
 def test_without_delay_the_situation_is_as_measured():
     parameters = replace(FLIGHT, dead_time=(0.0, 0.0, 0.0))
     navigator = seen(parameters)
-    now = navigator.situation(6.0, VEHICLE, np.zeros(3), np.zeros(2))
-    later, forecast = navigator.at_effect(6.0, now)
+    now, later, forecast = navigator.estimate(measured(6.0))
     assert later is now
     assert forecast.target.shape == (FLIGHT.horizon + 1, 3)
 
@@ -185,6 +185,29 @@ def test_a_change_keeps_what_is_known_of_the_target():
 def test_a_latency_of_next_to_nothing_is_flown_through():
     navigator = seen(replace(FLIGHT, dead_time=(0.0, 0.0, 0.0)))
     navigator.latency = 1e-12
-    now = navigator.situation(6.0, VEHICLE, np.zeros(3), np.zeros(2))
-    later, _ = navigator.at_effect(6.0, now)
+    now, later, _ = navigator.estimate(measured(6.0))
     np.testing.assert_allclose(later.offset, now.offset, atol=1e-9)
+
+
+def test_a_command_is_under_way_from_when_it_was_sent():
+    navigator = seen(FLIGHT)
+    plan = np.array([[0.1, 0.0, 0.0], [0.2, 0.0, 0.0]])
+    navigator.commanded(6.0, 0.3, plan, 0.5)
+    assert [navigator._history.demanded(time, 0) for time in (6.2, 6.4, 6.6)] == [0.0, 0.1, 0.2]
+    assert navigator.latency == pytest.approx(0.05 * 0.3)
+
+
+def test_without_air_data_the_velocity_over_ground_counts():
+    navigator = seen(FLIGHT)
+    velocity = np.array([-3.0, 4.0, 0.0])
+    blind = replace(measured(6.0, velocity), airspeed=None)
+    present = navigator.estimate(blind).present
+    assert present.airspeed == pytest.approx(5.0)
+    assert present.heading == pytest.approx(np.arctan2(4.0, -3.0))
+    assert navigator.air.missing
+    np.testing.assert_allclose(navigator.wind, 0.0, atol=1e-12)
+    navigator.air.see(6.0 - FLIGHT.state_timeout, 21.0)
+    assert navigator.estimate(blind).present.airspeed == 21.0
+    assert not navigator.air.missing
+    navigator.air.see(6.0 - FLIGHT.state_timeout - 1e-3, 21.0)
+    assert navigator.estimate(blind).present.airspeed == pytest.approx(5.0)

@@ -27,9 +27,13 @@ def van_loan(duration):
 
 @pytest.mark.parametrize("duration", [1e-3, 0.1, 1.0, 2.5, 2.6, 12.0])
 def test_the_motion_is_that_of_the_matrix_exponential(duration):
-    for computed, exact in zip(singer_motion(duration), van_loan(duration), strict=True):
-        # Entries that are 0 come out of the exponential as the rounding of the largest.
-        np.testing.assert_allclose(computed, exact, rtol=1e-9, atol=1e-14 * np.abs(exact).max())
+    F, Q = van_loan(duration)
+    transition, noise = singer_motion(duration)
+    # What the exponential and the product after it round, they round of their largest terms.
+    rounding = 100.0 * np.finfo(float).eps
+    np.testing.assert_allclose(transition, F, rtol=1e-9, atol=rounding * np.abs(F).max())
+    largest = np.abs(F).max() * np.abs(np.linalg.solve(F, Q)).max()
+    np.testing.assert_allclose(noise, Q, rtol=1e-9, atol=rounding * largest)
 
 
 @pytest.mark.parametrize("duration", [1e-6, 1e-3])
@@ -61,8 +65,28 @@ def test_a_plain_kalman_filter_agrees():
         state = state + K @ (position[None] - H @ state)
         covariance = covariance - K @ H @ covariance
         assert track.update(time, position, gate=np.inf)
-    np.testing.assert_allclose(track.state, state, rtol=1e-7, atol=1e-7)
+    np.testing.assert_allclose(track.state, state, rtol=1e-7, atol=1e-7 * np.abs(state).max())
     np.testing.assert_allclose(track.covariance, covariance, rtol=1e-7, atol=1e-10)
+
+
+def test_a_measured_velocity_is_taken_in_as_the_textbook_says():
+    """Position and velocity one after the other are both together: their noise is independent."""
+    track = SingerTrack(0.0, np.zeros(3), 3.0, 0.5, 10.0)
+    F, Q = van_loan(0.7)
+    P = F @ track.covariance @ F.T + 0.25 * Q
+    position, velocity = np.array([4.0, -2.0, 1.0]), np.array([5.0, -3.0, 0.5])
+    H, R = np.eye(3)[:2], np.diag([9.0, 0.04])
+    K = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
+    assert track.update(0.7, position, np.inf, motion=(velocity, 0.04))
+    np.testing.assert_allclose(track.state, K @ np.array([position, velocity]), rtol=1e-9)
+    np.testing.assert_allclose(track.covariance, P - K @ H @ P, rtol=1e-9, atol=1e-9)
+
+
+def test_a_velocity_that_the_track_cannot_explain_is_left_out():
+    track, other = (SingerTrack(0.0, np.zeros(3), 3.0, 0.5, 10.0) for _ in range(2))
+    track.update(0.7, np.ones(3), 16.0, motion=(np.array([1e3, 0.0, 0.0]), 0.04))
+    other.update(0.7, np.ones(3), 16.0)
+    np.testing.assert_array_equal(track.state, other.state)
 
 
 def test_a_lost_target_runs_on_and_then_slows_down():

@@ -209,3 +209,40 @@ def test_whatever_is_measured_estimates_are_finite(steps, noise, agility, lead):
             assert np.all(np.isfinite(values))
         assert np.isfinite(estimate.position_std) and estimate.position_std > 0.0
         assert all(np.all(np.isfinite(rows)) for rows in target.ahead(time + np.arange(0.0, 9.0)))
+
+
+def test_a_velocity_is_used_at_once():
+    knows, learns = TargetFilter(1.0, 0.5), TargetFilter(1.0, 0.5)
+    covariance = np.diag([1.0] * 3 + [0.01] * 3)
+    for k in range(2):
+        place = np.array([5.0 * k * 0.2, 0.0, 0.0])
+        knows.update(0.2 * k, place, [5.0, 0.0, 0.0], covariance)
+        learns.update(0.2 * k, place)
+    np.testing.assert_allclose(knows.predict(0.2).velocity, [5.0, 0.0, 0.0], atol=0.2)
+    assert learns.predict(0.2).velocity[0] < 4.5
+
+
+def test_the_covariance_that_comes_with_a_position_counts():
+    """The worst axis, on every axis."""
+    told, own = TargetFilter(1.0, 0.5), TargetFilter(7.0, 0.5)
+    for k, x in enumerate((0.0, 3.0, -4.0, 6.0)):
+        told.update(0.2 * k, [x, 0.0, 0.0], covariance=np.diag([49.0, 1.0, 4.0]))
+        own.update(0.2 * k, [x, 0.0, 0.0])
+    np.testing.assert_allclose(told.predict(0.7).position, own.predict(0.7).position, rtol=1e-12)
+    assert told.predict(0.7).position_std == pytest.approx(own.predict(0.7).position_std)
+
+
+@pytest.mark.parametrize(
+    ("velocity", "covariance", "words"),
+    [
+        ([np.nan, 0.0, 0.0], None, "target velocity is"),
+        (None, np.eye(2), r"has shape \(2, 2\), must be \(3, 3\) or \(6, 6\)"),
+        (None, np.full((3, 3), np.inf), "and finite"),
+        (None, -np.eye(3), "must not be negative"),
+    ],
+)
+def test_what_is_no_velocity_or_covariance_is_refused(velocity, covariance, words):
+    target = TargetFilter(1.0, 0.5)
+    with pytest.raises(ValueError, match=words):
+        target.update(0.0, np.zeros(3), velocity, covariance)
+    assert target.time is None

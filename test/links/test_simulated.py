@@ -2,8 +2,8 @@ import collections
 
 import numpy as np
 import pytest
-from uav_tracking_mpc.control.controller import Controller
 
+from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.links import LinkError
 from uav_tracking_mpc.links.simulated import SimulatedLink
 from uav_tracking_mpc.settings.configuration import load_configuration

@@ -12,7 +12,7 @@ from uav_tracking_mpc.nodes.conversions import (
     MessageError,
     air_velocity_from_twist,
     markers_message,
-    motion_from_odometry,
+    measurement_from_odometry,
     nanoseconds,
     path_message,
     plan_from_command,
@@ -48,7 +48,7 @@ def test_state_survives_the_wire(state, inputs, stamp):
 def test_motion_survives_the_wire(state, rates, ground_velocity):
     message = Odometry()
     set_odometry(message, 0, np.array(state), np.array(rates), np.array(ground_velocity))
-    motion = motion_from_odometry(over_the_wire(message))
+    motion = measurement_from_odometry(over_the_wire(message))
     np.testing.assert_allclose(motion.state(state[5]), state, atol=1e-6)
     np.testing.assert_allclose(motion.ground_velocity, ground_velocity, atol=1e-9)
     assert motion.turn_rate == pytest.approx(rates[0], abs=1e-9)
@@ -65,7 +65,7 @@ def test_motion_of_a_body_that_rolls():
     message.twist.twist.angular.y = float(turn_rate * np.sin(bank))
     message.twist.twist.angular.z = float(turn_rate * np.cos(bank))
     message.twist.twist.linear.y = 3.0
-    motion = motion_from_odometry(message)
+    motion = measurement_from_odometry(message)
     assert motion.turn_rate == pytest.approx(turn_rate)
     assert motion.path_angle_rate == pytest.approx(0.0, abs=1e-12)
     np.testing.assert_allclose(
@@ -188,7 +188,7 @@ def test_bad_command_is_refused_with_the_reason(change, words):
 @pytest.mark.parametrize(
     ("read", "message"),
     [
-        (motion_from_odometry, Odometry()),
+        (measurement_from_odometry, Odometry()),
         (air_velocity_from_twist, TwistStamped()),
         (position_from_point, PointStamped()),
         (plan_from_command, MultiDOFJointTrajectory()),

@@ -223,7 +223,7 @@ def test_what_is_compiled_changes_after_cleanup(flight):
 def test_another_orbit_is_flown_without_a_jump(flight):
     flight.add_all()
     assert flight.commanded(40)
-    assert flight.spin(lambda: flight.told()[1].get("rung") == "optimal plan")
+    assert flight.spin(lambda: flight.told()[1].get("mode") == "optimal plan")
     begin = len(flight.commands)
     assert flight.set(range=340.0, altitude=140.0).successful
     assert flight.controller.parameters.orbit.range == 340.0
@@ -234,7 +234,7 @@ def test_another_orbit_is_flown_without_a_jump(flight):
     assert np.max(steps[:, 0]) < 0.5 * limit
     assert np.max(steps[:, 1]) < 0.25
     assert np.max(steps[:, 2]) < 2.5
-    assert flight.told()[1]["rung"] == "optimal plan"
+    assert flight.told()[1]["mode"] == "optimal plan"
     # It climbs and widens.
     assert flight.spin(lambda: flight.states[-1].pose.pose.position.z > 125.0, 30.0)
 
@@ -243,7 +243,7 @@ def test_another_orbit_is_flown_without_a_jump(flight):
 def test_what_is_refused_leaves_everything_as_it_was(flight):
     flight.add_all()
     assert flight.commanded()
-    before, orbit = flight.controller.parameters, flight.controller._pilot.orbit
+    before, orbit = flight.controller.parameters, flight.controller.controller.orbit
     for values, words in (
         ({"range": 125.0}, "the nearest orbit that can be flown has a range of"),
         ({"airspeed": 31.9, "range": 140.0, "altitude": 110.0}, "nearest orbit"),
@@ -256,12 +256,12 @@ def test_what_is_refused_leaves_everything_as_it_was(flight):
         assert not answer.successful, values
         assert words in answer.reason, answer.reason
         assert flight.controller.parameters == before
-        assert flight.controller._pilot.orbit == orbit
+        assert flight.controller.controller.orbit == orbit
         for name in values:
             if hasattr(before, name):
                 assert flight.controller.get_parameter(name).value == getattr(before, name)
     assert flight.commanded()
-    assert flight.told()[1]["rung"] == "optimal plan"
+    assert flight.told()[1]["mode"] == "optimal plan"
 
 
 @pytest.mark.timeout(60)
@@ -319,8 +319,8 @@ def test_commands_that_are_overdue_are_counted(flight):
     """The states stop: of wall time, for the clock is real, two control periods pass in silence."""
     flight.add_all()
     assert flight.commanded(40)
-    assert flight.controller._report.deadlines_missed < 20
-    before = flight.controller._report.deadlines_missed
+    assert flight.controller.report.deadlines_missed < 20
+    before = flight.controller.report.deadlines_missed
     flight.executor.remove_node(flight.simulator)
     flight.simulator.destroy_node()
-    assert flight.spin(lambda: flight.controller._report.deadlines_missed > before, 5.0)
+    assert flight.spin(lambda: flight.controller.report.deadlines_missed > before, 5.0)

@@ -11,12 +11,12 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 
-from uav_tracking_mpc.control.fallback import Rung
+from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics import vehicle
 from uav_tracking_mpc.dynamics.relative import relative_state
 from uav_tracking_mpc.nodes.conversions import (
     air_velocity_from_twist,
-    motion_from_odometry,
+    measurement_from_odometry,
     nanoseconds,
     plan_from_command,
     set_odometry,
@@ -145,7 +145,7 @@ def test_bad_messages_are_refused_and_flight_goes_on(executor):
     send.count = sender.get_clock().now().nanoseconds // 100_000_000
     sender.create_timer(0.05, send)
     assert spin(executor, lambda: len(heard[COMMAND.name]) > 20, 20.0)
-    assert controller._values()["messages refused"] > 10
+    assert controller.report.refused > 10
     for message in heard[COMMAND.name]:
         assert np.all(np.isfinite(plan_from_command(message)[0]))
 
@@ -169,7 +169,7 @@ def test_simulator_tells_ground_velocity_airspeed_and_rates_apart(executor):
         20.0,
     )
     odometry, air = heard[ODOMETRY.name][-2], heard[AIR_VELOCITY.name][-2]
-    motion = motion_from_odometry(odometry)
+    motion = measurement_from_odometry(odometry)
     airspeed = air_velocity_from_twist(air)[0]
     assert airspeed == pytest.approx(8.0)
     expected = vehicle.velocity(motion.state(airspeed)) + wind
@@ -225,12 +225,12 @@ def test_after_the_clock_went_back_commands_flow_again(executor):
     assert spin(executor, lambda: len(heard[COMMAND.name]) > 5, 20.0)
     # A target by another clock is no target: the last known place is circled.
     send.ahead = 3_600_000_000_000
-    assert spin(executor, lambda: controller._pilot.ladder.rung is Rung.LOITER, 20.0)
+    assert spin(executor, lambda: controller.controller.modes.mode is FallbackMode.LOITER, 20.0)
     heard[COMMAND.name].clear()
     assert spin(executor, lambda: len(heard[COMMAND.name]) > 5, 20.0)
     # The right clock brings it back.
     send.ahead = 0
-    assert spin(executor, lambda: controller._pilot.ladder.rung is Rung.OPTIMAL, 20.0)
+    assert spin(executor, lambda: controller.controller.modes.mode is FallbackMode.OPTIMAL, 20.0)
 
 
 @pytest.mark.timeout(60)

@@ -10,7 +10,7 @@ import rclpy
 from processes import DOMAIN, KILL, TERMINATE, command, environment
 from rclpy.executors import SingleThreadedExecutor
 
-from uav_tracking_mpc.nodes.conversions import motion_from_odometry, plan_from_command
+from uav_tracking_mpc.nodes.conversions import measurement_from_odometry, plan_from_command
 from uav_tracking_mpc.nodes.topics import COMMAND, DIAGNOSTICS, ODOMETRY, TARGET
 from uav_tracking_mpc.settings.configuration import load_configuration
 
@@ -55,7 +55,7 @@ class Crew:
         self.target, self.holding = None, False
         for topic, callback in (
             (COMMAND, lambda message: self.commands.append((time.monotonic(), message))),
-            (ODOMETRY, lambda message: self.states.append(motion_from_odometry(message))),
+            (ODOMETRY, lambda message: self.states.append(measurement_from_odometry(message))),
             (TARGET, self._on_target),
             (DIAGNOSTICS, self._on_diagnostics),
         ):

@@ -3,6 +3,8 @@
 import pytest
 from processes import INTERRUPT, TERMINATE, run_node
 
+from uav_tracking_mpc.nodes.run import refusal
+
 pytestmark = pytest.mark.nodes
 
 
@@ -40,6 +42,33 @@ def test_bad_parameters_end_in_one_fatal_line_and_code_2(node, arguments, words)
     assert len(fatal) == 1
     assert words in fatal[0]
     assert "Traceback" not in output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "right"),
+    [
+        (["--params-file", "small_uav.yaml"], "--ros-args --params-file small_uav.yaml"),
+        (["-p", "range:=350.0"], "--ros-args -p range:=350.0"),
+        (["range:=350.0"], "--ros-args -p range:=350.0"),
+        (["--range", "350"], "--ros-args -p NAME:=VALUE --params-file FILE"),
+    ],
+)
+def test_arguments_that_ros_would_ignore_are_refused(arguments, right):
+    words = refusal("nmpc_controller", arguments)
+    assert "has no effect" in words
+    assert words.endswith(f"write: nmpc_controller {right}")
+
+
+def test_arguments_behind_ros_args_are_not_refused():
+    assert refusal("monitor", []) == ""
+    assert refusal("monitor", ["--ros-args", "-p", "use_sim_time:=true"]) == ""
+
+
+def test_a_node_given_a_file_without_ros_args_ends_with_code_2():
+    code, output = run_node("nmpc_controller", "--params-file", "small_uav.yaml")
+    assert code == 2
+    assert "[FATAL] [nmpc_controller]" in output
+    assert "nmpc_controller --ros-args --params-file small_uav.yaml" in output
 
 
 def test_misspelt_parameters_are_warned_of():

@@ -32,7 +32,7 @@ from uav_tracking_mpc.control.pace import Pace
 from uav_tracking_mpc.control.plan_memory import PlanMemory
 from uav_tracking_mpc.control.rate_keeper import RateKeeper
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
 from uav_tracking_mpc.estimation.navigator import Estimate, Navigator
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.estimation.state_gate import StateGate, Verdict
@@ -185,11 +185,11 @@ class Controller:
                 SI units; None if it is not known.
 
         Raises:
-            ValueError: Not finite, not of its shape, or stamped by another clock.
+            MeasurementError: Not finite, not of its shape, or stamped by another clock.
         """
         lead = 0.0 if self.state_time is None else stamp - self.state_time
         if lead > self.parameters.target_timeout:
-            raise ValueError(
+            raise MeasurementError(
                 f"target: its stamp is {lead:.3f} s ahead of the vehicle's, may be "
                 f"{self.parameters.target_timeout:g} s: do the clocks agree?"
             )
@@ -278,7 +278,7 @@ class Controller:
         self.drift = estimate.present.drift
         return self._fly(stamp, estimate, stamp - seen <= self.parameters.target_timeout)
 
-    def _fly(self, stamp: float, estimate: Estimate, target_fresh: bool) -> Command:
+    def _fly(self, stamp: float, estimate: Estimate, target_fresh: bool = True) -> Command:
         """Command for an estimate; values that are not finite are survived."""
         self._orient(estimate.effect)
         plan, by_law, trouble = None, None, ""

@@ -92,10 +92,10 @@ def choose(available: Available) -> tuple[FallbackMode, str]:
         return FallbackMode.HOLD, trouble or "no target position"
     if not available.target_fresh:
         return FallbackMode.LOITER, trouble or "target position is lost"
-    if available.law:
-        return FallbackMode.GUIDANCE_LAW, ""
     if solution is not None and solution.converged:
         return FallbackMode.OPTIMAL, ""
+    if available.law:
+        return FallbackMode.GUIDANCE_LAW, ""
     reason = trouble or "no solution"
     if not trouble and solution is not None:
         reason = solution.message or solution.status.value

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc import __version__
 from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.control.controller import Controller
-from uav_tracking_mpc.estimation.measurement import Measurement, SensorNoise
+from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError, SensorNoise
 from uav_tracking_mpc.parameters.specification import ParameterError, from_mapping
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
@@ -218,7 +218,7 @@ def _repeat(controller: Controller, name: str, arguments: dict[str, Any]) -> Com
         arguments = {**arguments, "measurement": Measurement(**values)}
     try:
         answer = getattr(controller, name)(**arguments.get("values", arguments))
-    except ValueError:
+    except (MeasurementError, ParameterError):
         return None
     return answer if name == "step" else None
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
 
 SLOW = 0.1  # m/s over ground, below which the body's axis tells where the vehicle goes
 
@@ -39,10 +39,10 @@ class AirData:
             airspeed: In [m/s].
 
         Raises:
-            ValueError: One of them is not finite, or the airspeed is negative.
+            MeasurementError: One of them is not finite, or the airspeed is negative.
         """
         if not (math.isfinite(stamp) and math.isfinite(airspeed) and airspeed >= 0.0):
-            raise ValueError(
+            raise MeasurementError(
                 f"airspeed is {airspeed!r} m/s at {stamp!r} s, must be finite and at least 0 m/s"
             )
         self._stamp, self._airspeed = stamp, airspeed

@@ -9,6 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 
+class MeasurementError(ValueError):
+    """A measurement cannot be used; the text names the value and what is allowed."""
+
+
 @dataclass(frozen=True)
 class SensorNoise:
     """Standard deviations of a measurement, as far as its source knows them.
@@ -42,7 +46,7 @@ class Measurement:
         noise: What is known of the sensors' noise; None for nothing.
 
     Raises:
-        ValueError: A value is not finite, or not of its shape.
+        MeasurementError: A value is not finite, or not of its shape.
     """
 
     stamp: float
@@ -60,12 +64,14 @@ class Measurement:
         for name in ("position", "ground_velocity"):
             vector = np.array(getattr(self, name), dtype=float)
             if vector.shape != (3,) or not np.isfinite(vector).all():
-                raise ValueError(f"{name} is {getattr(self, name)!r}, must be three finite numbers")
+                raise MeasurementError(
+                    f"{name} is {getattr(self, name)!r}, must be three finite numbers"
+                )
             object.__setattr__(self, name, vector)
         for name in ("stamp", "heading", "path_angle", "turn_rate", "path_angle_rate", "airspeed"):
             value = getattr(self, name)
             if not (value is None and name == "airspeed") and not math.isfinite(value):
-                raise ValueError(f"{name} is {value!r}, must be a finite number")
+                raise MeasurementError(f"{name} is {value!r}, must be a finite number")
 
     def state(self, airspeed: float) -> NDArray[np.float64]:
         """State of the vehicle (3) whose air velocity points along the body.

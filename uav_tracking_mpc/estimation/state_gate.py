@@ -55,7 +55,7 @@ class StateGate:
         if newest is None:
             return self._believe(measurement, Verdict.USE)
         step, jump = _change(newest, measurement)
-        if -self.timeout < step <= 0.0:
+        if -self.timeout <= step <= 0.0:
             return Verdict.DROP
         moved = jump > _explained(measurement, min(abs(step), self.timeout))
         if abs(step) <= self.timeout and not moved:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from uav_tracking_mpc.estimation.measurement import MeasurementError
 from uav_tracking_mpc.estimation.singer_track import Motion, SingerTrack, bridged
 from uav_tracking_mpc.estimation.turn_prediction import predict_turn
 
@@ -101,11 +102,11 @@ class TargetFilter:
             False if it was left out: late, or not to be believed.
 
         Raises:
-            ValueError: A value is not finite or not of its shape, or the covariance is none; the
-                filter is unchanged.
+            MeasurementError: A value is not finite or not of its shape, or the covariance is none;
+                the filter is unchanged.
         """
         if not np.isfinite(time):
-            raise ValueError(f"time of the target position is {time!r} s, must be finite")
+            raise MeasurementError(f"time of the target position is {time!r} s, must be finite")
         measured = _vector("target position", position)
         variance, velocity_variance = self._variances(covariance)
         motion = None
@@ -130,7 +131,7 @@ class TargetFilter:
             return None, VELOCITY_NOISE**2
         matrix = np.asarray(covariance, dtype=float)
         if matrix.shape not in ((3, 3), (6, 6)) or not np.isfinite(matrix).all():
-            raise ValueError(
+            raise MeasurementError(
                 f"covariance of the target has shape {matrix.shape}, must be (3, 3) or (6, 6) and "
                 "finite"
             )
@@ -139,7 +140,9 @@ class TargetFilter:
             for axes in (slice(0, 3), slice(3, 6))[: len(matrix) // 3]
         ]
         if not min(largest) >= 0.0:
-            raise ValueError(f"covariance of the target is {matrix.tolist()}, must not be negative")
+            raise MeasurementError(
+                f"covariance of the target is {matrix.tolist()}, must not be negative"
+            )
         position, velocity = [*largest, VELOCITY_NOISE**2][:2]
         return max(position, NOISE_MIN**2), max(velocity, NOISE_MIN**2)
 
@@ -223,5 +226,5 @@ class TargetFilter:
 def _vector(name: str, values: ArrayLike) -> NDArray[np.float64]:
     vector = np.asarray(values, dtype=float)
     if vector.shape != (3,) or not np.isfinite(vector).all():
-        raise ValueError(f"{name} is {values!r}, must be three finite numbers")
+        raise MeasurementError(f"{name} is {values!r}, must be three finite numbers")
     return vector

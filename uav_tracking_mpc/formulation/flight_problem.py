@@ -19,7 +19,7 @@ which the aircraft can still turn there is such a plan, and the orbit continues 
 once is feasible for ever (Limon et al. 2008, 2018; Koehler, Mueller, Allgoewer 2020).
 
 Everything that may change in flight is a parameter of one compiled problem: see
-:attr:`FlightProblem.layout`.
+``FlightProblem.layout``.
 """
 
 from __future__ import annotations

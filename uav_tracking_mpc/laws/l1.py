@@ -41,7 +41,7 @@ class L1Loiter(GuidanceLaw):
         orbit: What to fly.
         envelope: What can be flown.
         period: T in [s].
-        damping: zeta.
+        damping: zeta [-].
     """
 
     name = "l1"
@@ -63,7 +63,11 @@ class L1Loiter(GuidanceLaw):
         return self.envelope.clip([turn_rate, climb, acceleration], speed, path_angle)
 
     def lateral_acceleration(self, situation: Situation) -> float:
-        """Acceleration asked for across the velocity in [m/s^2], positive to the left."""
+        """Acceleration asked for across the velocity in [m/s^2], positive to the left.
+
+        Args:
+            situation: Aircraft, target and drift now.
+        """
         x, y = (float(value) for value in situation.offset[:2])
         wx, wy = (float(value) for value in situation.relative_velocity[:2])
         d, speed = math.hypot(x, y), max(math.hypot(wx, wy), 1.0)

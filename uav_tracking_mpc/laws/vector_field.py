@@ -47,7 +47,7 @@ class VectorField(GuidanceLaw):
     Args:
         orbit: What to fly.
         envelope: What can be flown.
-        circulation: kappa, greater than 0: share of circling in the field off the circle.
+        circulation: kappa [-], greater than 0: share of circling in the field off the circle.
         gain: k in [1/s], turn rate per error of the heading.
     """
 
@@ -76,6 +76,9 @@ class VectorField(GuidanceLaw):
         The rate is the exact derivative: with s the relative velocity, q = sqrt(V^2 - (c.n)^2),
 
         .. math:: \psi_{des}' = \chi' (1 + c \cdot h / q) - (c' \cdot n - (c \cdot n) V' / V) / q
+
+        Args:
+            situation: Aircraft, target and drift now.
 
         Returns:
             (psi_des, psi_des') in [rad, rad/s].

@@ -17,20 +17,10 @@ class Acceleration(Limit):
     name = "acceleration"
 
     acceleration_min: float = parameter(
-        -1.0,
-        "Least acceleration u_v.",
-        unit="m/s^2",
-        lower=-100.0,
-        upper=-1e-3,
-        fixed_unless=COMPILED,
+        -1.0, "Least acceleration u_v.", "m/s^2", -100.0, -1e-3, fixed_unless=COMPILED
     )
     acceleration_max: float = parameter(
-        1.0,
-        "Greatest acceleration u_v.",
-        unit="m/s^2",
-        lower=1e-3,
-        upper=100.0,
-        fixed_unless=COMPILED,
+        1.0, "Greatest acceleration u_v.", "m/s^2", 1e-3, 100.0, fixed_unless=COMPILED
     )
 
     def inputs(self, motion: Motion, numbers: Any, xp: ModuleType) -> dict[str, tuple[Any, Any]]:

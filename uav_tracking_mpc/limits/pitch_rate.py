@@ -20,9 +20,9 @@ class PitchRate(Limit):
     pitch_rate_max: float = parameter(
         math.pi / 4,
         "Greatest path-angle rate u_chi, either way.",
-        unit="rad/s",
-        lower=1e-3,
-        upper=10.0,
+        "rad/s",
+        1e-3,
+        10.0,
         fixed_unless=COMPILED,
     )
 

@@ -23,9 +23,9 @@ class YawRate(Limit):
     yaw_rate_max: float = parameter(
         math.pi / 4,
         "Greatest yaw rate u_psi, either way.",
-        unit="rad/s",
-        lower=1e-3,
-        upper=10.0,
+        "rad/s",
+        1e-3,
+        10.0,
         fixed_unless=COMPILED,
     )
 

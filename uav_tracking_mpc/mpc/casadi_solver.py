@@ -142,7 +142,7 @@ class CasadiSolver:
             states = shift(last.states, stages)
             states[0] = x_0
             return [(states, shift(last.inputs, stages), last.decision)]
-        inputs = self._resting_inputs()
+        inputs = np.tile(problem.input_rest, (problem.horizon, 1))
         guess = make() if make is not None else None
         if guess is not None:
             still = np.tile(x_0, (problem.horizon + 1, 1))
@@ -153,11 +153,6 @@ class CasadiSolver:
             (np.vstack([x_0, np.tile(rest, later)]), inputs, problem.decision_guess)
             for rest in (goal, x_0)
         ]
-
-    def _resting_inputs(self) -> NDArray[np.float64]:
-        problem = self.problem
-        rest = np.clip(np.zeros(problem.nu), problem.input_lower, problem.input_upper)
-        return np.tile(rest, (problem.horizon, 1))
 
     def _solve_from(
         self,
@@ -213,19 +208,8 @@ class CasadiSolver:
             return Status.ITERATION_LIMIT, f"iteration limit {self._iteration_limit} reached"
         return Status.FAILED, f"{self.name} failed: {reason}"
 
-    def _unsolved(self, status: Status, message: str, begin: float) -> Solution:
-        problem = self.problem
-        return Solution(
-            status=status,
-            message=f"{status.value}: {message}",
-            cost=float("nan"),
-            iterations=0,
-            solve_time=time.perf_counter() - begin,
-            states=np.zeros((problem.horizon + 1, problem.nx)),
-            inputs=self._resting_inputs(),
-            decision=problem.decision_guess,
-            violation=float("inf"),
-        )
+    def _unsolved(self, status: Status, reason: str, begin: float) -> Solution:
+        return Solution.without_plan(self.problem, status, reason, time.perf_counter() - begin)
 
 
 class _Program:
@@ -254,6 +238,11 @@ class _Program:
         xs = [ca.SX.sym(f"x{i}", nx) for i in range(n + 1)]
         decisions = [ca.SX.sym(f"a{i}", na) for i in range(n + 1)]
 
+        def vary(symbol: ca.SX, least: Any = -np.inf, greatest: Any = np.inf) -> None:
+            variables.append(symbol)
+            lower.append(np.broadcast_to(least, symbol.numel()))
+            upper.append(np.broadcast_to(greatest, symbol.numel()))
+
         def constrain(expression: ca.SX, is_equality: bool) -> int:
             constraints.append(expression)
             equality.extend([is_equality] * expression.numel())
@@ -261,19 +250,10 @@ class _Program:
 
         for i in range(n):
             ui, si = ca.SX.sym(f"u{i}", nu), ca.SX.sym(f"s{i}", soft)
-            variables += [xs[i], decisions[i], ui, si]
-            lower += [
-                -np.inf * np.ones(nx),
-                problem.decision_lower,
-                problem.input_lower,
-                np.zeros(soft),
-            ]
-            upper += [
-                np.inf * np.ones(nx),
-                problem.decision_upper,
-                problem.input_upper,
-                np.inf * np.ones(soft),
-            ]
+            vary(xs[i])
+            vary(decisions[i], problem.decision_lower, problem.decision_upper)
+            vary(ui, problem.input_lower, problem.input_upper)
+            vary(si, 0.0)
             following, stage_cost, hard, soft_value = stage(xs[i], ui, values[:, i], decisions[i])
             cost += stage_cost + ca.dot(stage_penalty, si)
             constrain(xs[i + 1] - following, True)  # (16b)
@@ -282,9 +262,9 @@ class _Program:
             count += constrain(hard, False) + constrain(soft_value - si, False)
             self.ng.append(count)
         s_end = ca.SX.sym("s_end", end_soft.numel())
-        variables += [xs[n], decisions[n], s_end]
-        lower += [-np.inf * np.ones(nx), problem.decision_lower, np.zeros(s_end.numel())]
-        upper += [np.inf * np.ones(nx), problem.decision_upper, np.inf * np.ones(s_end.numel())]
+        vary(xs[n])
+        vary(decisions[n], problem.decision_lower, problem.decision_upper)
+        vary(s_end, 0.0)
         end_cost, end_equal, hard, soft_value = end(xs[n], values[:, n], decisions[n])
         cost += end_cost + ca.dot(end_penalty, s_end)
         count = constrain(end_equal, True)

@@ -53,7 +53,7 @@ class ColdStart:
         self._kept, self._reference = int(rows.KEPT), int(rows.SECOND)
         self._working, spare = int(rows.WORKING), int(rows.SPARE)
         self._best, self._short = spare, (spare + 1, spare + 2)
-        self._rest = np.clip(np.zeros(problem.nu), problem.input_lower, problem.input_upper)
+        self._rest = problem.input_rest
         self._openings = list(openings(problem, self._rest))
         self._goal = record["goal"]
         self._policy = np.zeros((problem.nu, method.stage.NS))

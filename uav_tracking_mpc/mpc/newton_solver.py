@@ -19,15 +19,8 @@ from uav_tracking_mpc.mpc.solution import Solution, Status
 from uav_tracking_mpc.mpc.solver import Guess
 from uav_tracking_mpc.mpc.stage_code import multiplier_intervals
 
-STATUSES = (  # in the order of the codes in newton/minimise.py
-    Status.CONVERGED,
-    Status.ITERATION_LIMIT,
-    Status.TIME_LIMIT,
-    Status.INFEASIBLE,
-    Status.FAILED,
-    Status.REFUSED,
-    Status.FAILED,
-)
+# In the order of the codes in newton/minimise.py; the last two are ways to fail and to begin.
+STATUSES = (*Status, Status.FAILED)
 CONVERGED, ITERATION_LIMIT, TIME_LIMIT, INFEASIBLE, STALLED, REFUSED, NO_START = range(7)
 WARM = 0  # start code of newton/minimise.py
 
@@ -175,17 +168,6 @@ class NewtonSolver:
             return f"failed: no step lowers the cost, gradient {gradient:.3g}"
         return "failed: the dynamics are not finite from this state under any initial guess"
 
-    def _refused(self, message: str, begin: float) -> Solution:
-        problem = self.problem
-        rest = np.clip(np.zeros(problem.nu), problem.input_lower, problem.input_upper)
-        return Solution(
-            Status.REFUSED,
-            f"refused: {message}",
-            math.nan,
-            0,
-            time.perf_counter() - begin,
-            np.zeros((problem.horizon + 1, problem.nx)),
-            np.tile(rest, (problem.horizon, 1)),
-            np.array(problem.decision_guess, dtype=float),
-            math.inf,
-        )
+    def _refused(self, reason: str, begin: float) -> Solution:
+        elapsed = time.perf_counter() - begin
+        return Solution.without_plan(self.problem, Status.REFUSED, reason, elapsed)

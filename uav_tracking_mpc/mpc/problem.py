@@ -136,6 +136,11 @@ class OptimalControlProblem:
             raise ValueError("terminal cost and constraints must not depend on the inputs")
 
     @property
+    def input_rest(self) -> NDArray[np.float64]:
+        """The inputs of the box that are nearest to 0, shape (nu,)."""
+        return np.clip(np.zeros(self.nu), self.input_lower, self.input_upper)
+
+    @property
     def nx(self) -> int:
         """Number of states."""
         return self.state.numel()

@@ -8,6 +8,8 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.mpc.problem import OptimalControlProblem
+
 
 class Status(Enum):
     """How a solve ended; the value is what people read."""
@@ -45,6 +47,30 @@ class Solution:
     inputs: NDArray[np.float64]
     decision: NDArray[np.float64]
     violation: float
+
+    @classmethod
+    def without_plan(
+        cls, problem: OptimalControlProblem, status: Status, reason: str, solve_time: float
+    ) -> Solution:
+        """What a solve gives back that found nothing: inputs at rest, states 0.
+
+        Args:
+            problem: What was to be solved.
+            status: How it ended.
+            reason: Why, in words.
+            solve_time: Wall time in [s].
+        """
+        return cls(
+            status=status,
+            message=f"{status.value}: {reason}",
+            cost=float("nan"),
+            iterations=0,
+            solve_time=solve_time,
+            states=np.zeros((problem.horizon + 1, problem.nx)),
+            inputs=np.tile(problem.input_rest, (problem.horizon, 1)),
+            decision=np.array(problem.decision_guess, dtype=float),
+            violation=float("inf"),
+        )
 
     @property
     def converged(self) -> bool:

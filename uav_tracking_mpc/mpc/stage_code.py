@@ -7,12 +7,17 @@ constant decisions, w = (s, u), F = d(x+, a)/dw, and the Lagrangian of a stage
 
     L(w, \lambda, m) = l(w) + \lambda^T f(w) + m^T h(w)
 
-``stage_values``        f, l, h
-``stage_quadratic``     gradient L_w, and the quadratic model that the Riccati recursion minimises,
-                        Q = L_ww + h_w^T D h_w + F^T V F,  q = L_w + F^T (v - lambda)
-``terminal_values``     V_f and the terminal constraints e
-``terminal_quadratic``  V = V_f,ss + (m^T e)_ss + e_s^T D e_s,  v = (V_f + m^T e)_s
-``continuation``        input after the last stage
+``stage_values``
+    f, l, h
+``stage_quadratic``
+    gradient L_w, and the quadratic model that the Riccati recursion minimises,
+    Q = L_ww + h_w^T D h_w + F^T V F,  q = L_w + F^T (v - lambda)
+``terminal_values``
+    V_f and the terminal constraints e
+``terminal_quadratic``
+    V = V_f,ss + (m^T e)_ss + e_s^T D e_s,  v = (V_f + m^T e)_s
+``continuation``
+    input after the last stage
 
 F^T V F is formed symbolically as well, so the zeros and constants of F cost nothing at run time.
 Each function is listed operation by operation in the form of
@@ -109,42 +114,31 @@ def stage_functions(problem: OptimalControlProblem) -> dict[str, ca.Function]:
     end = problem.terminal_cost + ca.dot(m_end, e)
     end_constraint = ca.jacobian(e, s)
     end_quadratic = ca.hessian(end, s)[0] + end_constraint.T @ ca.diag(d_end) @ end_constraint
+    at_stage, at_end = {"x": x, "u": u, "a": a, "p": p}, {"x": x, "a": a, "p": p}
+    model = {"costate": costate, "curvature": curvature, "m": m, "d": d}
+    after = problem.inputs if problem.continuation is None else problem.continuation
+    programs = {
+        "stage_values": (at_stage, {"f": problem.next_state, "l": problem.stage_cost, "h": h}),
+        "stage_quadratic": (
+            {**at_stage, **model, "V": ca.vec(value), "v": value_gradient},
+            {"Q": _upper(quadratic), "q": linear, "gradient": gradient},
+        ),
+        "terminal_values": (at_end, {"l": problem.terminal_cost, "e": e}),
+        "terminal_quadratic": (
+            {**at_end, "m": m_end, "d": d_end},
+            {"V": _upper(end_quadratic), "v": ca.gradient(end, s)},
+        ),
+        "continuation": (at_stage, {"u_end": after}),
+    }
     return {
-        "stage_values": ca.Function(
-            "stage_values",
-            [x, u, a, p],
-            ca.cse([ca.densify(part) for part in (problem.next_state, problem.stage_cost, h)]),
-            ["x", "u", "a", "p"],
-            ["f", "l", "h"],
-        ),
-        "stage_quadratic": ca.Function(
-            "stage_quadratic",
-            [x, u, a, p, costate, curvature, m, d, ca.vec(value), value_gradient],
-            ca.cse([_upper(quadratic), ca.densify(linear), ca.densify(gradient)]),
-            ["x", "u", "a", "p", "costate", "curvature", "m", "d", "V", "v"],
-            ["Q", "q", "gradient"],
-        ),
-        "terminal_values": ca.Function(
-            "terminal_values",
-            [x, a, p],
-            ca.cse([ca.densify(problem.terminal_cost), ca.densify(e)]),
-            ["x", "a", "p"],
-            ["l", "e"],
-        ),
-        "terminal_quadratic": ca.Function(
-            "terminal_quadratic",
-            [x, a, p, m_end, d_end],
-            ca.cse([_upper(end_quadratic), ca.densify(ca.gradient(end, s))]),
-            ["x", "a", "p", "m", "d"],
-            ["V", "v"],
-        ),
-        "continuation": ca.Function(
-            "continuation",
-            [x, u, a, p],
-            [ca.densify(u if problem.continuation is None else problem.continuation)],
-            ["x", "u", "a", "p"],
-            ["u_end"],
-        ),
+        name: ca.Function(
+            name,
+            [*inputs.values()],
+            ca.cse([ca.densify(part) for part in outputs.values()]),
+            [*inputs],
+            [*outputs],
+        )
+        for name, (inputs, outputs) in programs.items()
     }
 
 

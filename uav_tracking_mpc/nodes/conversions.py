@@ -36,7 +36,7 @@ from uav_tracking_mpc.dynamics.frames import (
     rotation_from_quaternion,
 )
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
 
 MAP, BASE_LINK = "map", "base_link"
 POSITION_LIMIT = 1e7  # m; what lies beyond is no position on this earth
@@ -44,7 +44,7 @@ SPEED_LIMIT = 1e3  # m/s
 RATE_LIMIT = 1e2  # rad/s
 
 
-class MessageError(ValueError):
+class MessageError(MeasurementError):
     """A message cannot be used; the text names topic, field and value."""
 
 

@@ -17,6 +17,7 @@ from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackRet
 from uav_tracking_mpc.control.certification import certification
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.record import RecordingController
+from uav_tracking_mpc.estimation.measurement import MeasurementError
 from uav_tracking_mpc.nodes import conversions
 from uav_tracking_mpc.nodes.command_wire import CommandWire
 from uav_tracking_mpc.nodes.controller_report import ControllerReport
@@ -157,7 +158,7 @@ class NmpcController(LifecycleNode):
                 return
             try:
                 callback(message, self.controller)
-            except ValueError as error:
+            except MeasurementError as error:
                 self.report.refuse(str(error))
 
         return on_message

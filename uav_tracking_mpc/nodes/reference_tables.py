@@ -1,4 +1,7 @@
-"""The tables of topics and parameters in the README, written from the code (``make docs``)."""
+"""The tables of topics and parameters in the documentation, written from the code.
+
+``make docs`` writes them into ``docs/reference/topics_and_parameters.md``; a test compares.
+"""
 
 from __future__ import annotations
 
@@ -21,22 +24,29 @@ def topic_table() -> str:
 
 
 def parameter_table(section: str) -> str:
-    """Markdown table of a section's parameters."""
+    """Markdown table of a section's parameters.
+
+    Args:
+        section: Name of the node, or ``mission``.
+    """
     lines = ["| parameter | default | allowed | effect |", "|---|---|---|---|"]
     lines += [
-        f"| `{item.name}` | {_default(item)} | {item.allowed} | {item.description} |"
+        f"| `{item.name}` | {_default(item)} | {item.allowed} | {_effect(item)} |"
         for item in specifications(SECTIONS[section])
     ]
     return "\n".join(lines)
 
 
 def tables() -> dict[str, str]:
-    """Every table by the name of its place in the README."""
+    """Every table by the name of its place in the page."""
     return {"topics": topic_table(), **{section: parameter_table(section) for section in SECTIONS}}
 
 
 def with_tables(text: str) -> str:
     """The text with each table put between its ``<!-- table NAME -->`` and ``<!-- end -->``.
+
+    Args:
+        text: Of a page in Markdown.
 
     Raises:
         ValueError: A table has no place in the text.
@@ -49,6 +59,11 @@ def with_tables(text: str) -> str:
             raise ValueError(f"the text has no place for the table {name!r}")
         text = f"{before}{begin}{table}\n{end}{after}"
     return text
+
+
+def _effect(item: Specification) -> str:
+    fixed = " *Fixed: set at the start only.*" if item.fixed else ""
+    return item.description.replace("|", "\\|") + fixed
 
 
 def _default(item: Specification) -> str:

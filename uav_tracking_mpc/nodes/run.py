@@ -1,9 +1,10 @@
-"""Start a node, spin it, stop it; exit codes 0 (stopped), 1 (died), 2 (bad parameters)."""
+"""Start a node, spin it, stop it; exit codes 0 (stopped), 1 (died), 2 (bad arguments)."""
 
 from __future__ import annotations
 
 import gc
 import logging
+import shlex
 import signal
 import sys
 from collections.abc import Callable, Sequence
@@ -14,15 +15,22 @@ from rclpy.exceptions import ParameterException
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
 
 from uav_tracking_mpc.parameters.specification import ParameterError
+
+# Arguments of ROS that a word follows.
+ROS_FLAGS = {
+    *("-p", "--param", "-r", "--remap", "--params-file"),
+    *("-e", "--enclave", "--log-level", "--log-config-file"),
+}
 
 
 def run(name: str, create: Callable[[], Node], arguments: Sequence[str] | None = None) -> int:
     """Run a node until SIGINT or SIGTERM.
 
-    The signals are handled here, not by rclpy, so that the node can say its last words
-    (``node.finish()``) while it can still publish.
+    The signals are handled here, not by rclpy, so that the node can publish its last
+    diagnostics (``node.finish()``) before the context is shut down.
 
     Args:
         name: For messages before there is a logger.
@@ -44,8 +52,11 @@ def run(name: str, create: Callable[[], Node], arguments: Sequence[str] | None =
         level=logging.INFO, format=f"[%(levelname)s] [{name}]: %(message)s", stream=sys.stderr
     )
     try:
-        arguments = sys.argv[1:] if arguments is None else arguments
+        arguments = list(sys.argv[1:] if arguments is None else arguments)
         try:
+            refused = refusal(name, arguments)
+            if refused:
+                return _fatal(name, refused)
             rclpy.init(args=[name, *arguments], signal_handler_options=SignalHandlerOptions.NO)
         except Exception as error:  # rclpy has no common base for what a command line can do wrong
             return _fatal(name, str(error))
@@ -70,6 +81,31 @@ def run(name: str, create: Callable[[], Node], arguments: Sequence[str] | None =
         rclpy.try_shutdown()
         for number, handler in previous.items():
             signal.signal(number, handler)
+
+
+def refusal(name: str, arguments: Sequence[str]) -> str:
+    """Why a node does not start with these arguments, in words; "" if it does.
+
+    ROS reads only what stands behind ``--ros-args`` and ignores everything else without a word: a
+    node would fly with its defaults instead of the file that it was given.
+
+    Args:
+        name: Name of the executable, for the right spelling.
+        arguments: Command line without the program.
+    """
+    stray = remove_ros_args([name, *arguments])[1:]
+    if not stray:
+        return ""
+    words: list[str] = []
+    for previous, word in zip(["", *stray], stray, strict=False):
+        if ":=" in word and previous not in ROS_FLAGS:
+            words.append("-p")
+        elif word not in ROS_FLAGS and previous not in ROS_FLAGS:
+            words = ["-p", "NAME:=VALUE", "--params-file", "FILE"]  # no argument of ROS at all
+            break
+        words.append(word)
+    right = " ".join([name, "--ros-args", *words])
+    return f"what is not behind --ros-args has no effect: {shlex.join(stray)}; write: {right}"
 
 
 def _fatal(name: str, message: str) -> int:

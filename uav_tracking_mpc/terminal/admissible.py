@@ -70,13 +70,12 @@ def domain_limits(problem: StabilityProblem, weight: NDArray[np.float64]) -> lis
     with module.ctx.workprec(PRECISION):
         inverse = exact(weight).inv()
         orbit = problem.orbit
-        rows = [
-            ("range above the height over the target, r > z", [1, 0, -1, 0, 0], -1.0),
-            ("range above the depth below the target, r > -z", [1, 0, 1, 0, 0], 1.0),
-        ]
         limits = []
-        for name, row, sign in rows:
-            c = module.arb_mat([[entry] for entry in row])
+        for name, sign in (
+            ("range above the height over the target, r > z", -1),
+            ("range above the depth below the target, r > -z", 1),
+        ):
+            c = module.arb_mat([[1], [0], [sign], [0], [0]])
             room = arb(orbit.range) + arb(sign * orbit.altitude)
             limits.append(Limit(name, _level(room, (c.transpose() * inverse * c)[0, 0])))
         limits.append(

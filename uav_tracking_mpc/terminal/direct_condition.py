@@ -20,7 +20,7 @@ from uav_tracking_mpc.terminal.admissible import Limit, domain_limits, input_lim
 from uav_tracking_mpc.terminal.ball import PRECISION, flint
 from uav_tracking_mpc.terminal.cover import Proof, prove
 from uav_tracking_mpc.terminal.ingredients import TerminalIngredients
-from uav_tracking_mpc.terminal.quadratic_bound import QuadraticBound, decrease_bound
+from uav_tracking_mpc.terminal.quadratic_bound import QuadraticBound, exact
 from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
 from uav_tracking_mpc.terminal.terminal_dynamics import ClosedLoopBalls
 
@@ -75,15 +75,10 @@ def decrease(
         problem.model, problem.scheme, problem.orbit, problem.step, ingredients.gain
     )
     with flint().ctx.workprec(PRECISION):
-        return decrease_bound(
-            loop,
-            ingredients.weight,
-            ingredients.gain,
-            problem.state_weight,
-            problem.input_weight,
-            level,
-            SLACK,
-        )
+        k = exact(ingredients.gain)
+        stage = exact(problem.state_weight) + k.transpose() * exact(problem.input_weight) * k
+        right = exact(ingredients.weight) * (1 - flint().arb(SLACK)) - stage
+        return QuadraticBound(loop, ingredients.weight, right, level)
 
 
 def prove_direct_condition(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import operator
+from collections.abc import Callable
 from typing import Any
 
 import casadi as ca
@@ -14,54 +16,44 @@ Column = list[Interval]
 Matrix = list[list[Interval]]
 
 
+_OPERATIONS: dict[int, Callable[..., Interval]] = {
+    ca.OP_ASSIGN: lambda a: a,
+    ca.OP_ADD: operator.add,
+    ca.OP_SUB: operator.sub,
+    ca.OP_MUL: operator.mul,
+    ca.OP_DIV: operator.truediv,
+    ca.OP_NEG: operator.neg,
+    ca.OP_SQ: Interval.square,
+    ca.OP_TWICE: lambda a: a * 2.0,
+    ca.OP_INV: Interval.inverse,
+    ca.OP_SQRT: Interval.sqrt,
+    ca.OP_SIN: Interval.sin,
+    ca.OP_COS: Interval.cos,
+}
+
+
 def evaluate(function: ca.Function, inputs: list[Column]) -> list[Column]:
-    """Walk the instructions of a CasADi ``function`` with intervals for its ``inputs``."""
+    """Walk the instructions of a CasADi ``function`` with intervals for its ``inputs``.
+
+    Raises:
+        ValueError: An operation that is not known here.
+    """
     work: dict[int, Interval] = {}
     outputs: list[Column] = [[Interval(0.0)] * function.nnz_out(i) for i in range(function.n_out())]
     for k in range(function.n_instructions()):
-        code, ins, outs = (
-            function.instruction_id(k),
-            function.instruction_input(k),
-            function.instruction_output(k),
-        )
+        code = function.instruction_id(k)
+        ins, outs = function.instruction_input(k), function.instruction_output(k)
         if code == ca.OP_OUTPUT:
             outputs[outs[0]][outs[1]] = work[ins[0]]
         elif code == ca.OP_INPUT:
             work[outs[0]] = inputs[ins[0]][ins[1]]
         elif code == ca.OP_CONST:
             work[outs[0]] = Interval(function.instruction_constant(k))
+        elif code in _OPERATIONS:
+            work[outs[0]] = _OPERATIONS[code](*(work[i] for i in ins))
         else:
-            work[outs[0]] = _operate(code, [work[i] for i in ins])
+            raise ValueError(f"operation {code} of the model is not known here")
     return outputs
-
-
-def _operate(code: int, arguments: Column) -> Interval:
-    a, b = arguments[0], arguments[-1]
-    if code == ca.OP_ADD:
-        return a + b
-    if code == ca.OP_SUB:
-        return a - b
-    if code == ca.OP_MUL:
-        return a * b
-    if code == ca.OP_DIV:
-        return a / b
-    if code == ca.OP_NEG:
-        return -a
-    if code == ca.OP_SQ:
-        return a.square()
-    if code == ca.OP_TWICE:
-        return a * 2.0
-    if code == ca.OP_INV:
-        return a.inverse()
-    if code == ca.OP_SQRT:
-        return a.sqrt()
-    if code == ca.OP_SIN:
-        return a.sin()
-    if code == ca.OP_COS:
-        return a.cos()
-    if code == ca.OP_ASSIGN:
-        return a
-    raise ValueError(f"operation {code} of the model is not known here")
 
 
 def unpack(function: ca.Function, index: int, entries: Column) -> Matrix:

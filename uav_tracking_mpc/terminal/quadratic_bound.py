@@ -56,32 +56,6 @@ def exact(matrix: NDArray[np.float64]) -> Any:
     return flint().arb_mat([[float(value) for value in row] for row in np.asarray(matrix)])
 
 
-def decrease_bound(
-    closed_loop: ClosedLoopBalls,
-    weight: NDArray[np.float64],
-    gain: NDArray[np.float64],
-    state_weight: NDArray[np.float64],
-    input_weight: NDArray[np.float64],
-    level: float,
-    slack: float = 0.0,
-) -> QuadraticBound:
-    """V_f(f(x, Kx)) - V_f(x) + L(x, Kx) <= -slack V_f(x) on X_f: left side of (30) below 0.
-
-    Args:
-        closed_loop: f(x, K x).
-        weight: P_rho, shape (5, 5).
-        gain: K, shape (3, 5).
-        state_weight: Q, shape (5, 5).
-        input_weight: R, shape (3, 3).
-        level: varrho of (25) [-].
-        slack: Room [-] left so that rounding of P and K elsewhere cannot break the inequality.
-    """
-    k = exact(gain)
-    stage = exact(state_weight) + k.transpose() * exact(input_weight) * k
-    right = exact(weight) * (1 - flint().arb(slack)) - stage
-    return QuadraticBound(closed_loop, weight, right, level)
-
-
 def lipschitz_bound(
     closed_loop: ClosedLoopBalls,
     weight: NDArray[np.float64],

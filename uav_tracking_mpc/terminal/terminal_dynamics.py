@@ -8,7 +8,6 @@ not the double nearest to it, and u_ss is the turn rate that cancels the drift e
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
@@ -17,50 +16,8 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.discretisation import error_step
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, Orbit
-from uav_tracking_mpc.dynamics.relative import NU, NX, rates_function
+from uav_tracking_mpc.dynamics.relative import NU, NX, RelativeState, rates_function
 from uav_tracking_mpc.terminal.ball import PRECISION, BallFunction, flint
-
-
-@dataclass(frozen=True)
-class ClosedLoopFunctions:
-    """f(x, K x) and derivatives, in x and the open numbers (x_ss, u_ss, K, T_s).
-
-    Attributes:
-        first: (x, p) -> f, shape (5,), and its Jacobian, shape (5, 5), dense.
-        second: (x, p) -> nonzeros of the upper triangles of the five Hessians.
-        pattern: For each Hessian the places (i, j), i <= j, of its nonzeros.
-    """
-
-    first: ca.Function
-    second: ca.Function
-    pattern: list[list[tuple[int, int]]]
-
-
-def closed_loop_functions(model: str, scheme: str) -> ClosedLoopFunctions:
-    """Derive the closed loop of a model and scheme by machine.
-
-    Args:
-        model: Name of a relative model.
-        scheme: Name in :data:`uav_tracking_mpc.dynamics.discretisation.SCHEMES`.
-    """
-    x = ca.SX.sym("x", NX)
-    x_ss, u_ss = ca.SX.sym("x_ss", NX), ca.SX.sym("u_ss", NU)
-    gain, step = ca.SX.sym("K", NU, NX), ca.SX.sym("T_s")
-    numbers = ca.vertcat(x_ss, u_ss, ca.vec(gain), step)
-    following = error_step(model, scheme, x, gain @ x, x_ss, u_ss, step)
-    jacobian = ca.densify(ca.jacobian(following, x))
-    curvature, pattern = [], []
-    for row in range(NX):
-        upper = ca.triu(ca.hessian(following[row], x)[0])
-        upper = ca.sparsify(upper)
-        rows, columns = upper.sparsity().get_triplet()
-        pattern.append(list(zip(rows, columns, strict=True)))
-        curvature.append(ca.vertcat(ca.SX.zeros(0, 1), *upper.nonzeros()))  # type: ignore[call-overload]
-    return ClosedLoopFunctions(
-        first=ca.Function("first", [x, numbers], ca.cse([following, jacobian])),
-        second=ca.Function("second", [x, numbers], ca.cse(curvature)),
-        pattern=pattern,
-    )
 
 
 def steady_balls(model: str, orbit: Orbit) -> tuple[list[Any], list[Any]]:
@@ -75,23 +32,25 @@ def steady_balls(model: str, orbit: Orbit) -> tuple[list[Any], list[Any]]:
     """
     arb = flint().arb
     with flint().ctx.workprec(PRECISION):
-        return _steady_balls(model, orbit, arb)
-
-
-def _steady_balls(model: str, orbit: Orbit, arb: Any) -> tuple[list[Any], list[Any]]:
-    bearing = arb.pi() / 2 if orbit.direction == CLOCKWISE else -arb.pi() / 2
-    x_ss = [arb(orbit.range), bearing, arb(orbit.altitude), arb(0), arb(orbit.speed)]
-    (drift,) = BallFunction(rates_function(model))(x_ss, [arb(0)] * NU)
-    for index in (0, 2, 3, 4):
-        if not (drift[index].contains(0) and drift[index].rad() < 1e-20):
-            raise ArithmeticError(
-                f"rate {index} of model {model!r} at the orbit is {drift[index]}, must be 0"
-            )
-    return x_ss, [-drift[1], arb(0), arb(0)]
+        bearing = arb.pi() / 2 if orbit.direction == CLOCKWISE else -arb.pi() / 2
+        x_ss = [arb(orbit.range), bearing, arb(orbit.altitude), arb(0), arb(orbit.speed)]
+        (drift,) = BallFunction(rates_function(model))(x_ss, [arb(0)] * NU)
+        rates = RelativeState(*drift)
+        for name, rate in rates._replace(bearing=arb(0))._asdict().items():
+            if not (rate.contains(0) and rate.rad() < 1e-20):
+                raise ArithmeticError(
+                    f"rate of {name} of model {model!r} at the orbit is {rate}, must be 0"
+                )
+        return x_ss, [-rates.bearing, arb(0), arb(0)]
 
 
 class ClosedLoopBalls:
-    """f(x, K x) of one configuration in ball arithmetic.
+    """f(x, K x) of one configuration in ball arithmetic, with its derivatives.
+
+    Attributes:
+        pattern: For each of the five Hessians the places (i, j), i <= j, of its nonzeros.
+        steady_state: x_ss.
+        steady_inputs: u_ss.
 
     Args:
         model: Name of the model.
@@ -104,14 +63,23 @@ class ClosedLoopBalls:
     def __init__(
         self, model: str, scheme: str, orbit: Orbit, step: float, gain: NDArray[np.float64]
     ) -> None:
+        x = ca.SX.sym("x", NX)
+        x_ss, u_ss = ca.SX.sym("x_ss", NX), ca.SX.sym("u_ss", NU)
+        k, duration = ca.SX.sym("K", NU, NX), ca.SX.sym("T_s")
+        numbers = ca.vertcat(x_ss, u_ss, ca.vec(k), duration)
+        following = error_step(model, scheme, x, k @ x, x_ss, u_ss, duration)
+        slopes = [following, ca.densify(ca.jacobian(following, x))]
+        curvature, self.pattern = [], []
+        for row in range(NX):
+            upper = ca.sparsify(ca.triu(ca.hessian(following[row], x)[0]))
+            self.pattern.append(list(zip(*upper.sparsity().get_triplet(), strict=True)))
+            curvature.append(ca.vertcat(ca.SX.zeros(0, 1), *upper.nonzeros()))  # type: ignore[call-overload]
+        self._first = BallFunction(ca.Function("first", [x, numbers], ca.cse(slopes)))
+        self._second = BallFunction(ca.Function("second", [x, numbers], ca.cse(curvature)))
         arb = flint().arb
-        functions = closed_loop_functions(model, scheme)
-        self.pattern = functions.pattern
         self.steady_state, self.steady_inputs = steady_balls(model, orbit)
         entries = [arb(float(value)) for value in np.asarray(gain).ravel(order="F")]
         self._numbers = [*self.steady_state, *self.steady_inputs, *entries, arb(float(step))]
-        self._first = BallFunction(functions.first)
-        self._second = BallFunction(functions.second)
 
     def value_and_jacobian(self, x: list[Any]) -> tuple[list[Any], Any]:
         """Value f and Jacobian (an ``arb_mat``) over the box ``x`` of balls."""
@@ -120,5 +88,5 @@ class ClosedLoopBalls:
         return value, flint().arb_mat(rows)
 
     def curvature(self, x: list[Any]) -> list[list[Any]]:
-        """Nonzeros of the Hessians' upper triangles, as :attr:`pattern`, over the box ``x``."""
+        """Nonzeros of the Hessians' upper triangles, as ``pattern``, over the box ``x``."""
         return self._second(x, self._numbers)

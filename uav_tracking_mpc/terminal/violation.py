@@ -8,7 +8,9 @@ that nothing is found below it is only an observation, which the proof turns int
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -124,13 +126,9 @@ def _descend(excess: Excess, hit: NDArray[np.float64]) -> Violation:
         lambda x: float(x @ weight @ x),
         hit,
         jac=lambda x: 2.0 * weight @ x,
-        constraints=[
-            {
-                "type": "ineq",
-                "fun": lambda x: excess.with_gradient(x)[0],
-                "jac": lambda x: excess.with_gradient(x)[1],
-            }
-        ],
+        constraints=_not_below_zero(
+            lambda x: excess.with_gradient(x)[0], lambda x: excess.with_gradient(x)[1]
+        ),
         method="SLSQP",
         options={"maxiter": 200, "ftol": 1e-13},
     )
@@ -142,6 +140,11 @@ def _descend(excess: Excess, hit: NDArray[np.float64]) -> Violation:
         if excess(trial[None])[0] > 0.0 and level > 1e-9 * float(hit @ weight @ hit):
             return Violation(level, trial)
     return Violation(float(hit @ weight @ hit), hit)
+
+
+def _not_below_zero(value: Callable[..., Any], gradient: Callable[..., Any]) -> dict[str, Any]:
+    """A constraint as SciPy takes it."""
+    return {"type": "ineq", "fun": value, "jac": gradient}
 
 
 def largest_ratio(
@@ -178,13 +181,9 @@ def largest_ratio(
             ratio,
             states[index],
             jac=True,
-            constraints=[
-                {
-                    "type": "ineq",
-                    "fun": lambda x: level - float(x @ weight @ x),
-                    "jac": lambda x: -2.0 * weight @ x,
-                }
-            ],
+            constraints=_not_below_zero(
+                lambda x: level - float(x @ weight @ x), lambda x: -2.0 * weight @ x
+            ),
             method="SLSQP",
             options={"maxiter": 200, "ftol": 1e-14},
         )

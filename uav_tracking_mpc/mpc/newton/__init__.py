@@ -18,5 +18,5 @@ The algorithm, one idea a file, in the order in which an iteration runs through 
 
 The files import each other relatively because they are compiled as a copy: a folder in the user's
 cache that holds them beside the ``stage.py`` of the problem at hand. The ``stage.py`` kept here is
-that of a double integrator, so that everything can be read, type-checked and run in place.
+that of an integrator, so that everything can be read, type-checked and run in place.
 """

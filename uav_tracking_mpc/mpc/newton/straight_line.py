@@ -25,41 +25,11 @@ from numba.extending import intrinsic
 
 DOUBLE = ir.DoubleType()
 FAST = ("contract", "reassoc", "nsz", "arcp")  # not nnan, ninf: rejected steps rely on NaN
-FUNCTIONS = {  # name in a program: LLVM intrinsic or function of the C library
-    "sqrt": "llvm.sqrt.f64",
-    "sin": "llvm.sin.f64",
-    "cos": "llvm.cos.f64",
-    "exp": "llvm.exp.f64",
-    "log": "llvm.log.f64",
-    "fabs": "llvm.fabs.f64",
-    "floor": "llvm.floor.f64",
-    "ceil": "llvm.ceil.f64",
-    "pow": "llvm.pow.f64",
-    "copysign": "llvm.copysign.f64",
-    "fmin": "llvm.minnum.f64",
-    "fmax": "llvm.maxnum.f64",
-    **{
-        name: name
-        for name in [
-            "tan",
-            "asin",
-            "acos",
-            "atan",
-            "atan2",
-            "sinh",
-            "cosh",
-            "tanh",
-            "asinh",
-            "acosh",
-            "atanh",
-            "erf",
-            "log1p",
-            "expm1",
-            "hypot",
-            "fmod",
-        ]
-    },
-}
+INTRINSICS = {  # operations that LLVM knows; the others are functions of the C library
+    "fmin": "minnum", "fmax": "maxnum",
+    **{name: name for name in ("sqrt", "sin", "cos", "exp", "log", "fabs", "floor", "ceil")},
+    "pow": "pow", "copysign": "copysign",
+}  # fmt: skip
 COMPARISONS = {"lt": "<", "le": "<=", "eq": "==", "ne": "!="}
 
 
@@ -141,5 +111,6 @@ class _Translation:
             nonzero = builder.fcmp_unordered("!=", values[0], ir.Constant(DOUBLE, 0.0))
             return builder.select(nonzero, values[1], ir.Constant(DOUBLE, 0.0))
         kind = ir.FunctionType(DOUBLE, [DOUBLE] * len(values))
-        function = cgutils.get_or_insert_function(builder.module, kind, FUNCTIONS[operation])
+        name = f"llvm.{INTRINSICS[operation]}.f64" if operation in INTRINSICS else operation
+        function = cgutils.get_or_insert_function(builder.module, kind, name)
         return builder.call(function, values)

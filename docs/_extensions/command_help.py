@@ -1,0 +1,31 @@
+"""Directive ``command-help``: what a command prints with ``--help``, asked at every build."""
+
+import os
+import subprocess
+import sys
+
+from docutils import nodes
+from sphinx.util.docutils import SphinxDirective
+
+WIDTH = "88"  # characters
+
+
+class CommandHelp(SphinxDirective):
+    """The help of ``uav_tracking`` or of one of its commands, which is the argument."""
+
+    optional_arguments = 1
+
+    def run(self):
+        """Ask the command."""
+        program = [sys.executable, "-m", "uav_tracking_mpc", *self.arguments, "--help"]
+        environment = {**os.environ, "COLUMNS": WIDTH, "NO_COLOR": "1"}
+        finished = subprocess.run(program, capture_output=True, text=True, env=environment)
+        if finished.returncode != 0:
+            raise self.error(f"{program}: {finished.stderr}")
+        return [nodes.literal_block(finished.stdout, finished.stdout, language="text")]
+
+
+def setup(app):
+    """Register the directive."""
+    app.add_directive("command-help", CommandHelp)
+    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

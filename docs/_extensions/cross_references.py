@@ -1,0 +1,86 @@
+"""What docstrings mean, where plain Sphinx would take it for something else.
+
+A docstring says ``:meth:`GuidanceLaw.inputs```, not the whole path: what ends in that name is
+meant, if there is one such thing in the package. A reference that leads nowhere ends the build.
+Types in signatures may be of other packages, which have no page here.
+"""
+
+import re
+import sys
+
+from docutils.parsers.rst.states import Inliner
+from sphinx.util.nodes import make_refnode
+
+PACKAGE = "uav_tracking_mpc"
+ARRAY = re.compile(
+    r"~?numpy\.ndarray\[~?(?:tuple\[~?typing\.Any, \.\.\.\]|typing\.Any), "
+    r"~?numpy\.dtype\[~?(?:numpy\.)?(\w+)\]\]"
+)
+PLAIN = ("attribute", "data", "property")
+
+
+def setup(app):
+    """Connect to the reading of docstrings and the search for targets."""
+    app.connect("autodoc-process-docstring", keep_first_line, priority=400)  # before napoleon
+    app.connect("autodoc-process-signature", name_arrays)
+    app.connect("autodoc-skip-member", skip_private)
+    app.connect("missing-reference", resolve)
+    Inliner.dispatch["|"] = bar
+    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
+
+
+def bar(inliner, match, line):
+    """|x| is a magnitude here, and never a substitution."""
+    end = match.end("start")
+    return match.string[:end], [], match.string[end:], []
+
+
+def keep_first_line(app, what, name, value, options, lines):
+    """What stands before a colon in the first line of an attribute is text, not its type."""
+    if what in PLAIN:
+        lines.insert(0, "")
+
+
+def name_arrays(app, what, name, value, options, signature, returned):
+    """Write ``NDArray[float64]`` instead of what numpy makes of it."""
+    return tuple(text and ARRAY.sub(r"NDArray[\1]", text) for text in (signature, returned))
+
+
+def skip_private(app, what, name, value, skip, options):
+    """Private modules are shown, their private members are not."""
+    return True if name.startswith("_") else None
+
+
+def resolve(app, environment, node, content):
+    """Find the one object of the package whose path ends in the reference's target."""
+    if node.get("refdomain") != "py":
+        return None
+    target = node["reftarget"].lstrip(".~").removeprefix(f"{PACKAGE}.")
+    domain = environment.domains.python_domain
+    objects, kinds = domain.objects, domain.objtypes_for_role(node["reftype"]) or []
+    if "method" in kinds:
+        kinds = [*kinds, "property"]  # the base's method may be a property
+    found = [
+        full
+        for full, entry in objects.items()
+        if full.endswith(f".{target}") and entry.objtype in kinds
+    ]
+    if len(found) > 1:  # prefer where the package's own text looks: the same module
+        found = [full for full in found if full.startswith(f"{node.get('py:module')}.")]
+    if not found and node.get("reftype") == "data":
+        found = constant(node["reftarget"], node.get("py:module"))
+    if len(found) == 1:
+        entry = objects[found[0]]
+        return make_refnode(
+            app.builder, node["refdoc"], entry.docname, entry.node_id, content, found[0]
+        )
+    written_by_hand = "refwarn" in node
+    elsewhere = target.partition(".")[0] in sys.modules
+    return None if written_by_hand and not elsewhere else content
+
+
+def constant(target, module):
+    """Module that holds a constant; constants have no entry of their own."""
+    path, _, name = target.lstrip("~.").rpartition(".")
+    path = path or module
+    return [path] if hasattr(sys.modules.get(path), name) else []

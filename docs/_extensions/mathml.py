@@ -1,0 +1,45 @@
+"""Mathematics as MathML, which browsers draw themselves.
+
+The pages then need no script, no font and no network. The conversion is that of docutils; a formula
+that it does not know is a warning, and so ends the build.
+"""
+
+from docutils.utils.math import MathError
+from docutils.utils.math.latex2mathml import tex2mathml
+from sphinx.util import logging
+
+logger = logging.getLogger(__name__)
+
+
+def setup(app):
+    """Register the renderer ``mathml`` for HTML."""
+    app.add_html_math_renderer("mathml", (visit_math, None), (visit_math_block, None))
+    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
+
+
+def visit_math(translator, node):
+    """Write a formula within a line, and skip what is inside the node."""
+    translator.body.append(mathml(node, as_block=False))
+    raise_skip()
+
+
+def visit_math_block(translator, node):
+    """Write a formula that stands by itself."""
+    translator.body.append(f'<div class="math">{mathml(node, as_block=True)}</div>\n')
+    raise_skip()
+
+
+def mathml(node, as_block):
+    """Formula of a node."""
+    try:
+        return tex2mathml(node.astext(), as_block=as_block)
+    except MathError as error:
+        logger.warning("formula %r: %s", node.astext(), error, location=node)
+        return f"<code>{node.astext()}</code>"
+
+
+def raise_skip():
+    """Leave the node: its text is already written."""
+    from docutils import nodes
+
+    raise nodes.SkipNode

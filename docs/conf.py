@@ -1,0 +1,59 @@
+"""The documentation site: Sphinx with MyST and furo. `make docs` builds it, without a network."""
+
+import sys
+from pathlib import Path
+
+from uav_tracking_mpc import __version__
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE / "_extensions"))
+
+project = "uav_tracking_mpc"
+author = "uav_tracking_mpc maintainers"
+copyright = "2026, uav_tracking_mpc maintainers"
+release = version = __version__
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.apidoc",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "command_help",
+    "cross_references",
+    "mathml",
+]
+exclude_patterns = ["_build", "_extensions"]
+nitpicky = True
+suppress_warnings = ["ref.python"]  # a type in a signature whose name two classes have
+
+myst_enable_extensions = ["dollarmath", "colon_fence"]
+myst_heading_anchors = 3
+
+html_theme = "furo"
+html_title = "uav_tracking_mpc"
+html_math_renderer = "mathml"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_copy_source = False
+html_show_sphinx = False
+
+apidoc_modules = [
+    {
+        "path": str(HERE.parent / "uav_tracking_mpc"),
+        "destination": "api",
+        "exclude_patterns": ["**/__main__.py"],
+        "module_first": True,
+        "include_private": True,  # modules that rooms share; their private members are left out
+    }
+]
+autodoc_default_options = {
+    "members": True,
+    "show-inheritance": True,
+    "ignore-module-all": True,  # what a package only passes on stands where it is defined
+}
+autodoc_typehints_format = "short"
+autodoc_member_order = "bysource"
+autodoc_preserve_defaults = True
+napoleon_google_docstring = True
+napoleon_numpy_docstring = False
+napoleon_use_ivar = True

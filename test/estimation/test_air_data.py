@@ -1,0 +1,46 @@
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.estimation.air_data import AirData
+from uav_tracking_mpc.estimation.measurement import Measurement
+
+
+def measurement(**more):
+    return Measurement(10.0, np.zeros(3), np.array([3.0, 4.0, 0.0]), 2.0, 0.1, **more)
+
+
+def test_its_own_airspeed_counts_before_the_one_that_came_by_itself():
+    air = AirData(0.5)
+    air.see(10.0, 20.0)
+    *_, heading, path_angle, airspeed = air.vehicle_state(measurement(airspeed=21.0))
+    assert (heading, path_angle, airspeed) == (2.0, 0.1, 21.0)
+    assert air.vehicle_state(measurement())[-1] == 20.0
+
+
+@pytest.mark.parametrize("stamp", [9.4, 10.6])
+def test_an_airspeed_of_another_time_does_not_count(stamp):
+    air = AirData(0.5)
+    air.see(stamp, 20.0)
+    *_, heading, path_angle, airspeed = air.vehicle_state(measurement())
+    assert (heading, path_angle, airspeed) == (np.arctan2(4.0, 3.0), 0.0, 5.0)
+    assert air.missing
+
+
+def test_at_rest_the_body_tells_where_it_would_go():
+    standing = Measurement(10.0, np.zeros(3), np.zeros(3), 2.0, 0.1)
+    *_, heading, path_angle, airspeed = AirData(0.5).vehicle_state(standing)
+    assert (heading, path_angle, airspeed) == (2.0, 0.1, 0.0)
+
+
+@pytest.mark.parametrize(("stamp", "airspeed"), [(0.0, -1.0), (0.0, np.nan), (np.inf, 20.0)])
+def test_what_is_no_airspeed_is_refused(stamp, airspeed):
+    air = AirData(0.5)
+    with pytest.raises(ValueError, match="airspeed is .* must be finite and at least 0"):
+        air.see(stamp, airspeed)
+
+
+def test_reset_forgets():
+    air = AirData(0.5)
+    air.see(10.0, 20.0)
+    air.reset()
+    assert air.vehicle_state(measurement())[-1] == 5.0

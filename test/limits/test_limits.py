@@ -1,0 +1,105 @@
+"""Every limit by its base: what a bound says, and that all its sides agree."""
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.limits import Bound, Limit, Motion, OrbitShape
+from uav_tracking_mpc.limits._envelope import Envelope
+from uav_tracking_mpc.parameters.registry import LIMIT
+from uav_tracking_mpc.parameters.specification import ParameterError
+
+LIMITS = {limit.name: limit for limit in Envelope(fence_radius=500.0, height_min=10.0).limits}
+TARGETS = np.array([[0.0, 0.0, 0.0], [30.0, -10.0, 5.0], [60.0, -20.0, 10.0]])
+MOTION = Motion(120.0, -40.0, 35.0, 0.1, 15.0, turn_rate=0.2, acceleration=0.3)
+
+
+def test_every_file_of_the_room_holds_a_limit():
+    assert sorted(LIMITS) == LIMIT.own_names
+
+
+@pytest.mark.parametrize("name", LIMIT.own_names)
+def test_numbers_are_finite_and_as_many_as_the_stages(name):
+    limit = LIMITS[name]
+    numbers = limit.numbers(TARGETS)
+    assert numbers.shape[0] == len(TARGETS)
+    assert np.all(np.isfinite(numbers))
+    same = np.array_equal(numbers, np.tile(numbers[0], (3, 1)))
+    assert same is not limit.on_ground
+
+
+@pytest.mark.parametrize("name", LIMIT.own_names)
+def test_numbers_and_symbols_give_the_same(name):
+    """Stage, orbit and inputs, evaluated by CasADi and by NumPy."""
+    limit = LIMITS[name]
+    told = limit.numbers(TARGETS)[1]
+    shape = OrbitShape(100.0, 50.0, 15.0, np.hypot(100.0, 50.0), 3.0)
+    pairs = [
+        (limit.stage(MOTION, told, np), limit.stage(MOTION, ca.DM(told), ca)),
+        (limit.orbit(shape, told, np), limit.orbit(shape, ca.DM(told), ca)),
+    ]
+    for numeric, symbolic in pairs:
+        assert (numeric is None) == (symbolic is None)
+        if numeric is not None:
+            ours = np.ravel(np.array(numeric.inequalities(), dtype=float))
+            theirs = [float(side) for side in symbolic.inequalities()]
+            np.testing.assert_allclose(ours, theirs, rtol=1e-14)
+    numeric = limit.inputs(MOTION, told, np)
+    for key, (_, upper) in limit.inputs(MOTION, ca.DM(told), ca).items():
+        assert float(upper) == pytest.approx(float(numeric[key][1]), rel=1e-14)
+
+
+def test_a_bound_is_passed_beyond_one_percent_of_itself():
+    bound = Bound(np.array([0.98, 0.995, 1.5, 2.01, 2.03, np.nan]), 1.0, 2.0, scale=0.5)
+    assert bound.passed().tolist() == [True, False, False, False, True, True]
+    below, above = bound.inequalities()
+    np.testing.assert_allclose(below[:2], [0.04, 0.01])
+    np.testing.assert_allclose(above[4], 0.06)
+
+
+def test_a_limit_that_says_nothing_limits_nothing():
+    class Nothing(Limit):
+        name = "nothing"
+
+    limit = Nothing()
+    assert limit.numbers(TARGETS).shape == (3, 0)
+    assert limit.stage(MOTION, [], np) is limit.orbit(None, [], np) is None
+    assert limit.inputs(MOTION, [], np) == {} and limit.refusal(None, np.zeros(3)) == ""
+
+
+def test_height_and_fence_move_as_the_target_does():
+    """Both are fixed to the ground: seen from the target they move against it."""
+    np.testing.assert_allclose(LIMITS["height"].numbers(TARGETS)[:, 0], 10.0 - TARGETS[:, 2])
+    np.testing.assert_allclose(LIMITS["fence"].numbers(TARGETS)[:, :2], -TARGETS[:, :2])
+
+
+def test_a_bank_limits_the_turn_by_the_airspeed():
+    bank = LIMITS["bank"]
+    turn = bank.turn_rate_max(15.0)
+    assert np.tan(bank.bank_max) == pytest.approx(15.0 * turn / 9.80665)
+    flown = bank.flown(MOTION._replace(turn_rate=turn), [])
+    assert float(flown.value) == pytest.approx(bank.bank_max)
+
+
+def test_the_force_of_a_climb_is_that_of_the_weight_along_the_path():
+    flown = LIMITS["force"].flown(MOTION, [])
+    assert float(flown.value) == pytest.approx(9.80665 * np.sin(0.1) + 0.3)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"airspeed_min": 20.0, "airspeed_max": 15.0}, "'airspeed_max' is 15, must be above"),
+        ({"force_min": (1.0, 1.0), "force_max": (2.0, 0.5)}, "'force_max' .*at both airspeeds"),
+        ({"bank_max": 2.0}, "'bank_max' is 2.0, must be a number from 0.01 to 1.5 rad"),
+        ({"fence_centre": (1.0, np.inf)}, "'fence_centre' is"),
+    ],
+)
+def test_values_that_are_not_allowed_are_refused_in_words(values, words):
+    with pytest.raises(ParameterError, match=words):
+        Envelope(**values)
+
+
+def test_a_parameter_that_no_limit_has_is_refused():
+    with pytest.raises(TypeError, match="no limit has the parameters wingspan"):
+        Envelope(wingspan=3.0)

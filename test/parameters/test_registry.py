@@ -1,0 +1,98 @@
+"""Extensions by name: those of a room, of a file, of a module; and what is refused in words."""
+
+import pickle
+from importlib import metadata
+
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.laws import GuidanceLaw
+from uav_tracking_mpc.parameters import registry
+from uav_tracking_mpc.parameters.registry import GUIDANCE_LAW, LIMIT, ExtensionError, Kind
+from uav_tracking_mpc.parameters.specification import ParameterError, from_mapping
+from uav_tracking_mpc.settings.tracking import TrackingParameters
+
+KINDS = [value for value in vars(registry).values() if isinstance(value, Kind)]
+CEILING = """
+from dataclasses import dataclass
+from uav_tracking_mpc.limits import Bound, Limit
+from uav_tracking_mpc.parameters.specification import parameter
+
+@dataclass(frozen=True)
+class Ceiling(Limit):
+    name = "ceiling"
+    on_ground = True
+    ceiling: float = parameter(500.0, "Greatest height in map.", unit="m", lower=0.0, upper=1e4)
+
+    def numbers(self, targets):
+        return self.ceiling - targets[:, 2:]
+
+    def stage(self, motion, numbers, xp):
+        return Bound(motion.z, upper=numbers[0], scale=5.0)
+"""
+
+
+@pytest.fixture
+def ceiling(tmp_path):
+    path = tmp_path / "ceiling_limit.py"
+    path.write_text(CEILING)
+    return f"{path}:Ceiling"
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.title)
+def test_every_file_of_every_room_holds_what_its_name_says(kind):
+    for name, found in kind.all().items():
+        assert issubclass(found, kind.base_class)
+        assert found.name == name
+
+
+def test_a_class_of_a_file_is_found(ceiling):
+    assert LIMIT.find(ceiling) is LIMIT.find(ceiling)
+    assert LIMIT.find(ceiling).name == "ceiling"
+
+
+def test_an_entry_point_is_found(monkeypatch):
+    point = metadata.EntryPoint("mine", "uav_tracking_mpc.laws.l1:L1Loiter", GUIDANCE_LAW.room)
+    monkeypatch.setattr(registry.metadata, "entry_points", lambda group: [point])
+    assert "mine" in GUIDANCE_LAW.names
+    assert GUIDANCE_LAW.find("mine") is GUIDANCE_LAW.find("l1")
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("no_such", "guidance law is 'no_such', must be one of l1, vector_field, or path.py:Class"),
+        ("nowhere.py:Law", "there is no file .*nowhere.py"),
+        ("os.path:join", "must derive from uav_tracking_mpc.laws.GuidanceLaw"),
+        ("os.path:Law", "os.path has no Law"),
+        ("no_such_module:Law", "cannot be loaded: ModuleNotFoundError"),
+    ],
+)
+def test_what_is_not_there_is_refused_in_words(name, words):
+    with pytest.raises(ExtensionError, match=words):
+        GUIDANCE_LAW.find(name)
+
+
+def test_a_file_that_fails_is_named_with_its_error(tmp_path):
+    path = tmp_path / "broken.py"
+    path.write_text("1 / 0")
+    with pytest.raises(ExtensionError, match="broken.py:Law' cannot be loaded: ZeroDivisionError"):
+        GUIDANCE_LAW.find(f"{path}:Law")
+
+
+def test_a_further_limit_brings_its_parameters(ceiling):
+    values = {"limits": ceiling, "ceiling": 90.0}
+    parameters = from_mapping(TrackingParameters, values)
+    assert parameters.ceiling == 90.0
+    assert parameters.envelope.ceiling == 90.0
+    assert "ceiling" in [limit.name for limit in parameters.envelope.limits]
+    assert pickle.loads(pickle.dumps(parameters)) == parameters
+    with pytest.raises(ParameterError, match="'ceiling' is -1.0, must be a number from 0"):
+        from_mapping(TrackingParameters, {**values, "ceiling": -1.0})
+    with pytest.raises(ParameterError, match="'ceiling' is unknown"):
+        from_mapping(TrackingParameters, {"ceiling": 90.0})
+
+
+def test_laws_are_classes_of_their_base():
+    assert all(issubclass(law, GuidanceLaw) for law in GUIDANCE_LAW.all().values())
+    assert np.all([":" not in name for name in GUIDANCE_LAW.names])

@@ -1,0 +1,57 @@
+"""What the documentation says is what the code does. ``make docs`` tests the build itself."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from uav_tracking_mpc.nodes.reference_tables import tables, with_tables
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+REFERENCE = DOCS / "reference" / "topics_and_parameters.md"
+PAGES = [
+    page
+    for page in sorted((*DOCS.rglob("*.md"), *ROOT.glob("*.md")))
+    if "_build" not in page.parts and page.name != "README.md"
+]
+
+
+def test_tables_are_those_of_the_code():
+    text = REFERENCE.read_text()
+    assert with_tables(text) == text, "run `make docs`"
+    assert len(tables()["nmpc_controller"].splitlines()) > 20
+
+
+def test_a_text_without_a_place_is_refused():
+    with pytest.raises(ValueError, match="no place for the table 'topics'"):
+        with_tables("")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_lead_somewhere(page):
+    """On the repository's pages; the links of the site are checked when it is built."""
+    text = page.read_text()
+    for link in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", text):
+        if "://" not in link and not link.startswith("../api/"):
+            assert (page.parent / link).exists(), link
+    for included in re.findall(r"\{(?:literalinclude|include)\} (\S+)", text):
+        assert (page.parent / included).exists(), included
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_files_that_are_named_exist(page):
+    text = page.read_text()
+    for name in re.findall(r"`((?:uav_tracking_mpc|test|config|examples|docs)/[\w./]+)`", text):
+        assert (ROOT / name).exists(), name
+
+
+def test_every_page_is_in_the_site():
+    listed = {"index", "reference/words"}
+    for index in (DOCS / "index.md", DOCS / "how_to" / "index.md"):
+        for block in re.findall(r"```\{toctree\}(.*?)```", index.read_text(), flags=re.DOTALL):
+            folder = index.parent.relative_to(DOCS)
+            listed |= {str(folder / line) for line in block.split() if ":" not in line}
+    for page in DOCS.rglob("*.md"):
+        if "_build" not in page.parts:
+            assert str(page.relative_to(DOCS).with_suffix("")) in listed, page

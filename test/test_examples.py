@@ -1,0 +1,94 @@
+"""Every example runs, and shows what it says it shows."""
+
+import importlib.util
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+
+
+def run(name, *arguments, limit=110):
+    finished = subprocess.run(
+        [sys.executable, EXAMPLES / name, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=limit,
+    )
+    assert finished.returncode == 0, finished.stdout + finished.stderr
+    return finished.stdout
+
+
+def loaded(name):
+    specification = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
+    module = importlib.util.module_from_spec(specification)
+    sys.modules[name] = module
+    specification.loader.exec_module(module)
+    return module
+
+
+def test_every_example_has_a_test():
+    tests = Path(__file__).read_text()
+    for example in EXAMPLES.glob("*.py"):
+        assert example.stem in tests, example
+
+
+def test_reproduce_the_paper(tmp_path):
+    pytest.importorskip("flint")
+    printed = run("reproduce_the_paper.py", tmp_path)
+    assert (tmp_path / "trajectory.png").is_file()
+    metrics = json.loads((tmp_path / "metrics.json").read_text())
+    assert metrics["settling_s"]["range"] == pytest.approx(20.0, abs=1.0)
+    assert "(41)" in printed
+
+
+def test_fly_your_own_plant():
+    distances = loaded("fly_your_own_plant").fly()
+    assert abs(distances[0] - 608.0) < 2.0
+    assert np.abs(distances[-200:] - 300.0).max() < 1.0
+
+
+def test_add_a_law():
+    (flight,) = comparison("wind", "--laws", "l1", "--law", EXAMPLES / "add_a_law.py:PurePursuit")
+    laws = flight["laws"]
+    assert len(laws) == 2
+    assert all(law["range_rms_m"] < 30.0 for law in laws.values())
+
+
+def comparison(scenario, *arguments):
+    printed = run("add_a_law.py", "--json")
+    return json.loads(printed)["scenarios"]
+
+
+def test_add_a_limit():
+    without, with_it = (float(x) for x in re.findall(r": +([\d.]+) m from", run("add_a_limit.py")))
+    assert without < 40.0
+    assert with_it > 58.0
+
+
+def test_add_a_plant(tmp_path):
+    printed = run("add_a_plant.py", "--json", "--output", tmp_path)
+    metrics = json.loads(printed)
+    assert metrics["steady_state"]["range_rms_m"] < 20.0
+
+
+@pytest.mark.nodes
+def test_add_a_fault(tmp_path):
+    printed = run("add_a_fault.py", "--json", "--output", tmp_path)
+    outcome = json.loads(printed)
+    assert "iced_pitot" in outcome["per_kind"]
+
+
+@pytest.mark.nodes
+def test_read_a_bag(tmp_path):
+    fly = ["fly", "--config", "paper", "--set", "mission.duration=30.0", "--output", tmp_path]
+    words = [sys.executable, "-m", "uav_tracking_mpc", *map(str, fly)]
+    subprocess.run(words, check=True, capture_output=True, timeout=110)
+    printed = run("read_a_bag.py", tmp_path / "mission.mcap")
+    (settled,) = re.findall(r"after ([\d.]+) s", printed)
+    assert 15.0 < float(settled) < 25.0

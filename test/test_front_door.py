@@ -1,0 +1,46 @@
+"""What ``from uav_tracking_mpc import ...`` gives, and that the example of its docstring runs."""
+
+import ast
+import doctest
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import uav_tracking_mpc
+
+
+def test_every_name_is_there():
+    for name in uav_tracking_mpc.__all__:
+        value = getattr(uav_tracking_mpc, name)
+        assert name == "__version__" or value.__name__ == name
+        assert name in dir(uav_tracking_mpc)
+
+
+def test_an_unknown_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="has no attribute 'Contoller'"):
+        _ = uav_tracking_mpc.Contoller
+
+
+def test_type_checkers_see_the_same_names():
+    tree = ast.parse(Path(uav_tracking_mpc.__file__).read_text())
+    (block,) = (node for node in tree.body if isinstance(node, ast.If))
+    seen = {
+        alias.name: node.module.removeprefix("uav_tracking_mpc.")
+        for node in block.body
+        for alias in node.names
+    }
+    assert seen == uav_tracking_mpc._HOMES
+
+
+def test_the_import_alone_loads_nothing_heavy():
+    program = "import sys, uav_tracking_mpc; print({'numpy', 'casadi', 'numba'} & {*sys.modules})"
+    finished = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert finished.stdout.strip() == "set()", finished.stderr
+
+
+def test_the_example_of_the_docstring_runs():
+    results = doctest.testmod(uav_tracking_mpc, verbose=False)
+    assert results.attempted > 5
+    assert results.failed == 0
