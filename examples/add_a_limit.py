@@ -29,9 +29,9 @@ class NoFlyCylinder(Limit):
     on_ground = True  # seen from a target that moves, the cylinder moves
 
     cylinder_centre: tuple[float, ...] = parameter(
-        (430.0, 10.0), "Its axis in map.", unit="m", size=2, lower=-1e6, upper=1e6
+        (430.0, 10.0), "Its axis in map.", "m", -1e6, 1e6, size=2
     )
-    cylinder_radius: float = parameter(60.0, "Its radius.", unit="m", lower=1.0, upper=1e5)
+    cylinder_radius: float = parameter(60.0, "Its radius.", "m", 1.0, 1e5)
 
     def numbers(self, targets: NDArray[np.float64]) -> NDArray[np.float64]:
         """Axis seen from the target (x, y) and radius in [m], shape (n, 3)."""

@@ -19,12 +19,6 @@ import pytest
 
 PACKAGE = Path(__file__).parents[1] / "uav_tracking_mpc"
 SOURCES = sorted(PACKAGE.rglob("*.py"))
-NOT_YET_HELD = {
-    "__init__.py", "cli", "control", "dynamics", "estimation", "formulation", "laws", "launch",
-    "limits", "links", "mpc", "nodes", "parameters", "report", "settings", "simulation", "studies",
-    "terminal", "view",
-}  # fmt: skip
-
 ARRAY = re.compile(r"\b(NDArray|ArrayLike|ndarray)\b")
 FLOAT = re.compile(r"(?<![\w.])float\b")
 UNIT = re.compile(r"\[[^\]]+\]")
@@ -189,18 +183,7 @@ def findings(body, prefix=""):
             yield from findings(node.body, f"{label}.")
 
 
-def cases():
-    for path in SOURCES:
-        name = str(path.relative_to(PACKAGE))
-        if room(path) in NOT_YET_HELD:
-            # See what is missing with `pytest test/test_docstrings.py --runxfail -k ROOM`.
-            mark = pytest.mark.xfail(reason="room not yet held", strict=False)
-            yield pytest.param(path, id=f"{name}-not yet held", marks=mark)
-        else:
-            yield pytest.param(path, id=name)
-
-
-@pytest.mark.parametrize("path", cases())
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: str(path.relative_to(PACKAGE)))
 def test_arguments_units_and_shapes_are_documented(path):
     found = list(findings(ast.parse(path.read_text(encoding="utf-8")).body))
     assert not found, f"{path.relative_to(PACKAGE)}:\n  " + "\n  ".join(found)

@@ -20,7 +20,7 @@ from uav_tracking_mpc.dynamics.vehicle_models.lagged import LaggedState
 from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation, flight_problem
 from uav_tracking_mpc.formulation.flight_problem import DECISION_SCALE, SMALL
-from uav_tracking_mpc.formulation.paper_terminal import tracking_problem
+from uav_tracking_mpc.formulation.paper_problem import problem_of
 from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
 from uav_tracking_mpc.mpc.solver import Guess
 
@@ -157,7 +157,7 @@ def test_near_the_orbit_its_inputs_are_those_of_the_paper():
     infinite horizon that 2e-5 is left, of first inputs of 0.1.
     """
     parameters = replace(STILL, offset_weights=(1e4, 1e4, 1e4), terminal_constraint="none")
-    paper = CasadiSolver(tracking_problem(parameters), "ipopt")
+    paper = CasadiSolver(problem_of(parameters), "ipopt")
     flight = FlightFormulation(
         replace(parameters, terminal_constraint="artificial_orbit"),
         small_uav.solver(),

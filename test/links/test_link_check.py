@@ -45,7 +45,7 @@ class Clinging(SimulatedLink):
 @pytest.mark.parametrize(
     ("link", "words"),
     [
-        (Mute, "must say in `when_silent`"),
+        (Mute, "`when_silent` must say"),
         (Deaf, "no state within 2 s"),
         (OtherClock, r"stamps must be of now\(\)'s clock"),
         (Careless, "a plan that is not finite is taken"),

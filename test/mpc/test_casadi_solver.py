@@ -7,7 +7,7 @@ from scipy.optimize import minimize
 from solver_problems import integrator
 
 from uav_tracking_mpc.dynamics.relative import tracking_error
-from uav_tracking_mpc.formulation.paper_terminal import tracking_problem
+from uav_tracking_mpc.formulation.paper_problem import problem_of
 from uav_tracking_mpc.mpc.casadi_solver import PLUGINS, CasadiSolver
 from uav_tracking_mpc.mpc.problem import Inequality
 from uav_tracking_mpc.mpc.solution import Status
@@ -18,7 +18,7 @@ PAPER = TrackingParameters()
 
 @pytest.fixture(scope="module", params=PLUGINS)
 def paper_solver(request):
-    return CasadiSolver(tracking_problem(PAPER), request.param)
+    return CasadiSolver(problem_of(PAPER), request.param)
 
 
 @pytest.mark.parametrize("plugin", PLUGINS)
@@ -32,7 +32,7 @@ def paper_solver(request):
 def test_paper_start_costs_what_was_verified(plugin, model, cost, first, paper_start):
     """V_N(x_o) and the first input of Section 6, verified independently."""
     parameters = TrackingParameters(model=model)
-    solver = CasadiSolver(tracking_problem(parameters), plugin)
+    solver = CasadiSolver(problem_of(parameters), plugin)
     solution = solver.solve(tracking_error(paper_start, parameters.orbit))
     assert solution.converged
     assert solution.cost == pytest.approx(cost, abs=6e-4)
@@ -99,7 +99,7 @@ def test_bad_state_is_refused_and_nothing_is_lost(paper_solver, paper_start, sta
 @settings(max_examples=25, deadline=None)
 @given(st.tuples(*[st.floats(-1e3, 1e3)] * 5))
 def test_inputs_are_finite_and_in_the_box_from_anywhere(state):
-    solver = CasadiSolver(tracking_problem(PAPER), iteration_limit=30)
+    solver = CasadiSolver(problem_of(PAPER), iteration_limit=30)
     solution = solver.solve(state)
     assert solution.inputs.shape == (PAPER.horizon, 3)
     assert np.all(solution.inputs >= solver.problem.input_lower)
@@ -110,14 +110,14 @@ def test_inputs_are_finite_and_in_the_box_from_anywhere(state):
 def test_hard_terminal_set_is_infeasible_from_the_paper_start_with_ten_steps(plugin, paper_start):
     """(16e) cannot be met from x_o with N = 10; with N = 20 it can."""
     short = TrackingParameters(terminal_constraint="hard")
-    solution = CasadiSolver(tracking_problem(short), plugin).solve(
+    solution = CasadiSolver(problem_of(short), plugin).solve(
         tracking_error(paper_start, short.orbit)
     )
     assert solution.status is Status.INFEASIBLE
     assert "infeasible" in solution.message
     assert solution.violation > 1.0
     long = TrackingParameters(terminal_constraint="hard", horizon=20)
-    problem = tracking_problem(long)
+    problem = problem_of(long)
     solution = CasadiSolver(problem, plugin).solve(tracking_error(paper_start, long.orbit))
     (terminal,) = problem.terminal_inequalities
     excess = ca.Function("excess", [problem.state], [terminal.expression])
@@ -129,9 +129,7 @@ def test_soft_terminal_set_is_exact_where_it_can_be_met(paper_start):
     """Above the multiplier an L1 penalty gives the hard problem's solution."""
     solutions = [
         CasadiSolver(
-            tracking_problem(
-                TrackingParameters(terminal_constraint=kind, horizon=12, model="exact")
-            )
+            problem_of(TrackingParameters(terminal_constraint=kind, horizon=12, model="exact"))
         ).solve(np.array([20.0, 0.3, -5.0, 0.0, 0.5]))
         for kind in ("hard", "soft")
     ]
@@ -140,14 +138,14 @@ def test_soft_terminal_set_is_exact_where_it_can_be_met(paper_start):
 
 
 def test_iteration_limit_is_said(paper_start):
-    solver = CasadiSolver(tracking_problem(PAPER), "ipopt", iteration_limit=2)
+    solver = CasadiSolver(problem_of(PAPER), "ipopt", iteration_limit=2)
     solution = solver.solve(tracking_error(paper_start, PAPER.orbit))
     assert solution.status in (Status.ITERATION_LIMIT, Status.INFEASIBLE)
     assert not solution.converged
 
 
 def test_after_a_failure_the_next_solve_starts_cold(paper_start):
-    solver = CasadiSolver(tracking_problem(TrackingParameters(terminal_constraint="hard")))
+    solver = CasadiSolver(problem_of(TrackingParameters(terminal_constraint="hard")))
     failed = solver.solve(tracking_error(paper_start, PAPER.orbit))
     near = np.array([1.0, 0.01, 0.5, 0.0, 0.0])
     after, fresh = solver.solve(near, elapsed=1.0), None

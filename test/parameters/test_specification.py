@@ -16,7 +16,7 @@ from uav_tracking_mpc.parameters.specification import (
 class Example:
     """Parameters of every kind."""
 
-    rate: float = parameter(10.0, "A rate.", unit="Hz", lower=1.0, upper=100.0)
+    rate: float = parameter(10.0, "A rate.", "Hz", 1.0, 100.0)
     count: int = parameter(3, "A count.", lower=1, upper=5)
     active: bool = parameter(True, "A switch.")
     kind: str = parameter("a", "A choice.", choices=("a", "b"))

@@ -124,7 +124,7 @@ def _artificial_orbit(arguments: argparse.Namespace) -> int:
 def _design(arguments: argparse.Namespace) -> int:
     from dataclasses import asdict
 
-    from uav_tracking_mpc.formulation.paper_terminal import stability_problem
+    from uav_tracking_mpc.formulation.paper_problem import stability_problem
     from uav_tracking_mpc.report.atomic_write import write_json
     from uav_tracking_mpc.studies.stability.design import candidate_table, design
 
@@ -138,7 +138,7 @@ def _design(arguments: argparse.Namespace) -> int:
 
 
 def _analyse(arguments: argparse.Namespace) -> int:
-    from uav_tracking_mpc.formulation.paper_terminal import stability_problem
+    from uav_tracking_mpc.formulation.paper_problem import stability_problem
     from uav_tracking_mpc.studies.stability.stability_study import in_words, stability_study
 
     configuration = chosen_configuration(arguments)

@@ -28,7 +28,7 @@ def certification(parameters: TrackingParameters, folder: Path) -> CertificateSt
     if parameters.terminal_constraint == ARTIFICIAL_ORBIT:
         return CertificateStatus(BY_CONSTRUCTION, WHY)
     # Half a second of loading: a controller that comes back in flight has no time for it.
-    from uav_tracking_mpc.formulation.paper_terminal import stability_problem, terminal_level
+    from uav_tracking_mpc.formulation.paper_problem import stability_problem, terminal_level
     from uav_tracking_mpc.terminal.certificate import mismatch, read_certificate
     from uav_tracking_mpc.terminal.status import certificate_status
 

@@ -7,10 +7,12 @@
 ``paper_numbers``     Table 1, (59) and the initial state of the paper
 ``orbit``             the reference (r_d, z_d, v_d) and its direction
 ``gravity``           standard gravity
+``prediction_model``  what every prediction model says
 ``vehicle_models``    models of the aircraft for the prediction, one file each
+``relative_models``   (9), (11) and the exact rates of (r, theta, z, chi, v), one file each
 ``drift``             how fast a drift is, how sharp it makes the turn
 ``drifting_orbit``    the periodic orbit under drift and its turn rate
-``relative``          (r, theta, z, chi, v): exact, and the paper's models as printed
+``relative``          the coordinates (r, theta, z, chi, v), steady inputs, tracking errors
 ``discretisation``    Euler (10), Runge-Kutta 4, error form (11), linearisation (12)
 ====================  ================================================================
 """

@@ -5,7 +5,7 @@ The models themselves stand in :mod:`uav_tracking_mpc.dynamics.relative_models`.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -28,11 +28,11 @@ class RelativeState(NamedTuple):
         speed: v [m/s].
     """
 
-    range: float
-    bearing: float
-    altitude: float
-    path_angle: float
-    speed: float
+    range: Any
+    bearing: Any
+    altitude: Any
+    path_angle: Any
+    speed: Any
 
 
 STATE_NAMES = RelativeState._fields
@@ -50,7 +50,7 @@ def rates_function(model: str) -> ca.Function:
         ExtensionError: No model of that name.
     """
     state, inputs = ca.SX.sym("x", NX), ca.SX.sym("u", NU)
-    components = RelativeState(*ca.vertsplit(state))
+    components = RelativeState._make(ca.vertsplit(state))
     rates = RELATIVE_MODEL.find(model)().rates(components, ca.vertsplit(inputs))
     return ca.Function("rates", [state, inputs], [ca.vertcat(*rates)])
 

@@ -30,15 +30,12 @@ class VehicleState(NamedTuple):
         airspeed: v [m/s].
     """
 
-    x: float
-    y: float
-    z: float
-    heading: float
-    path_angle: float
-    airspeed: float
-
-
-STATE_NAMES = VehicleState._fields
+    x: Any
+    y: Any
+    z: Any
+    heading: Any
+    path_angle: Any
+    airspeed: Any
 
 
 def air_velocity(psi: Any, chi: Any, v: Any, xp: ModuleType) -> tuple[Any, Any, Any]:

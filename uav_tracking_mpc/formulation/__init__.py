@@ -7,7 +7,6 @@
 ``input_span``          what each input can be in a motion, by all limits together
 ``layout``              named parts of the problem's parameter vector
 ``paper_formulation``   the paper's problem, fed with a situation
-``paper_terminal``      its terminal ingredients and level from the parameters
-``paper_problem``       (14)-(16) for a configuration of the analysis
+``paper_problem``       (14)-(16), for a configuration of the analysis and for parameters
 ======================  ==============================================================
 """

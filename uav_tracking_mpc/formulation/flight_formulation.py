@@ -13,10 +13,8 @@ from uav_tracking_mpc.dynamics.vehicle_models import Drift
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.flight_problem import DECISION_SCALE, FlightProblem, part_of
-from uav_tracking_mpc.formulation.formulation import Plan
+from uav_tracking_mpc.formulation.formulation import Plan, solver_of
 from uav_tracking_mpc.laws.vector_field import VectorField
-from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
-from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.solver import Guess, Solver
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
@@ -45,7 +43,7 @@ class FlightFormulation:
         self.decrease = None
         self._stages = parameters.horizon
         self.flight = flight_problem(parameters)
-        self.solver = solver or _solver(parameters, self.flight)
+        self.solver = solver or solver_of(self.flight.problem, parameters)
         self._data = np.zeros((self._stages + 1, self.flight.layout.size))
         self.change(parameters)
 
@@ -210,9 +208,3 @@ def flight_problem(parameters: TrackingParameters) -> FlightProblem:
         parameters.horizon_step,
         parameters.limit_penalty,
     )
-
-
-def _solver(parameters: TrackingParameters, flight: FlightProblem) -> Solver:
-    if parameters.solver == "newton":
-        return NewtonSolver(flight.problem, time_limit=parameters.solve_time_max)
-    return CasadiSolver(flight.problem, parameters.solver, time_limit=parameters.solve_time_max)

@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
+from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
+from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.mpc.solution import Solution
 from uav_tracking_mpc.mpc.solver import Solver
 from uav_tracking_mpc.settings.tracking import TrackingParameters
@@ -39,7 +42,12 @@ class Plan:
 
 
 class Formulation(Protocol):
-    """One way to pose the tracking problem, with its solver."""
+    """One way to pose the tracking problem, with its solver.
+
+    Attributes:
+        solver: Of the problem.
+        step: T_s in [s].
+    """
 
     solver: Solver
     step: float
@@ -50,15 +58,39 @@ class Formulation(Protocol):
         ...
 
     def change(self, parameters: TrackingParameters) -> None:
-        """Fly other parameters from now on, of which no fixed one differs."""
+        """Fly other parameters from now on, of which no fixed one differs.
+
+        Args:
+            parameters: The new ones.
+        """
         ...
 
     def solve(
         self, situation: Situation, forecast: Forecast, orbit: Orbit, elapsed: float | None
     ) -> Plan:
-        """Best plan from a situation."""
+        """Best plan from a situation.
+
+        Args:
+            situation: Where the plan begins.
+            forecast: Drift and target over its horizon.
+            orbit: What is wanted.
+            elapsed: Time in [s] since the situation of the last plan; None if that counts no more.
+        """
         ...
 
     def reset(self) -> None:
         """Forget the last plan."""
         ...
+
+
+def solver_of(problem: OptimalControlProblem, parameters: TrackingParameters) -> Solver:
+    """The solver that parameters ask for.
+
+    Args:
+        problem: What it solves.
+        parameters: Name of the solver and its time budget.
+    """
+    budget = parameters.solve_time_max
+    if parameters.solver == "newton":
+        return NewtonSolver(problem, time_limit=budget)
+    return CasadiSolver(problem, parameters.solver, time_limit=budget)

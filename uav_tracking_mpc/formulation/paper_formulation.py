@@ -8,21 +8,19 @@ from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import relative_state, tracking_error
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.situation import Situation
-from uav_tracking_mpc.formulation.formulation import Plan
-from uav_tracking_mpc.formulation.paper_terminal import (
+from uav_tracking_mpc.formulation.formulation import Plan, solver_of
+from uav_tracking_mpc.formulation.paper_problem import (
+    problem_of,
     stability_problem,
     terminal_level,
-    tracking_problem,
 )
-from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
-from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.solver import Solver
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.terminal.decrease import decrease_monitor
 
 
 class PaperFormulation:
-    """Problem of :func:`~uav_tracking_mpc.formulation.paper_problem.tracking_problem` and its solver.
+    """The paper's optimal control problem and its solver.
 
     Args:
         parameters: What is flown.
@@ -31,13 +29,17 @@ class PaperFormulation:
 
     def __init__(self, parameters: TrackingParameters, solver: Solver | None = None) -> None:
         self.step = parameters.horizon_step
-        self.solver = solver or _solver(parameters)
+        self.solver = solver or solver_of(problem_of(parameters), parameters)
         self.decrease = decrease_monitor(stability_problem(parameters), terminal_level(parameters))
         self._steady_inputs = parameters.steady_inputs
         self._target = np.full(3, np.nan)
 
     def change(self, parameters: TrackingParameters) -> None:
-        """Take a new time budget; nothing else that changes in flight is in the problem."""
+        """Take a new time budget; nothing else that changes in flight is in the problem.
+
+        Args:
+            parameters: The new ones.
+        """
         self.solver.time_limit = parameters.solve_time_max
 
     def reset(self) -> None:
@@ -48,7 +50,7 @@ class PaperFormulation:
     def solve(
         self, situation: Situation, forecast: Forecast, orbit: Orbit, elapsed: float | None
     ) -> Plan:
-        """Best plan from a situation; the target is taken to stand and the air to be still."""
+        """See :meth:`Formulation.solve`; the target is taken to stand and the air to be still."""
         error = tracking_error(relative_state(situation.vehicle, situation.target), orbit)
         solution = self.solver.solve(error, elapsed=elapsed)
         moved = bool(np.any(np.abs(situation.target - self._target) > 0.0))
@@ -61,10 +63,3 @@ class PaperFormulation:
             fraction=1.0 if elapsed is None else elapsed / self.step,
         )
         return Plan(solution.inputs + self._steady_inputs, self.step, error, solution, decrease)
-
-
-def _solver(parameters: TrackingParameters) -> Solver:
-    problem = tracking_problem(parameters)
-    if parameters.solver == "newton":
-        return NewtonSolver(problem, time_limit=parameters.solve_time_max)
-    return CasadiSolver(problem, parameters.solver, time_limit=parameters.solve_time_max)

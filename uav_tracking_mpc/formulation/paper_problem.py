@@ -1,21 +1,71 @@
-"""P_N of (16) for a configuration of the analysis, and who solves it."""
+"""The paper's problem (14)-(16): for a configuration of the analysis, and for parameters."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import numpy as np
 
-from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.mpc.quadratic import TerminalSet, quadratic_problem
-from uav_tracking_mpc.mpc.solver import Solver
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.terminal.ingredients import input_limited_level
 from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
 
-SolverFactory = Callable[[OptimalControlProblem], Solver]
+# At the very limit rounding decides whether K x is in U, and no proof closes.
+LEVEL_MARGIN = 1.0 - 2e-6
 
 
-def newton_solver(problem: OptimalControlProblem) -> Solver:
-    """The default solver, at module level so that processes of a campaign can find it."""
-    return NewtonSolver(problem)
+def stability_problem(parameters: TrackingParameters, name: str = "unnamed") -> StabilityProblem:
+    """Orbit, model, weights and input set of parameters.
+
+    Args:
+        parameters: What is flown.
+        name: What a report calls it.
+    """
+    return StabilityProblem(
+        orbit=parameters.orbit,
+        state_weight=np.diag(parameters.state_weights),
+        input_weight=np.diag(parameters.input_weights),
+        scaling=parameters.terminal_scaling,
+        input_lower=parameters.input_lower,
+        input_upper=parameters.input_upper,
+        step=parameters.horizon_step,
+        horizon=parameters.horizon,
+        model=parameters.model,
+        scheme=parameters.scheme,
+        name=name,
+    )
+
+
+def terminal_level(parameters: TrackingParameters) -> float | None:
+    """Varrho of X_f (25), as large as U allows; None where no terminal set is asked for.
+
+    Args:
+        parameters: What is flown.
+    """
+    if parameters.terminal_constraint == "none":
+        return None
+    problem = stability_problem(parameters)
+    return LEVEL_MARGIN * input_limited_level(problem.ingredients(), *problem.deviation_bounds())
+
+
+def problem_of(parameters: TrackingParameters) -> OptimalControlProblem:
+    """P_N(x_0), (16), of parameters.
+
+    Args:
+        parameters: What is flown.
+
+    Raises:
+        ParameterError: No stabilising terminal controller for this orbit and these weights.
+    """
+    penalty = parameters.terminal_penalty if parameters.terminal_constraint == "soft" else None
+    try:
+        return tracking_problem(stability_problem(parameters), terminal_level(parameters), penalty)
+    except (ValueError, np.linalg.LinAlgError) as error:
+        raise ParameterError(
+            "parameters 'state_weights', 'input_weights', 'terminal_scaling' and the orbit give no "
+            f"problem that can be solved: {error}"
+        ) from error
 
 
 def tracking_problem(
@@ -25,8 +75,8 @@ def tracking_problem(
 
     Args:
         problem: The configuration.
-        level: varrho of the terminal set (16e); None leaves it away.
-        penalty: None to enforce the terminal set; else the L1 weight of a violation.
+        level: varrho [-] of the terminal set (16e); None leaves it away.
+        penalty: None to enforce the terminal set; else the L1 weight of a violation [-].
     """
     lower, upper = problem.deviation_bounds()
     return quadratic_problem(

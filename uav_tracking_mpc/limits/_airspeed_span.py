@@ -12,8 +12,8 @@ from uav_tracking_mpc.parameters.specification import ParameterError, parameter
 class AirspeedSpan(Limit):
     """A limit that knows the least and the greatest airspeed."""
 
-    airspeed_min: float = parameter(0.0, "Least airspeed.", unit="m/s", lower=0.0, upper=300.0)
-    airspeed_max: float = parameter(20.0, "Greatest airspeed.", unit="m/s", lower=0.1, upper=400.0)
+    airspeed_min: float = parameter(0.0, "Least airspeed.", "m/s", 0.0, 300.0)
+    airspeed_max: float = parameter(20.0, "Greatest airspeed.", "m/s", 0.1, 400.0)
 
     def __post_init__(self) -> None:
         """Refuse a span that is empty."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
+from uav_tracking_mpc.dynamics import paper_numbers as paper
 from uav_tracking_mpc.limits import COMPILED, Limit, Motion
 from uav_tracking_mpc.parameters.specification import parameter
 
@@ -17,19 +18,19 @@ class Acceleration(Limit):
     name = "acceleration"
 
     acceleration_min: float = parameter(
-        -1.0,
+        -paper.ACCELERATION_BOUND,
         "Least acceleration u_v.",
-        unit="m/s^2",
-        lower=-100.0,
-        upper=-1e-3,
+        "m/s^2",
+        -100.0,
+        -1e-3,
         fixed_unless=COMPILED,
     )
     acceleration_max: float = parameter(
-        1.0,
+        paper.ACCELERATION_BOUND,
         "Greatest acceleration u_v.",
-        unit="m/s^2",
-        lower=1e-3,
-        upper=100.0,
+        "m/s^2",
+        1e-3,
+        100.0,
         fixed_unless=COMPILED,
     )
 

@@ -30,12 +30,14 @@ class Bank(Limit):
     hard_on_orbit = True
     of_rates = True
 
-    bank_max: float = parameter(
-        1.4, "Greatest bank angle of a coordinated turn.", unit="rad", lower=0.01, upper=1.5
-    )
+    bank_max: float = parameter(1.4, "Greatest bank angle of a coordinated turn.", "rad", 0.01, 1.5)
 
     def numbers(self, targets: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Lateral acceleration of the greatest bank that is planned in [m/s^2], shape (n, 1)."""
+        """See :meth:`Limit.numbers`.
+
+        Returns:
+            Lateral acceleration of the greatest bank that is planned in [m/s^2], shape (n, 1).
+        """
         lateral = PLANNED_SHARE * GRAVITY * math.tan(self.bank_max)
         return np.full((len(targets), 1), lateral)
 
@@ -57,6 +59,6 @@ class Bank(Limit):
         return Bound(lateral / (TURN_RATE_SHARE * numbers[0]), upper=1.0)
 
     def flown(self, motion: Motion, numbers: Any) -> Bound:
-        """Bank of the turn that was flown."""
+        """See :meth:`Limit.flown`: the bank of the turn."""
         bank = np.arctan(motion.airspeed * np.abs(motion.turn_rate) / GRAVITY)
         return Bound(bank, upper=self.bank_max)

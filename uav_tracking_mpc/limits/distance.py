@@ -22,9 +22,7 @@ class Distance(Limit):
 
     name = "distance"
 
-    distance_min: float = parameter(
-        0.0, "Least distance to the target.", unit="m", lower=0.0, upper=1e5
-    )
+    distance_min: float = parameter(0.0, "Least distance to the target.", "m", 0.0, 1e5)
 
     def stage(self, motion: Motion, numbers: Any, xp: ModuleType) -> Bound:
         """See :meth:`Limit.stage`."""

@@ -25,14 +25,18 @@ class Fence(Limit):
     on_ground = True
 
     fence_radius: float = parameter(
-        0.0, "Radius of the circle not to be left; 0 for none.", unit="m", lower=0.0, upper=1e6
+        0.0, "Radius of the circle not to be left; 0 for none.", "m", 0.0, 1e6
     )
     fence_centre: tuple[float, ...] = parameter(
-        (0.0, 0.0), "Its centre in map.", unit="m", size=2, lower=-1e7, upper=1e7
+        (0.0, 0.0), "Its centre in map.", "m", -1e7, 1e7, size=2
     )
 
     def numbers(self, targets: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Centre seen from the target (x, y) and radius in [m], shape (n, 3)."""
+        """See :meth:`Limit.numbers`.
+
+        Returns:
+            Centre seen from the target (x, y) and radius in [m], shape (n, 3).
+        """
         if self.fence_radius == 0.0:
             return np.tile([0.0, 0.0, NO_FENCE], (len(targets), 1))
         centre = np.array(self.fence_centre) - targets[:, :2]

@@ -35,18 +35,18 @@ class Force(AirspeedSpan):
     force_min: tuple[float, ...] = parameter(
         (-20.0, -20.0),
         "Least thrust less drag, over mass, at airspeed_min and at airspeed_max.",
-        unit="m/s^2",
+        "m/s^2",
+        -100.0,
+        100.0,
         size=2,
-        lower=-100.0,
-        upper=100.0,
     )
     force_max: tuple[float, ...] = parameter(
         (20.0, 20.0),
         "Greatest thrust less drag, over mass, at airspeed_min and at airspeed_max.",
-        unit="m/s^2",
+        "m/s^2",
+        -100.0,
+        100.0,
         size=2,
-        lower=-100.0,
-        upper=100.0,
     )
 
     def __post_init__(self) -> None:
@@ -61,7 +61,11 @@ class Force(AirspeedSpan):
             )
 
     def numbers(self, targets: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Least and greatest planned force at rest, and their slopes over v, shape (n, 4)."""
+        """See :meth:`Limit.numbers`.
+
+        Returns:
+            Least and greatest planned force at rest, and their slopes over v, shape (n, 4).
+        """
         lines = []
         for (slow, fast), kept in (
             (self.force_min, PLANNED_MARGIN),
@@ -101,7 +105,7 @@ class Force(AirspeedSpan):
         return {"acceleration": (least + least_slope * v - weight, most + most_slope * v - weight)}
 
     def flown(self, motion: Motion, numbers: Any) -> Bound:
-        """Thrust less drag, over mass, of the flight that was flown."""
+        """See :meth:`Limit.flown`: thrust less drag, over mass."""
         span = (self.airspeed_min, self.airspeed_max)
         return Bound(
             GRAVITY * np.sin(motion.path_angle) + motion.acceleration,

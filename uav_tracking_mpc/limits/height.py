@@ -23,10 +23,14 @@ class Height(Limit):
     name = "height"
     on_ground = True
 
-    height_min: float = parameter(-1e5, "Least height z in map.", unit="m", lower=-1e5, upper=1e5)
+    height_min: float = parameter(-1e5, "Least height z in map.", "m", -1e5, 1e5)
 
     def numbers(self, targets: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Least height above the target in [m], shape (n, 1)."""
+        """See :meth:`Limit.numbers`.
+
+        Returns:
+            Least height above the target in [m], shape (n, 1).
+        """
         return np.maximum(self.height_min - targets[:, 2:], -DEEPEST)
 
     def stage(self, motion: Motion, numbers: Any, xp: ModuleType) -> Bound:

@@ -16,10 +16,8 @@ class PathAngle(Limit):
 
     name = "path_angle"
 
-    path_angle_min: float = parameter(
-        -1.2, "Steepest descent.", unit="rad", lower=-1.5, upper=-0.01
-    )
-    path_angle_max: float = parameter(1.2, "Steepest climb.", unit="rad", lower=0.01, upper=1.5)
+    path_angle_min: float = parameter(-1.2, "Steepest descent.", "rad", -1.5, -0.01)
+    path_angle_max: float = parameter(1.2, "Steepest climb.", "rad", 0.01, 1.5)
 
     def stage(self, motion: Motion, numbers: Any, xp: ModuleType) -> Bound:
         """See :meth:`Limit.stage`."""

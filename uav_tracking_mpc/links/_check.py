@@ -23,36 +23,31 @@ def check_link(link: type[VehicleLink], address: str = "") -> None:
         address: Where its aircraft is: a simulated one, for it is flown.
 
     Raises:
-        ConformanceError: A state is not one, stamps do not follow each other or are not of the
+        ConformanceError: A state cannot be one, stamps do not follow each other or are not of the
             link's clock, a plan that is not finite is taken, or one that can be flown is not.
         LinkError: There is no aircraft.
     """
     name = require_name(link)
-    require(
-        isinstance(getattr(link, "when_silent", None), str) and link.when_silent != "",
-        f"{name}: must say in `when_silent` what the aircraft does when commands stop",
-    )
+    silent = getattr(link, "when_silent", "")
+    require(silent, f"{name}: `when_silent` must say what the aircraft does without commands")
     with link(address) as connected:
-        stamp = -math.inf
+        before = -math.inf
         for _ in range(STATES):
             state = connected.measured(WAIT)
             if state is None:
                 raise ConformanceError(f"{name}: no state within {WAIT:g} s")
-            check_measurement(state, f"{name}: state of {state.stamp:g} s")
-            require(stamp < state.stamp, f"{name}: stamp {state.stamp} s follows {stamp} s")
             stamp, now = state.stamp, connected.now()
+            check_measurement(state, f"{name}: state of {stamp:g} s")
+            require(before < stamp, f"{name}: stamp {stamp} s follows {before} s")
             require(
                 abs(now - stamp) <= WAIT,
                 f"{name}: a state of {stamp} s is new at {now} s: stamps must be of now()'s clock",
             )
-            refusal = connected.command(now, LEVEL, 0.5)
+            before, refusal = stamp, connected.command(now, LEVEL, 0.5)
             require(refusal == "", f"{name}: straight and level flight is refused: {refusal}")
         for words, bad in {"not finite": LEVEL * math.nan, "empty": LEVEL[:0]}.items():
             refusal = connected.command(connected.now(), bad, 0.5)
-            require(
-                isinstance(refusal, str) and refusal != "",
-                f"{name}: a plan that is {words} is taken, must be refused in words",
-            )
+            require(refusal, f"{name}: a plan that is {words} is taken, must be refused in words")
     try:
         connected.measured(0.0)
     except LinkError:

@@ -11,7 +11,7 @@ class ConformanceError(AssertionError):
     """An extension does not keep what its base asks for; the message says what and where."""
 
 
-def require(holds: bool, words: str) -> None:
+def require(holds: object, words: str) -> None:
     """Stop a check where something does not hold.
 
     Args:
@@ -25,26 +25,22 @@ def require(holds: bool, words: str) -> None:
         raise ConformanceError(words)
 
 
-def require_array(value: Any, shape: tuple[int, ...], largest: float, words: str) -> None:
-    """Stop a check where a value is not an array of finite numbers of a plausible size.
+def require_vector(value: Any, largest: float, words: str) -> None:
+    """Stop a check where a value is not a vector of three finite numbers of a plausible size.
 
     Args:
         value: To be checked.
-        shape: That it must have.
         largest: Greatest plausible magnitude, in the [unit] of the value.
         words: What the value is.
 
     Raises:
         ConformanceError: It is not.
     """
-    array = np.asarray(value)
-    require(array.shape == shape, f"{words} has shape {array.shape}, must have {shape}")
-    require(np.issubdtype(array.dtype, np.floating), f"{words} holds {array.dtype}, not floats")
-    require(bool(np.all(np.isfinite(array))), f"{words} is {array.tolist()}, must be finite")
-    require(
-        bool(np.all(np.abs(array) <= largest)),
-        f"{words} is {array.tolist()}, beyond {largest:g}: are the units right?",
-    )
+    vector = np.asarray(value, dtype=float)
+    require(vector.shape == (3,), f"{words} has shape {vector.shape}, must have (3,)")
+    require(np.isfinite(vector).all(), f"{words} is {vector.tolist()}, must be finite")
+    size = float(np.linalg.norm(vector))
+    require(size <= largest, f"{words} is {vector.tolist()}: are the units right?")
 
 
 def require_name(extension: type) -> str:
@@ -57,5 +53,5 @@ def require_name(extension: type) -> str:
         ConformanceError: It has none.
     """
     name = getattr(extension, "name", None)
-    require(isinstance(name, str) and name != "", f"{extension.__name__} has no `name`")
+    require(isinstance(name, str) and name, f"{extension.__name__} has no `name`")
     return str(name)

@@ -143,15 +143,25 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
-def parameter(default: Any, description: str, **limits: Any) -> Any:
+def parameter(
+    default: Any,
+    description: str,
+    unit: str = "",
+    lower: float | None = None,
+    upper: float | None = None,
+    **more: Any,
+) -> Any:
     """Dataclass field of a parameter.
 
     Args:
         default: Its default; also gives its type.
         description: What it does, for people.
-        limits: The other attributes of a :class:`Specification`, but for its name.
+        unit: SI unit; empty for a pure number.
+        lower: Least value allowed in [unit].
+        upper: Greatest value allowed in [unit].
+        more: The other attributes of a :class:`Specification`, but for its name.
     """
-    metadata = {"description": description, **limits}
+    metadata = {"description": description, "unit": unit, "lower": lower, "upper": upper, **more}
     return dataclasses.field(default=default, metadata=metadata)
 
 

@@ -8,16 +8,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.dynamics import paper_numbers as paper
+from uav_tracking_mpc.dynamics.relative import vehicle_state
+from uav_tracking_mpc.dynamics.vehicle import VehicleState
 from uav_tracking_mpc.parameters.registry import PLANT
 from uav_tracking_mpc.parameters.specification import ParameterError, parameter
+
+START = VehicleState(*vehicle_state(paper.INITIAL_STATE, 0.0, np.zeros(3)).tolist())
 
 
 @dataclass(frozen=True)
 class SimulatorParameters:
     """Where the simulated vehicle starts and what it can do.
 
-    The default start is the paper's x_o = [212.83, -pi/4, 20, 0, 0] (Section 6) about a target at
-    the origin; the paper leaves the azimuth free, here it is East.
+    The default start is the paper's x_o (Section 6) about a target at the origin; the paper leaves
+    the azimuth free, here it is East.
 
     Raises:
         ParameterError: A lower limit is not below its upper limit, or the start is outside them.
@@ -25,27 +30,25 @@ class SimulatorParameters:
 
     plant: str = parameter("vehicle", "What flies.", extension=PLANT, fixed=True)
     initial_position: tuple[float, ...] = parameter(
-        (math.sqrt(212.83**2 - 20.0**2), 0.0, 20.0),
+        (START.x, START.y, START.z),
         "Position at the start in map.",
-        unit="m",
+        "m",
+        -1e6,
+        1e6,
         size=3,
-        lower=-1e6,
-        upper=1e6,
     )
     initial_heading: float = parameter(
-        0.75 * math.pi,
+        START.heading,
         "Heading at the start, counter-clockwise from East.",
-        unit="rad",
-        lower=-math.pi,
-        upper=math.pi,
+        "rad",
+        -math.pi,
+        math.pi,
     )
     initial_path_angle: float = parameter(
-        0.0, "Path angle at the start, positive up.", unit="rad", lower=-1.5, upper=1.5
+        START.path_angle, "Path angle at the start, positive up.", "rad", -1.5, 1.5
     )
-    initial_speed: float = parameter(0.0, "Speed at the start.", unit="m/s", lower=0.0, upper=400.0)
-    state_rate: float = parameter(
-        20.0, "How often the state is published.", unit="Hz", lower=1.0, upper=1000.0
-    )
+    initial_speed: float = parameter(START.airspeed, "Speed at the start.", "m/s", 0.0, 400.0)
+    state_rate: float = parameter(20.0, "How often the state is published.", "Hz", 1.0, 1000.0)
     speed: float = parameter(
         1.0, "Simulated over wall time, when /clock is driven.", lower=0.01, upper=1000.0
     )
@@ -57,84 +60,68 @@ class SimulatorParameters:
         False, "Hold the vehicle where it starts until the first command arrives."
     )
     yaw_rate_max: float = parameter(
-        math.pi / 4, "Yaw rates beyond this are cut.", unit="rad/s", lower=1e-3, upper=10.0
+        paper.TURN_RATE_BOUND, "Yaw rates beyond this are cut.", "rad/s", 1e-3, 10.0
     )
     pitch_rate_max: float = parameter(
-        math.pi / 4, "Path-angle rates beyond this are cut.", unit="rad/s", lower=1e-3, upper=10.0
+        paper.PATH_ANGLE_RATE_BOUND, "Path-angle rates beyond this are cut.", "rad/s", 1e-3, 10.0
     )
     acceleration_min: float = parameter(
-        -1.0, "Accelerations below this are cut.", unit="m/s^2", lower=-100.0, upper=-1e-3
+        -paper.ACCELERATION_BOUND, "Accelerations below this are cut.", "m/s^2", -100.0, -1e-3
     )
     acceleration_max: float = parameter(
-        1.0, "Accelerations above this are cut.", unit="m/s^2", lower=1e-3, upper=100.0
+        paper.ACCELERATION_BOUND, "Accelerations above this are cut.", "m/s^2", 1e-3, 100.0
     )
-    speed_min: float = parameter(
-        0.0, "The vehicle does not fly slower.", unit="m/s", lower=0.0, upper=400.0
-    )
-    speed_max: float = parameter(
-        20.0, "The vehicle does not fly faster.", unit="m/s", lower=0.1, upper=400.0
-    )
+    speed_min: float = parameter(0.0, "The vehicle does not fly slower.", "m/s", 0.0, 400.0)
+    speed_max: float = parameter(20.0, "The vehicle does not fly faster.", "m/s", 0.1, 400.0)
     bank_max: float = parameter(
         0.5 * math.pi,
         "Yaw rates beyond the coordinated turn at this bank, g tan(bank_max) / v, are cut.",
-        unit="rad",
-        lower=0.01,
-        upper=0.5 * math.pi,
+        "rad",
+        0.01,
+        0.5 * math.pi,
     )
     rate_lag: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0),
         "Time constants with which yaw rate, path-angle rate and acceleration follow commands.",
-        unit="s",
+        "s",
+        0.0,
+        10.0,
         size=3,
-        lower=0.0,
-        upper=10.0,
     )
     dead_time: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0),
         "Dead times before yaw rate, path-angle rate and acceleration begin to follow.",
-        unit="s",
+        "s",
+        0.0,
+        5.0,
         size=3,
-        lower=0.0,
-        upper=5.0,
     )
     wind: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0),
         "Mean velocity of the air in map: where it blows to.",
-        unit="m/s",
+        "m/s",
+        -100.0,
+        100.0,
         size=3,
-        lower=-100.0,
-        upper=100.0,
     )
     gust_intensity: float = parameter(
         0.0,
         "Dryden gusts: W20, wind speed at 20 ft; 7.7 is light, 15.4 moderate, 23.2 severe.",
-        unit="m/s",
-        lower=0.0,
-        upper=50.0,
+        "m/s",
+        0.0,
+        50.0,
     )
     position_noise: float = parameter(
-        0.0,
-        "Standard deviation of the measured position, each axis.",
-        unit="m",
-        lower=0.0,
-        upper=1e3,
+        0.0, "Standard deviation of the measured position, each axis.", "m", 0.0, 1e3
     )
     velocity_noise: float = parameter(
-        0.0,
-        "Standard deviation of the measured ground velocity, each axis.",
-        unit="m/s",
-        lower=0.0,
-        upper=100.0,
+        0.0, "Standard deviation of the measured ground velocity, each axis.", "m/s", 0.0, 100.0
     )
     attitude_noise: float = parameter(
-        0.0,
-        "Standard deviation of the measured heading and path angle.",
-        unit="rad",
-        lower=0.0,
-        upper=1.0,
+        0.0, "Standard deviation of the measured heading and path angle.", "rad", 0.0, 1.0
     )
     airspeed_noise: float = parameter(
-        0.0, "Standard deviation of the measured airspeed.", unit="m/s", lower=0.0, upper=100.0
+        0.0, "Standard deviation of the measured airspeed.", "m/s", 0.0, 100.0
     )
     seed: int = parameter(0, "Seed of gusts and sensor noise.", lower=0, upper=2**31 - 1)
 

@@ -21,59 +21,43 @@ class TargetParameters:
     position: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0),
         "Where it stands or starts in map; for a circle, its centre.",
-        unit="m",
+        "m",
+        -1e6,
+        1e6,
         size=3,
-        lower=-1e6,
-        upper=1e6,
     )
     speed: float = parameter(
-        0.0, "Speed along its path; ignored when stationary.", unit="m/s", lower=0.0, upper=100.0
+        0.0, "Speed along its path; ignored when stationary.", "m/s", 0.0, 100.0
     )
     heading: float = parameter(
         0.0,
         "Direction of a straight run, or azimuth of a circle's start, from East.",
-        unit="rad",
-        lower=-2.0 * math.pi,
-        upper=2.0 * math.pi,
+        "rad",
+        -2.0 * math.pi,
+        2.0 * math.pi,
     )
-    radius: float = parameter(100.0, "Radius of a circle.", unit="m", lower=0.1, upper=1e5)
+    radius: float = parameter(100.0, "Radius of a circle.", "m", 0.1, 1e5)
     waypoints: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0, 100.0, 0.0, 0.0),
         "x, y, z of one point after the other, visited in turn and from the start again.",
-        unit="m",
+        "m",
+        -1e6,
+        1e6,
         multiple=3,
-        lower=-1e6,
-        upper=1e6,
     )
     drive_time: float = parameter(
-        20.0,
-        "How long stop_and_go drives at a time, straight on.",
-        unit="s",
-        lower=0.1,
-        upper=1e5,
+        20.0, "How long stop_and_go drives at a time, straight on.", "s", 0.1, 1e5
     )
-    stand_time: float = parameter(
-        20.0, "How long stop_and_go stands in between.", unit="s", lower=0.1, upper=1e5
-    )
+    stand_time: float = parameter(20.0, "How long stop_and_go stands in between.", "s", 0.1, 1e5)
     jump_time: float = parameter(
-        60.0,
-        "When jump, otherwise a straight run, is somewhere else at once.",
-        unit="s",
-        lower=0.0,
-        upper=1e6,
+        60.0, "When jump, otherwise a straight run, is somewhere else at once.", "s", 0.0, 1e6
     )
     jump_offset: tuple[float, ...] = parameter(
-        (100.0, 0.0, 0.0), "By how much it is moved.", unit="m", size=3, lower=-1e6, upper=1e6
+        (100.0, 0.0, 0.0), "By how much it is moved.", "m", -1e6, 1e6, size=3
     )
-    rate: float = parameter(
-        10.0, "How often the position is measured.", unit="Hz", lower=0.1, upper=1000.0
-    )
+    rate: float = parameter(10.0, "How often the position is measured.", "Hz", 0.1, 1000.0)
     noise: float = parameter(
-        0.0,
-        "Standard deviation of the measured position, each axis.",
-        unit="m",
-        lower=0.0,
-        upper=1e3,
+        0.0, "Standard deviation of the measured position, each axis.", "m", 0.0, 1e3
     )
     dropout: float = parameter(
         0.0, "Probability with which a measurement is lost.", lower=0.0, upper=1.0
@@ -81,9 +65,9 @@ class TargetParameters:
     delay: float = parameter(
         0.0,
         "How late a measurement is published; its stamp is the time of measuring.",
-        unit="s",
-        lower=0.0,
-        upper=60.0,
+        "s",
+        0.0,
+        60.0,
     )
     seed: int = parameter(0, "Seed of noise and dropouts.", lower=0, upper=2**31 - 1)
 

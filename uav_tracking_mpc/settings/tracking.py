@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.dynamics import paper_numbers as paper
 from uav_tracking_mpc.dynamics.discretisation import SCHEMES
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, DIRECTIONS, Orbit
 from uav_tracking_mpc.dynamics.relative import steady_inputs
@@ -55,28 +56,23 @@ class TrackingParameters(Gathered):
     """
 
     range: float = parameter(
-        150.0,
+        paper.ORBIT.range,
         "Distance to the target to hold, r_d.",
-        unit="m",
-        lower=1.0,
-        upper=1e5,
+        "m",
+        1.0,
+        1e5,
         fixed_unless=COMPILED,
     )
     altitude: float = parameter(
-        50.0,
+        paper.ORBIT.altitude,
         "Height above the target to hold, z_d.",
-        unit="m",
-        lower=-1e4,
-        upper=1e4,
+        "m",
+        -1e4,
+        1e4,
         fixed_unless=COMPILED,
     )
     airspeed: float = parameter(
-        4.0,
-        "Speed to hold, v_d.",
-        unit="m/s",
-        lower=0.1,
-        upper=300.0,
-        fixed_unless=COMPILED,
+        paper.ORBIT.speed, "Speed to hold, v_d.", "m/s", 0.1, 300.0, fixed_unless=COMPILED
     )
     law: str = parameter(
         PREDICTIVE,
@@ -98,31 +94,17 @@ class TrackingParameters(Gathered):
         fixed=True,
     )
     scheme: str = parameter(
-        "euler",
-        "Discretisation of the model.",
-        choices=tuple(SCHEMES),
-        fixed=True,
+        "euler", "Discretisation of the model.", choices=tuple(SCHEMES), fixed=True
     )
     horizon: int = parameter(
-        10,
-        "Stages of the horizon, N.",
-        lower=1,
-        upper=200,
-        fixed=True,
+        paper.HORIZON, "Stages of the horizon, N.", lower=1, upper=200, fixed=True
     )
     horizon_step: float = parameter(
-        1.0,
-        "Time from stage to stage, T_s.",
-        unit="s",
-        lower=0.001,
-        upper=10.0,
-        fixed=True,
+        paper.STEP, "Time from stage to stage, T_s.", "s", 0.001, 10.0, fixed=True
     )
-    control_rate: float = parameter(
-        10.0, "How often a new command is computed.", unit="Hz", lower=0.1, upper=1000.0
-    )
+    control_rate: float = parameter(10.0, "How often a new command is computed.", "Hz", 0.1, 1000.0)
     state_weights: tuple[float, ...] = parameter(
-        (0.008, 0.09, 0.05, 0.04, 0.9),
+        paper.STATE_WEIGHTS,
         "Diagonal of Q: range, bearing, altitude, path angle, speed.",
         size=5,
         lower=1e-9,
@@ -130,7 +112,7 @@ class TrackingParameters(Gathered):
         fixed_unless=COMPILED,
     )
     input_weights: tuple[float, ...] = parameter(
-        (1.0, 1.0, 1.0),
+        paper.INPUT_WEIGHTS,
         "Diagonal of R: yaw rate, pitch rate, acceleration.",
         size=3,
         lower=1e-9,
@@ -138,7 +120,7 @@ class TrackingParameters(Gathered):
         fixed_unless=COMPILED,
     )
     terminal_scaling: float = parameter(
-        2.5,
+        paper.SCALING,
         "rho: terminal weight P_rho = rho P.",
         lower=1.0,
         upper=1e3,
@@ -192,58 +174,37 @@ class TrackingParameters(Gathered):
     dead_time: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0),
         "Time until a command of turn rate, path-angle rate, acceleration begins to act.",
-        unit="s",
+        "s",
+        0.0,
+        2.0,
         size=3,
-        lower=0.0,
-        upper=2.0,
     )
     solver: str = parameter(
-        "newton",
-        "Solver of the optimal control problem.",
-        choices=SOLVERS,
-        fixed=True,
+        "newton", "Solver of the optimal control problem.", choices=SOLVERS, fixed=True
     )
     solve_time_max: float = parameter(
-        0.05,
-        "Budget of one solve; past it the earlier plan is flown.",
-        unit="s",
-        lower=1e-4,
-        upper=10.0,
+        0.05, "Budget of one solve; past it the earlier plan is flown.", "s", 1e-4, 10.0
     )
     plan_age_max: float = parameter(
-        2.0,
-        "How long an earlier plan may stand in for a solve that failed.",
-        unit="s",
-        lower=0.0,
-        upper=60.0,
+        2.0, "How long an earlier plan may stand in for a solve that failed.", "s", 0.0, 60.0
     )
     state_timeout: float = parameter(
-        0.5, "Age at which the vehicle's state counts as lost.", unit="s", lower=0.01, upper=60.0
+        0.5, "Age at which the vehicle's state counts as lost.", "s", 0.01, 60.0
     )
     target_timeout: float = parameter(
-        5.0, "Age at which the target's position counts as lost.", unit="s", lower=0.01, upper=600.0
+        5.0, "Age at which the target's position counts as lost.", "s", 0.01, 600.0
     )
     target_noise: float = parameter(
-        0.1,
-        "Standard deviation of the target's measured position, for the filter.",
-        unit="m",
-        lower=1e-3,
-        upper=1e3,
+        0.1, "Standard deviation of the target's measured position, for the filter.", "m", 1e-3, 1e3
     )
     target_agility: float = parameter(
-        0.5,
-        "How hard the target may accelerate, for the filter.",
-        unit="m/s^2",
-        lower=1e-3,
-        upper=100.0,
+        0.5, "How hard the target may accelerate, for the filter.", "m/s^2", 1e-3, 100.0
     )
     record: str = parameter(
         "", "File to record what the controller is given and answers; empty for none.", fixed=True
     )
     autostart: bool = parameter(
-        True,
-        "Configure and activate at the start; else a lifecycle manager does.",
-        fixed=True,
+        True, "Configure and activate at the start; else a lifecycle manager does.", fixed=True
     )
 
     def __post_init__(self) -> None:

@@ -192,11 +192,7 @@ class Wind:
             Displacement of the air, the integral of the velocity, in [m].
         """
         if self._intensity == 0.0:
-            return (
-                self._mean[0] * duration,
-                self._mean[1] * duration,
-                self._mean[2] * duration,
-            )
+            return (self._mean[0] * duration, self._mean[1] * duration, self._mean[2] * duration)
         x = y = z = flown = 0.0
         while flown < duration:
             piece = min(duration - flown, self._left)

@@ -55,9 +55,13 @@ class Stateful(Line):
 
 
 class Shared(Line):
+    """Hands out its own array: whoever changes it moves the target."""
+
     def position(self, time):
-        self._start += 0.0
         return self._start
+
+    def velocity(self, time):
+        return np.zeros(3)
 
 
 @pytest.mark.filterwarnings("ignore:divide by zero", "ignore:invalid value")
@@ -65,11 +69,11 @@ class Shared(Line):
     ("motion", "words"),
     [
         (Nameless, "Nameless has no `name`"),
-        (Short, r"position\(0\) has shape \(2,\), must have \(3,\)"),
-        (Infinite, r"velocity\(50.25\) is .*inf.*must be finite"),
+        (Short, r"position\(0\) \[m\] has shape \(2,\), must have \(3,\)"),
+        (Infinite, r"velocity\(50.25\) \[m/s\] is .*inf.*must be finite"),
         (Knots, r"velocity\(0\) is \[9.7.*the position moves with \[5"),
-        (Stateful, "the position moves with|depends on what was asked before"),
-        (Shared, "hands out its own array"),
+        (Stateful, "the position moves with|depends on more than the time"),
+        (Shared, "depends on more than the time"),
     ],
 )
 def test_what_is_wrong_is_said(motion, words):

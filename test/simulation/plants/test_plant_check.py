@@ -57,11 +57,11 @@ class Diverging(VehiclePlant):
 @pytest.mark.parametrize(
     ("plant", "words"),
     [
-        (Degrees, r"truth at 0.05 s: heading \[rad\] is .*are the units right"),
+        (Degrees, r"truth at 0.05 s: heading is .*are the units right"),
         (Gullible, "a plan of the wrong shape is taken, must raise ValueError"),
-        (Random, "two flights with the seed 1 differ"),
+        (Random, "differs from that of another with its seed"),
         (Frozen, "has not moved"),
-        (Timeless, "time is 0.0 s after 1 steps of 0.05 s"),
+        (Timeless, "has the stamp 0.0 s after 1 steps of 0.05 s"),
         (Diverging, "position is .*inf.*, must be three finite numbers"),
     ],
 )

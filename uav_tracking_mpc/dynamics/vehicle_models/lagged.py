@@ -65,10 +65,10 @@ class Lagged(VehicleModel):
     rate_lag: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0),
         "Time constants of the aircraft's turn rate, path-angle rate and acceleration.",
-        unit="s",
+        "s",
+        0.0,
+        5.0,
         size=3,
-        lower=0.0,
-        upper=5.0,
     )
 
     def numbers(self, duration: float) -> NDArray[np.float64]:
@@ -106,7 +106,9 @@ class Lagged(VehicleModel):
 
         halfway, end = after(0.5 * duration, 0), after(duration, 3)
         end_rates = [inputs[axis] + excess[axis] * numbers[6 + axis] for axis in range(3)]
-        begin, middle, last = (air_velocity(*at, xp) for at in (angles, halfway, end))
+        begin, middle, last = (
+            air_velocity(psi, chi, v, xp) for psi, chi, v in (angles, halfway, end)
+        )
         position = [
             start
             + duration / 6.0 * (begin[axis] + 4.0 * middle[axis] + last[axis])
@@ -119,8 +121,9 @@ class Lagged(VehicleModel):
     def initial(self, vehicle: ArrayLike, target: ArrayLike, rates: ArrayLike) -> LaggedState:
         """See :meth:`PredictionModel.initial`."""
         *position, psi, chi, v = np.asarray(vehicle, dtype=float).tolist()
-        offset = (np.array(position) - target).tolist()
-        return LaggedState(*offset, psi, chi, v, *np.asarray(rates, dtype=float).tolist())
+        offset = np.array(position) - np.asarray(target, dtype=float)
+        values = [*offset.tolist(), psi, chi, v, *np.asarray(rates, dtype=float).tolist()]
+        return LaggedState(*values)
 
     def settled(self, state: LaggedState, orbit: OrbitMotion) -> list[Any]:
         """See :meth:`VehicleModel.settled`: the rates are those of the orbit."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.dynamics.relative import tracking_error
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
-from uav_tracking_mpc.formulation.paper_terminal import tracking_problem
+from uav_tracking_mpc.formulation.paper_problem import problem_of
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.studies.feasibility.random_flights import random_situations
@@ -47,7 +47,7 @@ def paper_problem(horizon: int, ellipsoid: bool = False) -> OptimalControlProble
     """
     constraint = "soft" if ellipsoid else "none"
     parameters = load_configuration("paper").controller
-    return tracking_problem(
+    return problem_of(
         dataclasses.replace(parameters, horizon=horizon, terminal_constraint=constraint)
     )
 

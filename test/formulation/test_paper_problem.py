@@ -2,7 +2,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.formulation.paper_terminal import tracking_problem
+from uav_tracking_mpc.formulation.paper_problem import problem_of
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.terminal import ingredients as terminal
@@ -10,7 +10,7 @@ from uav_tracking_mpc.terminal import ingredients as terminal
 
 def test_box_is_taken_about_the_steady_inputs():
     parameters = TrackingParameters()
-    problem = tracking_problem(parameters)
+    problem = problem_of(parameters)
     np.testing.assert_allclose(
         problem.input_upper + parameters.steady_inputs, parameters.input_upper
     )
@@ -19,7 +19,7 @@ def test_box_is_taken_about_the_steady_inputs():
 
 @pytest.mark.parametrize(("kind", "penalty"), [("soft", 100.0), ("hard", None)])
 def test_terminal_set_is_as_large_as_the_inputs_allow(kind, penalty):
-    problem = tracking_problem(TrackingParameters(terminal_constraint=kind))
+    problem = problem_of(TrackingParameters(terminal_constraint=kind))
     (terminal,) = problem.terminal_inequalities
     level = -float(ca.Function("h", [problem.state], [terminal.expression])(0))
     assert terminal.penalty == penalty
@@ -27,7 +27,7 @@ def test_terminal_set_is_as_large_as_the_inputs_allow(kind, penalty):
 
 
 def test_no_terminal_set_by_default():
-    assert tracking_problem(TrackingParameters()).terminal_inequalities == ()
+    assert problem_of(TrackingParameters()).terminal_inequalities == ()
 
 
 def test_weights_that_give_no_terminal_controller_are_named(monkeypatch):
@@ -38,4 +38,4 @@ def test_weights_that_give_no_terminal_controller_are_named(monkeypatch):
 
     monkeypatch.setattr(terminal, "solve_discrete_are", unsolvable)
     with pytest.raises(ParameterError, match="'input_weights'.* unit circle"):
-        tracking_problem(TrackingParameters())
+        problem_of(TrackingParameters())
