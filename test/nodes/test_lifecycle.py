@@ -159,14 +159,14 @@ def test_without_autostart_a_manager_brings_it_up_and_down(flight):
     assert flight.state() == State.PRIMARY_STATE_INACTIVE
     flight.spin(lambda: False, 0.3)
     flight.commands.clear()
-    assert flight.spin(lambda: flight.simulator._plant.holding, 15.0)
+    assert flight.spin(lambda: flight.simulator._plant.plan.holding, 15.0)
     assert not flight.commands
     assert flight.told()[0] == "deactivated: no command is sent"
-    assert flight.simulator._plant.failsafes == 1
+    assert flight.simulator._plant.plan.failsafes == 1
 
     assert flight.change(Transition.TRANSITION_ACTIVATE)
     assert flight.commanded()
-    assert not flight.simulator._plant.holding
+    assert not flight.simulator._plant.plan.holding
 
 
 @pytest.mark.timeout(60)

@@ -27,6 +27,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import gammainc
 
 FOOT = 0.3048  # m
 HEIGHTS = (10.0 * FOOT, 1000.0 * FOOT)  # m, where the model holds; beyond, its value there
@@ -69,7 +70,7 @@ class ExactStep:
     r"""What happens to (p, m) of :class:`GustFilter` over a distance V dt / L >= 0.
 
     They decay by exp(-distance), and noise of covariance :math:`P - \Phi P \Phi^T` is added, whose
-    entries are incomplete gamma functions of twice the distance.
+    entries come from incomplete gamma functions of twice the distance.
 
     Args:
         distance: In lengths L, [-].
@@ -87,19 +88,8 @@ class ExactStep:
     def __init__(self, distance: float) -> None:
         self.distance, self.decay = distance, math.exp(-distance)
         x = 2.0 * distance
-        decay = self.decay**2
-        if x < 1.0:  # the tail of e^x after x^2, summed: the difference below would cancel
-            tail = term = x**3 / 6.0
-            order = 3
-            while term > 1e-17 * tail:
-                order += 1
-                term *= x / order
-                tail += term
-            second = 0.5 * decay * tail
-        else:
-            second = 0.5 * (1.0 - decay * (1.0 + x + 0.5 * x * x))
-        covariance = second + 0.25 * decay * x * x
-        variance = -math.expm1(-x)
+        variance, second = -math.expm1(-x), 0.5 * float(gammainc(3.0, x))
+        covariance = second + 0.25 * math.exp(-x) * x * x
         self.p_p = math.sqrt(variance)
         self.p_m = covariance / self.p_p if variance > 0.0 else 0.0
         self.m_m = math.sqrt(max(second - self.p_m**2, 0.0))
