@@ -77,6 +77,11 @@ def test_add_a_plant(tmp_path):
     assert metrics["steady_state"]["range_rms_m"] < 20.0
 
 
+def test_fly_over_a_link():
+    (error,) = re.findall(r"(-?[\d.]+) m from the orbit", run("fly_over_a_link.py"))
+    assert abs(float(error)) < 1.0
+
+
 @pytest.mark.nodes
 def test_add_a_fault(tmp_path):
     printed = run("add_a_fault.py", "--json", "--output", tmp_path)
