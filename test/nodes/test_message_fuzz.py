@@ -25,7 +25,7 @@ from hypothesis.stateful import (
 from message_strategies import changed
 from node_harness import NodeHarness, start_ros
 
-from uav_tracking_mpc.limits._envelope import GRAVITY
+from uav_tracking_mpc.dynamics.gravity import GRAVITY
 from uav_tracking_mpc.nodes.command_wire import CommandWire
 from uav_tracking_mpc.nodes.conversions import (
     nanoseconds,
@@ -327,10 +327,10 @@ def controller():
     ControllerFlight.harness = NodeHarness(
         NmpcController,
         CONFIGURATION.controller,
-        refusals=lambda node: node._report.refused,
+        refusals=lambda node: node.report.refused,
         # The solver's workspace is overwritten by every solve; a doubtful state is remembered, to
-        # judge the next ones.
-        may_change=("formulation", "parameters", "_odd", "_agreeing", "reason"),
+        # judge the next ones; the first stamp, whatever it is, is where times are counted from.
+        may_change=("formulation", "_outlier", "_agreeing", "reason", "events", "_origin"),
         use_sim_time=True,
     )
     yield ControllerFlight
@@ -376,7 +376,7 @@ def test_an_exception_in_a_callback_is_found(controller, monkeypatch):
     def careless(message):
         return np.linalg.inv(np.zeros((3, 3))).diagonal()
 
-    monkeypatch.setattr("uav_tracking_mpc.nodes.nmpc_controller.position_from_point", careless)
+    monkeypatch.setattr("uav_tracking_mpc.nodes.conversions.position_from_point", careless)
     with pytest.raises(np.linalg.LinAlgError):
         flown(controller)
 
