@@ -65,7 +65,9 @@ def prepared(configuration: Configuration, law: str) -> Configuration:
         direction=start_direction(configuration),
         solve_time_max=SOLVE_TIME_MAX,
     )
-    return dataclasses.replace(configuration, controller=controller)
+    # The aircraft, also where the mission is to fly the prediction model.
+    mission = dataclasses.replace(configuration.mission, plant=configuration.simulator.plant)
+    return dataclasses.replace(configuration, controller=controller, mission=mission)
 
 
 def start_direction(configuration: Configuration) -> str:
