@@ -104,12 +104,8 @@ def _draw_arrow(
 
 def _draw_error(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> None:
     for law, log in scenario.logs.items():
-        axes.semilogy(
-            log.time,
-            np.maximum(np.abs(log.error[:, COLUMNS["range"]]), FINEST),
-            color=colour[law],
-            lw=1.0,
-        )
+        error = np.maximum(np.abs(log.error[:, COLUMNS["range"]]), FINEST)
+        axes.semilogy(log.time, error, color=colour[law], lw=1.0)
     axes.axhspan(FINEST, SETTLED, color=GREEN, alpha=0.08, lw=0.0)
     end = log.time[-1]
     if scenario.target is not None:
