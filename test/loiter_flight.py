@@ -1,26 +1,13 @@
 """A loiter law flown without a simulator: the exact vehicle, 20 Hz, perfect knowledge."""
 
 import numpy as np
+import small_uav
 
 from uav_tracking_mpc.dynamics.vehicle import advance
 from uav_tracking_mpc.estimation.situation import Situation
-from uav_tracking_mpc.limits._envelope import Envelope
 
 STEP = 0.05
-SMALL_UAV = Envelope(
-    airspeed_min=14.0,
-    airspeed_max=32.0,
-    path_angle_min=np.radians(-9.0),
-    path_angle_max=np.radians(14.0),
-    bank_max=np.radians(45.0),
-    yaw_rate_max=0.785,
-    pitch_rate_max=0.785,
-    acceleration_min=-1.5,
-    acceleration_max=3.0,
-    force_min=(-1.5, -4.0),
-    force_max=(4.0, 2.5),
-    height_min=30.0,
-)
+SMALL_UAV = small_uav.parameters().envelope
 
 
 def fly(law, start, duration, wind=(0.0, 0.0, 0.0), target_velocity=(0.0, 0.0, 0.0)):

@@ -3,9 +3,13 @@
 import ast
 import subprocess
 import sys
+from collections import defaultdict
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
+
+from uav_tracking_mpc.parameters import registry
 
 PACKAGE = Path(__file__).parents[1] / "uav_tracking_mpc"
 LAYERS = (
@@ -29,31 +33,65 @@ LAYERS = (
     "cli",
     "__main__",
 )
-ROS = {"rclpy", "builtin_interfaces", "nav_msgs", "geometry_msgs", "trajectory_msgs", "rosbags"}
+ROS = {
+    "rclpy", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "lifecycle_msgs", "nav_msgs",
+    "rcl_interfaces", "rosgraph_msgs", "sensor_msgs", "std_msgs", "std_srvs", "tf2_msgs",
+    "trajectory_msgs", "visualization_msgs",
+}  # fmt: skip
+LINE_LIMIT = 350
 SOURCES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")
+ROOMS = sorted(path for path in PACKAGE.rglob("__init__.py") if path.parent != PACKAGE)
+
+
+def name(path):
+    return str(path.relative_to(PACKAGE))
 
 
 def layer(path):
     return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
-def imports(path):
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+def tree(path):
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def imports(path, nodes=None):
+    for node in ast.walk(tree(path)) if nodes is None else nodes:
         if isinstance(node, ast.ImportFrom) and node.module:
             yield node.module
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
         elif isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def module(path):
+    parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=name)
 def test_imports_point_down(path):
     own = LAYERS.index(layer(path))
-    for module in imports(path):
-        parts = module.split(".")
-        if parts[0] == "uav_tracking_mpc" and len(parts) > 1:
-            assert LAYERS.index(parts[1]) <= own, f"{path} imports {module}"
+    for imported in imports(path):
+        parts = imported.split(".")
+        if parts[0] == "uav_tracking_mpc" and len(parts) > 1 and parts[1] in LAYERS:
+            assert LAYERS.index(parts[1]) <= own, f"{path} imports {imported}"
         if parts[0] in ROS:
-            assert layer(path) in ("nodes", "launch", "studies"), f"{path} imports {module}"
+            assert layer(path) in ("nodes", "launch", "studies"), f"{path} imports {imported}"
+
+
+def test_no_circular_imports():
+    """Among the imports that run when a module is loaded."""
+    modules = {module(path): path for path in SOURCES}
+    graph = {
+        importer: {
+            imported
+            for imported in imports(path, tree(path).body)
+            if imported in modules and imported != importer
+        }
+        for importer, path in modules.items()
+    }
+    list(TopologicalSorter(graph).static_order())  # raises CycleError, which names the cycle
 
 
 def test_everything_below_the_nodes_runs_without_ros():
@@ -66,10 +104,29 @@ def test_everything_below_the_nodes_runs_without_ros():
     assert finished.returncode == 0, finished.stderr
 
 
-def test_every_room_lists_its_files():
-    """The docstring of a room names each of its files."""
-    for room in PACKAGE.glob("*/__init__.py"):
-        words = ast.get_docstring(ast.parse(room.read_text(encoding="utf-8"))) or ""
-        for file in room.parent.glob("*.py"):
-            if not file.name.startswith("_"):
-                assert f"``{file.stem}``" in words, f"{file} is not in the docstring of its room"
+@pytest.mark.parametrize("room", ROOMS, ids=name)
+def test_a_room_lists_its_files(room):
+    """The docstring of a room names each of its files and rooms."""
+    words = ast.get_docstring(tree(room)) or ""
+    files = [file for file in room.parent.glob("*.py") if not file.name.startswith("_")]
+    files += [inner.parent for inner in room.parent.glob("*/__init__.py")]
+    missing = [file.stem for file in files if f"``{file.stem}``" not in words]
+    assert not missing, f"not in the docstring of {room}: {', '.join(missing)}"
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=name)
+def test_no_file_is_long(path):
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= LINE_LIMIT
+
+
+def test_a_files_name_is_its_own():
+    """But for shared parts, commands named after what they run, and what people find by name."""
+    kinds = [value for value in vars(registry).values() if isinstance(value, registry.Kind)]
+    extensions = {Path(*kind.room.split(".")[1:]) for kind in kinds}
+    places = defaultdict(list)
+    for path in SOURCES:
+        folder = path.relative_to(PACKAGE).parent
+        if path.name[0] != "_" and folder not in extensions and folder != Path("cli"):
+            places[path.stem].append(name(path))
+    doubles = {stem: found for stem, found in places.items() if len(found) > 1}
+    assert not doubles, doubles

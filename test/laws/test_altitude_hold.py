@@ -1,9 +1,9 @@
-import dataclasses
-
 import numpy as np
 import pytest
+import small_uav
 from loiter_flight import SMALL_UAV, fly
 
+from uav_tracking_mpc.dynamics.gravity import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.laws._altitude_hold import altitude_hold
@@ -45,9 +45,9 @@ def test_a_step_is_taken_without_overshoot_at_constant_airspeed(height):
 
 
 def test_no_climb_is_steeper_than_the_thrust_sustains():
-    weak = dataclasses.replace(SMALL_UAV, force_max=(1.0, 0.3))
+    weak = small_uav.parameters("force_max=[1.0, 0.3]").envelope
     _, vehicles, _ = fly(L1Loiter(ORBIT, weak), situation(height=40.0).vehicle, 30.0)
-    assert vehicles[:, 4].max() == pytest.approx(np.arcsin(weak.force_limits(22.0)[1] / 9.80665))
+    assert vehicles[:, 4].max() == pytest.approx(np.arcsin(weak.force_limits(22.0)[1] / GRAVITY))
     np.testing.assert_allclose(vehicles[:, 5], 22.0, atol=1e-9)
 
 

@@ -106,4 +106,7 @@ def test_any_finite_situation_has_finite_inputs_inside_the_limits(vehicle, targe
     values = (np.array(v) for v in (vehicle, target, drift, drift[::-1], target[::-1]))
     with np.errstate(all="ignore"):
         inputs = law().inputs(Situation(*values))
-    assert np.all(np.abs(inputs[:2]) <= 0.785) and -1.5 <= inputs[2] <= 3.0
+    turn_rate, path_angle_rate, acceleration = inputs
+    assert abs(turn_rate) <= SMALL_UAV.yaw_rate_max
+    assert abs(path_angle_rate) <= SMALL_UAV.pitch_rate_max
+    assert SMALL_UAV.acceleration_min <= acceleration <= SMALL_UAV.acceleration_max

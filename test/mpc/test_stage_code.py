@@ -1,14 +1,19 @@
 from __future__ import annotations
 
+import ast
+from pathlib import Path
+
 import casadi as ca
 import numpy as np
 import pytest
 from solver_problems import pendulum
 
+from uav_tracking_mpc.mpc import stage_code
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.mpc.stage_code import (
     multiplier_intervals,
     stage_functions,
+    stage_module,
     straight_line_code,
 )
 
@@ -141,3 +146,22 @@ def test_multiplier_intervals_say_what_kind_a_constraint_is():
     stage, terminal = multiplier_intervals(pendulum(speed_penalty=7.0))
     np.testing.assert_array_equal(stage, [[0, 0, 0], [7, 7, np.inf]])
     np.testing.assert_array_equal(terminal, [[-np.inf, -np.inf, 0], [np.inf, np.inf, np.inf]])
+
+
+def test_the_stage_that_the_package_keeps_is_generated():
+    """That of x+ = x + u, by which the method is read and type-checked."""
+    x, u = ca.SX.sym("x"), ca.SX.sym("u")
+    problem = OptimalControlProblem(
+        state=x,
+        inputs=u,
+        next_state=x + u,
+        stage_cost=x**2 + u**2,
+        terminal_cost=2 * x**2,
+        horizon=5,
+        step=1.0,
+        input_lower=np.array([-1.0]),
+        input_upper=np.array([1.0]),
+    )
+    kept = (Path(stage_code.__file__).parent / "newton" / "stage.py").read_text()
+    without_title = [ast.dump(node) for node in ast.parse(kept).body[1:]]
+    assert without_title == [ast.dump(node) for node in ast.parse(stage_module(problem)).body[1:]]

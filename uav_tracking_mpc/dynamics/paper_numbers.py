@@ -15,9 +15,12 @@ HORIZON = 10  # N [-]
 STATE_WEIGHTS = (0.008, 0.09, 0.05, 0.04, 0.9)  # diagonal of Q, (59)
 INPUT_WEIGHTS = (1.0, 1.0, 1.0)  # diagonal of R, (59)
 SCALING = 2.5  # rho of (28) [-]
-# U is never printed. With these bounds of |u_psi|, |u_chi| [rad/s] and |u_v| [m/s^2] the terminal
-# level (60) comes out within 1 %.
-INPUT_BOUNDS = (math.pi / 4.0, math.pi / 4.0, 1.0)
+# U is never printed. With these bounds of the inputs' sizes the terminal level (60) comes out
+# within 1 %.
+TURN_RATE_BOUND = math.pi / 4.0  # of u_psi [rad/s]
+PATH_ANGLE_RATE_BOUND = math.pi / 4.0  # of u_chi [rad/s]
+ACCELERATION_BOUND = 1.0  # of u_v [m/s^2]
+INPUT_BOUNDS = (TURN_RATE_BOUND, PATH_ANGLE_RATE_BOUND, ACCELERATION_BOUND)
 # x_o, the state (r, theta, z, chi, v) itself, not its error.
 INITIAL_STATE = (212.83, -math.pi / 4.0, 20.0, 0.0, 0.0)
 DURATION = 150.0  # of the simulation [s]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
+from uav_tracking_mpc.dynamics import paper_numbers as paper
 from uav_tracking_mpc.limits import COMPILED, Limit, Motion
 from uav_tracking_mpc.parameters.specification import parameter
 
@@ -17,10 +18,20 @@ class Acceleration(Limit):
     name = "acceleration"
 
     acceleration_min: float = parameter(
-        -1.0, "Least acceleration u_v.", "m/s^2", -100.0, -1e-3, fixed_unless=COMPILED
+        -paper.ACCELERATION_BOUND,
+        "Least acceleration u_v.",
+        "m/s^2",
+        -100.0,
+        -1e-3,
+        fixed_unless=COMPILED,
     )
     acceleration_max: float = parameter(
-        1.0, "Greatest acceleration u_v.", "m/s^2", 1e-3, 100.0, fixed_unless=COMPILED
+        paper.ACCELERATION_BOUND,
+        "Greatest acceleration u_v.",
+        "m/s^2",
+        1e-3,
+        100.0,
+        fixed_unless=COMPILED,
     )
 
     def inputs(self, motion: Motion, numbers: Any, xp: ModuleType) -> dict[str, tuple[Any, Any]]:

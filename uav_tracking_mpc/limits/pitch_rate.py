@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
+from uav_tracking_mpc.dynamics import paper_numbers as paper
 from uav_tracking_mpc.limits import COMPILED, Limit, Motion
 from uav_tracking_mpc.parameters.specification import parameter
 
@@ -18,7 +18,7 @@ class PitchRate(Limit):
     name = "pitch_rate"
 
     pitch_rate_max: float = parameter(
-        math.pi / 4,
+        paper.PATH_ANGLE_RATE_BOUND,
         "Greatest path-angle rate u_chi, either way.",
         "rad/s",
         1e-3,

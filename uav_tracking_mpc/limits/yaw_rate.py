@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
+from uav_tracking_mpc.dynamics import paper_numbers as paper
 from uav_tracking_mpc.dynamics.drift import sharpest_turn
 from uav_tracking_mpc.limits import COMPILED, Bound, Limit, Motion, OrbitShape
 from uav_tracking_mpc.limits._turn import TURN_RATE_SHARE
@@ -21,7 +21,7 @@ class YawRate(Limit):
     hard_on_orbit = True
 
     yaw_rate_max: float = parameter(
-        math.pi / 4,
+        paper.TURN_RATE_BOUND,
         "Greatest yaw rate u_psi, either way.",
         "rad/s",
         1e-3,

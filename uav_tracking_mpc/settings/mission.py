@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from uav_tracking_mpc.dynamics import paper_numbers as paper
 from uav_tracking_mpc.parameters.registry import PLANT
 from uav_tracking_mpc.parameters.specification import parameter
 
@@ -12,7 +13,9 @@ from uav_tracking_mpc.parameters.specification import parameter
 class MissionParameters:
     """What `fly` and `simulate` add to the nodes: how long, how fast, on which plant."""
 
-    duration: float = parameter(150.0, "Length of the mission, simulated time.", "s", 1.0, 1e6)
+    duration: float = parameter(
+        paper.DURATION, "Length of the mission, simulated time.", "s", 1.0, 1e6
+    )
     speed: float = parameter(10.0, "Simulated over wall time in fly.", lower=0.01, upper=100.0)
     plant: str = parameter(
         "vehicle",

@@ -8,16 +8,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.dynamics import paper_numbers as paper
+from uav_tracking_mpc.dynamics.relative import vehicle_state
+from uav_tracking_mpc.dynamics.vehicle import VehicleState
 from uav_tracking_mpc.parameters.registry import PLANT
 from uav_tracking_mpc.parameters.specification import ParameterError, parameter
+
+START = VehicleState(*vehicle_state(paper.INITIAL_STATE, 0.0, np.zeros(3)).tolist())
 
 
 @dataclass(frozen=True)
 class SimulatorParameters:
     """Where the simulated vehicle starts and what it can do.
 
-    The default start is the paper's x_o = [212.83, -pi/4, 20, 0, 0] (Section 6) about a target at
-    the origin; the paper leaves the azimuth free, here it is East.
+    The default start is the paper's x_o (Section 6) about a target at the origin; the paper leaves
+    the azimuth free, here it is East.
 
     Raises:
         ParameterError: A lower limit is not below its upper limit, or the start is outside them.
@@ -25,7 +30,7 @@ class SimulatorParameters:
 
     plant: str = parameter("vehicle", "What flies.", extension=PLANT, fixed=True)
     initial_position: tuple[float, ...] = parameter(
-        (math.sqrt(212.83**2 - 20.0**2), 0.0, 20.0),
+        (START.x, START.y, START.z),
         "Position at the start in map.",
         "m",
         -1e6,
@@ -33,16 +38,16 @@ class SimulatorParameters:
         size=3,
     )
     initial_heading: float = parameter(
-        0.75 * math.pi,
+        START.heading,
         "Heading at the start, counter-clockwise from East.",
         "rad",
         -math.pi,
         math.pi,
     )
     initial_path_angle: float = parameter(
-        0.0, "Path angle at the start, positive up.", "rad", -1.5, 1.5
+        START.path_angle, "Path angle at the start, positive up.", "rad", -1.5, 1.5
     )
-    initial_speed: float = parameter(0.0, "Speed at the start.", "m/s", 0.0, 400.0)
+    initial_speed: float = parameter(START.airspeed, "Speed at the start.", "m/s", 0.0, 400.0)
     state_rate: float = parameter(20.0, "How often the state is published.", "Hz", 1.0, 1000.0)
     speed: float = parameter(
         1.0, "Simulated over wall time, when /clock is driven.", lower=0.01, upper=1000.0
@@ -55,16 +60,16 @@ class SimulatorParameters:
         False, "Hold the vehicle where it starts until the first command arrives."
     )
     yaw_rate_max: float = parameter(
-        math.pi / 4, "Yaw rates beyond this are cut.", "rad/s", 1e-3, 10.0
+        paper.TURN_RATE_BOUND, "Yaw rates beyond this are cut.", "rad/s", 1e-3, 10.0
     )
     pitch_rate_max: float = parameter(
-        math.pi / 4, "Path-angle rates beyond this are cut.", "rad/s", 1e-3, 10.0
+        paper.PATH_ANGLE_RATE_BOUND, "Path-angle rates beyond this are cut.", "rad/s", 1e-3, 10.0
     )
     acceleration_min: float = parameter(
-        -1.0, "Accelerations below this are cut.", "m/s^2", -100.0, -1e-3
+        -paper.ACCELERATION_BOUND, "Accelerations below this are cut.", "m/s^2", -100.0, -1e-3
     )
     acceleration_max: float = parameter(
-        1.0, "Accelerations above this are cut.", "m/s^2", 1e-3, 100.0
+        paper.ACCELERATION_BOUND, "Accelerations above this are cut.", "m/s^2", 1e-3, 100.0
     )
     speed_min: float = parameter(0.0, "The vehicle does not fly slower.", "m/s", 0.0, 400.0)
     speed_max: float = parameter(20.0, "The vehicle does not fly faster.", "m/s", 0.1, 400.0)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.dynamics import paper_numbers as paper
 from uav_tracking_mpc.dynamics.discretisation import SCHEMES
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, DIRECTIONS, Orbit
 from uav_tracking_mpc.dynamics.relative import steady_inputs
@@ -55,13 +56,23 @@ class TrackingParameters(Gathered):
     """
 
     range: float = parameter(
-        150.0, "Distance to the target to hold, r_d.", "m", 1.0, 1e5, fixed_unless=COMPILED
+        paper.ORBIT.range,
+        "Distance to the target to hold, r_d.",
+        "m",
+        1.0,
+        1e5,
+        fixed_unless=COMPILED,
     )
     altitude: float = parameter(
-        50.0, "Height above the target to hold, z_d.", "m", -1e4, 1e4, fixed_unless=COMPILED
+        paper.ORBIT.altitude,
+        "Height above the target to hold, z_d.",
+        "m",
+        -1e4,
+        1e4,
+        fixed_unless=COMPILED,
     )
     airspeed: float = parameter(
-        4.0, "Speed to hold, v_d.", "m/s", 0.1, 300.0, fixed_unless=COMPILED
+        paper.ORBIT.speed, "Speed to hold, v_d.", "m/s", 0.1, 300.0, fixed_unless=COMPILED
     )
     law: str = parameter(
         PREDICTIVE,
@@ -85,13 +96,15 @@ class TrackingParameters(Gathered):
     scheme: str = parameter(
         "euler", "Discretisation of the model.", choices=tuple(SCHEMES), fixed=True
     )
-    horizon: int = parameter(10, "Stages of the horizon, N.", lower=1, upper=200, fixed=True)
+    horizon: int = parameter(
+        paper.HORIZON, "Stages of the horizon, N.", lower=1, upper=200, fixed=True
+    )
     horizon_step: float = parameter(
-        1.0, "Time from stage to stage, T_s.", "s", 0.001, 10.0, fixed=True
+        paper.STEP, "Time from stage to stage, T_s.", "s", 0.001, 10.0, fixed=True
     )
     control_rate: float = parameter(10.0, "How often a new command is computed.", "Hz", 0.1, 1000.0)
     state_weights: tuple[float, ...] = parameter(
-        (0.008, 0.09, 0.05, 0.04, 0.9),
+        paper.STATE_WEIGHTS,
         "Diagonal of Q: range, bearing, altitude, path angle, speed.",
         size=5,
         lower=1e-9,
@@ -99,7 +112,7 @@ class TrackingParameters(Gathered):
         fixed_unless=COMPILED,
     )
     input_weights: tuple[float, ...] = parameter(
-        (1.0, 1.0, 1.0),
+        paper.INPUT_WEIGHTS,
         "Diagonal of R: yaw rate, pitch rate, acceleration.",
         size=3,
         lower=1e-9,
@@ -107,7 +120,11 @@ class TrackingParameters(Gathered):
         fixed_unless=COMPILED,
     )
     terminal_scaling: float = parameter(
-        2.5, "rho: terminal weight P_rho = rho P.", lower=1.0, upper=1e3, fixed_unless=COMPILED
+        paper.SCALING,
+        "rho: terminal weight P_rho = rho P.",
+        lower=1.0,
+        upper=1e3,
+        fixed_unless=COMPILED,
     )
     terminal_constraint: str = parameter(
         "none",

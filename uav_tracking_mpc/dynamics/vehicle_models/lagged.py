@@ -106,7 +106,9 @@ class Lagged(VehicleModel):
 
         halfway, end = after(0.5 * duration, 0), after(duration, 3)
         end_rates = [inputs[axis] + excess[axis] * numbers[6 + axis] for axis in range(3)]
-        begin, middle, last = (air_velocity(*at, xp=xp) for at in (angles, halfway, end))
+        begin, middle, last = (
+            air_velocity(psi, chi, v, xp) for psi, chi, v in (angles, halfway, end)
+        )
         position = [
             start
             + duration / 6.0 * (begin[axis] + 4.0 * middle[axis] + last[axis])
