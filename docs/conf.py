@@ -24,6 +24,7 @@ extensions = [
 ]
 exclude_patterns = ["_build", "_extensions"]
 nitpicky = True
+toc_object_entries = False  # thousands of them, copied into every page
 suppress_warnings = ["ref.python"]  # a type in a signature whose name two classes have
 
 myst_enable_extensions = ["dollarmath", "colon_fence"]

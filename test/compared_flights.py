@@ -3,7 +3,7 @@
 from functools import cache
 
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.studies.comparison.flights import fly_all, prepared
+from uav_tracking_mpc.studies.comparison.flights import fly_all
 from uav_tracking_mpc.studies.comparison.results import Scenario, scenario_of
 
 LAWS = ("nmpc", "l1")
@@ -22,6 +22,6 @@ KEYS = {  # of a flight in the JSON
 def compared(name="gusts", duration=12.0, config="small_uav") -> Scenario:
     """Flights of l1 and, under the name of nmpc, of vector_field."""
     overrides = [f"mission.duration={duration}"]
-    configuration = prepared(load_configuration(config, overrides, name))
+    configuration = load_configuration(config, overrides, name)
     (logs,) = fly_all([configuration], ("vector_field", "l1"), workers=1, show=False)
     return scenario_of(name, configuration, LAWS, logs)

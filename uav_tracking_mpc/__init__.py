@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from uav_tracking_mpc.estimation.measurement import Measurement as Measurement
     from uav_tracking_mpc.estimation.situation import Situation as Situation
     from uav_tracking_mpc.laws import GuidanceLaw as GuidanceLaw
+    from uav_tracking_mpc.laws._check import check_law as check_law
     from uav_tracking_mpc.limits import Limit as Limit
     from uav_tracking_mpc.limits._envelope import Envelope as Envelope
     from uav_tracking_mpc.links import VehicleLink as VehicleLink
@@ -88,6 +89,7 @@ _HOMES = {
     "TrackingParameters": "settings.tracking",
     "VehicleLink": "links",
     "VehicleModel": "dynamics.vehicle_models",
+    "check_law": "laws._check",
     "check_link": "links._check",
     "check_motion": "simulation.motions._check",
     "check_plant": "simulation.plants._check",

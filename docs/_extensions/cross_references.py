@@ -6,7 +6,9 @@ Types in signatures may be of other packages, which have no page here.
 """
 
 import re
-import sys
+from collections import defaultdict
+from importlib import import_module
+from importlib.util import find_spec
 
 from docutils.parsers.rst.states import Inliner
 from sphinx.util.nodes import make_refnode
@@ -16,6 +18,7 @@ ARRAY = re.compile(
     r"~?numpy\.ndarray\[~?(?:tuple\[~?typing\.Any, \.\.\.\]|typing\.Any), "
     r"~?numpy\.dtype\[~?(?:numpy\.)?(\w+)\]\]"
 )
+WORDS: dict[str, list[str]] = defaultdict(list)
 PLAIN = ("attribute", "data", "property")
 
 
@@ -62,8 +65,8 @@ def resolve(app, environment, node, content):
         kinds = [*kinds, "property"]  # the base's method may be a property
     found = [
         full
-        for full, entry in objects.items()
-        if full.endswith(f".{target}") and entry.objtype in kinds
+        for full in of_last_word(objects).get(target.rpartition(".")[2], ())
+        if full.endswith(f".{target}") and objects[full].objtype in kinds
     ]
     if len(found) > 1:  # prefer where the package's own text looks: the same module
         found = [full for full in found if full.startswith(f"{node.get('py:module')}.")]
@@ -75,12 +78,20 @@ def resolve(app, environment, node, content):
             app.builder, node["refdoc"], entry.docname, entry.node_id, content, found[0]
         )
     written_by_hand = "refwarn" in node
-    elsewhere = target.partition(".")[0] in sys.modules
+    elsewhere = "." in target and find_spec(target.partition(".")[0]) is not None
     return None if written_by_hand and not elsewhere else content
+
+
+def of_last_word(objects):
+    """Names of the package by their last word; made once, when all documents have been read."""
+    if not WORDS:
+        for name in objects:
+            WORDS[name.rpartition(".")[2]].append(name)
+    return WORDS
 
 
 def constant(target, module):
     """Module that holds a constant; constants have no entry of their own."""
     path, _, name = target.lstrip("~.").rpartition(".")
     path = path or module
-    return [path] if hasattr(sys.modules.get(path), name) else []
+    return [path] if path and hasattr(import_module(path), name) else []

@@ -10,7 +10,7 @@ from uav_tracking_mpc.dynamics.angles import angle_difference
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.navigator import LATENCY_LIMIT, Navigator
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.simulation.plants.vehicle import Plant
+from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
 
 TICK = 0.05
 FLIGHT = small_uav.parameters()
@@ -68,7 +68,7 @@ class Flight:
             ],
         )
         self.parameters = configuration.controller
-        self.plant = Plant(configuration.simulator)
+        self.plant = VehiclePlant(configuration.simulator)
         self.navigator = Navigator(self.parameters)
         self.run, self.ticks = np.array(run), 0
 
@@ -94,9 +94,7 @@ class Flight:
         return estimate
 
     def estimate(self):
-        state, ground_velocity = self.plant.measured()
-        turn, climb, _ = self.plant.rates
-        return self.navigator.estimate(measured(self.time, ground_velocity, (turn, climb), state))
+        return self.navigator.estimate(replace(self.plant.measured(), stamp=self.time))
 
 
 def test_the_acceleration_flown_is_told_from_the_commands():

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from processes import INTERRUPT, KILL, TERMINATE, alive, command, environment, nodes_of, wait_for
 
+from uav_tracking_mpc.control.record import replay
 from uav_tracking_mpc.launch.domain import LAST_DOMAIN, own_domain
 from uav_tracking_mpc.launch.shared_memory import SharedMemoryFiles
 from uav_tracking_mpc.nodes.conversions import plan_from_command, vehicle_from_odometry
@@ -167,7 +168,10 @@ def flight(tmp_path_factory):
 @pytest.mark.timeout(150)
 def test_the_mission_is_flown_recorded_and_reported(flight):
     output, metrics = flight
-    files = {"metrics.json", "trajectory.png", "states.png", "report.html", "mission.mcap"}
+    files = {
+        "metrics.json", "trajectory.png", "states.png", "report.html", "mission.mcap",
+        "controller.jsonl",
+    }  # fmt: skip
     assert {path.name for path in output.iterdir()} == files
     assert json.loads((output / "metrics.json").read_text()) == metrics
     assert metrics["settling_s"]["altitude"] <= 20.0
@@ -177,6 +181,18 @@ def test_the_mission_is_flown_recorded_and_reported(flight):
     assert metrics["solver"]["failures"] == 0
     assert metrics["commands"]["sent"] > 500
     assert metrics["latency_us"]["median"] > 0.0
+
+
+@pytest.mark.timeout(150)
+def test_what_was_flown_is_flown_again_bit_for_bit(flight):
+    """By the controller alone, until a solve met its time budget."""
+    output, metrics = flight
+    steps = list(replay(output / "controller.jsonl"))
+    commands = [step.recorded for step in steps if step.recorded is not None]
+    assert len(commands) == metrics["commands"]["sent"]
+    late = [step.recorded is not None and step.recorded.out_of_time for step in steps]
+    repeatable = late.index(True) if any(late) else len(steps)
+    assert all(step.same for step in steps[:repeatable])
 
 
 @pytest.mark.timeout(150)

@@ -7,14 +7,11 @@ from nav_msgs.msg import Odometry
 from rclpy.serialization import deserialize_message, serialize_message
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
-from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.nodes.conversions import (
     MessageError,
     air_velocity_from_twist,
-    markers_message,
     measurement_from_odometry,
     nanoseconds,
-    path_message,
     plan_from_command,
     position_from_point,
     set_air_velocity,
@@ -200,13 +197,3 @@ def test_a_stamp_that_is_no_time_is_refused(read, message):
     message.header.stamp.sec, message.header.stamp.nanosec = 2**31 - 1, 2**32 - 1
     with pytest.raises(MessageError, match="header.stamp.nanosec is 4294967295"):
         read(message)
-
-
-def test_what_viewers_get_can_be_serialized():
-    states = np.column_stack([np.arange(5.0)] * 6)
-    path = over_the_wire(path_message(1, states))
-    assert [pose.pose.position.x for pose in path.poses] == [0.0, 1.0, 2.0, 3.0, 4.0]
-    markers = over_the_wire(markers_message(1, states, np.zeros(3), Orbit(150.0, 50.0, 4.0)))
-    circle = markers.markers[1].points
-    assert np.hypot(circle[9].x, circle[9].y) == pytest.approx(np.sqrt(20000.0))
-    assert len({marker.id for marker in markers.markers}) == 4

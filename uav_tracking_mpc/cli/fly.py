@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 
 from uav_tracking_mpc.cli.answer import answer
@@ -16,6 +17,7 @@ from uav_tracking_mpc.cli.arguments import (
 HELP = "fly a mission with real ROS 2 nodes, record and report"
 DESCRIPTION = "Start simulator, target and controller as processes, fly a mission and report it."
 BAG = "mission.mcap"
+RECORD = "controller.jsonl"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,7 +28,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """
     add_mission_arguments(parser, plant="uav_simulator.plant")
     add_domain_argument(parser, "ROS domain to fly in (default: one that no other launch uses)")
-    add_output_arguments(parser, f"{BAG}, metrics.json, figures and report.html", "output")
+    add_output_arguments(
+        parser, f"{BAG}, {RECORD}, metrics.json, figures and report.html", "output"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -40,9 +44,15 @@ def run(arguments: argparse.Namespace) -> int:
     """
     from uav_tracking_mpc.launch.flight import launch
 
+    bag, record = arguments.output / BAG, (arguments.output / RECORD).resolve()
+    setting = f"nmpc_controller.record={json.dumps(str(record))}"
+    arguments.overrides = [setting, *arguments.overrides]
     configuration = chosen_configuration(arguments, arguments.scenario)
-    bag = arguments.output / BAG
-    number = launch(configuration, domain=arguments.domain_id, bag=bag)
+    try:
+        number = launch(configuration, domain=arguments.domain_id, bag=bag)
+    except BaseException:
+        record.unlink(missing_ok=True)
+        raise
     from uav_tracking_mpc.nodes.flight_bag import flight_log
     from uav_tracking_mpc.report.flight_findings import in_short
     from uav_tracking_mpc.report.mission_report import write_report

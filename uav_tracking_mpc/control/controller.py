@@ -1,8 +1,7 @@
 """The whole control step, from a measurement to a command; knows nothing of ROS.
 
-A step judges the measurement, asks whether a command is due, estimates where the aircraft will be
-when the command takes effect, solves the optimal control problem from there, and falls back on
-something simpler where that fails::
+A step judges the measurement, estimates where the aircraft will be when the command takes effect,
+solves the optimal control problem from there, and falls back on something simpler if that fails::
 
     controller = Controller(load_configuration("small_uav").controller)
     controller.see_target(stamp, position)
@@ -31,7 +30,6 @@ from uav_tracking_mpc.control.guidance import formulation_of, law_inputs, law_of
 from uav_tracking_mpc.control.pace import Pace
 from uav_tracking_mpc.control.plan_memory import PlanMemory
 from uav_tracking_mpc.control.rate_keeper import RateKeeper
-from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
 from uav_tracking_mpc.estimation.navigator import Estimate, Navigator
 from uav_tracking_mpc.estimation.situation import Situation
@@ -73,6 +71,7 @@ class Controller:
         formulation: Formulation | None = None,
         stopwatch: Callable[[], float] = time.perf_counter,
     ) -> None:
+        self.parameters = parameters
         self._law_class = law_of(parameters)
         self.formulation = formulation or formulation_of(parameters)
         self._stopwatch = stopwatch
@@ -86,7 +85,7 @@ class Controller:
         self._shaper = CommandShaper(parameters)
         self._plan = PlanMemory()
         self.reset()
-        self._take(parameters)
+        self._choose()
 
     def reset(self) -> None:
         """Forget aircraft, air, target, plans and commands; counts and latency stay."""
@@ -143,21 +142,18 @@ class Controller:
         self._gate.timeout = parameters.state_timeout
         self._pace = Pace(parameters.control_rate)
         self.rate.rate = parameters.control_rate
-        self._take(parameters)
-        orbit, direction = parameters.orbit, parameters.direction
-        words = f"{orbit.range:g} m at {orbit.altitude:g} m and {orbit.speed:g} m/s, {direction}"
+        self.parameters = parameters
+        self._choose()
+        p = parameters
+        words = f"{p.range:g} m at {p.altitude:g} m and {p.airspeed:g} m/s, {p.direction}"
         self.events.add(Level.INFO, f"from now on {words}")
 
-    def _take(self, parameters: TrackingParameters) -> None:
-        self.parameters = parameters
-        direction = self._direction or parameters.orbit.direction  # the nearest one, chosen before
-        self._choose(dataclasses.replace(parameters.orbit, direction=direction))
-
-    def _choose(self, orbit: Orbit) -> None:
-        envelope = self.parameters.envelope
-        self.orbit = orbit
-        self._loiter = VectorField(orbit, envelope)
-        self._law = None if self._law_class is None else self._law_class(orbit, envelope)
+    def _choose(self) -> None:
+        """Fly the orbit that is asked for, in the nearest direction once that is chosen."""
+        orbit, envelope = self.parameters.orbit, self.parameters.envelope
+        self.orbit = dataclasses.replace(orbit, direction=self._direction or orbit.direction)
+        self._loiter = VectorField(self.orbit, envelope)
+        self._law = None if self._law_class is None else self._law_class(self.orbit, envelope)
 
     def see_air(self, stamp: float, airspeed: float) -> None:
         """Take in an airspeed that comes beside the measurements: see :meth:`AirData.see`.
@@ -318,7 +314,7 @@ class Controller:
             return
         self._direction = nearest_direction(situation, self._direction)
         if self._direction != self.orbit.direction:
-            self._choose(dataclasses.replace(self.orbit, direction=self._direction))
+            self._choose()
 
     def _solve(self, stamp: float, estimate: Estimate) -> tuple[Plan | None, str]:
         """The predictive controller's answer, or what kept it from one."""

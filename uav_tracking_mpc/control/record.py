@@ -36,7 +36,7 @@ class RecordingController(Controller):
 
     Args:
         parameters: What to fly and how.
-        path: File to write; an existing one is replaced.
+        path: File to write, with its folder; an existing one is replaced.
         stopwatch: Clock in [s] with which the controller measures how long it takes.
 
     Raises:
@@ -58,6 +58,7 @@ class RecordingController(Controller):
         self._calls: list[dict[str, Any]] = []
         super().__init__(parameters, stopwatch=read)
         try:
+            path.parent.mkdir(parents=True, exist_ok=True)
             self._file = path.open("w", encoding="utf-8")
         except OSError as error:
             raise ParameterError(

@@ -45,7 +45,14 @@ _POWERS = np.arange(float(TERMS))
 
 
 def singer_motion(duration: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Transition matrix and covariance of the noise of unit sigma_a over a duration >= 0 [s]."""
+    """Transition matrix and covariance of the noise of unit sigma_a.
+
+    Args:
+        duration: At least 0, in [s].
+
+    Returns:
+        F and Q, shape (3, 3) each.
+    """
     x = duration / MANOEUVRE_TIME
     if x > 0.5:
         half, noise = singer_motion(duration / 2.0)
@@ -66,6 +73,12 @@ def bridged(age: float) -> tuple[float, float]:
 
     A target that is lost is taken to run on for a while and then to slow down, so that no
     position runs away.
+
+    Args:
+        age: Of the newest measurement in [s].
+
+    Returns:
+        Time in [s], and the share, from 0 to 1.
     """
     if age <= BRIDGE_TIME:
         return age, 1.0
@@ -102,7 +115,14 @@ class SingerTrack:
         self.turn_rate = 0.0
 
     def propagated(self, time: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """State and covariance at a time not before that of the track, shapes (3, 3)."""
+        """State and covariance at a later time.
+
+        Args:
+            time: Not before that of the track, in [s].
+
+        Returns:
+            As the attributes, shape (3, 3) each.
+        """
         age = time - self.time
         transition, noise = singer_motion(age)
         covariance = transition @ self.covariance @ transition.T + self._agility**2 * noise
@@ -114,7 +134,11 @@ class SingerTrack:
         return state, covariance
 
     def position_std(self, age: float) -> float:
-        """Standard deviation of the position on each axis [m] at an age >= 0 [s] of the track."""
+        """Standard deviation of the position on each axis in [m].
+
+        Args:
+            age: Of the track, at least 0, in [s].
+        """
         transition, noise = singer_motion(age)
         row = transition[0]
         return math.sqrt(row @ self.covariance @ row + self._agility**2 * noise[0, 0])

@@ -102,8 +102,8 @@ class TargetFilter:
             False if it was left out: late, or not to be believed.
 
         Raises:
-            MeasurementError: A value is not finite or not of its shape, or the covariance is none;
-                the filter is unchanged.
+            MeasurementError: A value is not finite or not of its shape, or the covariance is
+                negative; the filter is unchanged.
         """
         if not np.isfinite(time):
             raise MeasurementError(f"time of the target position is {time!r} s, must be finite")

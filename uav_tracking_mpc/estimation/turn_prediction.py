@@ -5,11 +5,13 @@ a_t the acceleration along u,
 
 .. math:: v(t) = u e^{i \omega t} (s + a_t \tau (1 - e^{-t/\tau}))
 
-which is integrated in closed form. a_t counts as far as it stands out of its uncertainty and never
-reverses the target; the vertical velocity is held. Measured 5 and 10 s ahead: on circles the
-errors are a quarter of those of a held velocity without noise at 10 Hz, and a few percent less with
-3 m of noise at 5 Hz; on noisy straight runs they are 2 to 6 % greater; in stop and go they are
-alike. Singer's own forecast lies between without noise and is the worst with it.
+which is integrated in closed form. a_t is weighted by how far it exceeds its uncertainty, and never
+reverses the target. The vertical velocity is held.
+
+Errors 5 and 10 s ahead, compared with those of a held velocity: on circles a quarter without noise
+at 10 Hz, and a few percent less with 3 m of noise at 5 Hz; on noisy straight runs 2 to 6 % more; in
+stop and go the same. Those of Singer's own model lie between without noise and are the largest with
+it.
 """
 
 from __future__ import annotations
@@ -49,7 +51,7 @@ def predict_turn(
     direction = level / speed if speed > 0.0 else 1.0 + 0.0j
     along = (complex(ax, ay) * direction.conjugate()).real
     along *= along * along / (along * along + float(covariance[2, 2]))
-    # Speed that is gained in the end; braking ends at rest.
+    # Speed gained after a long time; braking ends at rest.
     gained = max(along * MANOEUVRE_TIME, -speed)
     # v = lasting exp(turn t) - passing exp(fade t), and so are its derivative and integral.
     turn = 1j * math.copysign(max(abs(rate), STRAIGHT), rate)

@@ -6,7 +6,9 @@
 ==================  ==============================================================
 
 A law is a subclass of :class:`GuidanceLaw` in a file of its own name. It is found by that name, by
-an entry point in the group ``uav_tracking_mpc.laws``, or as ``path.py:Class``.
+an entry point in the group ``uav_tracking_mpc.laws``, or as ``path.py:Class``;
+:func:`uav_tracking_mpc.laws._check.check_law` tells its author whether it keeps what the base asks
+for.
 """
 
 from __future__ import annotations

@@ -32,9 +32,10 @@ def altitude_hold(orbit: Orbit, envelope: Envelope, situation: Situation) -> tup
     Returns:
         (u_chi, u_v) in [rad/s, m/s^2], not yet clipped.
     """
-    path_angle, speed = float(situation.vehicle[4]), float(situation.vehicle[5])
-    height, drift = float(situation.vehicle[2]), float(situation.drift[2])
-    wanted = float(situation.target[2]) + orbit.altitude
+    _, _, height, _, path_angle, speed = situation.vehicle.tolist()
+    _, _, drift = situation.drift.tolist()
+    _, _, ground = situation.target.tolist()
+    wanted = ground + orbit.altitude
     # At the floor the target is not followed down, and of the vertical drift only that which may
     # be a sinking air counts.
     climb = max(

@@ -41,7 +41,7 @@ class L1Loiter(GuidanceLaw):
         orbit: What to fly.
         envelope: What can be flown.
         period: T in [s].
-        damping: zeta [-].
+        damping: zeta, [-].
     """
 
     name = "l1"
@@ -56,7 +56,7 @@ class L1Loiter(GuidanceLaw):
 
     def inputs(self, situation: Situation) -> NDArray[np.float64]:
         """See :meth:`GuidanceLaw.inputs`."""
-        path_angle, speed = (float(value) for value in situation.vehicle[4:6])
+        path_angle, speed = situation.path_angle, situation.airspeed
         # The bank turns the air velocity: a = v u_psi.
         turn_rate = self.lateral_acceleration(situation) / max(speed, 0.1 * self.orbit.speed)
         climb, acceleration = altitude_hold(self.orbit, self.envelope, situation)
@@ -68,8 +68,8 @@ class L1Loiter(GuidanceLaw):
         Args:
             situation: Aircraft, target and drift now.
         """
-        x, y = (float(value) for value in situation.offset[:2])
-        wx, wy = (float(value) for value in situation.relative_velocity[:2])
+        x, y, _ = situation.offset.tolist()
+        wx, wy, _ = situation.relative_velocity.tolist()
         d, speed = math.hypot(x, y), max(math.hypot(wx, wy), 1.0)
         # Over the target, take the direction of the flight for that to the aircraft.
         ex, ey = (x / d, y / d) if d > 0.1 else (wx / speed, wy / speed)

@@ -47,7 +47,7 @@ class VectorField(GuidanceLaw):
     Args:
         orbit: What to fly.
         envelope: What can be flown.
-        circulation: kappa [-], greater than 0: share of circling in the field off the circle.
+        circulation: kappa, greater than 0, [-]: share of circling in the field off the circle.
         gain: k in [1/s], turn rate per error of the heading.
     """
 
@@ -63,9 +63,9 @@ class VectorField(GuidanceLaw):
 
     def inputs(self, situation: Situation) -> NDArray[np.float64]:
         """See :meth:`GuidanceLaw.inputs`."""
-        heading, path_angle, speed = (float(value) for value in situation.vehicle[3:6])
+        path_angle, speed = situation.path_angle, situation.airspeed
         wanted, rate = self.heading(situation)
-        error = math.remainder(wanted - heading, 2.0 * math.pi)
+        error = math.remainder(wanted - situation.heading, 2.0 * math.pi)
         turn_rate = rate + self._gain * error
         climb, acceleration = altitude_hold(self.orbit, self.envelope, situation)
         return self.envelope.clip([turn_rate, climb, acceleration], speed, path_angle)
@@ -83,16 +83,15 @@ class VectorField(GuidanceLaw):
         Returns:
             (psi_des, psi_des') in [rad, rad/s].
         """
-        x, y = (float(value) for value in situation.offset[:2])
-        wx, wy = (float(value) for value in situation.relative_velocity[:2])
+        x, y, _ = situation.offset.tolist()
+        wx, wy, _ = situation.relative_velocity.tolist()
         course, course_rate = self._field(x, y, wx, wy)
-        cx, cy = (float(value) for value in situation.drift[:2])
-        cx_rate, cy_rate = (float(value) for value in situation.drift_rate[:2])
-        path_angle, speed = (float(value) for value in situation.vehicle[4:6])
+        cx, cy, _ = situation.drift.tolist()
+        cx_rate, cy_rate, _ = situation.drift_rate.tolist()
+        _, climb, acceleration = situation.rates.tolist()
+        path_angle, speed = situation.path_angle, situation.airspeed
         level = max(abs(speed * math.cos(path_angle)), 0.01 * self.orbit.speed)  # V
-        level_rate = float(situation.rates[2]) * math.cos(path_angle) - float(
-            situation.rates[1]
-        ) * speed * math.sin(path_angle)
+        level_rate = acceleration * math.cos(path_angle) - climb * speed * math.sin(path_angle)
         cos, sin = math.cos(course), math.sin(course)
         along, across = cx * cos + cy * sin, cy * cos - cx * sin  # c.h, c.n
         crab = across / level

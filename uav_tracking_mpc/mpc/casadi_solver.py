@@ -60,12 +60,17 @@ class CasadiSolver:
 
     @property
     def time_limit(self) -> float:
-        """Wall time per solve in [s]; inf for none."""
+        """Wall time of one solve in [s]; inf for none."""
         assert self._time_limit is not None
         return self._time_limit
 
     @time_limit.setter
     def time_limit(self, limit: float) -> None:
+        """Set it; IPOPT takes a moment to be built anew.
+
+        Args:
+            limit: In [s], positive.
+        """
         if limit == self._time_limit:
             return
         if not limit > 0.0:

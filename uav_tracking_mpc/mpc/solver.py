@@ -65,9 +65,6 @@ class Solver(Protocol):
         ...
 
 
-SolverFactory = Callable[[OptimalControlProblem], Solver]
-
-
 def shift(samples: NDArray[np.float64], stages: float) -> NDArray[np.float64]:
     """Move a sequence forward in time by linear interpolation; the last sample is held.
 

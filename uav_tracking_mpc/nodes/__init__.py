@@ -6,6 +6,7 @@
 ``nmpc_controller``      messages to the controller, its commands to the vehicle
 ``controller_report``    what it has done, as numbers for /diagnostics
 ``controller_views``     what it shows to people: tracking errors, path, markers
+``view_messages``        the messages of path and markers
 ``command_wire``         a command as bytes, rewritten in place
 ``stall_guard``          whether the process has been standing still
 ``monitor``              a live table in the terminal

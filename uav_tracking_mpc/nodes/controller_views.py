@@ -10,8 +10,8 @@ from rclpy.node import Node
 
 from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.dynamics import vehicle
-from uav_tracking_mpc.nodes.conversions import markers_message, path_message
 from uav_tracking_mpc.nodes.topics import MARKERS, PREDICTED_PATH, TRACKING
+from uav_tracking_mpc.nodes.view_messages import markers_message, path_message
 
 PERIOD = 0.2  # s of wall time between paths and markers: people look at them
 

@@ -14,17 +14,15 @@ from builtin_interfaces.msg import Time
 from geometry_msgs.msg import (
     Point,
     PointStamped,
-    PoseStamped,
     Quaternion,
     Twist,
     TwistStamped,
     Vector3,
 )
-from nav_msgs.msg import Odometry, Path
+from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
 from std_msgs.msg import Header
 from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
-from visualization_msgs.msg import Marker, MarkerArray
 
 from uav_tracking_mpc.dynamics.frames import (
     body_rates,
@@ -35,7 +33,6 @@ from uav_tracking_mpc.dynamics.frames import (
     rotation_from_course,
     rotation_from_quaternion,
 )
-from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
 
 MAP, BASE_LINK = "map", "base_link"
@@ -49,12 +46,21 @@ class MessageError(MeasurementError):
 
 
 def nanoseconds(stamp: Time) -> int:
-    """A stamp as one integer."""
+    """A stamp as one integer, in [ns].
+
+    Args:
+        stamp: As in a header.
+    """
     return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
 
 
 def set_stamp(stamp: Time, value: int) -> None:
-    """Write nanoseconds into a stamp."""
+    """Write nanoseconds into a stamp.
+
+    Args:
+        stamp: Changed in place.
+        value: In [ns].
+    """
     stamp.sec, stamp.nanosec = divmod(int(value), 1_000_000_000)
 
 
@@ -76,30 +82,42 @@ def set_odometry(
     """
     set_stamp(message.header.stamp, stamp)
     message.header.frame_id, message.child_frame_id = MAP, BASE_LINK
-    _set_vector(message.pose.pose.position, state[:3])
-    _set_orientation(message.pose.pose.orientation, state[3], state[4])
-    heading, path_angle, speed = (float(value) for value in state[3:])
-    _set_vector(
+    set_vector(message.pose.pose.position, state[:3])
+    _, _, _, heading, path_angle, speed = state.tolist()
+    set_orientation(message.pose.pose.orientation, heading, path_angle)
+    set_vector(
         message.twist.twist.linear,
         (speed, 0.0, 0.0)
         if ground_velocity is None
         else rotation_from_course(heading, path_angle).T @ ground_velocity,
     )
-    _set_vector(message.twist.twist.angular, body_rates(path_angle, rates))
+    set_vector(message.twist.twist.angular, body_rates(path_angle, rates))
 
 
 def set_air_velocity(message: TwistStamped, stamp: int, speed: float) -> None:
-    """Fill the velocity through the air: along the body's x axis."""
+    """Fill the velocity through the air: along the body's x axis.
+
+    Args:
+        message: Changed in place.
+        stamp: When it was measured in [ns].
+        speed: Airspeed v in [m/s].
+    """
     set_stamp(message.header.stamp, stamp)
     message.header.frame_id = BASE_LINK
-    _set_vector(message.twist.linear, (speed, 0.0, 0.0))
+    set_vector(message.twist.linear, (speed, 0.0, 0.0))
 
 
 def set_point(message: PointStamped, stamp: int, position: NDArray[np.float64]) -> None:
-    """Fill a stamped point in ``map``."""
+    """Fill a stamped point in ``map``.
+
+    Args:
+        message: Changed in place.
+        stamp: When it was measured in [ns].
+        position: Shape (3,), in [m].
+    """
     set_stamp(message.header.stamp, stamp)
     message.header.frame_id = MAP
-    _set_vector(message.point, position)
+    set_vector(message.point, position)
 
 
 def measurement_from_odometry(message: Odometry, stamp: float = 0.0) -> Measurement:
@@ -139,6 +157,9 @@ def measurement_from_odometry(message: Odometry, stamp: float = 0.0) -> Measurem
 def vehicle_from_odometry(message: Odometry) -> NDArray[np.float64]:
     """State (x, y, z, psi, chi, v), shape (6,), of an Odometry message in still air.
 
+    Args:
+        message: As in ``uav/odometry``.
+
     Raises:
         MessageError: As in :func:`measurement_from_odometry`.
     """
@@ -149,6 +170,9 @@ def vehicle_from_odometry(message: Odometry) -> NDArray[np.float64]:
 def air_velocity_from_twist(message: TwistStamped) -> NDArray[np.float64]:
     """Velocity through the air in ``base_link``, shape (3,), in [m/s].
 
+    Args:
+        message: As in ``uav/air_velocity``.
+
     Raises:
         MessageError: Wrong frame, no time, not finite, or absurd.
     """
@@ -158,6 +182,9 @@ def air_velocity_from_twist(message: TwistStamped) -> NDArray[np.float64]:
 
 def position_from_point(message: PointStamped) -> NDArray[np.float64]:
     """Position, shape (3,), in [m].
+
+    Args:
+        message: As in ``target/position``.
 
     Raises:
         MessageError: Wrong frame, no time, not finite, or absurd.
@@ -207,6 +234,9 @@ def plan_from_command(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Plan of a command.
 
+    Args:
+        message: As in ``uav/command``.
+
     Returns:
         Inputs (u_psi, u_chi, u_v), shape (n, 3), and the times from the stamp at which each
         begins, shape (n,), in [s].
@@ -237,74 +267,24 @@ def plan_from_command(
     return plan, starts
 
 
-def path_message(stamp: int, states: NDArray[np.float64]) -> Path:
-    """Path through vehicle states, shape (n, 6), in ``map``."""
-    message = Path()
-    set_stamp(message.header.stamp, stamp)
-    message.header.frame_id = MAP
-    for state in states:
-        pose = PoseStamped()
-        pose.header = message.header
-        _set_vector(pose.pose.position, state[:3])
-        _set_orientation(pose.pose.orientation, state[3], state[4])
-        message.poses.append(pose)
-    return message
+def set_vector(message: Point | Vector3, values: Sequence[float] | NDArray[np.float64]) -> None:
+    """Fill a vector.
 
-
-def markers_message(
-    stamp: int,
-    states: NDArray[np.float64],
-    target: NDArray[np.float64],
-    orbit: Orbit,
-) -> MarkerArray:
-    """Markers of target, desired orbit, plan (vehicle states, shape (n, 6)) and aircraft."""
-    angles = np.linspace(0.0, 2.0 * np.pi, 73)
-    circle = target + np.column_stack(
-        [
-            orbit.radius * np.cos(angles),
-            orbit.radius * np.sin(angles),
-            np.full(len(angles), orbit.altitude),
-        ]
-    )
-    markers = [
-        _marker(stamp, 0, Marker.SPHERE, (0.84, 0.37, 0.0), 6.0),
-        _marker(stamp, 1, Marker.LINE_STRIP, (0.5, 0.5, 0.5), 0.8, circle),
-        _marker(stamp, 2, Marker.LINE_STRIP, (0.0, 0.45, 0.7), 1.2, states[:, :3]),
-        _marker(stamp, 3, Marker.ARROW, (0.0, 0.6, 0.5), 3.0),
-    ]
-    _set_vector(markers[0].pose.position, target)
-    _set_vector(markers[3].pose.position, states[0, :3])
-    _set_orientation(markers[3].pose.orientation, states[0, 3], states[0, 4])
-    markers[3].scale.x = 12.0
-    return MarkerArray(markers=markers)
-
-
-def _marker(
-    stamp: int,
-    identity: int,
-    kind: int,
-    colour: tuple[float, float, float],
-    size: float,
-    points: NDArray[np.float64] | None = None,
-) -> Marker:
-    marker = Marker()
-    set_stamp(marker.header.stamp, stamp)
-    marker.header.frame_id = MAP
-    marker.ns, marker.id, marker.type = "uav_tracking", identity, kind
-    marker.scale.x = marker.scale.y = marker.scale.z = size
-    marker.color.r, marker.color.g, marker.color.b, marker.color.a = *colour, 1.0
-    for position in () if points is None else points:
-        point = Point()
-        _set_vector(point, position)
-        marker.points.append(point)
-    return marker
-
-
-def _set_vector(message: Point | Vector3, values: Sequence[float] | NDArray[np.float64]) -> None:
+    Args:
+        message: Changed in place.
+        values: Shape (3,), in the unit of the field.
+    """
     message.x, message.y, message.z = float(values[0]), float(values[1]), float(values[2])
 
 
-def _set_orientation(message: Quaternion, heading: float, path_angle: float) -> None:
+def set_orientation(message: Quaternion, heading: float, path_angle: float) -> None:
+    """Fill the orientation of ``base_link`` in ``map``, wings level.
+
+    Args:
+        message: Changed in place.
+        heading: psi in [rad].
+        path_angle: chi in [rad].
+    """
     message.x, message.y, message.z, message.w = quaternion_from_course(
         float(heading), float(path_angle)
     )

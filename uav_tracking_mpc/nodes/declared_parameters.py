@@ -19,6 +19,7 @@ from uav_tracking_mpc.parameters.specification import (
     ParameterError,
     Specification,
     from_mapping,
+    resolved,
     specifications,
 )
 
@@ -42,8 +43,10 @@ def declare_parameters(node: Node, parameters: type[T], changeable: bool = False
     Raises:
         ParameterError: A value of the wrong type, out of range, or at odds with another.
     """
-    known = specifications(parameters)
     overrides: dict[str, Any] = getattr(node, "_parameter_overrides", {})
+    # Limits and models may bring parameters of their own.
+    parameters = resolved(parameters, {name: _plain(o.value) for name, o in overrides.items()})
+    known = specifications(parameters)
     for specification in known:
         override = overrides.get(specification.name)
         if override is not None:
@@ -69,22 +72,23 @@ def declare_parameters(node: Node, parameters: type[T], changeable: bool = False
 
 
 def follow_parameters(
-    node: Node, parameters: type[T], check: Callable[[T], None], take: Callable[[T], None]
+    node: Node, parameters: T, check: Callable[[T], None], take: Callable[[T], None]
 ) -> None:
     """Let the parameters of a dataclass be set while the node runs, together or not at all.
 
     Args:
         node: On which they have been declared as changeable.
-        parameters: The dataclass.
+        parameters: As :func:`declare_parameters` has built them.
         check: Raises ParameterError where the whole set cannot be taken now.
         take: Takes it; called after every parameter has its new value.
     """
-    names = {specification.name for specification in specifications(parameters)}
+    kind = type(parameters)
+    names = {specification.name for specification in specifications(kind)}
 
     def candidate(changes: list[Parameter]) -> T:
         values = {name: _plain(node.get_parameter(name).value) for name in names}
         values |= {change.name: _plain(change.value) for change in changes if change.name in names}
-        return from_mapping(parameters, values)
+        return from_mapping(kind, values)
 
     def on_set(changes: list[Parameter]) -> SetParametersResult:
         if not any(change.name in names for change in changes):
@@ -105,9 +109,12 @@ def follow_parameters(
 
 def _descriptor(specification: Specification, changeable: bool) -> ParameterDescriptor:
     unit = f" [{specification.unit}]" if specification.unit else ""
+    constraints = f"must be {specification.allowed}"
+    if changeable and specification.fixed:
+        constraints += "; stays as it is while the node is configured"
     descriptor = ParameterDescriptor(
         description=specification.description + unit,
-        additional_constraints=f"must be {specification.allowed}",
+        additional_constraints=constraints,
         read_only=not changeable,
         dynamic_typing=True,
     )

@@ -36,7 +36,12 @@ class Diagnostics:
         )
 
     def report(self, level: bytes, message: str) -> None:
-        """Say how the node is; published and logged at once when it is news."""
+        """Say how the node is; published and logged at once when it has changed.
+
+        Args:
+            level: OK, WARN or ERROR.
+            message: For people.
+        """
         if (level, message) == (self._status.level, self._status.message):
             return
         self._status.level, self._status.message = level, message

@@ -51,7 +51,7 @@ class NmpcController(LifecycleNode):
     def __init__(self, **options: Any) -> None:
         super().__init__("nmpc_controller", **options)
         self.parameters = declare_parameters(self, TrackingParameters, changeable=True)
-        follow_parameters(self, TrackingParameters, self._check, self._take)
+        follow_parameters(self, self.parameters, self._check, self._take)
         self.controller: Controller | None = None
         self._active = False
         self._failure = ""
@@ -87,7 +87,11 @@ class NmpcController(LifecycleNode):
             self.trigger_activate()
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Build and check everything; failure says why and leaves the node unconfigured."""
+        """Build and check everything; failure says why and leaves the node unconfigured.
+
+        Args:
+            state: Before the transition.
+        """
         parameters = self.parameters
         try:
             claim = certification(parameters, configuration_folder() / "certificates")
@@ -103,12 +107,20 @@ class NmpcController(LifecycleNode):
         return SUCCESS
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Answer states from now on."""
+        """Answer states from now on.
+
+        Args:
+            state: Before the transition.
+        """
         self._active = True
         return SUCCESS
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Send nothing from now on; the vehicle flies its plan to the end, then holds."""
+        """Send nothing from now on; the vehicle flies its plan to the end, then holds.
+
+        Args:
+            state: Before the transition.
+        """
         self._active = False
         if self.controller is not None:
             self.controller.reset()
@@ -117,18 +129,30 @@ class NmpcController(LifecycleNode):
         return SUCCESS
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Forget everything; parameters may then be set that are fixed while configured."""
+        """Forget everything; parameters may then be set that are fixed while configured.
+
+        Args:
+            state: Before the transition.
+        """
         self._end_record()
         self._active, self.controller = False, None
         self.report.unconfigured("")
         return SUCCESS
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Send nothing any more."""
+        """Send nothing any more.
+
+        Args:
+            state: Before the transition.
+        """
         return self.on_cleanup(state)
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Whatever went wrong: back to unconfigured."""
+        """Whatever went wrong: back to unconfigured.
+
+        Args:
+            state: Before the transition.
+        """
         self.on_cleanup(state)
         self.report.unconfigured("a transition failed: unconfigured")
         return SUCCESS

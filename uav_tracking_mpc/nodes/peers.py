@@ -1,4 +1,4 @@
-"""Whether anybody is at the other end of a topic: told by the middleware, as it happens.
+"""Whether anybody is at the other end of a topic, as the middleware reports it.
 
 A publisher that ends is gone at once, one that is killed only when its lease has run out, which in
 Fast DDS is 20 s: the watchdogs on steady clocks remain what keeps the aircraft safe. No deadline or
@@ -40,7 +40,11 @@ class Peers:
         self._counts: dict[str, int] = {}
 
     def listening(self, topic: Topic) -> SubscriptionEventCallbacks:
-        """For the subscription of a topic."""
+        """Callbacks for the subscription of a topic.
+
+        Args:
+            topic: That is listened to.
+        """
         self._counts[topic.name] = 0
 
         def matched(event: _Matched) -> None:
@@ -59,7 +63,8 @@ class Promise:
     """A rate that a publisher promises, in wall time.
 
     Args:
-        rate: Messages a second; None where the wall clock says nothing, as in simulated time.
+        rate: Messages a second in [Hz]; None in simulated time, of which the wall clock says
+            nothing.
 
     Attributes:
         broken: How often the next message was too late.
@@ -70,7 +75,11 @@ class Promise:
         self.broken = 0
 
     def qos(self, qos: QoSProfile) -> QoSProfile:
-        """The profile of a topic, with what is offered besides."""
+        """The profile of a topic, with deadline and liveliness.
+
+        Args:
+            qos: Of the topic.
+        """
         deadline = Duration() if self._rate is None else Duration(seconds=LATE / self._rate)
         return QoSProfile(
             depth=qos.depth,
@@ -81,7 +90,11 @@ class Promise:
         )
 
     def callbacks(self, missed: Callable[[], None]) -> PublisherEventCallbacks:
-        """For the publisher; ``missed`` is called when the next message is too late."""
+        """Callbacks for the publisher.
+
+        Args:
+            missed: Called when the next message is too late.
+        """
 
         def on_missed(event: object) -> None:
             self.broken += 1

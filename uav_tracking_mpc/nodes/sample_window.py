@@ -13,6 +13,10 @@ class SampleWindow:
 
     Args:
         size: How many count for median and percentile; maximum and histogram are over all.
+
+    Attributes:
+        count: Samples so far.
+        max: Longest so far in [us].
     """
 
     def __init__(self, size: int = 20_000) -> None:
@@ -22,14 +26,22 @@ class SampleWindow:
         self.max = 0.0
 
     def add(self, sample: float) -> None:
-        """Take in a sample."""
+        """Take in a sample.
+
+        Args:
+            sample: Duration in [us].
+        """
         self._samples[self.count % len(self._samples)] = sample
         self.count += 1
         self.max = max(self.max, sample)
         self._histogram[sum(sample >= end for end in BINS)] += 1
 
     def percentile(self, share: float) -> float:
-        """Percentile (0 to 100) of the latest samples; 0 before the first."""
+        """Percentile of the latest samples in [us]; 0 before the first.
+
+        Args:
+            share: From 0 to 100, in [%].
+        """
         if self.count == 0:
             return 0.0
         return float(np.percentile(self._samples[: self.count], share))

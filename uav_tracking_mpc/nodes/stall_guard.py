@@ -1,19 +1,22 @@
-"""Whether this process has been standing still: what is heard first after that is old."""
+"""Whether this process was stopped: messages queued meanwhile are discarded."""
 
 from __future__ import annotations
 
-DRAIN = 0.1  # s in which what has piled up meanwhile is heard
+DRAIN = 0.1  # s after a stop in which the queued messages arrive
 
 
 class StallGuard:
     """Notices by the wall clock that the process was stopped or starved.
 
-    Messages that came meanwhile are handed over one after the other, oldest first, and nothing in
-    them tells their age when time itself is a message.
+    Messages that came meanwhile are delivered one after the other, oldest first. In simulated time
+    nothing in them tells their age, for time itself is a message.
 
     Args:
-        limit: Time without a sign of life that is no longer ordinary, in [s]; longer than the
-            period of whatever calls :meth:`alive` regularly.
+        limit: Time without a call of :meth:`alive` that counts as a stop, in [s]; longer than
+            the period of whatever calls it regularly.
+
+    Attributes:
+        stalls: How often the process was stopped.
     """
 
     def __init__(self, limit: float) -> None:
@@ -23,10 +26,13 @@ class StallGuard:
         self.stalls = 0
 
     def alive(self, now: float) -> bool:
-        """Sign of life at a time of the steady clock [s].
+        """Note that the process runs.
+
+        Args:
+            now: Time of the steady clock in [s].
 
         Returns:
-            Whether what is heard now can be trusted to be news.
+            Whether a message that arrives now is new.
         """
         if self._last is not None and now - self._last > self._limit:
             self._until = now + DRAIN

@@ -2,10 +2,9 @@ import numpy as np
 import pytest
 
 from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.studies.comparison.flights import (
     SOLVE_TIME_MAX,
-    Task,
-    fly,
     fly_all,
     prepared,
     start_direction,
@@ -35,13 +34,13 @@ def test_the_nearest_direction_is_that_of_the_relative_motion_at_the_start(
         "still", f"uav_simulator.initial_heading={heading}", f"uav_simulator.wind=[0, {wind}, 0]"
     )
     assert start_direction(flown) == direction
-    assert prepared(flown).controller.direction == direction
+    assert prepared(flown, "nmpc").controller.direction == direction
 
 
 def test_a_direction_that_is_asked_for_stays():
     flown = configuration("still", "nmpc_controller.direction=counter_clockwise")
     assert start_direction(flown) == "counter_clockwise"
-    assert prepared(flown).controller.solve_time_max == SOLVE_TIME_MAX
+    assert prepared(flown, "nmpc").controller.solve_time_max == SOLVE_TIME_MAX
 
 
 def test_flights_do_not_depend_on_processes():
@@ -58,7 +57,7 @@ def test_flights_do_not_depend_on_processes():
 
 
 def test_all_laws_meet_the_same_start():
-    logs = [fly(Task(prepared(configuration("wind")), law)) for law in ("nmpc", "l1")]
+    logs = [simulate(prepared(configuration("wind"), law)) for law in ("nmpc", "l1")]
     np.testing.assert_array_equal(logs[0].vehicle[0], logs[1].vehicle[0])
     assert logs[0].orbit == logs[1].orbit
     assert (logs[0].solver, logs[1].solver) == ("newton", "none")

@@ -86,7 +86,7 @@ def test_distance_bank_force_and_fence():
     assert violations(climbing, weak)["force"].sum() == 300
     assert not violations(climbing, LIMITS)["force"].any()
     speeding = with_vehicle(5, 3.0 + 0.5 * STEADY.time, climbing)  # 0.5 m/s^2 more
-    assert violations(speeding, replace(LIMITS, force_max=(2.9, 2.9)))["force"].sum() == 300
+    assert violations(speeding, replace(LIMITS, force_max=(2.89, 2.89)))["force"].sum() == 300
     assert not violations(speeding, replace(LIMITS, force_max=(2.93, 2.93)))["force"].any()
     assert not violations(STEADY, LIMITS)["fence"].any()
     fenced = replace(LIMITS, fence_radius=155.0, fence_centre=(-20.0, 0.0))

@@ -13,10 +13,20 @@ from uav_tracking_mpc.report.table import Table
 from uav_tracking_mpc.studies.benchmark.solver_timing import OURS
 
 LEAST_CONVERGED = 0.99  # share of the cold starts
-COLUMNS = (
-    "median [us]", "p99 [us]", "max [us]", "iterations", "ratio", "in turns [us]", "ratio in turns",
-    "cold [us]", "cold solves", "converged [%]", "best [%]",
-)  # fmt: skip
+# Heading, key of the figure, decimals, factor.
+FIGURES = (
+    ("median [us]", "transient_median_us", 1, 1.0),
+    ("p99 [us]", "p99_us", 1, 1.0),
+    ("max [us]", "max_us", 1, 1.0),
+    ("iterations", "iterations_median", 0, 1.0),
+    ("ratio", "ratio", 1, 1.0),
+    ("in turns [us]", "alternating_median_us", 1, 1.0),
+    ("ratio in turns", "ratio_alternating", 1, 1.0),
+    ("cold [us]", "cold_median_us", 0, 1.0),
+    ("cold solves", "cold_solves", 0, 1.0),
+    ("converged [%]", "converged_share", 1, 100.0),
+    ("best [%]", "best_cost_share", 1, 100.0),
+)
 CAPTION = (
     "median, p99, max: warm, first 30 closed-loop steps, one solver after the other; in turns: "
     "median where the solvers alternate at every step, with cold caches; ratio: their median over "
@@ -56,27 +66,19 @@ def benchmark_table(results: dict[str, Any]) -> Table:
     """
     rows = []
     for case, solvers in results["cases"].items():
-        for name, figures in solvers.items():
-            ratio = results["ratios"][case].get(name)
-            in_turns = results["ratios_alternating"][case].get(name)
-            rows.append(
-                [
-                    case if name == OURS else "",
-                    name,
-                    _number(figures["transient_median_us"], 1),
-                    _number(figures["p99_us"], 1),
-                    _number(figures["max_us"], 1),
-                    _number(figures["iterations_median"], 0),
-                    _number(ratio, 1),
-                    _number(figures["alternating_median_us"], 1),
-                    _number(in_turns, 1),
-                    _number(figures["cold_median_us"], 0),
-                    str(figures["cold_solves"]),
-                    _number(figures["converged_share"], 1, 100.0),
-                    _number(figures["best_cost_share"], 1, 100.0),
-                ]
-            )
-    return Table(("case", "solver", *COLUMNS), rows, numeric=COLUMNS, caption=CAPTION)
+        for name, row in solvers.items():
+            figures = {
+                **row,
+                "ratio": results["ratios"][case].get(name),
+                "ratio_alternating": results["ratios_alternating"][case].get(name),
+            }
+            cells = [
+                "" if figures[key] is None else f"{scale * figures[key]:.{decimals}f}"
+                for _, key, decimals, scale in FIGURES
+            ]
+            rows.append([case if name == OURS else "", name, *cells])
+    headings = [heading for heading, *_ in FIGURES]
+    return Table(("case", "solver", *headings), rows, numeric=headings, caption=CAPTION)
 
 
 def save(results: dict[str, Any], output: Path) -> None:
@@ -106,7 +108,3 @@ def _figure(results: dict[str, Any]) -> Figure:
         axes.legend()
         figure.tight_layout()
     return figure
-
-
-def _number(value: float | None, digits: int, scale: float = 1.0) -> str:
-    return "" if value is None else f"{scale * value:.{digits}f}"

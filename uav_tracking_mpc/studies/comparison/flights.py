@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,19 +27,6 @@ ORDER = (
 SOLVE_TIME_MAX = 10.0  # s
 
 
-@dataclass(frozen=True)
-class Task:
-    """One law through one scenario.
-
-    Attributes:
-        configuration: Of the scenario.
-        law: Name of a law, or ``path.py:Class``.
-    """
-
-    configuration: Configuration
-    law: str
-
-
 def fly_all(
     configurations: Sequence[Configuration],
     laws: Sequence[str],
@@ -61,23 +47,27 @@ def fly_all(
     Raises:
         SimulationError: The target of a scenario was never seen.
     """
-    tasks = [Task(prepared(each), law) for each in configurations for law in laws]
-    logs = parallel_map(fly, tasks, workers, "flights", show)
+    tasks = [prepared(each, law) for each in configurations for law in laws]
+    logs = parallel_map(simulate, tasks, workers, "flights", show)
     return [logs[begin : begin + len(laws)] for begin in range(0, len(logs), len(laws))]
 
 
-def prepared(configuration: Configuration) -> Configuration:
-    """The configuration with what all laws share: the direction, and time enough to solve.
+def prepared(configuration: Configuration, law: str) -> Configuration:
+    """The configuration with a law, and what all laws share: direction and time enough to solve.
 
     Args:
         configuration: Of a scenario.
+        law: Name of a law, or ``path.py:Class``.
     """
     controller = dataclasses.replace(
         configuration.controller,
+        law=law,
         direction=start_direction(configuration),
         solve_time_max=SOLVE_TIME_MAX,
     )
-    return dataclasses.replace(configuration, controller=controller)
+    # The aircraft, also where the mission is to fly the prediction model.
+    mission = dataclasses.replace(configuration.mission, plant=configuration.simulator.plant)
+    return dataclasses.replace(configuration, controller=controller, mission=mission)
 
 
 def start_direction(configuration: Configuration) -> str:
@@ -92,17 +82,6 @@ def start_direction(configuration: Configuration) -> str:
     motion = motion_of(configuration.target)
     drift, target = plant.wind - motion.velocity(0.0), motion.position(0.0)
     return nearest_direction(Situation(plant.state, target, drift, still, still))
-
-
-def fly(task: Task) -> FlightLog:
-    """Fly one law through one scenario.
-
-    Args:
-        task: Which law, which scenario.
-    """
-    configuration = task.configuration
-    controller = dataclasses.replace(configuration.controller, law=task.law)
-    return simulate(dataclasses.replace(configuration, controller=controller))
 
 
 def scenarios_in_order() -> list[str]:

@@ -6,6 +6,7 @@
 ``analysis_text``       the analysis as JSON and in words
 ``printed``             what the paper prints
 ``distance_budget``     what can be flown at all in N steps
+``paper_cases``         the paper's problem recomputed in three ways
 ``paper_report``        the paper beside the truth
 ``paper_report_text``   this report as a table and as a page
 ``ellipsoid_campaign``  what was proved, flown

@@ -9,7 +9,6 @@ where a bound on what can be flown at all excludes the state (see
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import IO
 
@@ -17,21 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics import paper_numbers
-from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import tracking_error
 from uav_tracking_mpc.formulation.paper_problem import tracking_problem
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
-from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.mpc.solution import Solution
-from uav_tracking_mpc.mpc.solver import Solver, SolverFactory
+from uav_tracking_mpc.mpc.solver import Solver
 from uav_tracking_mpc.studies.parallel import parallel_map
 from uav_tracking_mpc.terminal.stability_problem import PAPER_INITIAL_STATE, StabilityProblem
 
 COORDINATES = {"range": 0, "bearing": 1, "altitude": 2, "path_angle": 3, "speed": 4}
 UNITS = {"range": "m", "bearing": "rad", "altitude": "m", "path_angle": "rad", "speed": "m/s"}
 FEASIBLE_VIOLATION = 1e-5
-ProblemFactory = Callable[[StabilityProblem, float | None], OptimalControlProblem]
-Coordinates = Callable[[NDArray[np.float64], Orbit], NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -119,9 +114,6 @@ class _Row:
     problem: StabilityProblem
     level: float | None
     states: NDArray[np.float64]
-    solver: SolverFactory
-    build: ProblemFactory
-    coordinates: Coordinates
 
 
 def attraction_map(
@@ -129,9 +121,6 @@ def attraction_map(
     level: float | None,
     where: Slice,
     horizon: int,
-    solver: SolverFactory = NewtonSolver,
-    build: ProblemFactory = tracking_problem,
-    coordinates: Coordinates = tracking_error,
     workers: int | None = None,
     show: bool = True,
 ) -> AttractionMap:
@@ -141,41 +130,28 @@ def attraction_map(
         problem: The configuration.
         level: varrho [-] of the hard terminal set; None leaves the set away.
         where: The slice.
-        horizon: N.
-        solver: Makes the solver; at module level, so that processes can find it.
-        build: Makes P_N from a configuration and a level; one with an artificial orbit, for
-            instance. At module level.
-        coordinates: Turns (r, theta, z, chi, v) into the state of that problem. At module level.
+        horizon: N [-].
         workers: Processes, all cores by default.
         show: Progress bar on stderr.
     """
     changed = replace(problem, horizon=horizon)
-    rows, columns = len(where.first_values), len(where.second_values)
-    pieces = [
-        _Row(
-            changed,
-            level,
-            np.array([where.state(i, j) for j in range(columns)]),
-            solver,
-            build,
-            coordinates,
-        )
-        for i in range(rows)
-    ]
     marked = marked_state(problem)
-    pieces.append(_Row(changed, level, marked[None], solver, build, coordinates))
+    pieces = [
+        _Row(changed, level, np.array([where.state(i, j) for j in range(len(where.second_values))]))
+        for i in range(len(where.first_values))
+    ]
+    pieces.append(_Row(changed, level, marked[None]))
     label = f"X_{horizon} over {where.first}, {where.second}"
-    results = parallel_map(_solve_row, pieces, workers, label, show)
-    costs = np.array(results[:-1])
-    return AttractionMap(
-        where, horizon, np.isfinite(costs), costs, marked, bool(np.isfinite(results[-1][0]))
-    )
+    *rows, (marked_cost,) = parallel_map(_solve_row, pieces, workers, label, show)
+    costs = np.array(rows)
+    found = bool(np.isfinite(marked_cost))
+    return AttractionMap(where, horizon, np.isfinite(costs), costs, marked, found)
 
 
 def _solve_row(row: _Row) -> list[float]:
     """Costs along a row, nan where no plan was found: forwards, then backwards over the gaps."""
-    solver = row.solver(row.build(row.problem, row.level))
-    starts = [row.coordinates(state, row.problem.orbit) for state in row.states]
+    solver = NewtonSolver(tracking_problem(row.problem, row.level))
+    starts = [tracking_error(state, row.problem.orbit) for state in row.states]
     costs = [_cheapest(solver, start) for start in starts]
     for j in reversed(range(len(starts) - 1)):
         if np.isnan(costs[j]) and np.isfinite(costs[j + 1]):
@@ -212,16 +188,19 @@ def save_maps(maps: list[AttractionMap], file: IO[bytes]) -> None:
         maps: Any number of them.
         file: Open for writing.
     """
-    arrays: dict[str, NDArray] = {}
+    arrays = {}
     for k, entry in enumerate(maps):
         where = entry.slice
-        arrays[f"{k}_horizon"] = np.array(entry.horizon)
-        arrays[f"{k}_coordinates"] = np.array([where.first, where.second])
-        arrays[f"{k}_first"] = where.first_values
-        arrays[f"{k}_second"] = where.second_values
-        arrays[f"{k}_base"] = where.base
-        arrays[f"{k}_feasible"] = entry.feasible
-        arrays[f"{k}_cost"] = entry.cost
-        arrays[f"{k}_marked"] = entry.marked
-        arrays[f"{k}_marked_feasible"] = np.array(entry.marked_feasible)
+        content = {
+            "horizon": entry.horizon,
+            "coordinates": [where.first, where.second],
+            "first": where.first_values,
+            "second": where.second_values,
+            "base": where.base,
+            "feasible": entry.feasible,
+            "cost": entry.cost,
+            "marked": entry.marked,
+            "marked_feasible": entry.marked_feasible,
+        }
+        arrays.update({f"{k}_{name}": np.array(value) for name, value in content.items()})
     np.savez_compressed(file, **arrays)  # type: ignore[arg-type]

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.formulation.paper_problem import tracking_problem
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.prediction_loop import solutions
-from uav_tracking_mpc.mpc.solver import SolverFactory
 from uav_tracking_mpc.studies.parallel import parallel_map
 from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
 from uav_tracking_mpc.terminal.theorems import q_star
@@ -118,7 +117,6 @@ class _Piece:
     level: float
     states: NDArray[np.float64]
     steps: int
-    solver: SolverFactory
 
 
 def fly_nmpc(
@@ -126,7 +124,6 @@ def fly_nmpc(
     level: float,
     states: NDArray[np.float64],
     steps: int = 20,
-    solver: SolverFactory = NewtonSolver,
     workers: int | None = None,
     show: bool = True,
 ) -> CampaignResult:
@@ -137,12 +134,11 @@ def fly_nmpc(
         level: varrho [-].
         states: Shape (count, 5).
         steps: Of every flight; it ends sooner once the cost is below a millionth of varrho.
-        solver: Makes the solver; at module level, so that processes can find it.
         workers: Processes.
         show: Progress bar on stderr.
     """
     chunks = np.array_split(np.asarray(states, dtype=float), max(1, len(states) // 50))
-    pieces = [_Piece(problem, level, chunk, steps, solver) for chunk in chunks]
+    pieces = [_Piece(problem, level, chunk, steps) for chunk in chunks]
     parts = parallel_map(_fly_piece, pieces, workers, "NMPC flights", show)
     flights = [flight for part in parts for flight in part]
     return CampaignResult(
@@ -180,7 +176,7 @@ def _fly_piece(piece: _Piece) -> list[_Flight]:
     problem, level = piece.problem, piece.level
     weight = problem.ingredients().weight
     lower, upper = problem.deviation_bounds()
-    solver = piece.solver(tracking_problem(problem, level))
+    solver = NewtonSolver(tracking_problem(problem, level))
     flights = []
     for start in piece.states:
         steps, height, cost = 0, 0.0, np.inf

@@ -8,8 +8,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
-from uav_tracking_mpc.mpc.solver import SolverFactory
 from uav_tracking_mpc.report.atomic_write import write_atomically, write_json
 from uav_tracking_mpc.report.figure_style import save_figure
 from uav_tracking_mpc.studies.stability import analysis_text, paper_report, paper_report_text
@@ -92,7 +90,6 @@ def stability_study(
     points: int = 0,
     workers: int | None = None,
     say: Callable[[str], None] = lambda _: None,
-    solver: SolverFactory = NewtonSolver,
 ) -> StabilityStudy:
     """Analyse a configuration, and fly it where a terminal set is certified.
 
@@ -102,7 +99,6 @@ def stability_study(
         points: Of the maps along each coordinate; 0 for no maps.
         workers: Processes for maps and campaign; all cores by default.
         say: Told in words what is being done.
-        solver: Makes the solver of maps and campaign; at module level.
     """
     analysis = analyse(problem, say)
     say("the paper, quantity by quantity")
@@ -117,10 +113,10 @@ def stability_study(
         written = certificate(problem, analysis.ingredients, analysis.direct)
         content["certificate_digest"] = written["digest"]
         if campaign:
-            content["campaign"] = _campaign(problem, analysis.level, campaign, solver, workers)
+            content["campaign"] = _campaign(problem, analysis.level, campaign, workers)
         if points:
             maps = [
-                attraction_map(problem, analysis.level, where, horizon, solver, workers=workers)
+                attraction_map(problem, analysis.level, where, horizon, workers)
                 for where in default_slices(problem, points)
                 for horizon in HORIZONS
             ]
@@ -129,12 +125,12 @@ def stability_study(
 
 
 def _campaign(
-    problem: StabilityProblem, level: float, count: int, solver: SolverFactory, workers: int | None
+    problem: StabilityProblem, level: float, count: int, workers: int | None
 ) -> list[dict[str, Any]]:
     states = random_states(problem, level, count)
     results = (
         fly_local(problem, level, states),
-        fly_nmpc(problem, level, states, solver=solver, workers=workers),
+        fly_nmpc(problem, level, states, workers=workers),
     )
     return [{**asdict(result), "clean": result.clean} for result in results]
 

@@ -1,0 +1,145 @@
+"""A record comes back as it was written, and is flown again to the same commands."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import small_uav
+
+from uav_tracking_mpc.control.controller import Controller
+from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.control.record import RecordingController, replay
+from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError, SensorNoise
+from uav_tracking_mpc.parameters.specification import ParameterError
+
+FLIGHT = small_uav.parameters()
+TICK = 0.05
+
+
+class Flown:
+    """A flight that is everything but smooth, for a controller that is given.
+
+    A circle flown clockwise in wind, at 20 Hz; the target runs, and is seen at 10 Hz.
+    """
+
+    def __init__(self, controller, seed=0):
+        self.controller, self.rng = controller, np.random.default_rng(seed)
+        self.time, self.commands = 100.0, []
+
+    def fly(self, ticks, target=True, air=True, away=0.0):
+        for _ in range(ticks):
+            self.time += TICK
+            angle = -0.08 * self.time
+            position = np.array([275.0 * np.cos(angle) + away, 275.0 * np.sin(angle), 120.0])
+            position += self.rng.normal(0.0, 0.3, 3)
+            heading = np.remainder(angle + 0.5 * np.pi, 2.0 * np.pi) - np.pi
+            velocity = 22.0 * np.array([np.cos(heading), np.sin(heading), 0.0]) + [3.0, 1.0, 0.0]
+            if air:
+                self.controller.see_air(self.time, 22.0 + self.rng.normal(0.0, 0.1))
+            if target and self.rng.random() < 0.5:
+                self.controller.see_target(self.time, self.rng.normal(0.0, 1.0, 3))
+            measurement = Measurement(self.time, position, velocity, heading, 0.01, -0.08)
+            command = self.controller.step(measurement, self.time + self.rng.uniform(0.0, 0.01))
+            self.commands.append(command)
+
+
+def eventful(controller):
+    """Everything that can happen to a controller; the commands that it answered."""
+    flown = Flown(controller)
+    flown.fly(10, target=False)
+    flown.fly(20)
+    controller.see_target(flown.time + 0.01, [3.0, 1.0, 0.0], [2.0, 0.0, 0.0], np.eye(6))
+    controller.change(range=340.0, bank_max=0.7, solve_time_max=4.0)
+    flown.fly(20, air=False)
+    with pytest.raises(ParameterError):
+        controller.change(range=1.0)
+    with pytest.raises(MeasurementError):
+        controller.see_target(flown.time, [np.nan, 0.0, 0.0])
+    flown.fly(1, away=5e3)
+    flown.fly(10, target=False)
+    controller.change(target_timeout=0.2)
+    flown.fly(10, target=False)
+    controller.fall_silent("vehicle state is lost")
+    quiet = Measurement(
+        flown.time + TICK, np.zeros(3), np.ones(3), 0.0, 0.0, noise=SensorNoise(position=100.0)
+    )
+    controller.see_state(quiet)
+    flown.time = 3.0
+    flown.fly(20)
+    controller.reset()
+    flown.time = 50.0
+    flown.fly(10)
+    return flown.commands
+
+
+@pytest.fixture(scope="module")
+def flight(tmp_path_factory):
+    path = tmp_path_factory.mktemp("record") / "folder" / "controller.jsonl"
+    controller = RecordingController(FLIGHT, path)
+    commands = eventful(controller)
+    controller.close()
+    return path, commands
+
+
+def test_a_record_is_flown_again_bit_for_bit(flight):
+    path, commands = flight
+    steps = list(replay(path))
+    assert len(steps) == len(commands)
+    for command, step in zip(commands, steps, strict=True):
+        assert step.same
+        if command is not None:
+            np.testing.assert_array_equal(step.recorded.inputs, command.inputs)
+            assert step.command.orbit == command.orbit
+    modes = {command.mode for command in commands if command is not None}
+    assert modes >= {FallbackMode.OPTIMAL, FallbackMode.LOITER, FallbackMode.HOLD}
+    assert commands.count(None) > 10
+
+
+def test_recording_changes_nothing(tmp_path):
+    recording = RecordingController(FLIGHT, tmp_path / "record.jsonl", stopwatch=lambda: 0.0)
+    recorded, plain = (
+        eventful(controller) for controller in (recording, Controller(FLIGHT, None, lambda: 0.0))
+    )
+    for one, other in zip(recorded, plain, strict=True):
+        assert (one is None) == (other is None)
+        if one is not None:
+            np.testing.assert_array_equal(one.inputs, other.inputs)
+
+
+def test_a_difference_is_seen(flight, tmp_path):
+    path, _ = flight
+    lines = path.read_text().splitlines()
+    index = next(i for i, line in enumerate(lines) if '"command"' in line)
+    call = json.loads(lines[index])
+    call["command"]["inputs"][3][1] = np.nextafter(call["command"]["inputs"][3][1], 1.0)
+    lines[index] = json.dumps(call)
+    changed = tmp_path / "changed.jsonl"
+    changed.write_text("\n".join(lines))
+    assert [step.same for step in replay(changed)].count(False) == 1
+
+
+def test_a_solve_that_met_its_budget_is_marked(tmp_path):
+    path = tmp_path / "controller.jsonl"
+    controller = RecordingController(replace(FLIGHT, solve_time_max=1e-4), path)
+    flown = Flown(controller)
+    flown.fly(10)
+    controller.close()
+    recorded = [step.recorded for step in replay(path) if step.recorded is not None]
+    assert recorded[0].out_of_time
+    assert [r.out_of_time for r in recorded] == [
+        command.out_of_time for command in flown.commands if command is not None
+    ]
+
+
+def test_a_file_that_cannot_be_written_is_named(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ParameterError, match="'record' is .*, must be a file that can be written"):
+        RecordingController(replace(FLIGHT, law="l1"), tmp_path / "file" / "record.jsonl")
+
+
+def test_what_is_no_record_is_refused(tmp_path):
+    path = tmp_path / "no_record.jsonl"
+    path.write_text("{}\n")
+    with pytest.raises(ValueError, match="is not the record of a controller"):
+        list(replay(path))
