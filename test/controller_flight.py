@@ -204,7 +204,8 @@ class ControllerFlight(RuleBasedStateMachine):
             return
         plan, starts = read_command(message)
         stamp = nanoseconds(message.header.stamp)
-        assert self.judge.command(0.0, stamp * 1e-9, plan, starts) == []
+        found = self.judge.command(0.0, stamp * 1e-9, plan, starts)
+        assert not found, found
         assert self.answered is not None, "a command without a state"
         assert nanoseconds(self.answered.header.stamp) == stamp, "not the stamp of the state"
         self.check_bank(plan)
@@ -221,4 +222,5 @@ class ControllerFlight(RuleBasedStateMachine):
         effect = EFFECT if self.good_rounds > SETTLED else WRONG_EFFECT
         left = max(min(airspeeds) + effect * self.parameters.acceleration_min, 1e-3)
         turning = GRAVITY * math.tan(self.parameters.bank_max) / left
-        assert np.max(np.abs(plan[:, 0])) <= turning + ROUNDING
+        worst = float(np.max(np.abs(plan[:, 0])))
+        assert worst <= turning + ROUNDING, f"{worst} rad/s, the bank allows {turning} rad/s"

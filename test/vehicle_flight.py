@@ -78,12 +78,14 @@ class VehicleFlight(RuleBasedStateMachine):
             vectors = [
                 [part.x, part.y, part.z] for part in (pose.position, twist.linear, twist.angular)
             ]
-            assert np.all(np.isfinite(vectors))
+            assert np.all(np.isfinite(vectors)), message
             assert abs(math.hypot(q.x, q.y, q.z, q.w) - 1.0) < 1e-6
             rates = np.abs(vectors[2][1:])
             # Body axes are pitched: both rates together are no greater than the course's.
             allowed = math.hypot(self.parameters.yaw_rate_max, self.parameters.pitch_rate_max)
-            assert np.all(rates <= allowed + ROUNDING)
+            assert np.all(rates <= allowed + ROUNDING), rates
         elif topic == AIR_VELOCITY.name:
             speed = message.twist.linear.x
-            assert self.parameters.speed_min - 1e-9 <= speed <= self.parameters.speed_max + 1e-9
+            assert self.parameters.speed_min - 1e-9 <= speed <= self.parameters.speed_max + 1e-9, (
+                speed
+            )

@@ -4,6 +4,8 @@ No middleware in between: what a run finds, it finds again. In the suite a few f
 long`` flies thousands.
 """
 
+import time
+
 import numpy as np
 import pytest
 
@@ -24,7 +26,7 @@ from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 pytestmark = [pytest.mark.nodes, pytest.mark.timeout(600)]
 
 SHORT = settings(
-    max_examples=8,
+    max_examples=6,
     stateful_step_count=20,
     deadline=None,
     derandomize=True,
@@ -115,3 +117,22 @@ def test_a_refused_command_that_is_flown_all_the_same_is_found(controller, monke
     with pytest.raises(AssertionError, match="a refused message changed"):
         flight.harness.deliver(COMMAND.name, COMMAND.type())
     flight.teardown()
+
+
+def test_a_process_that_is_stopped_while_it_answers_sends_nothing(controller, monkeypatch):
+    flight = controller()
+    flight.take_off(start=0, distance=1.0, azimuth=0.0, altitude=1.0, heading=0.0)
+    node, commanded = flight.harness.node, flight.commanded
+    step, refused = node.controller.step, node.report.refused
+
+    def slow(measurement, now):
+        command = step(measurement, now)
+        monkeypatch.setattr(time, "monotonic", lambda: flight.harness.clock + 2.0)
+        return command
+
+    monkeypatch.setattr(node.controller, "step", slow)
+    topic, message = flight.next_round()[2]
+    assert commanded > 0
+    flight.harness.tell(topic.name, message)
+    assert flight.commanded == commanded
+    assert node.report.refused == refused + 1
