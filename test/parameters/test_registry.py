@@ -53,7 +53,7 @@ def test_a_class_of_a_file_is_found(ceiling):
 
 def test_an_entry_point_is_found(monkeypatch):
     point = metadata.EntryPoint("mine", "uav_tracking_mpc.laws.l1:L1Loiter", GUIDANCE_LAW.room)
-    monkeypatch.setattr(registry.metadata, "entry_points", lambda group: [point])
+    monkeypatch.setattr(registry, "entry_points", lambda group: (point,))
     assert "mine" in GUIDANCE_LAW.names
     assert GUIDANCE_LAW.find("mine") is GUIDANCE_LAW.find("l1")
 

@@ -209,7 +209,10 @@ class NmpcController(LifecycleNode):
             controller.see_state(measurement)
         if controller.state_time != before:
             self._arrival = arrival
-        if command is not None:
+        if time.monotonic() - arrival > self.parameters.state_timeout:
+            if command is not None:
+                self.report.refuse("uav/odometry: the process was stopped while it answered")
+        elif command is not None:
             stamp = conversions.nanoseconds(message.header.stamp)
             self._commands.publish(self._wire.write(stamp, command.inputs, command.step))
             self.report.command(command, (time.monotonic() - arrival) * 1e6)

@@ -11,6 +11,7 @@ Listing names imports nothing.
 
 from __future__ import annotations
 
+import functools
 import importlib
 import importlib.util
 import sys
@@ -49,13 +50,12 @@ class Kind:
     @property
     def own_names(self) -> list[str]:
         """Names of those that come with the project, sorted."""
-        folder = PACKAGE.joinpath(*self.room.split(".")[1:])
-        return sorted(path.stem for path in folder.glob("*.py") if path.stem[0] != "_")
+        return _own_names(self.room)
 
     @property
     def names(self) -> list[str]:
         """Names of all that are installed, sorted."""
-        return sorted({*self.own_names, *(point.name for point in self._entry_points())})
+        return sorted({*self.own_names, *(point.name for point in entry_points(self.room))})
 
     def find(self, name: str) -> type[Any]:
         """Class of a name.
@@ -71,7 +71,7 @@ class Kind:
         if name in self.own_names:
             module = importlib.import_module(f"{self.room}.{name}")
             return self._of_module(name, module)
-        for point in self._entry_points():
+        for point in entry_points(self.room):
             if point.name == name:
                 return self._checked(name, point.load())
         raise ExtensionError(
@@ -81,9 +81,6 @@ class Kind:
     def all(self) -> dict[str, type[Any]]:
         """Classes of all that are installed, by name."""
         return {name: self.find(name) for name in self.names}
-
-    def _entry_points(self) -> list[metadata.EntryPoint]:
-        return list(metadata.entry_points(group=self.room))
 
     def _of_module(self, name: str, module: ModuleType) -> type[Any]:
         base = self.base_class
@@ -98,6 +95,22 @@ class Kind:
         if not (isinstance(value, type) and issubclass(value, self.base_class)):
             raise ExtensionError(f"{self.title} {name!r} must derive from {self.room}.{self.base}")
         return value
+
+
+@functools.cache  # parameters that change in flight ask for names again and again
+def _own_names(room: str) -> list[str]:
+    folder = PACKAGE.joinpath(*room.split(".")[1:])
+    return sorted(path.stem for path in folder.glob("*.py") if path.stem[0] != "_")
+
+
+@functools.cache  # it looks into every package that is installed
+def entry_points(group: str) -> tuple[metadata.EntryPoint, ...]:
+    """Entry points of a group, looked up once.
+
+    Args:
+        group: Its name.
+    """
+    return tuple(metadata.entry_points(group=group))
 
 
 def _loaded(title: str, reference: str) -> Any:
