@@ -117,26 +117,26 @@ def stage_functions(problem: OptimalControlProblem) -> dict[str, ca.Function]:
     at_stage, at_end = {"x": x, "u": u, "a": a, "p": p}, {"x": x, "a": a, "p": p}
     model = {"costate": costate, "curvature": curvature, "m": m, "d": d}
     after = problem.inputs if problem.continuation is None else problem.continuation
+    dense = ca.densify  # but for the matrices: of those only the upper triangle is written
     programs = {
-        "stage_values": (at_stage, {"f": problem.next_state, "l": problem.stage_cost, "h": h}),
+        "stage_values": (
+            at_stage,
+            {"f": dense(problem.next_state), "l": dense(problem.stage_cost), "h": dense(h)},
+        ),
         "stage_quadratic": (
             {**at_stage, **model, "V": ca.vec(value), "v": value_gradient},
-            {"Q": _upper(quadratic), "q": linear, "gradient": gradient},
+            {"Q": _upper(quadratic), "q": dense(linear), "gradient": dense(gradient)},
         ),
-        "terminal_values": (at_end, {"l": problem.terminal_cost, "e": e}),
+        "terminal_values": (at_end, {"l": dense(problem.terminal_cost), "e": dense(e)}),
         "terminal_quadratic": (
             {**at_end, "m": m_end, "d": d_end},
-            {"V": _upper(end_quadratic), "v": ca.gradient(end, s)},
+            {"V": _upper(end_quadratic), "v": dense(ca.gradient(end, s))},
         ),
-        "continuation": (at_stage, {"u_end": after}),
+        "continuation": (at_stage, {"u_end": dense(after)}),
     }
     return {
         name: ca.Function(
-            name,
-            [*inputs.values()],
-            ca.cse([ca.densify(part) for part in outputs.values()]),
-            [*inputs],
-            [*outputs],
+            name, [*inputs.values()], ca.cse([*outputs.values()]), [*inputs], [*outputs]
         )
         for name, (inputs, outputs) in programs.items()
     }

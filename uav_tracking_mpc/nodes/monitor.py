@@ -40,10 +40,14 @@ LEVELS = {b"\x00": "ok", b"\x01": "[yellow]warning[/]", b"\x02": "[red]error[/]"
 
 
 class Monitor(Node):
-    """Shows what comes on the topics, how often, and what the nodes say of themselves."""
+    """Shows what comes on the topics, how often, and what the nodes say of themselves.
+
+    Args:
+        console: Where to show it; the terminal by default.
+        options: Of rclpy's Node.
+    """
 
     def __init__(self, console: Console | None = None, **options: Any) -> None:
-        """Connect; options as those of rclpy's Node."""
         super().__init__("monitor", **options)
         self._latest: dict[str, Any] = {}
         self._arrivals: dict[str, list[float]] = {}
