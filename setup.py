@@ -45,6 +45,7 @@ setup(
         "matplotlib>=3.6",
         "numba>=0.59",
         "numpy>=1.24",
+        "pillow>=9.0",
         "pyyaml>=6.0",
         "rich>=13.0",
         "rosbags>=0.10",

@@ -4,11 +4,8 @@ A link gives measurements and takes commands, and refuses in words what its airc
 Another autopilot is another subclass of ``VehicleLink``; the loop stays the same.
 """
 
-from uav_tracking_mpc.control.controller import Controller
-from uav_tracking_mpc.links import VehicleLink
-from uav_tracking_mpc.links._check import check_link
+from uav_tracking_mpc import Controller, VehicleLink, check_link, load_configuration
 from uav_tracking_mpc.links.simulated import SimulatedLink
-from uav_tracking_mpc.settings.configuration import load_configuration
 
 TARGET = (0.0, 0.0, 0.0)
 

@@ -1,6 +1,9 @@
 """The package builds with colcon, installs with pip, and finds its configurations both ways."""
 
+import ast
 import os
+import re
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -13,6 +16,7 @@ import pytest
 from uav_tracking_mpc import __version__
 
 ROOT = Path(__file__).parents[1]
+PACKAGE = ElementTree.parse(ROOT / "package.xml").getroot()
 EXECUTABLES = {
     "uav_simulator",
     "target_publisher",
@@ -26,6 +30,8 @@ EXECUTABLES = {
 @pytest.fixture(scope="module")
 def checkout(tmp_path_factory):
     """A clean copy of the sources, as a clone has them."""
+    if not (ROOT / ".git").exists():
+        pytest.skip("not a clone")
     folder = tmp_path_factory.mktemp("checkout") / "uav_tracking_mpc"
     folder.mkdir()
     files = subprocess.run(
@@ -55,25 +61,29 @@ def run(*arguments, cwd, **environment):
     return finished.stdout
 
 
+def colcon():
+    """The program: beside this interpreter, or on the path where ROS is installed."""
+    folders = os.pathsep.join([sysconfig.get_path("scripts"), os.environ.get("PATH", "")])
+    return shutil.which("colcon", path=folders) or pytest.skip("colcon is not installed")
+
+
 @pytest.mark.timeout(180)
 def test_colcon_builds_an_ament_python_package(checkout):
-    colcon = Path(sysconfig.get_path("scripts")) / "colcon"
-    assert "(ros.ament_python)" in run(colcon, "list", cwd=checkout)
-    run(colcon, "build", "--event-handlers", "console_direct+", cwd=checkout)
+    assert "(ros.ament_python)" in run(colcon(), "list", cwd=checkout)
+    run(colcon(), "build", "--event-handlers", "console_direct+", cwd=checkout)
     installed = checkout / "install" / "uav_tracking_mpc"
-    names = {path.name for path in (installed / "lib" / "uav_tracking_mpc").iterdir()}
-    assert names >= EXECUTABLES
-    share = installed / "share"
-    assert (share / "ament_index/resource_index/packages/uav_tracking_mpc").is_file()
-    assert (share / "uav_tracking_mpc" / "package.xml").is_file()
-    assert (share / "uav_tracking_mpc" / "config" / "paper.yaml").is_file()
-    assert (share / "uav_tracking_mpc/config/security/uav_tracking.policy.xml").is_file()
+    assert_complete(installed)
     (library,) = installed.glob("lib/python*/site-packages")
     program = "from uav_tracking_mpc.settings.configuration import load_configuration as load;"
     program += "import uav_tracking_mpc; print(uav_tracking_mpc.__file__, load('paper').name)"
     printed = run(sys.executable, "-c", program, cwd=checkout.parent, PYTHONPATH=str(library))
     assert str(library) in printed
     assert printed.split()[-1] == "paper"
+    # Every module and template of the sources is there.
+    package = library / "uav_tracking_mpc"
+    for source in (checkout / "uav_tracking_mpc").rglob("*"):
+        if source.suffix in (".py", ".j2", ".typed"):
+            assert (package / source.relative_to(checkout / "uav_tracking_mpc")).is_file(), source
     # What `ros2 run` starts: the executable itself.
     node = subprocess.run(
         [installed / "lib/uav_tracking_mpc/nmpc_controller", "--ros-args", "-p", "range:=far"],
@@ -84,6 +94,24 @@ def test_colcon_builds_an_ament_python_package(checkout):
     )
     assert node.returncode == 2
     assert "[FATAL] [nmpc_controller]: parameter 'range' is 'far'" in node.stderr
+
+
+@pytest.mark.timeout(180)
+def test_colcon_builds_with_links(checkout):
+    """setup.py is then a link in build/, and what it reads is not beside it."""
+    bases = ["--build-base", "build_links", "--install-base", "install_links"]
+    run(colcon(), "build", "--symlink-install", *bases, cwd=checkout)
+    assert_complete(checkout / "install_links" / "uav_tracking_mpc")
+
+
+def assert_complete(installed):
+    names = {path.name for path in (installed / "lib" / "uav_tracking_mpc").iterdir()}
+    assert names >= EXECUTABLES
+    share = installed / "share"
+    assert (share / "ament_index/resource_index/packages/uav_tracking_mpc").is_file()
+    assert (share / "uav_tracking_mpc" / "package.xml").is_file()
+    assert (share / "uav_tracking_mpc" / "config" / "paper.yaml").is_file()
+    assert (share / "uav_tracking_mpc/config/security/uav_tracking.policy.xml").is_file()
 
 
 @pytest.mark.timeout(180)
@@ -116,7 +144,59 @@ def test_ros_wheels_are_an_extra_and_no_requirement():
 
 
 def test_versions_agree():
-    version = ElementTree.parse(ROOT / "package.xml").findtext("version")
-    assert version == __version__
+    assert PACKAGE.findtext("version") == __version__
     assert f'version="{__version__}"' in (ROOT / "setup.py").read_text()
-    assert f"## {__version__}" in (ROOT / "CHANGELOG.md").read_text()
+    assert f"version: {__version__}\n" in (ROOT / "CITATION.cff").read_text()
+    dated = rf"^## {re.escape(__version__)} \(\d{{4}}-\d\d-\d\d\)$"
+    assert re.search(dated, (ROOT / "CHANGELOG.md").read_text(), flags=re.MULTILINE)
+
+
+def test_package_xml_names_every_import():
+    """By rosdep key; python-flint, for proofs alone, has none."""
+    keys = {
+        "casadi": "casadi-pip",
+        "hypothesis": "python3-hypothesis",
+        "jinja2": "python3-jinja2",
+        "matplotlib": "python3-matplotlib",
+        "mpl_toolkits": "python3-matplotlib",
+        "numba": "python3-numba",
+        "llvmlite": "python3-numba",
+        "numpy": "python3-numpy",
+        "PIL": "python3-pil",
+        "pytest": "python3-pytest",
+        "rich": "python3-rich",
+        "rosbags": "python3-rosbags-pip",
+        "scipy": "python3-scipy",
+        "yaml": "python3-yaml",
+    }
+    named = {element.text for element in PACKAGE if element.tag.endswith("_depend")}
+    own = {path.stem for path in (ROOT / "test").rglob("*.py")}
+    for folder in ("uav_tracking_mpc", "test", "examples"):
+        for file in (ROOT / folder).rglob("*.py"):
+            tree = ast.parse(file.read_text())
+            modules = {
+                alias.name
+                for node in ast.walk(tree)
+                if isinstance(node, ast.Import)
+                for alias in node.names
+            } | {
+                node.module
+                for node in ast.walk(tree)
+                if isinstance(node, ast.ImportFrom) and node.module and not node.level
+            }
+            for module in {name.partition(".")[0] for name in modules}:
+                known = {*sys.stdlib_module_names, "uav_tracking_mpc", "flint", *own}
+                assert module in known or keys.get(module, module) in named, f"{file}: {module}"
+
+
+def test_package_xml_says_who_and_where():
+    assert {url.get("type") for url in PACKAGE.findall("url")} == {
+        "website",
+        "repository",
+        "bugtracker",
+    }
+    assert PACKAGE.findtext("author")
+    assert {element.text for element in PACKAGE.findall("test_depend")} >= {
+        "python3-pytest-timeout",
+        "python3-pytest-xdist",
+    }

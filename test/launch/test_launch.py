@@ -155,7 +155,7 @@ def flight(tmp_path_factory):
     output = tmp_path_factory.mktemp("flight")
     env = {key: value for key, value in environment().items() if key != "ROS_DOMAIN_ID"}
     finished = subprocess.run(
-        command("cli.main", "fly", "--duration", "90", "--output", output, "--json"),
+        command("cli.main", "fly", "--duration", "60", "--output", output, "--json"),
         capture_output=True,
         text=True,
         env=env,

@@ -16,6 +16,7 @@ from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 
+from uav_tracking_mpc.control.record import replay
 from uav_tracking_mpc.nodes.conversions import plan_from_command
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
@@ -159,14 +160,14 @@ def test_without_autostart_a_manager_brings_it_up_and_down(flight):
     assert flight.state() == State.PRIMARY_STATE_INACTIVE
     flight.spin(lambda: False, 0.3)
     flight.commands.clear()
-    assert flight.spin(lambda: flight.simulator._plant.holding, 15.0)
+    assert flight.spin(lambda: flight.simulator._plant.plan.holding, 15.0)
     assert not flight.commands
     assert flight.told()[0] == "deactivated: no command is sent"
-    assert flight.simulator._plant.failsafes == 1
+    assert flight.simulator._plant.plan.failsafes == 1
 
     assert flight.change(Transition.TRANSITION_ACTIVATE)
     assert flight.commanded()
-    assert not flight.simulator._plant.holding
+    assert not flight.simulator._plant.plan.holding
 
 
 @pytest.mark.timeout(60)
@@ -324,3 +325,41 @@ def test_commands_that_are_overdue_are_counted(flight):
     flight.executor.remove_node(flight.simulator)
     flight.simulator.destroy_node()
     assert flight.spin(lambda: flight.controller.report.deadlines_missed > before, 5.0)
+
+
+@pytest.mark.timeout(60)
+def test_what_the_node_flew_is_flown_again_bit_for_bit(flight, tmp_path):
+    """In wind, with another orbit in between; until a solve met its time budget."""
+    path = tmp_path / "controller.jsonl"
+    flight.add_all(record=str(path), solve_time_max=5.0)
+    assert flight.commanded(20)
+    assert flight.set(range=340.0).successful
+    assert flight.commanded(20)
+    assert flight.change(Transition.TRANSITION_DEACTIVATE)
+    assert flight.change(Transition.TRANSITION_CLEANUP)
+    steps = list(replay(path))
+    recorded = [step.recorded for step in steps if step.recorded is not None]
+    assert not any(command.out_of_time for command in recorded)
+    assert all(step.same for step in steps)
+    sent = [plan_from_command(message)[0] for message in flight.commands]
+    np.testing.assert_array_equal(sent, [command.inputs for command in recorded][-len(sent) :])
+
+
+@pytest.mark.timeout(60)
+def test_lag_dead_time_and_budget_change_in_flight(flight):
+    flight.add_all()
+    assert flight.commanded()
+    wanted = {"rate_lag": [0.3, 0.3, 0.2], "dead_time": [0.1, 0.2, 0.2], "solve_time_max": 0.9}
+    assert flight.set(**wanted).successful
+    assert flight.commanded(20)
+    assert flight.told()[1]["mode"] == "optimal plan"
+    assert flight.controller.controller.formulation.solver.time_limit == 0.9
+    assert flight.controller.parameters.rate_lag == (0.3, 0.3, 0.2)
+
+
+@pytest.mark.timeout(60)
+def test_a_law_flies_in_the_place_of_the_predictive_controller(flight):
+    flight.add_all(law="l1")
+    assert flight.commanded(20)
+    _, values = flight.told()
+    assert (values["mode"], values["solver"]) == ("guidance law", "none")

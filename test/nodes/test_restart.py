@@ -37,7 +37,7 @@ def waited(process):
     return total * 1e-9
 
 
-class Crew:
+class Nodes:
     """The nodes as processes in real time, and somebody who listens in this one."""
 
     def __init__(self, folder):
@@ -136,38 +136,38 @@ class Crew:
 
 
 @pytest.fixture
-def crew(tmp_path):
-    crew = Crew(tmp_path)
-    yield crew
-    crew.end()
+def nodes(tmp_path):
+    nodes = Nodes(tmp_path)
+    yield nodes
+    nodes.end()
 
 
 @pytest.mark.timeout(180)
-def test_a_controller_killed_in_mid_turn_is_soon_replaced(crew):
-    crew.start("nmpc_controller")
-    crew.start("target_publisher")
-    crew.start("uav_simulator", "start_on_command:=true", "wait_for_subscribers:=1")
-    assert crew.spin(lambda: len(crew.commands) > 60, 60.0)
-    assert abs(crew.states[-1].turn_rate) > 0.05
+def test_a_controller_killed_in_mid_turn_is_soon_replaced(nodes):
+    nodes.start("nmpc_controller")
+    nodes.start("target_publisher")
+    nodes.start("uav_simulator", "start_on_command:=true", "wait_for_subscribers:=1")
+    assert nodes.spin(lambda: len(nodes.commands) > 60, 60.0)
+    assert abs(nodes.states[-1].turn_rate) > 0.05
 
     # At once: the vehicle still flies the plan of the one that is gone.
-    crew.kill("nmpc_controller")
-    step = crew.restart()
-    assert not crew.holding
-    assert abs(crew.states[-1].turn_rate) > 0.05
-    envelope = crew.parameters.envelope
+    nodes.kill("nmpc_controller")
+    step = nodes.restart()
+    assert not nodes.holding
+    assert abs(nodes.states[-1].turn_rate) > 0.05
+    envelope = nodes.parameters.envelope
     assert step[0] < 0.5 * envelope.turn_rate_max(22.0)
-    assert crew.error() < 10.0
+    assert nodes.error() < 10.0
 
     # Late: the plan is flown to its end, then the wings are level.
-    assert crew.spin(lambda: len(crew.commands) > 60, 30.0)
-    crew.kill("nmpc_controller")
-    plan_length = crew.parameters.horizon * crew.parameters.horizon_step
+    assert nodes.spin(lambda: len(nodes.commands) > 60, 30.0)
+    nodes.kill("nmpc_controller")
+    plan_length = nodes.parameters.horizon * nodes.parameters.horizon_step
     killed = time.monotonic()
-    assert crew.spin(lambda: crew.holding, plan_length + 5.0)
+    assert nodes.spin(lambda: nodes.holding, plan_length + 5.0)
     assert time.monotonic() - killed > plan_length - 2.0
-    assert crew.spin(lambda: abs(crew.states[-1].turn_rate) < 0.01, 5.0)
-    crew.spin(lambda: False, 5.0)  # a hundred metres and more along the tangent
-    crew.restart()
-    assert crew.error() > 10.0
-    assert crew.spin(lambda: crew.error() < 10.0, BACK)
+    assert nodes.spin(lambda: abs(nodes.states[-1].turn_rate) < 0.01, 5.0)
+    nodes.spin(lambda: False, 5.0)  # a hundred metres and more along the tangent
+    nodes.restart()
+    assert nodes.error() > 10.0
+    assert nodes.spin(lambda: nodes.error() < 10.0, BACK)

@@ -4,10 +4,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from uav_tracking_mpc.parameters.registry import GUIDANCE_LAW
 from uav_tracking_mpc.parameters.specification import (
     ParameterError,
+    changed,
     from_mapping,
     parameter,
+    refuse_fixed,
     specifications,
 )
 
@@ -85,3 +88,38 @@ def test_every_parameter_of_the_package_is_described_and_its_default_allowed():
             if numeric and not isinstance(specification.default, bool):
                 assert specification.lower is not None, specification.name
                 assert specification.upper is not None, specification.name
+
+
+@dataclass(frozen=True)
+class Held:
+    """One parameter of each kind: free, fixed, and fixed unless another has a value."""
+
+    kind: str = parameter("plain", "A kind.", choices=("plain", "free"), fixed=True)
+    size: float = parameter(1.0, "A size.", lower=0.0, upper=9.0, fixed_unless=("kind", "free"))
+    rate: float = parameter(1.0, "A rate.", lower=0.0, upper=9.0)
+    law: str = parameter("none", "A law.", choices=("none",), extension=GUIDANCE_LAW)
+
+
+def test_what_is_fixed_says_so_itself():
+    refuse_fixed(Held(), Held(rate=2.0, law="l1"))
+    with pytest.raises(ParameterError, match="'kind' is 'free', must stay 'plain' while"):
+        refuse_fixed(Held(), Held(kind="free"))
+    with pytest.raises(ParameterError, match="'size' is 2.0, must stay 1.0 in flight unless kind"):
+        refuse_fixed(Held(), Held(size=2.0))
+    refuse_fixed(Held(kind="free"), Held(kind="free", size=2.0))
+
+
+def test_a_change_is_checked_as_every_value_is():
+    assert changed(Held(rate=3.0), {"size": 2}) == Held(rate=3.0, size=2.0)
+    with pytest.raises(ParameterError, match="'size' is 10.0, must be a number from 0 to 9"):
+        changed(Held(), {"size": 10.0})
+
+
+@pytest.mark.parametrize("law", ["none", "l1", "vector_field", "path.py:Class"])
+def test_an_extension_may_stand_beside_choices(law):
+    assert from_mapping(Held, {"law": law}).law == law
+
+
+def test_what_is_neither_a_choice_nor_an_extension_is_refused():
+    with pytest.raises(ParameterError, match="must be one of none, l1, .*, or path.py:Class"):
+        from_mapping(Held, {"law": "l2"})

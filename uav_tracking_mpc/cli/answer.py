@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterable
 from typing import Any
 
-NARROWEST = 134  # characters: a table that is cut off tells nothing
+WIDEST = 500  # characters that any table may need
 
 
 def answer(content: Any, words: Iterable[Any], as_json: bool) -> None:
@@ -22,8 +22,13 @@ def answer(content: Any, words: Iterable[Any], as_json: bool) -> None:
         print(json.dumps(content, allow_nan=False))
         return
     from rich.console import Console
+    from rich.measure import Measurement
 
-    console = Console(file=sys.stdout)
-    console.width = max(console.width, NARROWEST)
+    terminal = Console(file=sys.stdout).width
     for part in words:
-        console.print(part, markup=False, highlight=False, soft_wrap=isinstance(part, str))
+        if isinstance(part, str):
+            print(part)
+            continue
+        # As wide as it needs: a table that is cut off tells nothing.
+        needed = Measurement.get(Console(width=WIDEST), Console(width=WIDEST).options, part).maximum
+        Console(file=sys.stdout, width=max(terminal, needed)).print(part)

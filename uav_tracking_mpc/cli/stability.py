@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from uav_tracking_mpc.cli.answer import answer
 from uav_tracking_mpc.cli.arguments import (
@@ -13,6 +14,10 @@ from uav_tracking_mpc.cli.arguments import (
     chosen_configuration,
     number,
 )
+
+if TYPE_CHECKING:
+    from uav_tracking_mpc.settings.configuration import Configuration
+    from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
 
 HELP = "the paper's stability analysis, and a proof of the terminal set"
 DESCRIPTION = (
@@ -60,90 +65,95 @@ def run(arguments: argparse.Namespace) -> int:
     Returns:
         Exit code.
     """
-    if arguments.verify is not None:
-        return _verify(arguments)
     if arguments.errata is not None:
         from uav_tracking_mpc.studies.stability.paper_report_text import write_page
 
         write_page(arguments.errata)
         return 0
+    content, words, good = _found(arguments)
+    answer(content, words, arguments.json)
+    return 0 if good else 1
+
+
+def _found(arguments: argparse.Namespace) -> tuple[dict[str, Any], list[Any], bool]:
+    """What was asked for: for programs, for people, and whether it is good news."""
+    if arguments.verify is not None:
+        return _verified(arguments.verify)
+    from uav_tracking_mpc.formulation.paper_problem import stability_problem
     from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT
 
     configuration = chosen_configuration(arguments)
     if arguments.output is not None:
         arguments.output.mkdir(parents=True, exist_ok=True)
     if configuration.controller.terminal_constraint == ARTIFICIAL_ORBIT:
-        return _artificial_orbit(arguments)
-    return _design(arguments) if arguments.design else _analyse(arguments)
+        return _artificial_orbit(arguments, configuration)
+    problem = stability_problem(configuration.controller, configuration.name)
+    return _designed(arguments, problem) if arguments.design else _analysed(arguments, problem)
 
 
 def _say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def _verify(arguments: argparse.Namespace) -> int:
+def _verified(path: Path) -> tuple[dict[str, Any], list[Any], bool]:
     from uav_tracking_mpc.terminal.certificate import read_certificate
     from uav_tracking_mpc.terminal.verify import verify
 
     try:
-        content = read_certificate(arguments.verify)
-        reason = verify(content)
+        certificate = read_certificate(path)
+        reason = verify(certificate)
     except ValueError as error:
         reason = str(error)
     if reason is None:
-        words = f"accepted: x'P_rho x <= {content['level']:.6g} is a terminal set"
+        words = f"accepted: x'P_rho x <= {certificate['level']:.6g} is a terminal set"
     else:
         words = f"REJECTED: {reason}"
-    found = {"file": str(arguments.verify), "accepted": reason is None, "reason": reason}
-    answer(found, [words], arguments.json)
-    return 0 if reason is None else 1
+    content = {"file": str(path), "accepted": reason is None, "reason": reason}
+    return content, [words], reason is None
 
 
-def _artificial_orbit(arguments: argparse.Namespace) -> int:
+def _artificial_orbit(
+    arguments: argparse.Namespace, configuration: Configuration
+) -> tuple[dict[str, Any], list[Any], bool]:
     """The problem has no ellipsoid: say what is guaranteed, and fly random states."""
     from uav_tracking_mpc.parameters.specification import ParameterError
+    from uav_tracking_mpc.report.atomic_write import write_json
     from uav_tracking_mpc.studies.feasibility.feasibility_study import feasibility_study, in_words
 
     for option in ("design", "maps", "figures"):
         if getattr(arguments, option):
             raise ParameterError(
                 f"--{option} is about the ellipsoid of the paper's terminal set; configuration "
-                f"{arguments.config!r} has an artificial orbit and no such set"
+                f"{configuration.name!r} has an artificial orbit and no such set"
             )
-    content = feasibility_study(
-        chosen_configuration(arguments), arguments.campaign or 0, arguments.jobs
-    )
+    content = feasibility_study(configuration, arguments.campaign or 0, arguments.jobs)
     if arguments.output is not None:
-        from uav_tracking_mpc.report.atomic_write import write_json
-
         write_json(arguments.output / "stability.json", content)
-    answer(content, in_words(content), arguments.json)
-    return 0 if content.get("clean", True) else 1
+    return content, in_words(content), content.get("clean", True)
 
 
-def _design(arguments: argparse.Namespace) -> int:
+def _designed(
+    arguments: argparse.Namespace, problem: StabilityProblem
+) -> tuple[dict[str, Any], list[Any], bool]:
     from dataclasses import asdict
 
-    from uav_tracking_mpc.formulation.paper_problem import stability_problem
     from uav_tracking_mpc.report.atomic_write import write_json
     from uav_tracking_mpc.studies.stability.design import candidate_table, design
 
-    configuration = chosen_configuration(arguments)
-    found = design(stability_problem(configuration.controller, configuration.name), _say)
-    content = asdict(found)
+    found = design(problem, _say)
     if arguments.output is not None:
-        write_json(arguments.output / "design.json", content)
-    answer(content, [found.words, candidate_table(found).as_rich()], arguments.json)
-    return 0 if found.best is not None else 1
+        write_json(arguments.output / "design.json", asdict(found))
+    words = [found.words, candidate_table(found).as_rich()]
+    return asdict(found), words, found.best is not None
 
 
-def _analyse(arguments: argparse.Namespace) -> int:
-    from uav_tracking_mpc.formulation.paper_problem import stability_problem
+def _analysed(
+    arguments: argparse.Namespace, problem: StabilityProblem
+) -> tuple[dict[str, Any], list[Any], bool]:
     from uav_tracking_mpc.studies.stability.stability_study import in_words, stability_study
 
-    configuration = chosen_configuration(arguments)
     study = stability_study(
-        stability_problem(configuration.controller, configuration.name),
+        problem,
         campaign=arguments.campaign or 0,
         points=arguments.points if arguments.maps else 0,
         workers=arguments.jobs,
@@ -151,5 +161,4 @@ def _analyse(arguments: argparse.Namespace) -> int:
     )
     if arguments.output is not None:
         study.save(arguments.output, figures=arguments.figures)
-    answer(study.content, in_words(study), arguments.json)
-    return 0 if study.analysis.certified else 1
+    return study.content, in_words(study), study.analysis.certified

@@ -16,7 +16,6 @@ from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from uav_tracking_mpc.control.fallback import FallbackMode
-from uav_tracking_mpc.dynamics.relative import steady_inputs
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes.conversions import (
     air_velocity_from_twist,
@@ -212,7 +211,6 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
         orbit=orbit,
         input_lower=tracking.input_lower,
         input_upper=tracking.input_upper,
-        steady_inputs=steady_inputs(tracking.model, orbit),
         time=np.array([(stamp - start) * 1e-9 for stamp, _ in flown]),
         vehicle=np.array(vehicle),
         target=np.array([motion_of_target.position(stamp * 1e-9) for stamp, _ in flown]),

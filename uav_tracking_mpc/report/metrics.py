@@ -7,6 +7,7 @@ cannot be given (nothing recorded, never settled, not finite) is None: JSON know
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -17,8 +18,9 @@ from uav_tracking_mpc.simulation.flight_log import FlightLog
 # Half widths of the bands that count as settled, [m], [m], [m/s], [rad].
 SETTLING_BANDS = {"range": 1.0, "altitude": 1.0, "speed": 0.1, "bearing": 0.05}
 
-# Columns of FlightLog.error.
+# Columns of FlightLog.error, and their units as names of numbers have them.
 COLUMNS = {"range": 0, "bearing": 1, "altitude": 2, "pitch": 3, "speed": 4}
+UNITS = {"range": "m", "bearing": "rad", "altitude": "m", "pitch": "rad", "speed": "mps"}
 
 
 def metrics(log: FlightLog) -> dict[str, Any]:
@@ -39,30 +41,26 @@ def metrics(log: FlightLog) -> dict[str, Any]:
         - ``latency_us``: only where the flight measured it
         - ``commands``: what the command link saw
     """
-    error = log.error
-    steady = error[_last_third(log)]
-    final = error[-1] if len(error) else np.full(5, np.nan)
+    errors = dict(zip(COLUMNS, log.error.T, strict=True))
+    steady = {name: values[_last_third(log)] for name, values in errors.items()}
     numbers: dict[str, Any] = {
         "config": log.config,
         "duration_s": _plain(log.duration),
         "speed": _plain(log.speed),
         "settling_s": {
-            name: settling_time(log.time, error[:, COLUMNS[name]], band)
+            name: settling_time(log.time, errors[name], band)
             for name, band in SETTLING_BANDS.items()
         },
         "steady_state": {
-            "range_rms_m": _rms(steady[:, COLUMNS["range"]]),
-            "range_max_m": _plain(np.max(np.abs(steady[:, COLUMNS["range"]]), initial=-np.inf)),
-            "altitude_rms_m": _rms(steady[:, COLUMNS["altitude"]]),
-            "speed_rms_mps": _rms(steady[:, COLUMNS["speed"]]),
+            "range_rms_m": _rms(steady["range"]),
+            "range_max_m": _plain(np.max(np.abs(steady["range"]), initial=-np.inf)),
+            "altitude_rms_m": _rms(steady["altitude"]),
+            "speed_rms_mps": _rms(steady["speed"]),
             "horizontal_rms_m": _rms(_horizontal_error(log)[_last_third(log)]),
         },
         "final": {
-            "range_error_m": _plain(final[COLUMNS["range"]]),
-            "bearing_error_rad": _plain(final[COLUMNS["bearing"]]),
-            "altitude_error_m": _plain(final[COLUMNS["altitude"]]),
-            "pitch_error_rad": _plain(final[COLUMNS["pitch"]]),
-            "speed_error_mps": _plain(final[COLUMNS["speed"]]),
+            f"{name}_error_{UNITS[name]}": _plain(values[-1] if len(values) else np.nan)
+            for name, values in errors.items()
         },
         "solver": {
             "name": log.solver,
@@ -70,19 +68,10 @@ def metrics(log: FlightLog) -> dict[str, Any]:
             "solves": len(log.solve_time),
             "failures": int(log.failures),
         },
-        "commands": {
-            "sent": int(log.commands.sent),
-            "late": int(log.commands.late),
-            "plan_reused": int(log.commands.plan_reused),
-            "failsafe": int(log.commands.failsafe),
-        },
+        "commands": asdict(log.commands),
     }
     if log.latency is not None:
-        numbers["latency_us"] = {
-            "median": _plain(log.latency.median),
-            "p99": _plain(log.latency.p99),
-            "max": _plain(log.latency.max),
-        }
+        numbers["latency_us"] = {name: _plain(value) for name, value in asdict(log.latency).items()}
     return numbers
 
 
@@ -124,8 +113,8 @@ def _last_third(log: FlightLog) -> NDArray[np.bool_]:
 
 def _horizontal_error(log: FlightLog) -> NDArray[np.float64]:
     """Horizontal distance to the target minus the radius of the orbit, shape (n,), in [m]."""
-    offset = log.vehicle[:, :2] - log.target[:, :2]
-    return np.hypot(offset[:, 0], offset[:, 1]) - log.orbit.radius
+    x, y = (log.vehicle[:, :2] - log.target[:, :2]).T
+    return np.asarray(np.hypot(x, y) - log.orbit.radius)
 
 
 def _rms(values: NDArray[np.float64]) -> float | None:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.fallback import FallbackMode
-from uav_tracking_mpc.dynamics.relative import steady_inputs
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog
@@ -59,7 +58,6 @@ class _Recorder:
             orbit=commands[-1].orbit,
             input_lower=tracking.input_lower,
             input_upper=tracking.input_upper,
-            steady_inputs=steady_inputs(tracking.model, commands[-1].orbit),
             time=np.array(self.times),
             vehicle=np.array(self.vehicles),
             target=np.array(self.targets),

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.dynamics.relative import relative_state, tracking_error
+from uav_tracking_mpc.dynamics.relative import relative_state, steady_inputs, tracking_error
 
 SLOWEST = 1e-6  # m/s; a slower velocity has no direction
 
@@ -58,7 +58,6 @@ class FlightLog:
         orbit: Reference.
         input_lower: Lower bounds of (u_psi, u_chi, u_v), shape (3,), in [rad/s], [rad/s], [m/s^2].
         input_upper: Upper bounds, shape (3,), in the same units.
-        steady_inputs: u_ss of the prediction model, shape (3,), in the same units.
         time: Times of the states in [s] from the start, shape (n,).
         vehicle: (x, y, z, psi, chi, v) at these times, shape (n, 6): angles and speed are those of
             the velocity through the air.
@@ -85,7 +84,6 @@ class FlightLog:
     orbit: Orbit
     input_lower: NDArray[np.float64]
     input_upper: NDArray[np.float64]
-    steady_inputs: NDArray[np.float64]
     time: NDArray[np.float64]
     vehicle: NDArray[np.float64]
     target: NDArray[np.float64]
@@ -99,6 +97,11 @@ class FlightLog:
     latency: Latency | None = None
     ground_velocity: NDArray[np.float64] | None = None
     target_velocity: NDArray[np.float64] | None = None
+
+    @property
+    def steady_inputs(self) -> NDArray[np.float64]:
+        """u_ss of the prediction model, shape (3,), in [rad/s], [rad/s] and [m/s^2]."""
+        return steady_inputs(self.model, self.orbit)
 
     @property
     def course(self) -> NDArray[np.float64]:

@@ -60,20 +60,26 @@ class Channel:
         """When the next recorded command takes effect in [s]; infinite without one."""
         return self._pending[0][0] if self._pending else math.inf
 
-    def after(self, duration: float) -> tuple[float, float]:
-        """Rate at the end of a time in which ``wanted`` stays, and its integral; exact.
+    def rate_after(self, duration: float) -> float:
+        """Rate at the end of a time in which ``wanted`` stays, in its own unit; exact.
 
         Args:
             duration: Of that time in [s].
-
-        Returns:
-            The rate, in its own unit, and the integral, in that unit times [s].
         """
         if self.lag == 0.0:
-            return self.wanted, self.wanted * duration
-        excess = self.rate - self.wanted
+            return self.wanted
+        return self.rate + (self.wanted - self.rate) * -math.expm1(-duration / self.lag)
+
+    def integral(self, duration: float) -> float:
+        """Integral of the rate over a time in which ``wanted`` stays, in [rad] or [m/s]; exact.
+
+        Args:
+            duration: Of that time in [s].
+        """
+        if self.lag == 0.0:
+            return self.wanted * duration
         gone = -math.expm1(-duration / self.lag)
-        return self.rate - excess * gone, self.wanted * duration + excess * self.lag * gone
+        return self.wanted * duration + (self.rate - self.wanted) * self.lag * gone
 
 
 class InnerLoop:

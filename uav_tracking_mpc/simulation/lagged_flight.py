@@ -41,17 +41,19 @@ def advance_lagged(
     for _ in range(count):
         for point, weight in POINTS:
             moment = point * step
-            heading = psi + turn.after(moment)[1]
-            path_angle = chi + climb.after(moment)[1]
-            airspeed = v + engine.after(moment)[1]
+            heading = psi + turn.integral(moment)
+            path_angle = chi + climb.integral(moment)
+            airspeed = v + engine.integral(moment)
             east, north, up = air_velocity(heading, path_angle, airspeed, math)
             x += weight * step * east
             y += weight * step * north
             z += weight * step * up
-        turn.rate, turned = turn.after(step)
-        climb.rate, climbed = climb.after(step)
-        engine.rate, gained = engine.after(step)
-        psi, chi, v = psi + turned, chi + climbed, v + gained
+        psi, chi, v = (
+            start + channel.integral(step)
+            for start, channel in zip((psi, chi, v), channels, strict=True)
+        )
+        for channel in channels:
+            channel.rate = channel.rate_after(step)
     if max(abs(psi), abs(chi)) >= math.pi:  # seldom, and slow
         psi, chi = wrap_angle([psi, chi]).tolist()
     return x, y, z, psi, chi, v

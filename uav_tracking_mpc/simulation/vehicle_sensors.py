@@ -41,13 +41,14 @@ class VehicleSensors:
         if not self._noisy:
             return truth
         noise = self._deviations * self._random.standard_normal(len(self._deviations))
-        position, (heading, path_angle, airspeed) = noise[:3], noise[3:6].tolist()
+        position, attitude, ground_velocity = noise.reshape(3, 3)
+        heading, path_angle, airspeed = attitude.tolist()
         airspeed = None if truth.airspeed is None else max(truth.airspeed + airspeed, 0.0)
         right_angle = 0.5 * math.pi
         return dataclasses.replace(
             truth,
             position=truth.position + position,
-            ground_velocity=truth.ground_velocity + noise[6:],
+            ground_velocity=truth.ground_velocity + ground_velocity,
             heading=float(wrap_angle(truth.heading + heading)),
             path_angle=min(max(truth.path_angle + path_angle, -right_angle), right_angle),
             airspeed=airspeed,

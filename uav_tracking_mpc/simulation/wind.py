@@ -26,14 +26,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import gammainc
 
 FOOT = 0.3048  # m
 HEIGHTS = (10.0 * FOOT, 1000.0 * FOOT)  # m, where the model holds; beyond, its value there
 GUST_STEP = 0.02  # s of flight for which a gust is held
 ROOT_2, ROOT_3 = math.sqrt(2.0), math.sqrt(3.0)
-
-Vector = tuple[float, float, float]
 
 
 class GustScales(NamedTuple):
@@ -59,7 +58,8 @@ def gust_scales(height: float, intensity: float) -> GustScales:
         height: Above ground in [m].
         intensity: W20 in [m/s].
     """
-    height = min(max(height, HEIGHTS[0]), HEIGHTS[1])
+    lowest, highest = HEIGHTS
+    height = min(max(height, lowest), highest)
     shape = 0.177 + 0.000823 * height / FOOT
     vertical = 0.1 * intensity
     return GustScales(vertical / shape**0.4, vertical, height / shape**1.2, height)
@@ -69,7 +69,7 @@ class ExactStep:
     r"""What happens to (p, m) of :class:`GustFilter` over a distance V dt / L >= 0.
 
     They decay by exp(-distance), and noise of covariance :math:`P - \Phi P \Phi^T` is added, whose
-    entries are incomplete gamma functions of twice the distance.
+    entries come from incomplete gamma functions of twice the distance.
 
     Args:
         distance: In lengths L, [-].
@@ -87,19 +87,8 @@ class ExactStep:
     def __init__(self, distance: float) -> None:
         self.distance, self.decay = distance, math.exp(-distance)
         x = 2.0 * distance
-        decay = self.decay**2
-        if x < 1.0:  # the tail of e^x after x^2, summed: the difference below would cancel
-            tail = term = x**3 / 6.0
-            order = 3
-            while term > 1e-17 * tail:
-                order += 1
-                term *= x / order
-                tail += term
-            second = 0.5 * decay * tail
-        else:
-            second = 0.5 * (1.0 - decay * (1.0 + x + 0.5 * x * x))
-        covariance = second + 0.25 * decay * x * x
-        variance = -math.expm1(-x)
+        variance, second = -math.expm1(-x), 0.5 * float(gammainc(3.0, x))
+        covariance = second + 0.25 * math.exp(-x) * x * x
         self.p_p = math.sqrt(variance)
         self.p_m = covariance / self.p_p if variance > 0.0 else 0.0
         self.m_m = math.sqrt(max(second - self.p_m**2, 0.0))
@@ -146,7 +135,7 @@ class Wind:
     Its course depends on the seed and on the flight, not on how the flight is cut into steps.
 
     Args:
-        mean: Mean velocity in ``map`` in [m/s].
+        mean: Mean velocity in ``map``, shape (3,), in [m/s].
         intensity: W20 in [m/s]; 0 for steady wind.
         seed: Of the gusts.
         heading: Horizontal direction of the air velocity at the start in [rad].
@@ -155,30 +144,30 @@ class Wind:
 
     def __init__(
         self,
-        mean: Vector,
+        mean: ArrayLike,
         intensity: float,
         seed: np.random.SeedSequence,
         heading: float,
         height: float,
     ) -> None:
-        self._mean = mean
+        self._mean = np.array(mean, dtype=float)
         self._intensity = intensity
         self._random = np.random.default_rng(seed)
         u, v1, v2, w1, w2 = self._random.standard_normal(5).tolist()
         self._filters = GustFilter(u, 0.0), GustFilter(v1, v2), GustFilter(w1, w2)
         self._left = GUST_STEP  # of the present gust
-        self._velocity = mean
+        self._velocity = self._mean
         if intensity > 0.0:
             self._turn_to_map(heading, gust_scales(height, intensity))
 
     @property
     def velocity(self) -> NDArray[np.float64]:
         """Velocity of the air in ``map`` now, shape (3,), in [m/s]."""
-        return np.array(self._velocity)
+        return self._velocity.copy()
 
     def advance(
         self, duration: float, airspeed: float, height: float, heading: float, turn: float
-    ) -> Vector:
+    ) -> NDArray[np.float64]:
         """Blow on.
 
         Args:
@@ -189,16 +178,14 @@ class Wind:
             turn: By how much it turns over the duration in [rad].
 
         Returns:
-            Displacement of the air, the integral of the velocity, in [m].
+            Displacement of the air, the integral of the velocity, shape (3,), in [m].
         """
         if self._intensity == 0.0:
-            return (self._mean[0] * duration, self._mean[1] * duration, self._mean[2] * duration)
-        x = y = z = flown = 0.0
+            return self._mean * duration
+        displacement, flown = np.zeros(3), 0.0
         while flown < duration:
             piece = min(duration - flown, self._left)
-            x += self._velocity[0] * piece
-            y += self._velocity[1] * piece
-            z += self._velocity[2] * piece
+            displacement += self._velocity * piece
             flown += piece
             self._left -= piece
             if self._left <= 1e-9:  # s; sums of floats do not hit zero
@@ -206,21 +193,20 @@ class Wind:
                 scales = gust_scales(height, self._intensity)
                 self._next_gust(airspeed * GUST_STEP, scales)
                 self._turn_to_map(heading + turn * flown / duration, scales)
-        return x, y, z
+        return displacement
 
     def _next_gust(self, flown: float, scales: GustScales) -> None:
         u, v1, v2, w1, w2 = self._random.standard_normal(5).tolist()
-        along = ExactStep(flown / scales.long)
-        self._filters[0].step(along, u, 0.0)
-        self._filters[1].step(along, v1, v2)
-        self._filters[2].step(ExactStep(flown / scales.short), w1, w2)
+        longitudinal, lateral, vertical = self._filters
+        level = ExactStep(flown / scales.long)
+        longitudinal.step(level, u, 0.0)
+        lateral.step(level, v1, v2)
+        vertical.step(ExactStep(flown / scales.short), w1, w2)
 
     def _turn_to_map(self, heading: float, scales: GustScales) -> None:
-        forward = scales.level * self._filters[0].longitudinal
-        left = scales.level * self._filters[1].transverse
+        longitudinal, lateral, vertical = self._filters
+        forward, left = scales.level * longitudinal.longitudinal, scales.level * lateral.transverse
         sine, cosine = math.sin(heading), math.cos(heading)
-        self._velocity = (
-            self._mean[0] + cosine * forward - sine * left,
-            self._mean[1] + sine * forward + cosine * left,
-            self._mean[2] + scales.vertical * self._filters[2].transverse,
-        )
+        east, north = cosine * forward - sine * left, sine * forward + cosine * left
+        up = scales.vertical * vertical.transverse
+        self._velocity = self._mean + np.array([east, north, up])

@@ -3,7 +3,6 @@ import io
 from compared_flights import compared
 from rich.console import Console
 
-from uav_tracking_mpc.cli.answer import NARROWEST
 from uav_tracking_mpc.studies.comparison.comparison_table import (
     COLUMNS,
     comparison_rows,
@@ -24,7 +23,7 @@ def test_rows_hold_each_flight_and_the_verdict_on_the_controller():
 
 def test_the_terminal_shows_every_unit_and_number():
     file = io.StringIO()
-    Console(file=file, width=NARROWEST).print(
+    Console(file=file, width=140).print(
         comparison_table([compared("circling_target", 3.0)]).as_rich()
     )
     text = file.getvalue()

@@ -11,11 +11,11 @@ def test_flown_time_goes_on_where_a_vehicle_begins_anew():
     assert flown.seconds == 2.0
 
 
-def fly(errors, led=lambda time: True):
+def fly(errors, commanded=lambda time: True):
     """Recovery and time flown when it is judged; the fault ends at 5 s."""
     recovery = Recovery(tolerance=10.0, hold=2.0, limit=30.0)
     for time in np.arange(0.0, 60.0, 0.1):
-        recovery.state(time, errors(time), 0.0, led(time))
+        recovery.state(time, errors(time), 0.0, commanded(time))
         if time >= 5.0 and recovery._end is None:
             recovery.begin(time)
         done = recovery.done(time)
@@ -41,7 +41,7 @@ def test_passing_through_is_no_recovery():
 
 
 def test_an_orbit_that_nobody_commands_is_not_held():
-    done, _ = fly(lambda time: 1.0, led=lambda time: time > 11.0)
+    done, _ = fly(lambda time: 1.0, commanded=lambda time: time > 11.0)
     assert done == pytest.approx(6.0, abs=0.15)
 
 

@@ -40,13 +40,13 @@ class VehiclePlant(Plant):
         self.state = parameters.initial_state
         self._inner_loop = InnerLoop(parameters.rate_lag, parameters.dead_time)
         gusts, _ = np.random.SeedSequence(parameters.seed).spawn(2)  # the other is the sensors'
-        east, north, up = parameters.wind
+        _, _, height = parameters.initial_position
         self._wind = Wind(
-            (east, north, up),
+            parameters.wind,
             parameters.gust_intensity,
             gusts,
             heading=parameters.initial_heading,
-            height=parameters.initial_position[2],
+            height=height,
         )
 
     @property
@@ -125,7 +125,7 @@ class VehiclePlant(Plant):
         """Fly through the air for a time [s] in which the channels' commands stay the same."""
         turn, climb, engine = self._inner_loop.channels
         *_, airspeed = self.state.tolist()
-        gained = engine.after(duration)[1]
+        gained = engine.integral(duration)
         slowest, fastest = self.parameters.speed_min, self.parameters.speed_max
         allowed = min(max(gained, slowest - airspeed), fastest - airspeed)
         acceleration = engine

@@ -18,6 +18,7 @@ from uav_tracking_mpc.report.figure_style import (
     colours,
     drawing,
 )
+from uav_tracking_mpc.report.metrics import COLUMNS
 from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.studies.comparison.measures import SETTLED, Measures, flown_bank
 from uav_tracking_mpc.studies.comparison.results import Scenario
@@ -64,7 +65,7 @@ def _draw_top_view(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> No
         color=BLACK, lw=1.0, ls=(0, (5, 2.5)), zorder=3,
     )  # fmt: skip
     for law, flight in scenario.logs.items():
-        x, y = (flight.vehicle - np.pad(flight.target, ((0, 0), (0, 3)))).T[:2]
+        x, y = (flight.vehicle[:, :2] - flight.target[:, :2]).T
         axes.plot(x, y, color=colour[law], lw=1.1)
         axes.plot(x[0], y[0], "s", color=BLACK, ms=4.5, zorder=4)
     axes.plot(0.0, 0.0, "*", color=BLACK, ms=9, zorder=4)
@@ -76,8 +77,8 @@ def _draw_top_view(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> No
     wind = np.array(scenario.configuration.simulator.wind)
     gusts = " and gusts" if scenario.configuration.simulator.gust_intensity > 0.0 else ""
     _draw_arrow(axes, 0.94, wind, f"wind {np.hypot(*wind[:2]):g} m/s{gusts}", GREY)
-    circling = scenario.configuration.target.motion == "circle"
-    words = f"target {np.hypot(*moving[:2]):g} m/s{' at the start' if circling else ''}"
+    turns = log.target_velocity is not None and np.ptp(log.target_velocity, axis=0).any()
+    words = f"target {np.hypot(*moving[:2]):g} m/s{' at the start' if turns else ''}"
     _draw_arrow(axes, 0.86, moving, words, BLACK)
 
 
@@ -103,9 +104,8 @@ def _draw_arrow(
 
 def _draw_error(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> None:
     for law, log in scenario.logs.items():
-        axes.semilogy(
-            log.time, np.maximum(np.abs(log.error[:, 0]), FINEST), color=colour[law], lw=1.0
-        )
+        error = np.maximum(np.abs(log.error[:, COLUMNS["range"]]), FINEST)
+        axes.semilogy(log.time, error, color=colour[law], lw=1.0)
     axes.axhspan(FINEST, SETTLED, color=GREEN, alpha=0.08, lw=0.0)
     end = log.time[-1]
     if scenario.target is not None:

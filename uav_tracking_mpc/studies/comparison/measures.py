@@ -53,15 +53,15 @@ def measures(log: FlightLog, parameters: TrackingParameters) -> Measures:
         log: Record of the flight, at least four samples.
         parameters: The limits.
     """
-    error = log.error
+    range_error, _, altitude_error, _, airspeed_error = log.error.T
     late = log.time >= log.time[0] + 2.0 / 3.0 * (log.time[-1] - log.time[0])
     bank_rate = np.diff(flown_bank(log)) / np.diff(log.time)[1:]  # at the samples but two
     beyond = violations(log, parameters)
     return Measures(
-        range_rms_m=_rms(error[late, 0]),
-        settling_s=settling_time(log.time, error[:, 0], SETTLED),
-        altitude_rms_m=_rms(error[late, 2]),
-        airspeed_rms_mps=_rms(error[late, 4]),
+        range_rms_m=_rms(range_error[late]),
+        settling_s=settling_time(log.time, range_error, SETTLED),
+        altitude_rms_m=_rms(altitude_error[late]),
+        airspeed_rms_mps=_rms(airspeed_error[late]),
         bank_rate_rms_dps=float(np.degrees(_rms(bank_rate[late[1:-1]]))),
         envelope_violations=int(np.any(list(beyond.values()), axis=0).sum()),
         violations={name: int(found.sum()) for name, found in beyond.items() if found.any()},

@@ -17,7 +17,7 @@ class CaseFindings:
         index: Its number in the schedule.
         kinds: Labels of its faults.
         begin: Since the campaign began, wall time [s].
-        end: Likewise.
+        end: Likewise [s].
         recovery: From the last fault's end to the orbit [s] of simulated time; None: never.
         violations: Of each invariant how often, and the first in words.
     """
@@ -51,7 +51,7 @@ class Campaign:
         cases: One after the other.
         families: Of every fault that may be injected, by label, in the order of tables.
         deaths: Processes lost that nobody killed.
-        growth: Of each process watched to the end: memory in percent an hour, None: too short.
+        growth: Memory of each process [%/h]; None where it was watched too briefly.
         range_errors: (wall time since the beginning [s], r - r_d [m]).
         storms: Parameters asked for, answered, accepted.
     """

@@ -22,7 +22,7 @@ class Limits:
 
     Attributes:
         lower: Least (u_psi, u_chi, u_v), shape (3,), in [rad/s, rad/s, m/s^2].
-        upper: Greatest.
+        upper: Greatest, shape (3,), in the same units.
         state_age: How much older than the newest state the state of a command may be [s].
         transport: Wall time [s] that a message may take, whatever the load: a state counts as
             known to the controller when it was delivered so long ago.
@@ -66,7 +66,11 @@ class Invariants:
         self._target: NDArray[np.float64] | None = None
 
     def target(self, position: ArrayLike) -> None:
-        """Where the target truly is, shape (3,), in ``map`` [m]."""
+        """The target moves.
+
+        Args:
+            position: Where it truly is, shape (3,), in ``map`` [m].
+        """
         self._target = np.asarray(position, dtype=float)
 
     def state(self, stamp: float, position: ArrayLike) -> list[Violation]:

@@ -23,7 +23,7 @@ from uav_tracking_mpc.studies.faults.invariants import Invariants, Limits, Viola
 from uav_tracking_mpc.studies.faults.recovery import FlownTime, Recovery
 
 QUEUE = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
-LED = 1.0  # s of simulated time without a command after which the aircraft is not commanded
+PATIENCE = 1.0  # s of simulated time without a command after which the aircraft is not commanded
 
 
 class Observer(Node):
@@ -83,8 +83,9 @@ class Observer(Node):
             return
         offset = position - self._target
         self.range_error = float(np.linalg.norm(offset)) - self._range
-        led = self.flown - self._commanded < LED
-        self._recovery.state(self.flown, self.range_error, float(offset[2]) - self._altitude, led)
+        commanded = self.flown - self._commanded < PATIENCE
+        altitude_error = float(offset[2]) - self._altitude
+        self._recovery.state(self.flown, self.range_error, altitude_error, commanded)
 
     def _on_delivered(self, message: Any) -> None:
         self._invariants.delivered(time.monotonic(), _seconds(message.header.stamp))

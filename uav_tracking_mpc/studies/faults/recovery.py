@@ -6,14 +6,25 @@ LONGEST_STEP = 1.0  # s; the vehicle's time moves on from state to state by less
 
 
 class FlownTime:
-    """Simulated time that was flown: goes on where a vehicle that is started anew begins at 0."""
+    """Simulated time that was flown; it goes on when a vehicle that is started anew begins at 0.
+
+    Attributes:
+        seconds: Time flown so far [s].
+    """
 
     def __init__(self) -> None:
         self.seconds = 0.0
         self._stamp: float | None = None
 
     def state(self, stamp: float) -> float:
-        """Take in the stamp [s] of a state; returns the time flown [s]."""
+        """Count the time since the last state.
+
+        Args:
+            stamp: Of a state [s].
+
+        Returns:
+            Time flown so far [s].
+        """
         if self._stamp is not None and 0.0 < stamp - self._stamp < LONGEST_STEP:
             self.seconds += stamp - self._stamp
         self._stamp = stamp
@@ -35,26 +46,36 @@ class Recovery:
         self._entered: float | None = None
 
     def begin(self, flown: float) -> None:
-        """The last fault has ended, at this time flown [s]."""
+        """The last fault has ended.
+
+        Args:
+            flown: Time flown [s].
+        """
         self._end = flown
 
-    def state(self, flown: float, range_error: float, altitude_error: float, led: bool) -> None:
-        """Take in a state.
+    def state(
+        self, flown: float, range_error: float, altitude_error: float, commanded: bool
+    ) -> None:
+        """Judge a state.
 
         Args:
             flown: Time flown [s].
             range_error: r - r_d [m].
             altitude_error: z - z_d [m].
-            led: Whether commands of the controller come.
+            commanded: Whether commands of the controller come.
         """
         errors = max(abs(range_error), abs(altitude_error))
-        if not (led and errors < self._tolerance):
+        if not (commanded and errors < self._tolerance):
             self._entered = None
         elif self._entered is None:
             self._entered = flown
 
     def done(self, flown: float) -> float | None:
-        """Time that the recovery took [s], None while the orbit has not been held for long."""
+        """Time that the recovery took [s]; None while the orbit has not been held long enough.
+
+        Args:
+            flown: Time flown [s].
+        """
         if self._end is None or self._entered is None:
             return None
         if flown - max(self._entered, self._end) < self._hold:
@@ -62,7 +83,11 @@ class Recovery:
         return max(0.0, self._entered - self._end)
 
     def late(self, flown: float) -> bool:
-        """Whether the time allowed is over without the aircraft on its orbit."""
+        """Whether the time allowed is over without the aircraft on its orbit.
+
+        Args:
+            flown: Time flown [s].
+        """
         return self._end is not None and (
             flown - self._end > self._limit + (0.0 if self._entered is None else self._hold)
         )

@@ -24,7 +24,7 @@ NOT_GUARANTEED = (
     "What the aircraft makes of commands: its lag lets path-angle rate and acceleration follow "
     "differently, and their common limit, the specific force, is passed for moments.",
     "Gusts, a wind or target that changes, another aircraft than predicted, a solve that ends "
-    "before it converges: there the ladder of the pilot holds.",
+    "before it converges: there the controller's fallback modes hold.",
 )
 
 ANALYSIS = (

@@ -86,7 +86,7 @@ def default_slices(problem: StabilityProblem, points: int = 25) -> list[Slice]:
     """
     orbit = problem.orbit
     base = marked_state(problem)
-    low = max(1.05 * abs(base[2]), 0.3 * orbit.range)
+    low = max(1.05 * abs(base[COORDINATES["altitude"]]), 0.3 * orbit.range)
     ranges = np.linspace(low, 2.0 * orbit.range, points)
     bearings = np.linspace(-np.pi, np.pi, points)
     speeds = np.linspace(0.0, 2.5 * orbit.speed, points)
@@ -103,10 +103,12 @@ def marked_state(problem: StabilityProblem) -> NDArray[np.float64]:
         problem: The configuration.
     """
     orbit = problem.orbit
-    state = PAPER_INITIAL_STATE.copy()
-    state[0] *= orbit.range / paper_numbers.ORBIT.range
-    state[2] *= orbit.altitude / paper_numbers.ORBIT.altitude
-    return state
+    r, theta, z, chi, v = PAPER_INITIAL_STATE
+    wider, higher = (
+        orbit.range / paper_numbers.ORBIT.range,
+        orbit.altitude / paper_numbers.ORBIT.altitude,
+    )
+    return np.array([r * wider, theta, z * higher, chi, v])
 
 
 @dataclass(frozen=True)
@@ -167,8 +169,8 @@ def _cheapest(solver: Solver, start: NDArray[np.float64]) -> float:
     Tried are: warm from the neighbour's plan; cold; and cold with the bearing counted the other way
     round, which is another way round the target.
     """
-    turned = start.copy()
-    turned[1] -= np.copysign(2.0 * np.pi, start[1])
+    r, theta, z, chi, v = start
+    turned = np.array([r, theta - np.copysign(2.0 * np.pi, theta), z, chi, v])
     for state, elapsed in ((start, 0.0), (start, None), (turned, None)):
         cost = _cost(solver.solve(state, elapsed=elapsed))
         if np.isfinite(cost):

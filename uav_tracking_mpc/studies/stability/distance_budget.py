@@ -25,10 +25,12 @@ def distance_budget(
         (needed, possible), in [m]. needed > possible proves that (16e) is infeasible.
     """
     inverse = np.linalg.inv(problem.ingredients().weight)
-    extent = np.sqrt(level * np.diag(inverse))
-    needed = abs(float(state[0]) - problem.orbit.range) - float(extent[0])
+    range_extent, _, _, _, speed_extent = np.sqrt(level * np.diag(inverse))
+    r, _, _, _, v = state
+    needed = abs(float(r) - problem.orbit.range) - float(range_extent)
     k = np.arange(problem.horizon)
-    up, down = problem.step * problem.input_upper[2], -problem.step * problem.input_lower[2]
-    last = problem.orbit.speed + float(extent[4])
-    speeds = np.minimum(state[4] + k * up, last + (problem.horizon - k) * down)
+    _, _, up = problem.step * problem.input_upper
+    _, _, down = -problem.step * problem.input_lower
+    last = problem.orbit.speed + float(speed_extent)
+    speeds = np.minimum(v + k * up, last + (problem.horizon - k) * down)
     return needed, float(problem.step * np.maximum(speeds, 0.0).sum())

@@ -46,7 +46,7 @@ class ParameterStorm(Fault):
         self._asked = 0.0
 
     def during(self, flight: Flight) -> None:
-        """Ask for one to four parameters at random, at once."""
+        """See :meth:`Fault.during`: asks for one to four parameters at random, at once."""
         now = time.monotonic()
         if now - self._asked < PERIOD:
             return
