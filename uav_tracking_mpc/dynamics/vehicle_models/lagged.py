@@ -93,30 +93,29 @@ class Lagged(VehicleModel):
     ) -> LaggedState:
         """See :meth:`VehicleModel.step`."""
         xp = ca if isinstance(state.heading, ca.SX) else math
-        angles = (state.heading, state.path_angle, state.airspeed)
-        rates = (state.turn_rate, state.path_angle_rate, state.acceleration)
-        excess = [rate - u for rate, u in zip(rates, _three(inputs), strict=True)]
-
-        def after(time: float, first: int) -> list[Any]:
-            """Heading, path angle and airspeed."""
-            return [
-                angles[axis] + inputs[axis] * time + excess[axis] * numbers[first + axis]
-                for axis in range(3)
-            ]
-
-        halfway, end = after(0.5 * duration, 0), after(duration, 3)
-        end_rates = [inputs[axis] + excess[axis] * numbers[6 + axis] for axis in range(3)]
-        begin, middle, last = (
-            air_velocity(psi, chi, v, xp) for psi, chi, v in (angles, halfway, end)
+        x, y, z, psi, chi, v, turn, climb, gain = state
+        u_psi, u_chi, u_v = inputs[0], inputs[1], inputs[2]
+        # What each rate still lacks of its command, and how far that leads the angle astray.
+        e_psi, e_chi, e_v = turn - u_psi, climb - u_chi, gain - u_v
+        half = 0.5 * duration
+        begin = air_velocity(psi, chi, v, xp)
+        middle = air_velocity(
+            psi + u_psi * half + e_psi * numbers[0],
+            chi + u_chi * half + e_chi * numbers[1],
+            v + u_v * half + e_v * numbers[2],
+            xp,
         )
-        position = [
-            start
-            + duration / 6.0 * (begin[axis] + 4.0 * middle[axis] + last[axis])
-            + duration * drift.velocity[axis]
-            + 0.5 * duration**2 * drift.rate[axis]
-            for axis, start in enumerate((state.x, state.y, state.z))
-        ]
-        return LaggedState(*position, *end, *end_rates)
+        psi = psi + u_psi * duration + e_psi * numbers[3]
+        chi = chi + u_chi * duration + e_chi * numbers[4]
+        v = v + u_v * duration + e_v * numbers[5]
+        last = air_velocity(psi, chi, v, xp)
+        dx, dy, dz = (
+            duration / 6.0 * (begin[axis] + 4.0 * middle[axis] + last[axis])
+            + duration * (drift.velocity[axis] + half * drift.rate[axis])
+            for axis in range(3)
+        )
+        rates = (u_psi + e_psi * numbers[6], u_chi + e_chi * numbers[7], u_v + e_v * numbers[8])
+        return LaggedState(x + dx, y + dy, z + dz, psi, chi, v, *rates)
 
     def initial(self, vehicle: ArrayLike, target: ArrayLike, rates: ArrayLike) -> LaggedState:
         """See :meth:`PredictionModel.initial`."""
@@ -128,7 +127,3 @@ class Lagged(VehicleModel):
     def settled(self, state: LaggedState, orbit: OrbitMotion) -> list[Any]:
         """See :meth:`VehicleModel.settled`: the rates are those of the orbit."""
         return [state.turn_rate - orbit.turn_rate, state.path_angle_rate, state.acceleration]
-
-
-def _three(values: Any) -> list[Any]:
-    return [values[axis] for axis in range(3)]
