@@ -42,7 +42,7 @@ apidoc_modules = [
     {
         "path": str(HERE.parent / "uav_tracking_mpc"),
         "destination": "api",
-        "exclude_patterns": ["**/__main__.py"],
+        "exclude_patterns": [str(HERE.parent / "uav_tracking_mpc" / "__main__.py")],
         "module_first": True,
         "include_private": True,  # modules that rooms share; their private members are left out
     }

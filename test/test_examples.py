@@ -13,10 +13,12 @@ import pytest
 from uav_tracking_mpc.dynamics.angles import wrap_angle
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 
+pytestmark = pytest.mark.timeout(300)  # they compile the problems they fly
+
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
 
-def run(name, *arguments, limit=110):
+def run(name, *arguments, limit=280):
     finished = subprocess.run(
         [sys.executable, EXAMPLES / name, *map(str, arguments)],
         capture_output=True,
@@ -83,11 +85,6 @@ def test_add_a_plant(tmp_path):
 
 
 def test_fly_over_a_link():
-    (error,) = re.findall(r"^(\S+) m from the orbit", run("fly_over_a_link.py"))
-    assert abs(float(error)) < 1.0
-
-
-def test_fly_over_a_link():
     (error,) = re.findall(r"(-?[\d.]+) m from the orbit", run("fly_over_a_link.py"))
     assert abs(float(error)) < 1.0
 
@@ -97,7 +94,7 @@ def test_add_a_fault(tmp_path):
     """The fault that is given comes before all others."""
     arguments = ["--minutes", "0.2", "--json", "--output", str(tmp_path)]
     words = [sys.executable, str(EXAMPLES / "add_a_fault.py"), *arguments]
-    finished = subprocess.run(words, capture_output=True, text=True, timeout=110)
+    finished = subprocess.run(words, capture_output=True, text=True, timeout=280)
     outcome = json.loads(finished.stdout)
     assert outcome["per_kind"]["iced_pitot"]["faults"] == 1
     assert outcome["per_kind"]["iced_pitot"]["violations"] == 0
@@ -107,7 +104,7 @@ def test_add_a_fault(tmp_path):
 def test_read_a_bag(tmp_path):
     fly = ["fly", "--config", "paper", "--set", "mission.duration=30.0", "--output", tmp_path]
     words = [sys.executable, "-m", "uav_tracking_mpc", *map(str, fly)]
-    subprocess.run(words, check=True, capture_output=True, timeout=110)
+    subprocess.run(words, check=True, capture_output=True, timeout=280)
     printed = run("read_a_bag.py", tmp_path / "mission.mcap")
     (settled,) = re.findall(r"after ([\d.]+) s", printed)
     assert 15.0 < float(settled) < 25.0

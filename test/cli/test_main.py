@@ -1,5 +1,4 @@
 import importlib
-import json
 import re
 import subprocess
 import sys
@@ -18,23 +17,6 @@ def run(*arguments, limit=60):
         env=environment(),
         timeout=limit,
     )
-
-
-def test_simulate_prints_one_json_object_and_writes_the_report(tmp_path):
-    finished = run("simulate", "--duration", "40", "--output", tmp_path / "out", "--json")
-    assert finished.returncode == 0, finished.stderr
-    metrics = json.loads(finished.stdout)
-    assert metrics["config"] == "paper"
-    assert metrics["settling_s"]["altitude"] == 16.0
-    assert json.loads((tmp_path / "out" / "metrics.json").read_text()) == metrics
-    names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert names == {"metrics.json", "trajectory.png", "states.png", "report.html"}
-
-
-def test_simulate_speaks_to_people(tmp_path):
-    finished = run("simulate", "--duration", "40", "--output", tmp_path)
-    assert "settled: range 20.0 s" in finished.stdout
-    assert str(tmp_path / "report.html") in finished.stdout
 
 
 @pytest.mark.parametrize(
@@ -92,9 +74,3 @@ def test_help_imports_nothing_that_takes_long():
     )
     finished = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert finished.stdout.endswith("[]\n"), finished.stdout
-
-
-def test_a_mission_shorter_than_a_step_is_one_step(tmp_path):
-    few = ["--duration", "1", "--set", "nmpc_controller.horizon_step=5", "--output", tmp_path]
-    finished = run("simulate", *few, "--set", "nmpc_controller.solver=ipopt")
-    assert finished.returncode == 0, finished.stderr

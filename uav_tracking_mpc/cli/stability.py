@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from uav_tracking_mpc.settings.configuration import Configuration
     from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
 
+# What was asked for: for programs, for people, and whether it is good news.
+Found = tuple[dict[str, Any], list[Any], bool]
+
 HELP = "the paper's stability analysis, and a proof of the terminal set"
 DESCRIPTION = (
     "Theorems 2 and 3, the paper beside the truth, a proof of the terminal set; for a "
@@ -75,8 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0 if good else 1
 
 
-def _found(arguments: argparse.Namespace) -> tuple[dict[str, Any], list[Any], bool]:
-    """What was asked for: for programs, for people, and whether it is good news."""
+def _found(arguments: argparse.Namespace) -> Found:
     if arguments.verify is not None:
         return _verified(arguments.verify)
     from uav_tracking_mpc.formulation.paper_problem import stability_problem
@@ -95,7 +97,7 @@ def _say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def _verified(path: Path) -> tuple[dict[str, Any], list[Any], bool]:
+def _verified(path: Path) -> Found:
     from uav_tracking_mpc.terminal.certificate import read_certificate
     from uav_tracking_mpc.terminal.verify import verify
 
@@ -112,9 +114,7 @@ def _verified(path: Path) -> tuple[dict[str, Any], list[Any], bool]:
     return content, [words], reason is None
 
 
-def _artificial_orbit(
-    arguments: argparse.Namespace, configuration: Configuration
-) -> tuple[dict[str, Any], list[Any], bool]:
+def _artificial_orbit(arguments: argparse.Namespace, configuration: Configuration) -> Found:
     """The problem has no ellipsoid: say what is guaranteed, and fly random states."""
     from uav_tracking_mpc.parameters.specification import ParameterError
     from uav_tracking_mpc.report.atomic_write import write_json
@@ -132,9 +132,7 @@ def _artificial_orbit(
     return content, in_words(content), content.get("clean", True)
 
 
-def _designed(
-    arguments: argparse.Namespace, problem: StabilityProblem
-) -> tuple[dict[str, Any], list[Any], bool]:
+def _designed(arguments: argparse.Namespace, problem: StabilityProblem) -> Found:
     from dataclasses import asdict
 
     from uav_tracking_mpc.report.atomic_write import write_json
@@ -147,9 +145,7 @@ def _designed(
     return asdict(found), words, found.best is not None
 
 
-def _analysed(
-    arguments: argparse.Namespace, problem: StabilityProblem
-) -> tuple[dict[str, Any], list[Any], bool]:
+def _analysed(arguments: argparse.Namespace, problem: StabilityProblem) -> Found:
     from uav_tracking_mpc.studies.stability.stability_study import in_words, stability_study
 
     study = stability_study(

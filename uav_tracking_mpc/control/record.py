@@ -9,15 +9,16 @@ same commands on the same machine, as long as no solve runs out of time: that is
 from __future__ import annotations
 
 import dataclasses
+import functools
 import json
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, ParamSpec, TypeVar, cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from uav_tracking_mpc import __version__
 from uav_tracking_mpc.control.command import Command
@@ -26,7 +27,21 @@ from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementErro
 from uav_tracking_mpc.parameters.specification import ParameterError, from_mapping
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
+P = ParamSpec("P")
+T = TypeVar("T")
 PENDING = 200  # calls after which they are written, if nobody has asked for it before
+
+
+def _noted(method: Callable[P, T]) -> Callable[P, T]:
+    """The method of a controller, which remembers its arguments before it is called."""
+
+    @functools.wraps(method)
+    def noted(*arguments: P.args, **named: P.kwargs) -> T:
+        controller, *rest = arguments
+        cast("RecordingController", controller).note(method.__name__, rest, named)
+        return method(*arguments, **named)
+
+    return noted
 
 
 class RecordingController(Controller):
@@ -79,54 +94,33 @@ class RecordingController(Controller):
             self.flush()
             self._file.close()
 
-    def _note(self, name: str, **arguments: Any) -> dict[str, Any]:
-        call = {"call": name, **arguments}
+    def note(self, name: str, arguments: Sequence[Any], named: dict[str, Any]) -> dict[str, Any]:
+        """Remember a call.
+
+        Args:
+            name: Of the method.
+            arguments: By position.
+            named: By name.
+
+        Returns:
+            What will be written, to be added to.
+        """
         if len(self._calls) >= PENDING:
             self.flush()
-        self._calls.append(call)
-        return call
+        self._calls.append({"call": name, "arguments": list(arguments), "named": named})
+        return self._calls[-1]
 
-    def reset(self) -> None:
-        """See :meth:`Controller.reset`."""
-        self._note("reset")
-        super().reset()
-
-    def change(self, **values: Any) -> None:
-        """See :meth:`Controller.change`."""
-        self._note("change", values=values)
-        super().change(**values)
-
-    def see_air(self, stamp: float, airspeed: float) -> None:
-        """See :meth:`Controller.see_air`."""
-        self._note("see_air", stamp=stamp, airspeed=airspeed)
-        super().see_air(stamp, airspeed)
-
-    def see_target(
-        self,
-        stamp: float,
-        position: ArrayLike,
-        velocity: ArrayLike | None = None,
-        covariance: ArrayLike | None = None,
-    ) -> bool:
-        """See :meth:`Controller.see_target`."""
-        self._note(
-            "see_target",
-            stamp=stamp,
-            position=position,
-            velocity=velocity,
-            covariance=covariance,
-        )
-        return super().see_target(stamp, position, velocity, covariance)
-
-    def see_state(self, measurement: Measurement) -> None:
-        """See :meth:`Controller.see_state`."""
-        self._note("see_state", measurement=measurement)
-        super().see_state(measurement)
+    reset = _noted(Controller.reset)
+    change = _noted(Controller.change)
+    see_air = _noted(Controller.see_air)
+    see_target = _noted(Controller.see_target)
+    see_state = _noted(Controller.see_state)
+    fall_silent = _noted(Controller.fall_silent)
 
     def step(self, measurement: Measurement, now: float) -> Command | None:
         """See :meth:`Controller.step`."""
         self._readings.clear()
-        call = self._note("step", measurement=measurement, now=now)
+        call = self.note("step", (measurement, now), {})
         command = super().step(measurement, now)
         call["stopwatch"] = list(self._readings)
         if command is not None:
@@ -137,11 +131,6 @@ class RecordingController(Controller):
                 "out_of_time": command.out_of_time,
             }
         return command
-
-    def fall_silent(self, reason: str) -> None:
-        """See :meth:`Controller.fall_silent`."""
-        self._note("fall_silent", reason=reason)
-        super().fall_silent(reason)
 
 
 class RecordedCommand(NamedTuple):
@@ -205,23 +194,24 @@ def replay(path: Path) -> Iterator[ReplayedStep]:
             recorded = call.pop("command", None)
             if controller.formulation is not None:
                 controller.formulation.solver.time_limit = math.inf
-            command = _repeat(controller, call.pop("call"), call)
-            if "now" in call:
+            command = _repeat(controller, **call)
+            if call["call"] == "step":
                 yield ReplayedStep(recorded and _recorded(recorded), command)
 
 
-def _repeat(controller: Controller, name: str, arguments: dict[str, Any]) -> Command | None:
+def _repeat(
+    controller: Controller, call: str, arguments: list[Any], named: dict[str, Any]
+) -> Command | None:
     """Make a call again; one that was refused is refused again."""
-    if "measurement" in arguments:
-        values = arguments["measurement"]
-        noise = values.pop("noise")
-        values["noise"] = None if noise is None else SensorNoise(**noise)
-        arguments = {**arguments, "measurement": Measurement(**values)}
+    if call in ("step", "see_state"):
+        values = arguments[0]
+        noise = values["noise"] and SensorNoise(**values["noise"])
+        arguments[0] = Measurement(**{**values, "noise": noise})
     try:
-        answer = getattr(controller, name)(**arguments.get("values", arguments))
+        answer = getattr(controller, call)(*arguments, **named)
     except (MeasurementError, ParameterError):
         return None
-    return answer if name == "step" else None
+    return answer if call == "step" else None
 
 
 def _recorded(values: dict[str, Any]) -> RecordedCommand:

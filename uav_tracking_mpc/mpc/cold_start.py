@@ -30,7 +30,7 @@ COMBINED_INPUTS = 3  # so many inputs are held at their bounds together, in ever
 MULTIPLIER_WEIGHT = 10.0  # rho to begin with
 # A guess nearly meets the constraints and should not leave them far behind for a lower cost.
 GUESS_WEIGHT = 1000.0  # rho to begin with from there
-PLAN_FIELDS = ("x", "u", "a", "h", "e", "value", "mu_h", "mu_e", "rho_h", "rho_e")
+PLAN_FIELDS = ("x", "u", "a", "c", "value", "mu", "rho")
 
 Attempt = Callable[[int, float, int], int]
 
@@ -145,14 +145,13 @@ class ColdStart:
         """Stages of the next attempts; a shorter horizon has no terminal constraints."""
         self._record["horizon"][0] = stages
         self._record["ends"][0] = self._ends if stages == self._horizon else 0
-        self._record["m_e"][:] = self._record["d_e"][:] = 0.0
 
     def _feedback_to_goal(self, attempt: Attempt) -> None:
         """Gains at stage 0 of a Riccati recursion about the plan that rests at the goal."""
         record, row = self._record, self._reference
         self._prepare(self._openings[0], record["a_guess"])
-        record["h"][row] = -1e6  # far inside: the sweep sees no inequality
-        record["e"][row] = 0.0
+        record["c"][row] = -1e6  # far inside: the sweep sees no inequality
+        record["c"][row, self._horizon] = 0.0
         attempt(self._codes.SWEEP, 1.0, 1)
         gains = record["K"][0]
         self._policy[:] = gains if np.all(np.isfinite(gains)) else 0.0
@@ -172,9 +171,9 @@ class ColdStart:
         record["k"][:] = record["k_a"][:] = 0.0
         record["K"][:held] = 0.0
         record["K"][held:] = self._policy
-        record["mu_h"][self._working] = record["mu_e"][self._working] = 0.0
-        record["rho_h"][self._working] = record["rho_e"][self._working] = weight
-        record["residual_h"][:] = record["residual_e"][:] = np.inf
+        record["mu"][self._working] = 0.0
+        record["rho"][self._working] = weight
+        record["residual"][:] = np.inf
 
     def _copy(self, source: int, target: int) -> None:
         for values in self._plan:

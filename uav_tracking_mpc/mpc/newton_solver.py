@@ -74,7 +74,7 @@ class NewtonSolver:
     def _fill(self, row: int) -> None:
         """Numbers of the problem into the workspace, and views of what every solve touches."""
         problem, record = self.problem, self._workspace[0]
-        (h_lower, h_upper), (e_lower, e_upper) = multiplier_intervals(problem)
+        intervals = multiplier_intervals(problem)  # of h and of e
         for name, values in {
             "u_lower": problem.input_lower,
             "u_upper": problem.input_upper,
@@ -82,12 +82,11 @@ class NewtonSolver:
             "a_upper": problem.decision_upper,
             "a_guess": problem.decision_guess,
             "goal": () if problem.state_goal is None else problem.state_goal,
-            "m_h_lower": h_lower,
-            "m_h_upper": h_upper,
-            "m_e_lower": e_lower,
-            "m_e_upper": e_upper,
         }.items():
             record[name][: len(values)] = values
+        for kind, (lower, upper) in enumerate(intervals):
+            record["m_lower"][kind, : lower.size] = lower
+            record["m_upper"][kind, : upper.size] = upper
         self._x_0 = record["x_0"]
         self._p = record["p"][:, : problem.np]
         self._states = record["x"][row]
@@ -95,7 +94,7 @@ class NewtonSolver:
         self._decision = record["a"][row][: problem.na]
         self._value = record["value"][row]
         self._outcome = record["outcome"]
-        record["horizon"][0], record["ends"][0] = problem.horizon, e_lower.size
+        record["horizon"][0], record["ends"][0] = problem.horizon, intervals[1].shape[1]
 
     def reset(self) -> None:
         """Forget the last plan: the next solve starts cold."""

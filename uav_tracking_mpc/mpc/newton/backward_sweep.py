@@ -20,7 +20,7 @@ makes the step also measures the KKT residual of the plan.
 """
 
 from .input_box import minimise_over_box, solve_factor
-from .multipliers import stage_multipliers, terminal_multipliers
+from .multipliers import multipliers
 from .numba_options import compiled
 from .stage import NA, NS, NU, NX, stage_quadratic, terminal_quadratic
 
@@ -44,17 +44,17 @@ def backward_sweep(w, now, curvature, damping):
     w.curvature[0] = curvature
     w.shifts[0] = 0.0
     end = w.horizon[0]
-    residual = terminal_multipliers(w, now)
-    terminal_quadratic((w.x[now, end], w.a[now], w.p[end], w.m_e, w.d_e), (w.V, w.v))
+    residual = multipliers(w, now, end)
+    terminal_quadratic((w.x[now, end], w.a[now], w.p[end], w.m, w.d), (w.V, w.v))
     for r in range(NS):
         w.costate[r] = w.v[r]
     stationarity = scale = predicted = 0.0
     for i in range(end - 1, -1, -1):
-        residual = max(residual, stage_multipliers(w, now, i))
+        residual = max(residual, multipliers(w, now, i))
         stage_quadratic(
             (
                 w.x[now, i], w.u[now, i], w.a[now], w.p[i],
-                w.costate, w.curvature, w.m_h, w.d_h, w.V, w.v,
+                w.costate, w.curvature, w.m, w.d, w.V, w.v,
             ),
             (w.Q, w.q, w.gradient),
         )  # fmt: skip

@@ -13,9 +13,9 @@ from .clock import now as clock
 from .multipliers import constraint_residual, exact_cost, merit, update_multipliers
 from .numba_options import compiled, entry
 from .rollout import rollout
-from .stage import NA, NE, NH, NP, NU, NX, N
+from .stage import NA, NP, NU, NX, N
 from .warm_start import move_on
-from .workspace import BEST, FIRST, KEPT, SECOND, WORKING, record_at
+from .workspace import BEST, FIRST, KEPT, NC, ROWS, SECOND, WORKING, record_at
 
 # How an attempt begins: from the kept plan moved on, or from what the caller put into row SECOND
 # and the gains; or only a sweep about that row, for its gains.
@@ -167,15 +167,13 @@ def copy_plan(w, source, target):
     for i in range(w.horizon[0] + 1):
         for r in range(NX):
             w.x[target, i, r] = w.x[source, i, r]
+        for j in range(NC):
+            w.c[target, i, j] = w.c[source, i, j]
     for i in range(w.horizon[0]):
         for j in range(NU):
             w.u[target, i, j] = w.u[source, i, j]
-        for j in range(NH):
-            w.h[target, i, j] = w.h[source, i, j]
     for j in range(NA):
         w.a[target, j] = w.a[source, j]
-    for j in range(NE):
-        w.e[target, j] = w.e[source, j]
     for j in range(3):
         w.value[target, j] = w.value[source, j]
 
@@ -183,10 +181,8 @@ def copy_plan(w, source, target):
 @compiled
 def copy_multipliers(w, source, target):
     """Copy multipliers and weights within ``w``, from row ``source`` to row ``target``."""
-    for j in range(NH):
-        for i in range(w.horizon[0]):
-            w.mu_h[target, i, j] = w.mu_h[source, i, j]
-        w.rho_h[target, j] = w.rho_h[source, j]
-    for j in range(NE):
-        w.mu_e[target, j] = w.mu_e[source, j]
-        w.rho_e[target, j] = w.rho_e[source, j]
+    for j in range(NC):
+        for i in range(w.horizon[0] + 1):
+            w.mu[target, i, j] = w.mu[source, i, j]
+        for row in range(ROWS):
+            w.rho[target, row, j] = w.rho[source, row, j]

@@ -12,11 +12,15 @@ attained at m = clip(mu + rho c). It is once differentiable with psi' = m and ps
 inside its interval, else 0. At a fixed point m = mu the interval says all: feasible and
 complementary if hard; mu = penalty exactly where a soft one is violated. So |m - mu| / rho measures
 feasibility and complementarity together, in the units of c.
+
+Stage i has the inequalities h, the end the constraints e; both are held in the same arrays, with
+the end as the stage after the last. Weights and intervals are the same at every stage, so they have
+one row for the stages and one for the end.
 """
 
 from .numba_options import compiled
 from .stage import NH
-from .workspace import WORKING
+from .workspace import END, NC, ROWS, STAGES, WORKING
 
 WEIGHT_LIMIT, WEIGHT_GROWTH = 1e10, 10.0
 SMALL = 1e-7  # residuals below are met: their weights stay
@@ -79,47 +83,40 @@ def hard_violation(c, lower, upper):
 
 
 @compiled
-def stage_multipliers(w, now, i):
-    """Multipliers m and psi'' of the inequalities of one stage, into m_h and d_h.
-
-    Args:
-        w: Workspace.
-        now: Row of the plan.
-        i: Stage.
-
-    Returns:
-        Largest |m - mu| / rho of them.
-    """
-    residual = 0.0
-    for j in range(NH):
-        rho, mu = w.rho_h[WORKING, j], w.mu_h[WORKING, i, j]
-        estimate = mu + rho * w.h[now, i, j]
-        m = min(max(estimate, w.m_h_lower[j]), w.m_h_upper[j])
-        w.m_h[j] = m
-        w.d_h[j] = rho if m == estimate else 0.0
-        residual = max(residual, abs(m - mu) / rho)
-    return residual
+def row_of(w, i):
+    """Row of weights and intervals for stage ``i`` of the workspace ``w``."""
+    return END if i == w.horizon[0] else STAGES
 
 
 @compiled
-def terminal_multipliers(w, now):
-    """Multipliers m and psi'' of the terminal constraints, into m_e and d_e.
+def number_of(w, row):
+    """Number of constraints of a stage, or of the end, by the ``row`` of the workspace ``w``."""
+    return w.ends[0] if row == END else NH
+
+
+@compiled
+def multipliers(w, now, i):
+    """Multipliers m and psi'' of the constraints of one stage, or of the end, into m and d.
 
     Args:
         w: Workspace.
         now: Row of the plan.
+        i: Stage; the horizon's length for the end.
 
     Returns:
         Largest |m - mu| / rho of them.
     """
+    row = row_of(w, i)
+    count = number_of(w, row)
     residual = 0.0
-    for j in range(w.ends[0]):
-        rho, mu = w.rho_e[WORKING, j], w.mu_e[WORKING, j]
-        estimate = mu + rho * w.e[now, j]
-        m = min(max(estimate, w.m_e_lower[j]), w.m_e_upper[j])
-        w.m_e[j] = m
-        w.d_e[j] = rho if m == estimate else 0.0
-        residual = max(residual, abs(m - mu) / rho)
+    for j in range(NC):
+        w.m[j] = w.d[j] = 0.0
+        if j < count:
+            rho, mu = w.rho[WORKING, row, j], w.mu[WORKING, i, j]
+            estimate = mu + rho * w.c[now, i, j]
+            w.m[j] = min(max(estimate, w.m_lower[row, j]), w.m_upper[row, j])
+            w.d[j] = rho if w.m[j] == estimate else 0.0
+            residual = max(residual, abs(w.m[j] - mu) / rho)
     return residual
 
 
@@ -131,9 +128,9 @@ def constraint_residual(w, now):
         w: Workspace.
         now: Row of the plan.
     """
-    residual = terminal_multipliers(w, now)
-    for i in range(w.horizon[0]):
-        residual = max(residual, stage_multipliers(w, now, i))
+    residual = 0.0
+    for i in range(w.horizon[0] + 1):
+        residual = max(residual, multipliers(w, now, i))
     return residual
 
 
@@ -146,23 +143,12 @@ def merit(w, now):
         now: Row of the plan.
     """
     total = w.value[now, 0]
-    for i in range(w.horizon[0]):
-        for j in range(NH):
-            total += augmented_term(
-                w.h[now, i, j],
-                w.mu_h[WORKING, i, j],
-                w.rho_h[WORKING, j],
-                w.m_h_lower[j],
-                w.m_h_upper[j],
-            )
-    for j in range(w.ends[0]):
-        total += augmented_term(
-            w.e[now, j],
-            w.mu_e[WORKING, j],
-            w.rho_e[WORKING, j],
-            w.m_e_lower[j],
-            w.m_e_upper[j],
-        )
+    for i in range(w.horizon[0] + 1):
+        row = row_of(w, i)
+        for j in range(number_of(w, row)):
+            lower, upper = w.m_lower[row, j], w.m_upper[row, j]
+            mu, rho = w.mu[WORKING, i, j], w.rho[WORKING, row, j]
+            total += augmented_term(w.c[now, i, j], mu, rho, lower, upper)
     return total
 
 
@@ -175,15 +161,12 @@ def exact_cost(w, now):
         now: Row of the plan.
     """
     cost, violation = w.value[now, 0], 0.0
-    for i in range(w.horizon[0]):
-        for j in range(NH):
-            cost += exact_term(w.h[now, i, j], w.m_h_lower[j], w.m_h_upper[j])
-            violation = max(
-                violation, hard_violation(w.h[now, i, j], w.m_h_lower[j], w.m_h_upper[j])
-            )
-    for j in range(w.ends[0]):
-        cost += exact_term(w.e[now, j], w.m_e_lower[j], w.m_e_upper[j])
-        violation = max(violation, hard_violation(w.e[now, j], w.m_e_lower[j], w.m_e_upper[j]))
+    for i in range(w.horizon[0] + 1):
+        row = row_of(w, i)
+        for j in range(number_of(w, row)):
+            c, lower, upper = w.c[now, i, j], w.m_lower[row, j], w.m_upper[row, j]
+            cost += exact_term(c, lower, upper)
+            violation = max(violation, hard_violation(c, lower, upper))
     w.value[now, 1] = cost
     w.value[now, 2] = violation
 
@@ -200,24 +183,18 @@ def update_multipliers(w, now):
         Whether all weights were below their limit.
     """
     room = True
-    for j in range(NH):
-        rho, residual = w.rho_h[WORKING, j], 0.0
-        for i in range(w.horizon[0]):
-            mu = w.mu_h[WORKING, i, j]
-            m = multiplier(w.h[now, i, j], mu, rho, w.m_h_lower[j], w.m_h_upper[j])
-            residual = max(residual, abs(m - mu) / rho)
-            w.mu_h[WORKING, i, j] = m
-        if residual > max(PROGRESS * w.residual_h[j], SMALL):
-            room = room and rho < WEIGHT_LIMIT
-            w.rho_h[WORKING, j] = min(rho * WEIGHT_GROWTH, WEIGHT_LIMIT)
-        w.residual_h[j] = residual
-    for j in range(w.ends[0]):
-        rho, mu = w.rho_e[WORKING, j], w.mu_e[WORKING, j]
-        m = multiplier(w.e[now, j], mu, rho, w.m_e_lower[j], w.m_e_upper[j])
-        residual = abs(m - mu) / rho
-        w.mu_e[WORKING, j] = m
-        if residual > max(PROGRESS * w.residual_e[j], SMALL):
-            room = room and rho < WEIGHT_LIMIT
-            w.rho_e[WORKING, j] = min(rho * WEIGHT_GROWTH, WEIGHT_LIMIT)
-        w.residual_e[j] = residual
+    end = w.horizon[0]
+    for row in range(ROWS):
+        first, after = (end, end + 1) if row == END else (0, end)
+        for j in range(number_of(w, row)):
+            rho, residual = w.rho[WORKING, row, j], 0.0
+            for i in range(first, after):
+                mu = w.mu[WORKING, i, j]
+                m = multiplier(w.c[now, i, j], mu, rho, w.m_lower[row, j], w.m_upper[row, j])
+                residual = max(residual, abs(m - mu) / rho)
+                w.mu[WORKING, i, j] = m
+            if residual > max(PROGRESS * w.residual[row, j], SMALL):
+                room = room and rho < WEIGHT_LIMIT
+                w.rho[WORKING, row, j] = min(rho * WEIGHT_GROWTH, WEIGHT_LIMIT)
+            w.residual[row, j] = residual
     return room

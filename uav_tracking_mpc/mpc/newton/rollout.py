@@ -39,8 +39,8 @@ def rollout(w, now, trial, length):
             w.u[trial, i, j] = min(max(u, w.u_lower[j]), w.u_upper[j])
         stage_values(
             (w.x[trial, i], w.u[trial, i], w.a[trial], w.p[i]),
-            (w.x[trial, i + 1], w.l, w.h[trial, i]),
+            (w.x[trial, i + 1], w.l, w.c[trial, i]),
         )
         cost += w.l[0]
-    terminal_values((w.x[trial, end], w.a[trial], w.p[end]), (w.l, w.e[trial]))
+    terminal_values((w.x[trial, end], w.a[trial], w.p[end]), (w.l, w.c[trial, end]))
     w.value[trial, 0] = cost + w.l[0]

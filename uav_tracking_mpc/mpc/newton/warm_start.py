@@ -3,8 +3,8 @@
 import math
 
 from .numba_options import compiled
-from .stage import NA, NE, NH, NS, NU, N, continuation
-from .workspace import KEPT, SECOND, WORKING
+from .stage import NA, NS, NU, N, continuation
+from .workspace import KEPT, NC, ROWS, SECOND, WORKING
 
 WEIGHT_KEPT = 1e3  # largest penalty weight to begin with
 
@@ -35,16 +35,14 @@ def move_on(w, stages):
             w.k[i, j] = 0.0
             for r in range(NS):
                 w.K[i, j, r] = 0.0
-        for j in range(NH):
-            low, high = w.mu_h[KEPT, below, j], w.mu_h[KEPT, above, j]
-            w.mu_h[WORKING, i, j] = (1.0 - share) * low + share * high
+        for j in range(NC):
+            low, high = w.mu[KEPT, below, j], w.mu[KEPT, above, j]
+            w.mu[WORKING, i, j] = (1.0 - share) * low + share * high
     for j in range(NA):
         w.a[SECOND, j] = w.a[KEPT, j]
         w.k_a[j] = 0.0
-    for j in range(NH):
-        w.rho_h[WORKING, j] = min(w.rho_h[KEPT, j], WEIGHT_KEPT)
-        w.residual_h[j] = math.inf
-    for j in range(NE):
-        w.mu_e[WORKING, j] = w.mu_e[KEPT, j]
-        w.rho_e[WORKING, j] = min(w.rho_e[KEPT, j], WEIGHT_KEPT)
-        w.residual_e[j] = math.inf
+    for j in range(NC):
+        w.mu[WORKING, N, j] = w.mu[KEPT, N, j]
+        for row in range(ROWS):
+            w.rho[WORKING, row, j] = min(w.rho[KEPT, row, j], WEIGHT_KEPT)
+            w.residual[row, j] = math.inf

@@ -20,6 +20,9 @@ SPARE = 4  # first row of the caller
 PLANS = 7
 WORKING = FIRST  # multipliers of the iteration; those of row KEPT belong to the plan of that name
 
+STAGES, END, ROWS = np.int64(0), np.int64(1), 2  # rows of what all stages share, and of the end
+NC = max(NH, NE)  # constraints of a stage, or of the end
+
 FIELDS = {
     # data of the solve
     "x_0": (NX,),
@@ -28,21 +31,15 @@ FIELDS = {
     "x": (PLANS, N + 1, NX),
     "u": (PLANS, N, NU),
     "a": (PLANS, NA),
-    "h": (PLANS, N, NH),
-    "e": (PLANS, NE),
+    "c": (PLANS, N + 1, NC),  # constraints: h of every stage, e of the end after them
     "value": (PLANS, 3),  # cost without constraints, cost with exact penalties, violation
     # multipliers mu and penalty weights rho of the augmented Lagrangian
-    "mu_h": (PLANS, N, NH),
-    "mu_e": (PLANS, NE),
-    "rho_h": (PLANS, NH),
-    "rho_e": (PLANS, NE),
-    "residual_h": (NH,),  # largest |m - mu| / rho at the last multiplier update
-    "residual_e": (NE,),
+    "mu": (PLANS, N + 1, NC),
+    "rho": (PLANS, ROWS, NC),
+    "residual": (ROWS, NC),  # largest |m - mu| / rho at the last multiplier update
     # backward sweep
-    "m_h": (NH,),
-    "d_h": (NH,),
-    "m_e": (NE,),
-    "d_e": (NE,),
+    "m": (NC,),
+    "d": (NC,),
     "curvature": (1,),
     "costate": (NS,),
     "gradient": (NW,),
@@ -69,10 +66,8 @@ FIELDS = {
     "u_upper": (NU,),
     "a_lower": (NA,),
     "a_upper": (NA,),
-    "m_h_lower": (NH,),
-    "m_h_upper": (NH,),
-    "m_e_lower": (NE,),
-    "m_e_upper": (NE,),
+    "m_lower": (ROWS, NC),
+    "m_upper": (ROWS, NC),
     # small things
     "l": (1,),
     "u_end": (NU,),  # input after the last stage

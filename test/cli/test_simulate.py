@@ -1,0 +1,37 @@
+"""A mission without ROS from the command line."""
+
+import json
+
+from uav_tracking_mpc.cli.main import main
+
+
+def run(*arguments):
+    return main(["simulate", *map(str, arguments)])
+
+
+def test_json_is_one_object_and_the_report_is_written(tmp_path, capsys):
+    assert run("--duration", "40", "--output", tmp_path / "out", "--json") == 0
+    metrics = json.loads(capsys.readouterr().out)
+    assert metrics["config"] == "paper"
+    assert metrics["settling_s"]["altitude"] == 16.0
+    assert json.loads((tmp_path / "out" / "metrics.json").read_text()) == metrics
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert names == {"metrics.json", "trajectory.png", "states.png", "report.html"}
+
+
+def test_people_are_told_in_three_lines(tmp_path, capsys):
+    assert run("--duration", "40", "--output", tmp_path) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("settled: range 20.0 s")
+    assert lines[-1] == f"report: {tmp_path / 'report.html'}"
+
+
+def test_a_mission_shorter_than_a_step_is_one_step(tmp_path):
+    few = ["--duration", "1", "--set", "nmpc_controller.horizon_step=5", "--output", tmp_path]
+    assert run(*few, "--set", "nmpc_controller.solver=ipopt") == 0
+
+
+def test_another_law_flies_in_the_place_of_the_controller(tmp_path, capsys):
+    few = ["--config", "small_uav", "--duration", "5", "--output", tmp_path, "--json"]
+    assert run(*few, "--law", "l1") == 0
+    assert json.loads(capsys.readouterr().out)["solver"]["name"] == "none"
