@@ -91,9 +91,13 @@ class NodeHarness:
         for timer in self.node.timers:
             self._call(timer.callback)
 
+    def now(self):
+        """What the node takes for steady time [s]."""
+        return self.clock
+
     def _call(self, callback, *arguments):
         try:
-            with mock.patch.object(time, "monotonic", return_value=self.clock):
+            with mock.patch.object(time, "monotonic", self.now):
                 callback(*arguments)
         except Exception:
             self.first_error = self.first_error or traceback.format_exc()
