@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -278,7 +278,7 @@ class TrackingParameters(Gathered):
         values = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
         return from_mapping, (TrackingParameters, values)
 
-    @property
+    @cached_property
     def envelope(self) -> Envelope:
         """Limits of the aircraft and of where it may fly."""
         further = _further_limits(self.limits)
@@ -286,7 +286,7 @@ class TrackingParameters(Gathered):
         names = {field.name for owner in owners for field in dataclasses.fields(owner)}
         return Envelope(further, **{name: getattr(self, name) for name in names})
 
-    @property
+    @cached_property
     def vehicle(self) -> VehicleModel:
         """Model of the aircraft that plans are made with."""
         return taken(VEHICLE_MODEL.find(self.vehicle_model), self)
