@@ -44,6 +44,8 @@ def test_files_that_are_named_exist(page):
     text = page.read_text()
     for name in re.findall(r"`((?:uav_tracking_mpc|test|config|examples|docs)/[\w./]+)`", text):
         assert (ROOT / name).exists(), name
+    for name in re.findall(r"`([a-z_]+/[\w./]+\.py)`", text):
+        assert (ROOT / name).exists() or (ROOT / "uav_tracking_mpc" / name).exists(), name
 
 
 def test_every_page_is_in_the_site():
