@@ -221,7 +221,8 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
         solver=controller.get("solver", tracking.solver),
         failures=int(controller.get("solver failures", 0)),
         commands=CommandCounts(
-            sent=int(controller.get("commands sent", len(commands))),
+            # The last report may be older than the last command, or lost with its node.
+            sent=max(int(controller.get("commands sent", 0)), len(commands)),
             late=int(controller.get("commands late", 0)),
             plan_reused=int(controller.get("plan reused", 0)),
             failsafe=int(simulator.get("failsafe", 0)) + sum(unplanned),
