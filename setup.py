@@ -54,10 +54,7 @@ setup(
     extras_require={
         # Never for machines with ROS 2 from apt: the two must not mix. The prefix names the
         # distribution; without it a later one is taken.
-        "ros": [
-            "ros-jazzy-rclpy[fastrtps]==7.1.6",
-            "ros-jazzy-common-interfaces==5.3.6",
-        ],
+        "ros": ["ros-jazzy-rclpy[fastrtps]==7.1.6", "ros-jazzy-common-interfaces==5.3.6"],
         # Proofs of terminal sets; checking a certificate needs none of it.
         "proof": ["python-flint>=0.6"],
         "test": [
@@ -80,6 +77,6 @@ setup(
             f"monitor = {NAME}.nodes.monitor:main",
             f"launch_tracking = {NAME}.cli.launch_tracking:main",
             f"uav_tracking = {NAME}.cli.main:main",
-        ],
+        ]
     },
 )

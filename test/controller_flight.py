@@ -115,11 +115,7 @@ class ControllerFlight(RuleBasedStateMachine):
         for other, message in self.next_round():
             self.arrive(other, data.draw(changed(message)) if other is topic else message)
 
-    @rule(
-        topic=st.sampled_from((ODOMETRY, TARGET)),
-        data=st.data(),
-        count=st.integers(2, 4),
-    )
+    @rule(topic=st.sampled_from((ODOMETRY, TARGET)), data=st.data(), count=st.integers(2, 4))
     def messages_that_bear_each_other_out(self, topic, data, count):
         for other, message in self.next_round():
             if other is not topic:

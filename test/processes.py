@@ -17,11 +17,7 @@ def command(module, *arguments):
 
 
 def environment():
-    return {
-        **os.environ,
-        "ROS_PYTHON_CHECK_FIELDS": "1",
-        "ROS_DOMAIN_ID": DOMAIN,
-    }
+    return {**os.environ, "ROS_PYTHON_CHECK_FIELDS": "1", "ROS_DOMAIN_ID": DOMAIN}
 
 
 def run_node(name, *arguments, stop=None, after="", limit=30.0):

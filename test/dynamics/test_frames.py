@@ -69,12 +69,7 @@ def test_rotation_of_a_quaternion_is_scipys(heading, path_angle, roll):
     )
 
 
-@given(
-    HEADINGS,
-    st.floats(-1.4, 1.4),
-    st.floats(-3.1, 3.1),
-    st.tuples(*[st.floats(-1, 1)] * 3),
-)
+@given(HEADINGS, st.floats(-1.4, 1.4), st.floats(-3.1, 3.1), st.tuples(*[st.floats(-1, 1)] * 3))
 def test_course_rates_are_those_of_the_forward_axis(heading, path_angle, roll, angular):
     """Against a small rotation of any attitude, rolled or not."""
     dt = 1e-6

@@ -41,11 +41,7 @@ def test_a_short_time_is_a_driven_triple_integrator(duration):
     """Where the closed form of Q cancels: q dt^5 / 20, q dt^4 / 8, ..."""
     t, q = duration, 2.0 / MANOEUVRE_TIME
     expected = q * np.array(
-        [
-            [t**5 / 20, t**4 / 8, t**3 / 6],
-            [t**4 / 8, t**3 / 3, t**2 / 2],
-            [t**3 / 6, t**2 / 2, t],
-        ]
+        [[t**5 / 20, t**4 / 8, t**3 / 6], [t**4 / 8, t**3 / 3, t**2 / 2], [t**3 / 6, t**2 / 2, t]]
     )
     np.testing.assert_allclose(singer_motion(t)[1], expected, rtol=2 * t)
 

@@ -159,8 +159,7 @@ def test_near_the_orbit_its_inputs_are_those_of_the_paper():
     parameters = replace(STILL, offset_weights=(1e4, 1e4, 1e4), terminal_constraint="none")
     paper = CasadiSolver(problem_of(parameters), "ipopt")
     flight = FlightFormulation(
-        replace(parameters, terminal_constraint="artificial_orbit"),
-        small_uav.solver(),
+        replace(parameters, terminal_constraint="artificial_orbit"), small_uav.solver()
     )
     orbit, rng = parameters.orbit, np.random.default_rng(4)
     for _ in range(5):

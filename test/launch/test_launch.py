@@ -118,11 +118,7 @@ def test_two_launches_get_two_domains():
 
 @pytest.mark.timeout(90)
 @pytest.mark.parametrize(
-    ("after", "words"),
-    [
-        ("domain", "interrupted"),
-        ("t   ", "of 600 s were flown"),
-    ],
+    ("after", "words"), [("domain", "interrupted"), ("t   ", "of 600 s were flown")]
 )
 def test_an_interrupted_flight_says_so(tmp_path, after, words):
     process = subprocess.Popen(

@@ -24,10 +24,7 @@ def paper_solver(request):
 @pytest.mark.parametrize("plugin", PLUGINS)
 @pytest.mark.parametrize(
     ("model", "cost", "first"),
-    [
-        ("exact", 642.740, (0.6754, 0.7854, 1.0)),
-        ("paper", 722.430, (0.6793, 0.5487, 1.0)),
-    ],
+    [("exact", 642.740, (0.6754, 0.7854, 1.0)), ("paper", 722.430, (0.6793, 0.5487, 1.0))],
 )
 def test_paper_start_costs_what_was_verified(plugin, model, cost, first, paper_start):
     """V_N(x_o) and the first input of Section 6, verified independently."""
@@ -163,7 +160,7 @@ def test_stage_inequality_hard_and_soft(plugin):
         problem = integrator(
             stage_inequalities=lambda x, u, penalty=penalty: (
                 Inequality(-x[1] - 0.2, penalty, "velocity"),
-            ),
+            )
         )
         solution = CasadiSolver(problem, plugin).solve([3.0, 0.0])
         assert solution.converged

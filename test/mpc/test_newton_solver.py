@@ -178,13 +178,7 @@ def test_warm_start_ends_with_the_continuation_and_so_stays_feasible():
 
 @pytest.mark.parametrize(
     "bad",
-    [
-        np.array([np.nan, 0, 0, 0, 0]),
-        np.array([0, np.inf, 0, 0, 0]),
-        np.zeros(4),
-        "no state",
-        None,
-    ],
+    [np.array([np.nan, 0, 0, 0, 0]), np.array([0, np.inf, 0, 0, 0]), np.zeros(4), "no state", None],
 )
 def test_bad_data_are_refused_and_leave_the_warm_start_as_it_was(solver, bad):
     first = solver.solve(PAPER_START)

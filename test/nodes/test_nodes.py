@@ -106,11 +106,7 @@ def test_all_nodes_fly_onto_the_orbit(executor):
     costs = [message.data for message in heard[TRACKING["cost"].name]]
     assert costs[-1] < 1e-2 * costs[0]
     names = {status.name for message in heard[DIAGNOSTICS.name] for status in message.status}
-    assert names == {
-        "uav_simulator: status",
-        "target_publisher: status",
-        "nmpc_controller: status",
-    }
+    assert names == {"uav_simulator: status", "target_publisher: status", "nmpc_controller: status"}
 
 
 @pytest.mark.timeout(60)

@@ -82,10 +82,7 @@ def test_yaml_is_a_ros_parameter_file_that_loads_again(tmp_path):
         ("pilot: {ros__parameters: {}}", "section 'pilot' is unknown"),
         ("nmpc_controller: {range: 1}", "has no ros__parameters"),
         ("nmpc_controller: {ros__parameters: {rnage: 1.0}}", "'rnage' is unknown"),
-        (
-            "/**/nmpc_controller: {ros__parameters: {range: far}}",
-            "'nmpc_controller': .*far",
-        ),
+        ("/**/nmpc_controller: {ros__parameters: {range: far}}", "'nmpc_controller': .*far"),
         ("a: !!python/object/apply:os.system ['true']", "cannot be read"),
     ],
 )

@@ -236,11 +236,7 @@ def test_a_target_that_is_never_seen_is_said():
         simulate(
             load_configuration(
                 "paper",
-                [
-                    "mission.plant=vehicle",
-                    "mission.duration=5",
-                    "target_publisher.dropout=1.0",
-                ],
+                ["mission.plant=vehicle", "mission.duration=5", "target_publisher.dropout=1.0"],
             )
         )
 

@@ -5,11 +5,7 @@ import pytest
 
 flint = pytest.importorskip("flint")
 
-from uav_tracking_mpc.terminal.box_check import (  # noqa: E402
-    BoxTest,
-    is_positive_definite,
-    short_upper,
-)
+from uav_tracking_mpc.terminal.box_check import BoxTest, is_positive_definite, short_upper  # noqa: E402
 from uav_tracking_mpc.terminal.direct_condition import decrease  # noqa: E402
 from uav_tracking_mpc.terminal.quadratic_bound import exact  # noqa: E402
 from uav_tracking_mpc.terminal.stability_problem import paper_problem  # noqa: E402

@@ -10,10 +10,7 @@ from uav_tracking_mpc.terminal.direct_condition import decrease
 from uav_tracking_mpc.terminal.quadratic_bound import lipschitz_bound
 from uav_tracking_mpc.terminal.stability_problem import paper_problem
 from uav_tracking_mpc.terminal.terminal_dynamics import ClosedLoopBalls
-from uav_tracking_mpc.terminal.theorems import (
-    largest_lipschitz,
-    theorem_quantities,
-)
+from uav_tracking_mpc.terminal.theorems import largest_lipschitz, theorem_quantities
 
 PROBLEM = paper_problem()
 PARTS = PROBLEM.ingredients()

@@ -35,10 +35,7 @@ def test_too_small_a_decrease_fails_and_is_counted():
 
 
 def test_reasons_when_known():
-    for options, word in (
-        ({"target_moved": True}, "target"),
-        ({"converged": False}, "converge"),
-    ):
+    for options, word in (({"target_moved": True}, "target"), ({"converged": False}, "converge")):
         check = monitor()
         check.step(5.0, X, 0.1 * X)
         assert word in check.step(6.0, X, 0.1 * X, **options).reason

@@ -8,10 +8,7 @@ import pytest
 pytest.importorskip("flint")
 
 from uav_tracking_mpc.dynamics.relative_models.exact import Exact
-from uav_tracking_mpc.terminal.direct_condition import (
-    decrease,
-    prove_direct_condition,
-)
+from uav_tracking_mpc.terminal.direct_condition import decrease, prove_direct_condition
 from uav_tracking_mpc.terminal.quadratic_bound import is_violated
 from uav_tracking_mpc.terminal.stability_problem import paper_problem
 from uav_tracking_mpc.terminal.theorems import q_star

@@ -5,12 +5,7 @@ import pytest
 
 from uav_tracking_mpc.terminal.ingredients import terminal_ingredients
 from uav_tracking_mpc.terminal.stability_problem import paper_problem
-from uav_tracking_mpc.terminal.theorems import (
-    c_2,
-    largest_lipschitz,
-    q_star,
-    theorem_quantities,
-)
+from uav_tracking_mpc.terminal.theorems import c_2, largest_lipschitz, q_star, theorem_quantities
 
 
 def quantities(model: str, lipschitz: float = 0.5265, scaling: float = 2.5):

@@ -5,12 +5,7 @@ import pytest
 
 from uav_tracking_mpc.terminal.stability_problem import paper_problem
 from uav_tracking_mpc.terminal.theorems import q_star
-from uav_tracking_mpc.terminal.violation import (
-    Excess,
-    directions,
-    largest_ratio,
-    lowest_violation,
-)
+from uav_tracking_mpc.terminal.violation import Excess, directions, largest_ratio, lowest_violation
 
 
 def excess_of(model):

@@ -61,10 +61,7 @@ def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
     for name in COMMANDS:
         module = importlib.import_module(f"uav_tracking_mpc.cli.{name}")
         command = commands.add_parser(
-            name,
-            help=module.HELP,
-            description=module.DESCRIPTION,
-            formatter_class=HelpFormatter,
+            name, help=module.HELP, description=module.DESCRIPTION, formatter_class=HelpFormatter
         )
         command.set_defaults(run=module.run)
         if name == asked:  # options name configurations and extensions, which takes time to find

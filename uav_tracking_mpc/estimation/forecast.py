@@ -34,7 +34,5 @@ def steady_forecast(situation: Situation, stages: int) -> Forecast:
     """
     ahead = (stages + 1, 1)
     return Forecast(
-        np.tile(situation.target, ahead),
-        np.tile(situation.drift, ahead),
-        np.zeros((stages + 1, 3)),
+        np.tile(situation.target, ahead), np.tile(situation.drift, ahead), np.zeros((stages + 1, 3))
     )

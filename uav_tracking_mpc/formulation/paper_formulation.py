@@ -9,11 +9,7 @@ from uav_tracking_mpc.dynamics.relative import relative_state, tracking_error
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.formulation import Plan, solver_of
-from uav_tracking_mpc.formulation.paper_problem import (
-    problem_of,
-    stability_problem,
-    terminal_level,
-)
+from uav_tracking_mpc.formulation.paper_problem import problem_of, stability_problem, terminal_level
 from uav_tracking_mpc.mpc.solver import Solver
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.terminal.decrease import decrease_monitor

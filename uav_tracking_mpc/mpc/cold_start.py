@@ -59,11 +59,7 @@ class ColdStart:
         self._policy = np.zeros((problem.nu, method.stage.NS))
 
     def __call__(
-        self,
-        attempt: Attempt,
-        tolerance: float,
-        iteration_limit: int,
-        guess: Guess | None = None,
+        self, attempt: Attempt, tolerance: float, iteration_limit: int, guess: Guess | None = None
     ) -> tuple[int, int]:
         """Run the attempts and leave the best plan in row KEPT.
 

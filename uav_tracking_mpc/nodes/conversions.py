@@ -11,14 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import (
-    Point,
-    PointStamped,
-    Quaternion,
-    Twist,
-    TwistStamped,
-    Vector3,
-)
+from geometry_msgs.msg import Point, PointStamped, Quaternion, Twist, TwistStamped, Vector3
 from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
 from std_msgs.msg import Header
@@ -144,13 +137,7 @@ def measurement_from_odometry(message: Odometry, stamp: float = 0.0) -> Measurem
     rotation = rotation_from_quaternion(q.x, q.y, q.z, q.w)
     turn_rate, path_angle_rate = course_rates(rotation, angular)
     return Measurement(
-        stamp,
-        position,
-        rotation @ ground,
-        heading,
-        path_angle,
-        turn_rate,
-        path_angle_rate,
+        stamp, position, rotation @ ground, heading, path_angle, turn_rate, path_angle_rate
     )
 
 

@@ -33,10 +33,7 @@ def path_message(stamp: int, states: NDArray[np.float64]) -> Path:
 
 
 def markers_message(
-    stamp: int,
-    states: NDArray[np.float64],
-    target: NDArray[np.float64],
-    orbit: Orbit,
+    stamp: int, states: NDArray[np.float64], target: NDArray[np.float64], orbit: Orbit
 ) -> MarkerArray:
     """Markers of target, desired orbit, plan and aircraft.
 

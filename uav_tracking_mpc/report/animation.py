@@ -13,14 +13,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from uav_tracking_mpc.report.atomic_write import write_atomically
-from uav_tracking_mpc.report.figure_style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    LIGHT_GREY,
-    VERMILLION,
-    drawing,
-)
+from uav_tracking_mpc.report.figure_style import BLACK, BLUE, GREEN, LIGHT_GREY, VERMILLION, drawing
 from uav_tracking_mpc.report.metrics import COLUMNS, SETTLING_BANDS
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 

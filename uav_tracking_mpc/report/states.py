@@ -17,14 +17,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.report.figure_style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    VERMILLION,
-    drawing,
-)
+from uav_tracking_mpc.report.figure_style import BLACK, BLUE, GREEN, GREY, VERMILLION, drawing
 from uav_tracking_mpc.report.metrics import COLUMNS, SETTLING_BANDS, settling_time
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 

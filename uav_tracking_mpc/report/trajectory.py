@@ -12,14 +12,7 @@ from matplotlib.transforms import Bbox
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.report.figure_style import (
-    BLACK,
-    BLUE,
-    GREY,
-    LIGHT_GREY,
-    VERMILLION,
-    drawing,
-)
+from uav_tracking_mpc.report.figure_style import BLACK, BLUE, GREY, LIGHT_GREY, VERMILLION, drawing
 from uav_tracking_mpc.report.time_marks import mark_times, on_screen
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 

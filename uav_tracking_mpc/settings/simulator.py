@@ -30,12 +30,7 @@ class SimulatorParameters:
 
     plant: str = parameter("vehicle", "What flies.", extension=PLANT, fixed=True)
     initial_position: tuple[float, ...] = parameter(
-        (START.x, START.y, START.z),
-        "Position at the start in map.",
-        "m",
-        -1e6,
-        1e6,
-        size=3,
+        (START.x, START.y, START.z), "Position at the start in map.", "m", -1e6, 1e6, size=3
     )
     initial_heading: float = parameter(
         START.heading,

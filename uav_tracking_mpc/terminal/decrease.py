@@ -48,11 +48,7 @@ class DecreaseMonitor:
     """
 
     def __init__(
-        self,
-        rate: float,
-        weight: NDArray[np.float64],
-        level: float | None,
-        tolerance: float = 1e-6,
+        self, rate: float, weight: NDArray[np.float64], level: float | None, tolerance: float = 1e-6
     ) -> None:
         self.rate = rate
         self.weight = np.asarray(weight, dtype=float)

@@ -29,9 +29,7 @@ def a_2(riccati: NDArray[np.float64]) -> float:
 
 
 def q_star(
-    state_weight: NDArray[np.float64],
-    input_weight: NDArray[np.float64],
-    gain: NDArray[np.float64],
+    state_weight: NDArray[np.float64], input_weight: NDArray[np.float64], gain: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Q* = Q + K'RK of Theorem 2, shape (5, 5).
 

@@ -2,12 +2,7 @@ from solver_problems import paper_solver
 
 from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
 from uav_tracking_mpc.studies.benchmark.cases import paper_case
-from uav_tracking_mpc.studies.benchmark.solver_timing import (
-    OURS,
-    TRANSIENT_STEPS,
-    measure,
-    summary,
-)
+from uav_tracking_mpc.studies.benchmark.solver_timing import OURS, TRANSIENT_STEPS, measure, summary
 
 
 def test_summary_has_the_figures_of_every_solver():

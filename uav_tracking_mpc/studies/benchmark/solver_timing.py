@@ -190,9 +190,7 @@ def _microseconds(times: list[float], percentile: float) -> float | None:
 
 
 def horizon_sweep(
-    horizons: list[int],
-    make_case: Callable[[int], Case],
-    progress: Progress = lambda _: None,
+    horizons: list[int], make_case: Callable[[int], Case], progress: Progress = lambda _: None
 ) -> dict[str, list[float]]:
     """Median transient time in [us] of every solver at every horizon.
 

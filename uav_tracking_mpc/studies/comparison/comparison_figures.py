@@ -10,14 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.report.figure_style import (
-    BLACK,
-    GREEN,
-    GREY,
-    LIGHT_GREY,
-    colours,
-    drawing,
-)
+from uav_tracking_mpc.report.figure_style import BLACK, GREEN, GREY, LIGHT_GREY, colours, drawing
 from uav_tracking_mpc.report.metrics import COLUMNS
 from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.studies.comparison.measures import SETTLED, Measures, flown_bank

@@ -42,11 +42,7 @@ def _axes(vector: Any) -> list[Field]:
 
 def _odometry(message: Any) -> list[Field]:
     pose = message.pose.pose
-    return [
-        *_axes(pose.position),
-        (pose.orientation, "w"),
-        *_axes(message.twist.twist.linear),
-    ]
+    return [*_axes(pose.position), (pose.orientation, "w"), *_axes(message.twist.twist.linear)]
 
 
 def _command(message: Any) -> list[Field]:

@@ -123,9 +123,7 @@ def _times(microseconds: ArrayLike) -> dict[str, float | None]:
     return {"median": float(np.median(values)), "p99": float(np.percentile(values, 99.0))}
 
 
-def _fly_piece(
-    piece: tuple[TrackingParameters, Sequence[Situation], int],
-) -> list[FlightCounts]:
+def _fly_piece(piece: tuple[TrackingParameters, Sequence[Situation], int]) -> list[FlightCounts]:
     parameters, situations, steps = piece
     formulation = _formulation(parameters)
     return [_fly(formulation, situation, steps) for situation in situations]

@@ -32,12 +32,7 @@ from uav_tracking_mpc.terminal.theorems import (
     q_star,
     theorem_quantities,
 )
-from uav_tracking_mpc.terminal.violation import (
-    Excess,
-    Violation,
-    largest_ratio,
-    lowest_violation,
-)
+from uav_tracking_mpc.terminal.violation import Excess, Violation, largest_ratio, lowest_violation
 
 Say = Callable[[str], None]
 _SHARES = (0.98, 0.95, 0.9, 0.8, 0.65, 0.45, 0.25)  # of the level at which a violation is known
@@ -188,17 +183,10 @@ def analyse(
     say(f"Lipschitz constant at level {level:.4g}")
     lipschitz = lipschitz_constant(problem, ingredients, level, loop, time_limit)
     quantities = theorem_quantities(
-        ingredients,
-        problem.state_weight,
-        problem.input_weight,
-        lipschitz.upper,
-        problem.horizon,
+        ingredients, problem.state_weight, problem.input_weight, lipschitz.upper, problem.horizon
     )
     theorems = []
-    for name, allowance in (
-        ("2", quantities.theorem2.left),
-        ("3", quantities.theorem3.left),
-    ):
+    for name, allowance in (("2", quantities.theorem2.left), ("3", quantities.theorem3.left)):
         say(f"Theorem {name}: how far its condition reaches")
         constant = largest_lipschitz(quantities.contraction, allowance)
         theorems.append(lipschitz_reach(problem, ingredients, constant, ceiling, loop, time_limit))

@@ -100,10 +100,7 @@ def as_words(analysis: Analysis) -> str:
         f"  L(varrho = {analysis.lipschitz.level:.4g}) between {analysis.lipschitz.lower:.4f} "
         f"(attained) and {analysis.lipschitz.upper:.4f} (proved)",
     ]
-    for number, condition in (
-        (2, analysis.quantities.theorem2),
-        (3, analysis.quantities.theorem3),
-    ):
+    for number, condition in ((2, analysis.quantities.theorem2), (3, analysis.quantities.theorem3)):
         holds = "holds" if condition.holds else "does not hold"
         lines.append(
             f"  Theorem {number} there: {condition.left:.4f} against {condition.right:.4f}: {holds}"

@@ -20,16 +20,9 @@ from uav_tracking_mpc.dynamics.relative import steady_inputs
 from uav_tracking_mpc.studies.stability import printed
 from uav_tracking_mpc.studies.stability.distance_budget import distance_budget
 from uav_tracking_mpc.studies.stability.paper_cases import paper_cases
-from uav_tracking_mpc.terminal.ingredients import (
-    input_limited_level,
-)
-from uav_tracking_mpc.terminal.stability_problem import (
-    PAPER_INITIAL_STATE,
-    paper_problem,
-)
-from uav_tracking_mpc.terminal.theorems import (
-    largest_lipschitz,
-)
+from uav_tracking_mpc.terminal.ingredients import input_limited_level
+from uav_tracking_mpc.terminal.stability_problem import PAPER_INITIAL_STATE, paper_problem
+from uav_tracking_mpc.terminal.theorems import largest_lipschitz
 from uav_tracking_mpc.terminal.violation import lowest_violation
 
 

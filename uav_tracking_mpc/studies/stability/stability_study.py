@@ -18,11 +18,7 @@ from uav_tracking_mpc.studies.stability.attraction import (
     default_slices,
     save_maps,
 )
-from uav_tracking_mpc.studies.stability.ellipsoid_campaign import (
-    fly_local,
-    fly_nmpc,
-    random_states,
-)
+from uav_tracking_mpc.studies.stability.ellipsoid_campaign import fly_local, fly_nmpc, random_states
 from uav_tracking_mpc.studies.stability.stability_figures import (
     decrease_figure,
     ellipsoid_figure,
@@ -128,10 +124,7 @@ def _campaign(
     problem: StabilityProblem, level: float, count: int, workers: int | None
 ) -> list[dict[str, Any]]:
     states = random_states(problem, level, count)
-    results = (
-        fly_local(problem, level, states),
-        fly_nmpc(problem, level, states, workers=workers),
-    )
+    results = (fly_local(problem, level, states), fly_nmpc(problem, level, states, workers=workers))
     return [{**asdict(result), "clean": result.clean} for result in results]
 
 
