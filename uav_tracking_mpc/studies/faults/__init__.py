@@ -6,7 +6,9 @@
 ``message_fields``    fields of the messages that faults change
 ``catalogue``         every fault by its label
 ``schedule``          which faults come when, from a seed
-``injection``         one fault under way, and what it acts on
+``injection``         one fault under way
+``injected_flight``   the flight that faults act on
+``streams``           the topics that faults strike, on both sides of the relay
 ``fault_relay``       the node in the middle of every topic, which strikes the messages
 ``parameter_client``  set_parameters, from a process of its own
 ``invariants``        what must hold for every message
@@ -19,7 +21,6 @@
 ``fault_campaign``    cases one after the other
 --------------------  -------------------------------------------------------------------------
 ``soak``              hours of flight without faults: is the orbit held, does anything grow
-``command``           ``uav_tracking torture``
 ====================  =========================================================================
 
 Schedule, invariants, recovery, resources, findings and timeline know nothing of ROS.

@@ -7,8 +7,7 @@ from pathlib import Path
 
 from uav_tracking_mpc.nodes.flight_bag import FlightBag
 from uav_tracking_mpc.nodes.topics import DIAGNOSTICS, Topic
-from uav_tracking_mpc.studies.faults.fault_relay import ORDERS, raw
-from uav_tracking_mpc.studies.faults.stream_fault import STREAMS
+from uav_tracking_mpc.studies.faults.streams import ORDERS, STREAMS, raw
 
 MOST = 100_000  # messages; a case has a tenth of it
 BEFORE = 1_000_000_000  # ns of what came before the case

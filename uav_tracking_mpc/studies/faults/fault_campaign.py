@@ -16,7 +16,8 @@ from uav_tracking_mpc.launch.supervisor import NODES, LaunchError, supervised
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.studies.faults import fault_relay
 from uav_tracking_mpc.studies.faults.fault_findings import Campaign, CaseFindings
-from uav_tracking_mpc.studies.faults.injection import Flight, Injection
+from uav_tracking_mpc.studies.faults.injected_flight import Flight
+from uav_tracking_mpc.studies.faults.injection import Injection
 from uav_tracking_mpc.studies.faults.invariants import Limits, Violation
 from uav_tracking_mpc.studies.faults.kinds import Fault
 from uav_tracking_mpc.studies.faults.observer import Observer
@@ -24,7 +25,7 @@ from uav_tracking_mpc.studies.faults.parameter_client import ParameterClient
 from uav_tracking_mpc.studies.faults.recovery import Recovery
 from uav_tracking_mpc.studies.faults.resources import ResourceWatch
 from uav_tracking_mpc.studies.faults.schedule import Case
-from uav_tracking_mpc.studies.faults.stream_fault import STREAMS
+from uav_tracking_mpc.studies.faults.streams import STREAMS
 
 SPEED = 5.0  # simulated over wall time, at most: five processes share the cores
 TOLERANCE = 10.0  # m of range and altitude error on the orbit

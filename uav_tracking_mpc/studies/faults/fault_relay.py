@@ -8,37 +8,19 @@ import json
 import random
 import sys
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, cast
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, ReliabilityPolicy
-from std_msgs.msg import String
 
 from uav_tracking_mpc.nodes.run import run
-from uav_tracking_mpc.nodes.topics import CLOCK, Topic
+from uav_tracking_mpc.nodes.topics import Topic
 from uav_tracking_mpc.studies.faults.catalogue import variants
-from uav_tracking_mpc.studies.faults.stream_fault import STREAMS, StreamFault
+from uav_tracking_mpc.studies.faults.stream_fault import StreamFault
+from uav_tracking_mpc.studies.faults.streams import ORDERS, QUEUE, STREAMS, raw
 
-QUEUE = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
-ORDERS = Topic(
-    "torture/fault",
-    String,
-    QUEUE,
-    "campaign",
-    "A fault as JSON: reference, fault, seed, seconds, speed, reach",
-)
 TICK = 0.005  # s of wall time
-
-
-def raw(topic: Topic) -> Topic:
-    """The topic before the relay: what its sender truly sent.
-
-    Args:
-        topic: As it is after the relay.
-    """
-    return replace(topic, name=f"/raw{topic.name}" if topic is CLOCK else f"raw/{topic.name}")
 
 
 @dataclass(frozen=True)

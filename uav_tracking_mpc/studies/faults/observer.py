@@ -18,9 +18,9 @@ from rclpy.serialization import deserialize_message
 
 from uav_tracking_mpc.nodes.topics import COMMAND, DIAGNOSTICS, ODOMETRY, TARGET, Topic
 from uav_tracking_mpc.studies.faults.case_bag import TOPICS, CaseBag
-from uav_tracking_mpc.studies.faults.fault_relay import raw
 from uav_tracking_mpc.studies.faults.invariants import Invariants, Limits, Violation
 from uav_tracking_mpc.studies.faults.recovery import FlownTime, Recovery
+from uav_tracking_mpc.studies.faults.streams import raw
 
 QUEUE = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
 PATIENCE = 1.0  # s of simulated time without a command after which the aircraft is not commanded

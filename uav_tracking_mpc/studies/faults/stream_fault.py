@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from rclpy.serialization import deserialize_message, serialize_message
 
-from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY, TARGET, Topic
+from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, COMMAND, ODOMETRY, TARGET, Topic
 from uav_tracking_mpc.studies.faults.kinds import Fault
+from uav_tracking_mpc.studies.faults.streams import STREAMS
 
 if TYPE_CHECKING:
-    from uav_tracking_mpc.studies.faults.injection import Flight
+    from uav_tracking_mpc.studies.faults.injected_flight import Flight
 
-STREAMS = (ODOMETRY, AIR_VELOCITY, TARGET, COMMAND, CLOCK)
 FAMILIES = {  # of the faults that strike one topic alone, by its name
     ODOMETRY.name: "odometry",
     TARGET.name: "target",

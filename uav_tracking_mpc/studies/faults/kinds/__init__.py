@@ -40,7 +40,7 @@ from typing import TYPE_CHECKING, ClassVar
 from uav_tracking_mpc.studies.faults.invariants import Violation
 
 if TYPE_CHECKING:
-    from uav_tracking_mpc.studies.faults.injection import Flight
+    from uav_tracking_mpc.studies.faults.injected_flight import Flight
 
 
 class Fault(ABC):

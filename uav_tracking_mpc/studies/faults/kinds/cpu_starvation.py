@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 
-from uav_tracking_mpc.studies.faults.injection import Flight
+from uav_tracking_mpc.studies.faults.injected_flight import Flight
 from uav_tracking_mpc.studies.faults.kinds import Fault
 
 PER_CORE = 2

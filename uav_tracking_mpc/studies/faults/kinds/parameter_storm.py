@@ -7,7 +7,7 @@ import time
 from typing import Any
 
 from uav_tracking_mpc.parameters.specification import Specification, Value
-from uav_tracking_mpc.studies.faults.injection import Flight
+from uav_tracking_mpc.studies.faults.injected_flight import Flight
 from uav_tracking_mpc.studies.faults.kinds import Fault
 
 PERIOD = 0.02  # s of wall time between requests, at least

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from uav_tracking_mpc.studies.faults.injection import Flight
+from uav_tracking_mpc.studies.faults.injected_flight import Flight
 from uav_tracking_mpc.studies.faults.kinds import Fault
 
 LEAST_BUDGETS = (1e-4, 1e-9)  # s; the least that is accepted stays

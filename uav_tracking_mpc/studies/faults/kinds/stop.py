@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from uav_tracking_mpc.launch.supervisor import NODES
-from uav_tracking_mpc.studies.faults.injection import Flight
+from uav_tracking_mpc.studies.faults.injected_flight import Flight
 from uav_tracking_mpc.studies.faults.kinds import Fault
 
 
