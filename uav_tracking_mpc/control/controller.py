@@ -129,7 +129,7 @@ class Controller:
             values: Parameters by name, in the units of :class:`TrackingParameters`.
 
         Raises:
-            ParameterError: Unknown, not allowed, or as of :meth:`check`; nothing has changed.
+            ParameterError: Unknown, not allowed, or as of ``check``; nothing has changed.
         """
         parameters = changed(self.parameters, values)
         self.check(parameters)
