@@ -22,7 +22,7 @@ demo: $(VENV)/demo
 
 test: lint
 	$(PYTEST) -m "not nodes and not long" -n 2
-	$(PYTEST) -m "nodes and not long" -n 2 --dist loadfile
+	$(PYTEST) -m "nodes and not long"
 
 test-long: $(VENV)/test
 	$(PYTEST) -m long
