@@ -21,7 +21,7 @@ from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 from uav_tracking_mpc.nodes.topics import COMMAND
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 
-pytestmark = pytest.mark.timeout(600)
+pytestmark = [pytest.mark.nodes, pytest.mark.timeout(600)]
 
 SHORT = settings(
     max_examples=8,

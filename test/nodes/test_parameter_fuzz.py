@@ -20,6 +20,8 @@ from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.parameters.specification import specifications
 from uav_tracking_mpc.settings.configuration import SECTIONS
 
+pytestmark = pytest.mark.nodes
+
 NODES = {
     "uav_simulator": UavSimulator,
     "target_publisher": TargetPublisher,

@@ -5,6 +5,9 @@ from processes import INTERRUPT, TERMINATE, run_node
 
 from uav_tracking_mpc.nodes.run import refusal
 
+pytestmark = pytest.mark.nodes
+
+
 NODES = ("uav_simulator", "target_publisher", "nmpc_controller")
 FIRST_WORDS = {
     "uav_simulator": "waiting for the first command",
