@@ -105,14 +105,7 @@ class FlightFormulation:
     def solve(
         self, situation: Situation, forecast: Forecast, orbit: Orbit, elapsed: float | None
     ) -> Plan:
-        """Best plan from a situation.
-
-        Args:
-            situation: Where the plan begins.
-            forecast: Drift and target over its horizon.
-            orbit: What is wanted.
-            elapsed: Time in [s] since the situation of the last plan; None if that counts no more.
-        """
+        """See :meth:`Formulation.solve`."""
         x_0 = self.initial_state(situation)
         data = self.data(forecast, orbit)
         solution = self.solver.solve(

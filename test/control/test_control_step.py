@@ -1,0 +1,189 @@
+"""From a measurement to a command."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from controller_cases import FLIGHT, Constant, words
+
+from uav_tracking_mpc.control.controller import Controller
+from uav_tracking_mpc.control.event import Level
+from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.dynamics.orbit import CLOCKWISE
+from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.laws import GuidanceLaw
+from uav_tracking_mpc.parameters.registry import GUIDANCE_LAW
+from uav_tracking_mpc.parameters.specification import ParameterError
+
+TICK = 0.05
+STILL = np.zeros(3)
+
+
+def measured(time, position=(300.0, 0.0, 120.0), heading=-np.pi / 2.0, wind=STILL, **more):
+    """On the clockwise orbit of the small aircraft, or elsewhere."""
+    position = np.array(position, dtype=float)
+    air = 22.0 * np.array([np.cos(heading), np.sin(heading), 0.0])
+    return Measurement(time, position, air + wind, heading, 0.0, **{"airspeed": 22.0, **more})
+
+
+@pytest.fixture
+def constant():
+    """A controller whose plan is always the same."""
+    formulation = Constant(np.array([-0.08, 0.0, 0.0]))
+    return Controller(replace(FLIGHT, control_rate=10.0), formulation, stopwatch=lambda: 0.0)
+
+
+def test_without_a_target_there_is_no_command_and_that_is_said_once(constant):
+    assert [constant.step(measured(k * TICK), k * TICK) for k in range(5)] == [None] * 5
+    assert constant.modes.reason == "no target position"
+    assert constant.modes.counts[FallbackMode.SILENCE] == 5
+    assert constant.events.take() == []  # it was silent before
+
+
+def test_commands_keep_the_control_rate(constant):
+    constant.see_target(0.0, STILL)
+    answers = [constant.step(measured(k * TICK), k * TICK) for k in range(8)]
+    assert [answer is not None for answer in answers] == [True, False] * 4
+    assert answers[2].stamp == 2 * TICK
+    np.testing.assert_array_equal(answers[0].inputs, constant.formulation.plan)
+
+
+def test_a_target_that_was_never_lost_but_forgotten_leaves_the_wings_level(constant):
+    constant.see_target(0.0, STILL)
+    assert constant.step(measured(0.0), 0.0) is not None
+    constant.navigator.target.reset()
+    command = constant.step(measured(0.1, path_angle_rate=0.1), 0.1)
+    assert (command.mode, command.reason) == (FallbackMode.HOLD, "no target position")
+
+
+def test_a_target_of_another_clock_is_refused(constant):
+    constant.see_target(0.0, STILL)
+    constant.step(measured(0.0), 0.0)
+    with pytest.raises(ValueError, match=r"3600.000 s ahead of the vehicle's, may be .*clocks"):
+        constant.see_target(3600.0, STILL)
+    with pytest.raises(ValueError, match="must be three finite numbers"):
+        constant.see_target(0.1, [np.nan, 0.0, 0.0])
+
+
+def test_an_old_target_is_circled_by_the_loiter_law(constant):
+    constant.see_target(0.0, STILL)
+    late = FLIGHT.target_timeout + 0.01
+    command = constant.step(measured(late), late)
+    assert (command.mode, command.reason) == (FallbackMode.LOITER, "target position is lost")
+    constant.see_target(late, STILL)
+    assert constant.step(measured(late + 0.1), late + 0.1).mode is FallbackMode.OPTIMAL
+
+
+def test_an_outlier_is_not_answered_and_said_so(constant):
+    constant.see_target(0.0, STILL)
+    constant.step(measured(0.0), 0.0)
+    assert constant.step(measured(0.1, (9e3, 0.0, 0.0)), 0.1) is None
+    (event,) = [e for e in constant.events.take() if e.level is Level.REFUSAL]
+    assert "jumped by" in event.words
+    assert constant.state_time == 0.0
+    assert constant.step(measured(0.1), 0.1) is not None
+
+
+def test_when_time_has_gone_back_everything_begins_anew(constant):
+    constant.see_target(100.0, STILL)
+    assert constant.step(measured(100.0), 100.0) is not None
+    answers = []
+    for k in range(6):
+        constant.see_target(k * TICK, STILL)
+        answers.append(constant.step(measured(k * TICK), k * TICK))
+    # The target was forgotten with the rest: the wings are level until it is seen again.
+    assert [answer and answer.mode for answer in answers] == [
+        None, None, FallbackMode.HOLD, None, FallbackMode.OPTIMAL, None,
+    ]  # fmt: skip
+    assert any("starting anew" in event.words for event in constant.events.take())
+
+
+def test_the_latency_is_the_age_of_the_state_and_the_time_of_the_answer():
+    clock = iter(np.arange(0.0, 1e3, 0.02))
+    controller = Controller(
+        FLIGHT, Constant(np.array([-0.08, 0.0, 0.0])), stopwatch=lambda: float(next(clock))
+    )
+    controller.see_target(0.0, STILL)
+    for k in range(200):
+        controller.see_target(0.1 * k, STILL)
+        controller.step(measured(0.1 * k), 0.1 * k + 0.03)
+    assert controller.navigator.latency == pytest.approx(0.05, rel=1e-3)
+
+
+def test_an_answer_that_took_too_long_is_not_given():
+    clock = iter([0.0, 0.1, 0.1, 0.1 + FLIGHT.state_timeout + 1e-3])
+    controller = Controller(FLIGHT, Constant(STILL), stopwatch=lambda: next(clock))
+    controller.see_target(0.0, STILL)
+    assert controller.step(measured(0.0), 0.0) is not None
+    assert controller.step(measured(0.1), 0.1) is None
+    assert "answered only after" in words(controller)[-1]
+
+
+def test_without_air_data_the_air_is_taken_as_still_and_that_is_said_once(constant):
+    constant.see_target(0.0, STILL)
+    wind = np.array([5.0, 0.0, 0.0])
+    for k in range(4):
+        constant.step(measured(0.1 * k, wind=wind, airspeed=None), 0.1 * k)
+    assert [w for w in words(constant) if "air" in w] == [
+        "no airspeed is measured: the air is taken as still"
+    ]
+    np.testing.assert_allclose(constant.drift, 0.0, atol=1e-12)
+    constant.see_air(0.4, 22.0)
+    command = constant.step(measured(0.4, wind=wind, airspeed=None), 0.4)
+    np.testing.assert_allclose(constant.drift, wind, atol=1e-12)
+    assert command.present.airspeed == 22.0
+
+
+@pytest.mark.parametrize("law", ["l1", "vector_field"])
+def test_a_law_is_flown_in_the_place_of_the_predictive_controller(law):
+    parameters = replace(FLIGHT, law=law, direction=CLOCKWISE)
+    controller = Controller(parameters, stopwatch=lambda: 0.0)
+    assert controller.formulation is None
+    controller.see_target(0.0, STILL)
+    command = controller.step(measured(0.0), 0.0)
+    assert (command.mode, command.reason) == (FallbackMode.GUIDANCE_LAW, "")
+    expected = GUIDANCE_LAW.find(law)(parameters.orbit, parameters.envelope)
+    np.testing.assert_array_equal(command.inputs, [expected.inputs(command.present)])
+
+
+class Broken(GuidanceLaw):
+    """A law that divides by zero."""
+
+    name = "broken"
+
+    def inputs(self, situation):
+        return np.full(3, 1 / 0)
+
+
+def test_a_law_that_fails_is_replaced_by_the_loiter_law(monkeypatch):
+    monkeypatch.setattr("uav_tracking_mpc.control.controller.law_of", lambda parameters: Broken)
+    controller = Controller(replace(FLIGHT, law="l1"), stopwatch=lambda: 0.0)
+    controller.see_target(0.0, STILL)
+    command = controller.step(measured(0.0), 0.0)
+    assert command.mode is FallbackMode.LOITER
+    assert command.reason == "the law broken failed: ZeroDivisionError: division by zero"
+    assert np.all(np.isfinite(command.inputs))
+
+
+def test_a_law_that_does_not_exist_is_named():
+    with pytest.raises(ParameterError, match="there is no file"):
+        Controller(replace(FLIGHT, law="nowhere.py:Law"))
+
+
+def test_reset_begins_anew_whatever_the_time(constant):
+    constant.see_target(50.0, STILL)
+    constant.step(measured(50.0), 50.0)
+    constant.reset()
+    assert not constant.flying
+    constant.see_target(2.0, STILL)
+    assert constant.step(measured(2.0), 2.0).mode is FallbackMode.OPTIMAL
+
+
+def test_what_is_planned_is_flown_from_when_it_was_sent(constant):
+    """A late answer: until then the aircraft flew what it had been told before."""
+    constant.see_target(0.0, STILL)
+    constant.step(measured(0.0), 0.0)
+    constant.formulation.plan = constant.formulation.plan + np.array([0.0, 0.1, 0.0])
+    constant.step(measured(0.1), 0.14)
+    history = constant.navigator._history
+    assert [history.demanded(time, 1) for time in (0.0, 0.13, 0.15)] == [0.0, 0.0, 0.1]
