@@ -1,6 +1,7 @@
 import dataclasses
 
 import numpy as np
+import pytest
 
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
@@ -55,3 +56,27 @@ def test_a_measured_airspeed_is_never_negative_and_none_stays_none():
     sensor = sensors(airspeed_noise=1.0)
     assert min(sensor.measure(slow).airspeed for _ in range(50)) == 0.0
     assert sensor.measure(dataclasses.replace(TRUTH, airspeed=None)).airspeed is None
+
+
+def test_biases_are_added_to_what_they_name_alone():
+    biases = {"heading_bias": 0.1, "airspeed_bias": 2.0, "turn_rate_bias": -0.03}
+    measured = sensors(velocity_bias=(1.0, -2.0, 0.5), **biases).measure(TRUTH)
+    np.testing.assert_array_equal(measured.position, TRUTH.position)
+    np.testing.assert_allclose(measured.ground_velocity, TRUTH.ground_velocity + [1.0, -2.0, 0.5])
+    assert measured.heading == pytest.approx(3.24 - 2.0 * np.pi)
+    assert measured.airspeed == 24.0
+    assert measured.turn_rate == -0.03
+    assert measured.path_angle == TRUTH.path_angle
+
+
+@pytest.mark.parametrize("stamp_true", [True, False])
+def test_a_late_state_is_that_of_a_delay_ago_and_its_stamp_may_lie(stamp_true):
+    late = sensors(state_delay=0.3, state_stamp_true=stamp_true)
+    times = np.arange(20) * 0.05
+    seen = [
+        late.measure(dataclasses.replace(TRUTH, stamp=t, position=[t, 0.0, 0.0])) for t in times
+    ]
+    measured_at = np.maximum(times - 0.3, 0.0)
+    np.testing.assert_allclose([each.position[0] for each in seen], measured_at, atol=1e-9)
+    stamps = measured_at if stamp_true else times
+    np.testing.assert_allclose([each.stamp for each in seen], stamps, atol=1e-9)

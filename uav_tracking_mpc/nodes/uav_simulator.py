@@ -115,10 +115,11 @@ class UavSimulator(Node):
     def _publish(self, seen: Measurement) -> None:
         rates = np.array([seen.turn_rate, seen.path_angle_rate, 0.0])
         state = seen.state(math.nan if seen.airspeed is None else seen.airspeed)
-        set_odometry(self._odometry, self._now, state, rates, seen.ground_velocity)
+        stamp = self._start + round(seen.stamp * 1e9)
+        set_odometry(self._odometry, stamp, state, rates, seen.ground_velocity)
         self._odometry_publisher.publish(self._odometry)
         if seen.airspeed is not None:
-            set_air_velocity(self._air_velocity, self._now, seen.airspeed)
+            set_air_velocity(self._air_velocity, stamp, seen.airspeed)
             self._air_publisher.publish(self._air_velocity)
 
     def _elapsed(self) -> int:

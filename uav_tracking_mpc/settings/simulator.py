@@ -91,6 +91,13 @@ class SimulatorParameters:
         5.0,
         size=3,
     )
+    command_gain: tuple[float, ...] = parameter(
+        (1.0, 1.0, 1.0),
+        "Share of commanded yaw rate, path-angle rate and acceleration that is flown in the end.",
+        lower=0.1,
+        upper=3.0,
+        size=3,
+    )
     wind: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0),
         "Mean velocity of the air in map: where it blows to.",
@@ -117,6 +124,29 @@ class SimulatorParameters:
     )
     airspeed_noise: float = parameter(
         0.0, "Standard deviation of the measured airspeed.", "m/s", 0.0, 100.0
+    )
+    velocity_bias: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Constant error of the measured ground velocity in map.",
+        "m/s",
+        -50.0,
+        50.0,
+        size=3,
+    )
+    heading_bias: float = parameter(
+        0.0, "Constant error of the measured heading.", "rad", -math.pi, math.pi
+    )
+    airspeed_bias: float = parameter(
+        0.0, "Constant error of the measured airspeed.", "m/s", -50.0, 50.0
+    )
+    turn_rate_bias: float = parameter(
+        0.0, "Constant error of the measured turn rate.", "rad/s", -1.0, 1.0
+    )
+    state_delay: float = parameter(
+        0.0, "How much later than it was measured the state is published.", "s", 0.0, 5.0
+    )
+    state_stamp_true: bool = parameter(
+        True, "Stamp a late state with when it was measured; else with when it is published."
     )
     seed: int = parameter(0, "Seed of gusts and sensor noise.", lower=0, upper=2**31 - 1)
 

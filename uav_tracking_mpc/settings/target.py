@@ -46,7 +46,7 @@ class TargetParameters:
         multiple=3,
     )
     drive_time: float = parameter(
-        20.0, "How long stop_and_go drives at a time, straight on.", "s", 0.1, 1e5
+        20.0, "How long stop_and_go and zigzag drive at a time, straight on.", "s", 0.1, 1e5
     )
     stand_time: float = parameter(20.0, "How long stop_and_go stands in between.", "s", 0.1, 1e5)
     jump_time: float = parameter(

@@ -1,9 +1,10 @@
-"""What the sensors of a simulated aircraft make of the truth: it, with white noise."""
+"""What the sensors of a simulated aircraft make of the truth: it, with noise, biases and delay."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
+from collections import deque
 
 import numpy as np
 
@@ -11,12 +12,14 @@ from uav_tracking_mpc.dynamics.angles import wrap_angle
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 
+TIME_ROUNDING = 1e-9  # s, by which a measurement may be too young
+
 
 class VehicleSensors:
-    """Adds noise; without noise the truth is measured.
+    """Adds noise and biases, and holds back; without any of them the truth is measured.
 
     Args:
-        parameters: Standard deviations.
+        parameters: Standard deviations, biases and delay.
         seed: Of the noise.
     """
 
@@ -29,19 +32,38 @@ class VehicleSensors:
                 *[parameters.velocity_noise] * 3,
             ]
         )
-        self._noisy = bool(np.any(self._deviations))
+        heading, airspeed = parameters.heading_bias, parameters.airspeed_bias
+        self._biases = np.array([0.0] * 3 + [heading, 0.0, airspeed, *parameters.velocity_bias])
+        self._turn_rate_bias = parameters.turn_rate_bias
+        self._wrong = bool(np.any([*self._deviations, *self._biases, self._turn_rate_bias]))
+        self._delay, self._stamp_true = parameters.state_delay, parameters.state_stamp_true
+        self._held: deque[Measurement] = deque()
         self._random = np.random.default_rng(seed)
 
     def measure(self, truth: Measurement) -> Measurement:
         """What is measured; every call draws anew.
 
         Args:
-            truth: State of the aircraft.
+            truth: State of the aircraft, not older than the one before.
+
+        Returns:
+            The newest measurement that is as old as the delay; until there is one, the first.
         """
-        if not self._noisy:
-            return truth
-        noise = self._deviations * self._random.standard_normal(len(self._deviations))
-        position, attitude, ground_velocity = noise.reshape(3, 3)
+        measured = self._mistaken(truth) if self._wrong else truth
+        if self._delay == 0.0:
+            return measured
+        self._held.append(measured)
+        latest = truth.stamp - self._delay + TIME_ROUNDING
+        while len(self._held) > 1 and self._held[1].stamp <= latest:
+            self._held.popleft()
+        late = self._held[0]
+        return late if self._stamp_true else dataclasses.replace(late, stamp=truth.stamp)
+
+    def _mistaken(self, truth: Measurement) -> Measurement:
+        errors = self._biases.copy()
+        if self._deviations.any():
+            errors += self._deviations * self._random.standard_normal(len(errors))
+        position, attitude, ground_velocity = errors.reshape(3, 3)
         heading, path_angle, airspeed = attitude.tolist()
         airspeed = None if truth.airspeed is None else max(truth.airspeed + airspeed, 0.0)
         right_angle = 0.5 * math.pi
@@ -51,5 +73,6 @@ class VehicleSensors:
             ground_velocity=truth.ground_velocity + ground_velocity,
             heading=float(wrap_angle(truth.heading + heading)),
             path_angle=min(max(truth.path_angle + path_angle, -right_angle), right_angle),
+            turn_rate=truth.turn_rate + self._turn_rate_bias,
             airspeed=airspeed,
         )

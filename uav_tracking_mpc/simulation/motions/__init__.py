@@ -6,6 +6,7 @@
 ``circle``         runs round a circle
 ``waypoints``      visits points in turn, again and again
 ``stop_and_go``    runs straight on, with stops
+``zigzag``         runs on, and turns by 90 deg left and right by turns
 ``jump``           runs straight on, and is somewhere else at once
 =================  ==============================================================
 

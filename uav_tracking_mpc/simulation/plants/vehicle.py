@@ -88,7 +88,7 @@ class VehiclePlant(Plant):
         if plan is None:
             turn, climb, acceleration = 0.0, -path_angle / LEVELLING_TIME, 0.0
         else:
-            turn, climb, acceleration = plan.tolist()
+            turn, climb, acceleration = (plan * limits.command_gain).tolist()
         # Coordinated turn: tan(bank) = v u_psi / g.
         turn_max = GRAVITY * math.tan(limits.bank_max) / max(airspeed, 1e-6)
         turn_max = min(turn_max, limits.yaw_rate_max)

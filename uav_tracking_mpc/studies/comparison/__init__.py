@@ -3,6 +3,7 @@
 ======================  ==============================================================
 ``law_names``           which laws there are
 ``flights``             every law through every scenario, in processes
+``mismatches``          what may be other than the controller was told, by name
 ``measures``            what counts of a flight, from the truth and the limits alone
 ``targets``             what the predictive controller is to reach, and whether it does
 ``results``             the comparison, and all of it as one object for JSON

@@ -25,19 +25,23 @@ SETTLED = 10.0  # m of range error below which a flight counts as settled
 
 @dataclass(frozen=True)
 class Measures:
-    """A flight in numbers; RMS values are those of the last third.
+    """A flight in numbers; unless said otherwise those of its last third.
 
     Attributes:
         range_rms_m: Of r - r_d in [m].
-        settling_s: First time from which on abs(r - r_d) < 10 m in [s]; None if never.
+        range_mean_m: Of r - r_d in [m].
+        worst_m: Greatest abs(r - r_d) in [m].
+        settling_s: Of the whole flight, first time from which on abs(r - r_d) < 10 m in [s]; None if never.
         altitude_rms_m: Of z - z_d in [m].
         airspeed_rms_mps: Of v - v_d in [m/s].
         bank_rate_rms_dps: Of the rate of the bank that was flown in [deg/s].
-        envelope_violations: Samples at which some limit was passed by more than 1 %.
+        envelope_violations: Of the whole flight, samples at which some limit was passed by more than 1 %.
         violations: How many of them for each limit that was passed.
     """
 
     range_rms_m: float
+    range_mean_m: float
+    worst_m: float
     settling_s: float | None
     altitude_rms_m: float
     airspeed_rms_mps: float
@@ -46,19 +50,26 @@ class Measures:
     violations: dict[str, int]
 
 
-def measures(log: FlightLog, parameters: TrackingParameters) -> Measures:
+def measures(
+    log: FlightLog, parameters: TrackingParameters, settled_after: float | None = None
+) -> Measures:
     """Measure a flight.
 
     Args:
         log: Record of the flight, at least four samples.
         parameters: The limits.
+        settled_after: Time in [s] from which on the flight counts; its last third by default.
     """
     range_error, _, altitude_error, _, airspeed_error = log.error.T
-    late = log.time >= log.time[0] + 2.0 / 3.0 * (log.time[-1] - log.time[0])
+    if settled_after is None:
+        settled_after = 2.0 / 3.0 * (log.time[-1] - log.time[0])
+    late = log.time >= log.time[0] + settled_after
     bank_rate = np.diff(flown_bank(log)) / np.diff(log.time)[1:]  # at the samples but two
     beyond = violations(log, parameters)
     return Measures(
         range_rms_m=_rms(range_error[late]),
+        range_mean_m=float(np.mean(range_error[late])),
+        worst_m=float(np.max(np.abs(range_error[late]))),
         settling_s=settling_time(log.time, range_error, SETTLED),
         altitude_rms_m=_rms(altitude_error[late]),
         airspeed_rms_mps=_rms(airspeed_error[late]),
