@@ -67,6 +67,10 @@ class LoopMargins(NamedTuple):
     disk: float
 
 
+_NONE = ChannelMargins(0.0, 0.0, 0.0, 0.0, 0.0, math.nan, 0.0)
+UNSTABLE = LoopMargins(dict.fromkeys(CHANNELS, _NONE), 0.0)  # of a loop that is not stable
+
+
 def loop_margins(frequency: NDArray[np.float64], loop: NDArray[np.complex128]) -> LoopMargins:
     """Margins of a loop that is stable when closed.
 

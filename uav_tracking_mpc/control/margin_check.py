@@ -1,53 +1,108 @@
-"""Stability margins of the closed loop about the orbit, from the controller's own answers there."""
+"""Whether the margins of the closed loop are as large as the parameters ask, in words.
+
+It takes some tenths of a second and belongs where nothing waits for a command: where a flight is
+configured, and after a change in flight in a thread of its own (:class:`MarginWatch`).
+"""
 
 from __future__ import annotations
 
-import math
+import threading
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.control.guidance import formulation_of, law_of
-from uav_tracking_mpc.control.orbit_deviation import SIZE, STEPS, FrozenOrbit
-from uav_tracking_mpc.control.sampled_loop import Response, SampledLoop, sampled_loop
-from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.estimation.forecast import steady_forecast
-from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.control.loop_margins import LoopMargins
+from uav_tracking_mpc.control.orbit_loop import OrbitLoop
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
-Guidance = Callable[[Situation], NDArray[np.float64]]
+
+def margin_warning(parameters: TrackingParameters) -> str:
+    """What is to be said about the margins in still air; empty where they are large enough.
+
+    Args:
+        parameters: What is flown.
+
+    Raises:
+        ParameterError: There is no such law, or the parameters cannot be flown.
+    """
+    return _judged(OrbitLoop(parameters))
 
 
-class LocalLoops:
-    def __init__(self, parameters, formulation=None):
-        law = law_of(parameters)
-        self.parameters = replace(parameters, solve_time_max=10.0)
-        self._law = None if law is None else law(parameters.orbit, parameters.envelope)
-        self._formulation = formulation or formulation_of(self.parameters)
-        self.told = Response(np.array(parameters.vehicle.lags), np.array(parameters.dead_time))
+def shortfalls(margins: LoopMargins, parameters: TrackingParameters) -> list[str]:
+    """Which margins are smaller than the parameters ask, in words.
 
-    def _answer(self, situation, orbit, elapsed):
-        if self._law is not None:
-            return np.asarray(self._law.inputs(situation), dtype=float)
-        ahead = steady_forecast(situation, self.parameters.horizon)
-        plan = self._formulation.solve(situation, ahead, orbit, elapsed)
-        if not plan.solution.converged:
-            raise ArithmeticError(plan.solution.message)
-        return plan.inputs[0]
+    Args:
+        margins: Of the loop.
+        parameters: ``delay_margin_min`` and ``gain_margin_min``.
+    """
+    wanted_s, wanted_db = parameters.delay_margin_min, parameters.gain_margin_min
+    found = []
+    for name, channel in margins.channels.items():
+        if channel.delay_s < wanted_s:
+            found.append(
+                f"{name}: {channel.delay_s:.2f} s of delay, delay_margin_min is {wanted_s:g} s"
+            )
+        if channel.gain_db < wanted_db:
+            found.append(
+                f"{name}: {channel.gain_db:.1f} dB of gain, gain_margin_min is {wanted_db:g} dB"
+            )
+    return found
 
-    def gain(self, frozen):
-        if self._formulation is not None:
-            self._formulation.reset()
-        self._answer(frozen.situation(np.zeros(SIZE)), frozen.orbit, None)
-        columns = []
-        for step, unit in zip(STEPS, np.eye(SIZE)):
-            up, down = (self._answer(frozen.situation(s * step * unit), frozen.orbit, 0.0) for s in (1, -1))
-            columns.append((up - down) / (2 * step))
-        return np.array(columns).T
 
-    def loop(self, frozen, plant=None):
-        plant = plant or self.told
-        predicted = None if self._law is not None else frozen.dynamics(self.told.lags)
-        return sampled_loop(1/self.parameters.control_rate, self.gain(frozen), frozen.dynamics(plant.lags), plant, self.told, predicted)
+class MarginWatch:
+    """Judges the margins after each change of parameters, in a thread of its own.
+
+    Of changes that come faster than they can be judged only the latest counts.
+
+    Args:
+        parameters: What is flown at the beginning; fixed ones stay.
+        report: Called in that thread with a warning in words.
+
+    Raises:
+        ParameterError: There is no such law, or the parameters cannot be flown.
+    """
+
+    def __init__(self, parameters: TrackingParameters, report: Callable[[str], None]) -> None:
+        self._loop, self._report = OrbitLoop(parameters), report
+        self._lock = threading.Lock()
+        self._next: TrackingParameters | None = None
+        self._thread: threading.Thread | None = None
+
+    def change(self, parameters: TrackingParameters) -> None:
+        """Judge other parameters soon; returns at once.
+
+        Args:
+            parameters: What is flown from now on.
+        """
+        with self._lock:
+            self._next = parameters
+            if self._thread is None:
+                self._thread = threading.Thread(target=self._judge, name="margins")
+                self._thread.start()
+
+    def wait(self) -> None:
+        """Return when all that was asked is judged."""
+        thread = self._thread
+        if thread is not None:
+            thread.join()
+
+    def _judge(self) -> None:
+        while True:
+            with self._lock:
+                parameters, self._next = self._next, None
+                if parameters is None:
+                    self._thread = None
+                    return
+            self._loop.change(parameters)
+            words = _judged(self._loop)
+            if words:
+                self._report(words)
+
+
+def _judged(loop: OrbitLoop) -> str:
+    try:
+        margins = loop.margins(loop.orbit_in(np.zeros(3)))
+    except (ArithmeticError, RuntimeError, ValueError) as error:
+        return f"the margins of the closed loop are not known: {error}"
+    small = shortfalls(margins, loop.parameters)
+    return f"the closed loop has small margins: {'; '.join(small)}" if small else ""

@@ -33,6 +33,7 @@ SLOPE_STEP = 1e-4  # rad of azimuth
 COMPLEX_STEP = 1e-20
 SHORTEST_LAG = 1e-3  # s: a channel that follows at once is given this lag
 
+
 class Deviation(NamedTuple):
     """Components of the motion near an orbit, and how far each is moved for a difference.
 
@@ -61,6 +62,7 @@ STEPS = np.array(Deviation())
 ACCELERATION = Deviation._fields.index("acceleration")
 RATES = slice(ACCELERATION - 2, ACCELERATION + 1)
 SIZE = len(STEPS)
+
 
 @dataclass(frozen=True)
 class FrozenOrbit:
@@ -138,8 +140,7 @@ class FrozenOrbit:
 
 
 def jacobian(
-    function: Callable[[NDArray[np.complex128]], NDArray[np.complex128]],
-    point: NDArray[np.float64],
+    function: Callable[[NDArray[np.complex128]], NDArray[np.complex128]], point: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Derivative of an analytic function by complex steps, shape (m, n).
 

@@ -20,14 +20,13 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from uav_tracking_mpc.control.orbit_deviation import ACCELERATION, SIZE
 from uav_tracking_mpc.estimation.navigator import LONGEST_SUBSTEP, ROUNDING
 
 SLOWEST = 1e-2  # rad/s, the lowest frequency of a response
-FREQUENCIES = 1000
 
 
 class Response(NamedTuple):
@@ -36,10 +35,12 @@ class Response(NamedTuple):
     Attributes:
         lags: Time constants, shape (3,), in [s].
         dead_times: Shape (3,), in [s].
+        gains: Shape (3,) [-].
     """
 
     lags: NDArray[np.float64]
     dead_times: NDArray[np.float64]
+    gains: NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ class SampledLoop:
     acceleration_share: float
     acceleration_tap: int
 
-    def frequencies(self, count: int = FREQUENCIES) -> NDArray[np.float64]:
+    def frequencies(self, count: int) -> NDArray[np.float64]:
         """Up to the Nyquist frequency, evenly on a logarithmic scale, shape (n,), in [rad/s].
 
         Args:
@@ -91,44 +92,31 @@ class SampledLoop:
         own[:, :, 2] += self.acceleration_gain * follows[:, :, 0]
         return -np.linalg.solve(np.eye(3) - own, self.state_gain @ plant)
 
-    def closed(self, gains: ArrayLike = (1.0, 1.0, 1.0)) -> NDArray[np.float64]:
-        """Transition matrix of the closed loop, shape (n, n), each component in SI units.
-
-        Args:
-            gains: That the plant's channels have besides, shape (3,) [-].
-        """
-        inputs, commands = len(self.plant_taps), len(self.command_taps)
-        sent = SIZE + 3 * (inputs - 1)  # where the commands before the present one stand
-        last = sent + 3 * max(commands - 1, self.acceleration_tap)
+    def closed(self) -> NDArray[np.float64]:
+        """Transition matrix of the closed loop, shape (n, n), each component in SI units."""
+        inputs, own = len(self.plant_taps), len(self.command_taps)
+        last = SIZE + 3 * max(inputs - 1, own - 1, self.acceleration_tap)
         command = np.zeros((3, last + 1))
         command[:, :SIZE] = self.state_gain
-        for tap in range(1, commands):
-            command[:, sent + 3 * tap - 3 : sent + 3 * tap] = self.command_taps[tap]
+        for tap in range(1, own):
+            command[:, _sent(tap)] = self.command_taps[tap]
         acceleration = np.zeros(last + 1)
         acceleration[last] = 1.0 - self.acceleration_share
-        acceleration[sent + 3 * self.acceleration_tap - 1] = self.acceleration_share
+        acceleration[_sent(self.acceleration_tap)][2] = self.acceleration_share
         command += np.outer(self.acceleration_gain, acceleration)
-        flown = np.asarray(gains, dtype=float)[:, np.newaxis] * command
         following = np.zeros((last + 1, last + 1))
-        following[:SIZE] = self.plant_taps[0] @ flown
+        following[:SIZE] = self.plant_taps[0] @ command
         following[:SIZE, :SIZE] += self.plant_step
         for tap in range(1, inputs):
-            here = SIZE + 3 * tap - 3
-            following[:SIZE, here : here + 3] += self.plant_taps[tap]
-        for begin, end, first in ((SIZE, sent, flown), (sent, last, command)):
-            if end > begin:
-                following[begin : begin + 3] = first
-                following[begin + 3 : end, begin : end - 3] = np.eye(end - begin - 3)
+            following[:SIZE, _sent(tap)] += self.plant_taps[tap]
+        following[_sent(1)] = command
+        following[SIZE + 3 : last, SIZE : last - 3] = np.eye(last - SIZE - 3)
         following[last] = acceleration
         return following
 
-    def growth(self, gains: ArrayLike = (1.0, 1.0, 1.0)) -> float:
-        """Spectral radius of the closed loop [-]: below 1 it is stable.
-
-        Args:
-            gains: See :meth:`closed`, shape (3,) [-].
-        """
-        return float(np.max(np.abs(np.linalg.eigvals(self.closed(gains)))))
+    def growth(self) -> float:
+        """Spectral radius of the closed loop [-]: below 1 it is stable."""
+        return float(np.max(np.abs(np.linalg.eigvals(self.closed()))))
 
 
 def sampled_loop(
@@ -136,8 +124,8 @@ def sampled_loop(
     gain: NDArray[np.float64],
     dynamics: tuple[NDArray[np.float64], NDArray[np.float64]],
     plant: Response,
+    predicted: tuple[NDArray[np.float64], NDArray[np.float64]] | None,
     told: Response,
-    predicted_dynamics: tuple[NDArray[np.float64], NDArray[np.float64]] | None,
 ) -> SampledLoop:
     """The loop of a static gain.
 
@@ -145,16 +133,16 @@ def sampled_loop(
         period: T in [s].
         gain: Effect of the predicted deviation on the command, shape (3, 8).
         dynamics: A and B of the aircraft.
-        plant: Lags and dead times of the aircraft.
-        told: Those that the controller predicts with.
-        predicted_dynamics: A and B by which it predicts; None where it does not predict.
+        plant: How the aircraft responds.
+        predicted: A and B by which the controller predicts; None where it does not predict.
+        told: How it takes the aircraft to respond.
     """
-    plant_step, plant_taps = _plant(period, dynamics, plant.dead_times)
+    plant_step, plant_taps = _plant(period, dynamics, plant)
     own = np.zeros((1, 3, 3))
     state_gain, acceleration_gain = gain, np.zeros(3)
     share, tap = 1.0, 1
-    if predicted_dynamics is not None:
-        ahead, effects = _prediction(period, predicted_dynamics, told.dead_times)
+    if predicted is not None:
+        ahead, effects = _prediction(period, predicted, told.dead_times)
         own, state_gain = gain @ effects, gain @ ahead
         acceleration_gain, state_gain = state_gain[:, ACCELERATION].copy(), state_gain.copy()
         state_gain[:, ACCELERATION] = 0.0
@@ -167,12 +155,10 @@ def sampled_loop(
 
 
 def _plant(
-    period: float,
-    dynamics: tuple[NDArray[np.float64], NDArray[np.float64]],
-    dead_times: NDArray[np.float64],
+    period: float, dynamics: tuple[NDArray[np.float64], NDArray[np.float64]], response: Response
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Step of the aircraft under held commands that act after dead times."""
-    whole, fractions = np.divmod(np.asarray(dead_times, dtype=float) + ROUNDING, period)
+    whole, fractions = np.divmod(response.dead_times + ROUNDING, period)
     taps = np.zeros((int(np.max(whole)) + 2, SIZE, 3))
     for axis in range(3):
         late, early = int(whole[axis]), float(fractions[axis])
@@ -180,7 +166,7 @@ def _plant(
         _, old = _held(dynamics, early)
         taps[late, :, axis] = new[:, axis]
         taps[late + 1, :, axis] = (rest @ old)[:, axis]
-    return _held(dynamics, period)[0], taps
+    return _held(dynamics, period)[0], taps * response.gains
 
 
 def _prediction(
@@ -217,6 +203,11 @@ def _held(
     both[:SIZE, :SIZE], both[:SIZE, SIZE:] = a, b
     both = expm(both * duration)
     return both[:SIZE, :SIZE], both[:SIZE, SIZE:]
+
+
+def _sent(tap: int) -> slice:
+    """Where the commands of so many periods before stand in the state of the closed loop."""
+    return slice(SIZE + 3 * tap - 3, SIZE + 3 * tap)
 
 
 def _sum(taps: NDArray[np.float64], z: NDArray[np.complex128]) -> NDArray[np.complex128]:

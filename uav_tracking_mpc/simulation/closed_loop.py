@@ -79,8 +79,10 @@ class _Recorder:
         )
 
 
-def simulate(configuration: Configuration, progress: Progress | None = None) -> FlightLog:
-    """Fly the mission of a configuration on the plant that it names.
+def simulate(
+    configuration: Configuration, progress: Progress | None = None, plant: Plant | None = None
+) -> FlightLog:
+    """Fly the mission of a configuration on the plant that it names, or on another.
 
     Plant, sensors and target run at the rates at which the nodes run. The controller takes no time
     to answer: a flight depends on nothing but its configuration, unless a solve meets its budget.
@@ -88,12 +90,13 @@ def simulate(configuration: Configuration, progress: Progress | None = None) -> 
     Args:
         configuration: What to fly.
         progress: Called with the simulated time in [s] after each control step.
+        plant: What is flown; made as the configuration says by default.
 
     Raises:
         ParameterError: There is no such plant, motion or law, or the parameters cannot be flown.
         SimulationError: The flight left what the plant can describe, or the target was never seen.
     """
-    plant, motion = plant_of(configuration), motion_of(configuration.target)
+    plant, motion = plant or plant_of(configuration), motion_of(configuration.target)
     controller = Controller(_paced(configuration.controller, plant), stopwatch=lambda: 0.0)
     sensor, recorder = TargetSensor(configuration.target, motion), _Recorder(plant, motion)
     rate = configuration.simulator.state_rate if plant.period is None else 1.0 / plant.period
