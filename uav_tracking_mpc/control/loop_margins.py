@@ -1,8 +1,8 @@
 r"""Stability margins of a sampled loop with three inputs, from its frequency response.
 
-The loop is broken at the plant's input. :math:`L(e^{i\omega T})` is the return ratio there (negative
-feedback), :math:`S = (I + L)^{-1}` and :math:`T = I - S`. With all other loops closed, that of
-channel i is
+The loop is broken at the plant's input. :math:`L(e^{i\omega T})` is the return ratio there, of
+negative feedback, :math:`S = (I + L)^{-1}` and :math:`T = I - S`. With all other loops closed, that
+of channel i is
 
 .. math:: l_i = 1 / S_{ii} - 1.
 
@@ -22,7 +22,7 @@ structured singular value", Automatica 29(1), 1993), and that minimum is convex 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,24 +71,33 @@ _NONE = ChannelMargins(0.0, 0.0, 0.0, 0.0, 0.0, math.nan, 0.0)
 UNSTABLE = LoopMargins(dict.fromkeys(CHANNELS, _NONE), 0.0)  # of a loop that is not stable
 
 
-def loop_margins(frequency: NDArray[np.float64], loop: NDArray[np.complex128]) -> LoopMargins:
+def loop_margins(frequency: NDArray[np.float64], loop: NDArray[Any]) -> LoopMargins:
     """Margins of a loop that is stable when closed.
 
     Args:
         frequency: Increasing, shape (n,), in [rad/s].
         loop: L, shape (n, 3, 3).
     """
-    sensitivity = np.linalg.inv(np.eye(3) + loop)
+    ratios = return_ratios(loop).T
     channels = {
-        name: channel_margins(frequency, 1.0 / sensitivity[:, axis, axis] - 1.0)
-        for axis, name in enumerate(CHANNELS)
+        name: channel_margins(frequency, ratio)
+        for name, ratio in zip(CHANNELS, ratios, strict=True)
     }
+    sensitivity = np.linalg.inv(np.eye(3) + loop)
     return LoopMargins(channels, 1.0 / _greatest_mu(sensitivity - 0.5 * np.eye(3)))
 
 
-def channel_margins(
-    frequency: NDArray[np.float64], ratio: NDArray[np.complex128]
-) -> ChannelMargins:
+def return_ratios(loop: NDArray[Any]) -> NDArray[Any]:
+    """l_i of each channel with all other loops closed, shape (n, 3).
+
+    Args:
+        loop: L, shape (n, 3, 3).
+    """
+    sensitivity = np.linalg.inv(np.eye(3) + loop)
+    return 1.0 / np.einsum("nii->ni", sensitivity) - 1.0
+
+
+def channel_margins(frequency: NDArray[np.float64], ratio: NDArray[Any]) -> ChannelMargins:
     """Margins of one return ratio whose loop is stable when closed.
 
     Args:
@@ -119,7 +128,7 @@ def disk_phase_deg(disk: float) -> float:
     return math.degrees(2.0 * math.atan(0.5 * disk))
 
 
-def _gain_margins(ratio: NDArray[np.complex128]) -> tuple[float, float]:
+def _gain_margins(ratio: NDArray[Any]) -> tuple[float, float]:
     """Increase and reduction in [dB] at which the ratio passes through -1."""
     real, imaginary = ratio.real, ratio.imag
     crossing = np.flatnonzero(imaginary[:-1] * imaginary[1:] <= 0.0)
@@ -133,7 +142,7 @@ def _gain_margins(ratio: NDArray[np.complex128]) -> tuple[float, float]:
 
 
 def _phase_margins(
-    frequency: NDArray[np.float64], ratio: NDArray[np.complex128]
+    frequency: NDArray[np.float64], ratio: NDArray[Any]
 ) -> tuple[float, float, float]:
     """Phase in [deg], delay in [s] and its frequency in [rad/s] that bring the ratio to -1."""
     size = np.log(np.abs(ratio))
@@ -151,7 +160,7 @@ def _phase_margins(
     return math.degrees(float(np.min(phase))), float(delays[first]), float(omega[first])
 
 
-def _greatest_mu(matrices: NDArray[np.complex128]) -> float:
+def _greatest_mu(matrices: NDArray[Any]) -> float:
     """Greatest structured singular value of any of the matrices, shape (n, 3, 3)."""
     scaled = matrices.copy()
     scales = np.zeros(matrices.shape[:2])  # log D
@@ -173,7 +182,7 @@ def _greatest_mu(matrices: NDArray[np.complex128]) -> float:
     return greatest
 
 
-def _mu(matrix: NDArray[np.complex128], start: NDArray[np.float64]) -> float:
+def _mu(matrix: NDArray[Any], start: NDArray[np.float64]) -> float:
     """Structured singular value of a matrix, by D scales from ``start`` on, shape (3,)."""
 
     def bound(logarithms: NDArray[np.float64]) -> float:

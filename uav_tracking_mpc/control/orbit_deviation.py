@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -87,8 +87,8 @@ class FrozenOrbit:
         phi = self.azimuth if azimuth is None else azimuth
         sense = 1.0 if self.orbit.direction == COUNTER_CLOCKWISE else -1.0
         there = orbit_motion(
-            (math.cos(phi), math.sin(phi)), sense, self.orbit.radius, self.orbit.speed,
-            ca.DM(self.drift), ca.DM.zeros(3),
+            (ca.SX(math.cos(phi)), ca.SX(math.sin(phi))), ca.SX(sense), ca.SX(self.orbit.radius),
+            ca.SX(self.orbit.speed), ca.SX(self.drift), ca.SX.zeros(3),
         )  # fmt: skip
         speed, turn_rate = float(there.relative_speed), float(there.turn_rate)
         east, north = (speed * float(part) for part in there.tangent)
@@ -122,7 +122,7 @@ class FrozenOrbit:
         c_r = self.drift[0] * cosine + self.drift[1] * sine
         c_t = self.drift[1] * cosine - self.drift[0] * sine
 
-        def rate(state: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        def rate(state: NDArray[Any]) -> NDArray[Any]:
             d, _, course, climb, v, turn, climbing, gain = state
             level = v * np.cos(climb)
             turning = (level * np.sin(course) + c_t) / d
@@ -140,7 +140,7 @@ class FrozenOrbit:
 
 
 def jacobian(
-    function: Callable[[NDArray[np.complex128]], NDArray[np.complex128]], point: NDArray[np.float64]
+    function: Callable[[NDArray[Any]], NDArray[Any]], point: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Derivative of an analytic function by complex steps, shape (m, n).
 

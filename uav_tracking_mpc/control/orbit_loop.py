@@ -1,9 +1,9 @@
-r"""The controller's loop near its orbit: what it answers to deviations, and the margins that follow.
+r"""The controller's loop near its orbit: its answers to deviations, and the margins that follow.
 
-Near a steady orbit the guidance is a static gain of the situation in which its command takes
-effect: :math:`K = -\partial u / \partial \delta`, here by central differences of its own answers.
-Around it lie the aircraft and the prediction (:mod:`sampled_loop`). Estimators that are exact while
-all sensors are, such as those of wind and target, do not show; nor does the time that a solve takes.
+Near a steady orbit the guidance is a static gain :math:`-K` of the situation in which its command
+takes effect, here by central differences of its own answers. Around it lie the aircraft and the
+prediction (:mod:`sampled_loop`). Estimators that are exact while all sensors are, such as those of
+wind and target, do not show; nor does the time that a solve takes.
 """
 
 from __future__ import annotations

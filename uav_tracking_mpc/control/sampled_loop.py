@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,7 +78,7 @@ class SampledLoop:
         """
         return np.geomspace(SLOWEST, math.pi / self.period, count)
 
-    def response(self, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+    def response(self, frequency: NDArray[np.float64]) -> NDArray[Any]:
         """L at the plant's input, shape (n, 3, 3), for negative feedback.
 
         Args:
@@ -210,7 +210,7 @@ def _sent(tap: int) -> slice:
     return slice(SIZE + 3 * tap - 3, SIZE + 3 * tap)
 
 
-def _sum(taps: NDArray[np.float64], z: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _sum(taps: NDArray[np.float64], z: NDArray[Any]) -> NDArray[Any]:
     total = np.zeros((len(z), *taps.shape[1:]), dtype=complex)
     for tap, effect in enumerate(taps):
         total += effect * z**-tap

@@ -19,6 +19,7 @@ from uav_tracking_mpc.simulation.plants import Plant, SimulationError, plant_of
 from uav_tracking_mpc.simulation.target_sensor import TargetSensor
 
 Progress = Callable[[float], None]
+Disturbance = Callable[[float], NDArray[np.float64]]
 
 
 class _Recorder:
@@ -80,9 +81,11 @@ class _Recorder:
 
 
 def simulate(
-    configuration: Configuration, progress: Progress | None = None, plant: Plant | None = None
+    configuration: Configuration,
+    progress: Progress | None = None,
+    disturbance: Disturbance | None = None,
 ) -> FlightLog:
-    """Fly the mission of a configuration on the plant that it names, or on another.
+    """Fly the mission of a configuration on the plant that it names.
 
     Plant, sensors and target run at the rates at which the nodes run. The controller takes no time
     to answer: a flight depends on nothing but its configuration, unless a solve meets its budget.
@@ -90,13 +93,14 @@ def simulate(
     Args:
         configuration: What to fly.
         progress: Called with the simulated time in [s] after each control step.
-        plant: What is flown; made as the configuration says by default.
+        disturbance: Added to commands on their way to the plant, of which the controller does not
+            know: called with their time in [s], answers (u_psi, u_chi, u_v), shape (3,).
 
     Raises:
         ParameterError: There is no such plant, motion or law, or the parameters cannot be flown.
         SimulationError: The flight left what the plant can describe, or the target was never seen.
     """
-    plant, motion = plant or plant_of(configuration), motion_of(configuration.target)
+    plant, motion = plant_of(configuration), motion_of(configuration.target)
     controller = Controller(_paced(configuration.controller, plant), stopwatch=lambda: 0.0)
     sensor, recorder = TargetSensor(configuration.target, motion), _Recorder(plant, motion)
     rate = configuration.simulator.state_rate if plant.period is None else 1.0 / plant.period
@@ -116,7 +120,10 @@ def simulate(
         if command is not None:
             recorder.commands.append(command)
             starts = command.stamp + command.step * np.arange(len(command.inputs))
-            plant.accept(command.inputs, starts)
+            inputs = command.inputs
+            if disturbance is not None:
+                inputs = inputs + disturbance(now)
+            plant.accept(inputs, starts)
             if progress is not None:
                 progress(now)
         plant.advance(1.0 / rate)

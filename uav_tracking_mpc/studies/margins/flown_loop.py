@@ -1,104 +1,153 @@
-r"""The return ratio of the loop that flies, measured in still air on the orbit.
+r"""The loop that flies, measured in still air on the orbit.
 
 The controller with all its estimators flies the plant twice: undisturbed, and with an impulse added
-at the plant's input of one channel for one control period. What the commands differ by is the
-loop's answer; with the impulse's size D in channel i,
+to the commands of one channel for one control period, of which it does not know. The commands of
+both flights differ by the answer of the loop. With the impulse's size D in channel i and the
+control period T,
 
 .. math::
 
-    S_{ji}(e^{i\omega T}) = \delta_{ji} + \frac{g_j}{D} \sum_k \Delta u_{j,k} e^{-i\omega T k},
-    \qquad L = S^{-1} - I,
+    S_{ji}(e^{i\omega T}) = \delta_{ji} + \frac{1}{D} \sum_k \Delta u_{j,k} e^{-i\omega T k},
+    \qquad L = S^{-1} - I.
 
-where :math:`g_j` is the gain of the plant's channel. Nothing is assumed of the controller but that
-its answer to a small disturbance is linear, does not depend on the time, and dies away.
+This assumes nothing of the controller but that its answer to a small disturbance is linear, does
+not depend on the time, and dies away.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from typing import NamedTuple
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
-from uav_tracking_mpc.parameters.specification import changed
+from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.simulation.closed_loop import simulate
-from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
+from uav_tracking_mpc.studies.parallel import parallel_map
 
 SETTLED = 60.0  # s after which a flight that begins on the orbit is steady
 OBSERVED = 60.0  # s in which the answer to an impulse dies away
-IMPULSES = np.array([0.1, 0.1, 1.0])  # rad/s, rad/s, m/s^2 for one control period
+LATE, LEFT = 10.0, 0.05  # s at the end, in which no more than this share of an answer is left
+IMPULSES = np.array([0.1, 0.1, 1.0])  # rad/s, rad/s, m/s^2 during one control period
+SOLVE_TIME_MAX = 10.0  # s: the load of the machine does not matter
 ROUNDING = 1e-6  # s
 
 
-class DisturbedPlant(VehiclePlant):
-    """The vehicle, with a pulse added at its input.
+@dataclass(frozen=True)
+class Impulse:
+    """A disturbance of one control period.
 
-    Args:
-        parameters: See :class:`VehiclePlant`.
-        pulse: Added to (u_psi, u_chi, u_v), shape (3,), in [rad/s, rad/s, m/s^2].
-        begin: When it begins in [s].
-        duration: How long it lasts in [s].
+    Attributes:
+        inputs: Added to (u_psi, u_chi, u_v), shape (3,), in [rad/s], [rad/s] and [m/s^2].
+        duration: In [s].
     """
 
-    def __init__(self, parameters, pulse, begin, duration):
-        super().__init__(parameters)
-        self._pulse, self._begin, self._end = pulse, begin - ROUNDING, begin + duration - ROUNDING
+    inputs: NDArray[np.float64]
+    duration: float
 
-    def inputs(self):
-        """See :meth:`VehiclePlant.inputs`."""
-        inputs = super().inputs()
-        if not self._begin <= self.time < self._end:
-            return inputs
-        turn, climb, gain = (np.array(inputs) + self._pulse).tolist()
-        return turn, climb, gain
+    def __call__(self, time: float) -> NDArray[np.float64]:
+        """What is added at a time, shape (3,).
 
-
-def flown(configuration, pulse):
-    period = 1 / configuration.controller.control_rate
-    plant = DisturbedPlant(configuration.simulator, pulse, SETTLED, period)
-    return simulate(configuration, plant=plant)
+        Args:
+            time: Since the start in [s].
+        """
+        inside = -ROUNDING <= time - SETTLED < self.duration - ROUNDING
+        return self.inputs if inside else np.zeros(3)
 
 
-def still(configuration):
-    c = configuration
-    d = configuration.controller.orbit.direction
+class FlownLoop(NamedTuple):
+    """What flights have shown of the loop.
+
+    Attributes:
+        loop: L, shape (n, 3, 3), at the frequencies that were asked for.
+        settled: Whether every answer has died away: else L means nothing.
+    """
+
+    loop: NDArray[Any]
+    settled: bool
+
+
+def in_still_air(configuration: Configuration) -> Configuration:
+    """The configuration about a target that stands in still air, beginning on the orbit.
+
+    Sensors have no noise; what else may be wrong with them or the aircraft stays.
+
+    Args:
+        configuration: Of a flight.
+    """
     orbit = configuration.controller.orbit
     sense = 1.0 if orbit.direction == COUNTER_CLOCKWISE else -1.0
-    simulator = replace(
-        c.simulator,
-        wind=(0.0, 0.0, 0.0),
-        gust_intensity=0.0,
-        position_noise=0.0,
-        velocity_noise=0.0,
-        attitude_noise=0.0,
-        airspeed_noise=0.0,
-        initial_position=(orbit.radius, 0.0, orbit.altitude),
-        initial_heading=sense * math.pi / 2,
-        initial_path_angle=0.0,
-        initial_speed=orbit.speed,
+    return replace(
+        configuration,
+        controller=replace(
+            configuration.controller, direction=orbit.direction, solve_time_max=SOLVE_TIME_MAX
+        ),
+        simulator=replace(
+            configuration.simulator,
+            wind=(0.0, 0.0, 0.0),
+            gust_intensity=0.0,
+            position_noise=0.0,
+            velocity_noise=0.0,
+            attitude_noise=0.0,
+            airspeed_noise=0.0,
+            initial_position=(orbit.radius, 0.0, orbit.altitude),
+            initial_heading=sense * math.pi / 2.0,
+            initial_path_angle=0.0,
+            initial_speed=orbit.speed,
+        ),
+        target=replace(
+            configuration.target, motion="stationary", position=(0.0, 0.0, 0.0), noise=0.0
+        ),
+        mission=replace(
+            configuration.mission, duration=SETTLED + OBSERVED, plant=configuration.simulator.plant
+        ),
     )
-    target = replace(c.target, motion="stationary", position=(0.0, 0.0, 0.0), noise=0.0)
-    controller = replace(c.controller, solve_time_max=10.0, direction=orbit.direction)
-    mission = replace(c.mission, duration=SETTLED + OBSERVED, plant="vehicle")
-    return replace(c, simulator=simulator, target=target, controller=controller, mission=mission)
 
 
-def flown_loop(configuration, frequency, size=1.0):
-    c = still(configuration)
-    ref = flown(c, np.zeros(3))
-    period = 1 / c.controller.control_rate
-    begin = int(np.searchsorted(ref.command_time, SETTLED - ROUNDING))
-    k = np.arange(len(ref.command_time) - begin)
-    z = np.exp(-1j * np.outer(frequency * period, k))
-    S = np.tile(np.eye(3, dtype=complex), (len(frequency), 1, 1))
-    tails = []
-    for axis in range(3):
-        log = flown(c, size * IMPULSES * np.eye(3)[axis])
-        delta = (log.inputs - ref.inputs)[begin:] * np.array(c.simulator.command_gain)
-        tails.append((np.abs(delta).max(0), np.abs(delta[-200:]).max(0)))
-        S[:, :, axis] += z @ delta / (size * IMPULSES[axis])
-    return np.linalg.inv(S) - np.eye(3), tails, S
+def flown_loops(
+    configuration: Configuration,
+    frequency: NDArray[np.float64],
+    sizes: Sequence[float] = (1.0,),
+    workers: int | None = None,
+    show: bool = True,
+) -> list[FlownLoop]:
+    """Loop of a configuration by flights in still air, one for each size of the impulses.
+
+    Args:
+        configuration: Of the flights.
+        frequency: Shape (n,), in [rad/s].
+        sizes: Of the impulses, as shares of :data:`IMPULSES` [-].
+        workers: Processes; all cores by default.
+        show: Progress bar on stderr.
+    """
+    still = in_still_air(configuration)
+    period = 1.0 / still.controller.control_rate
+    disturbances = [
+        Impulse(size * impulse, period) for size in sizes for impulse in np.diag(IMPULSES)
+    ]
+    undisturbed = Impulse(np.zeros(3), period)
+    tasks = [(still, each) for each in (undisturbed, *disturbances)]
+    steady, *answers = parallel_map(_commands, tasks, workers, "impulses", show)
+    powers = np.exp(-1j * np.outer(frequency * period, np.arange(len(steady))))
+    late, loops = round(LATE / period), []
+    for size in sizes:
+        sensitivity = np.tile(np.eye(3, dtype=complex), (len(frequency), 1, 1))
+        settled = True
+        for axis, impulse in enumerate(IMPULSES):
+            change = (answers.pop(0) - steady) / (size * impulse)
+            sensitivity[:, :, axis] += powers @ change
+            left = np.abs(change[-late:, axis]).max()
+            settled &= bool(left <= LEFT * np.abs(change[:, axis]).max())
+        loops.append(FlownLoop(np.linalg.inv(sensitivity) - np.eye(3), settled))
+    return loops
+
+
+def _commands(task: tuple[Configuration, Impulse]) -> NDArray[np.float64]:
+    """Commands of a flight from the disturbance on, shape (n, 3)."""
+    configuration, disturbance = task
+    log = simulate(configuration, disturbance=disturbance)
+    return log.inputs[log.command_time >= SETTLED - ROUNDING]
