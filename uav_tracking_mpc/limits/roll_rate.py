@@ -32,4 +32,4 @@ class RollRate(Limit):
         tangent = motion.airspeed * motion.turn_rate / GRAVITY
         change = motion.airspeed * motion.turn_acceleration + motion.acceleration * motion.turn_rate
         roll_rate = change / GRAVITY / (1.0 + tangent**2)
-        return Bound(roll_rate, -numbers[0], numbers[0], scale=0.1)
+        return Bound(roll_rate, -numbers[0], numbers[0], scale=0.15)
