@@ -9,12 +9,15 @@ from uav_tracking_mpc.studies.comparison.results import Scenario, scenario_of
 LAWS = ("nmpc", "l1")
 KEYS = {  # of a flight in the JSON
     "range_rms_m",
+    "range_mean_m",
+    "worst_m",
     "settling_s",
     "altitude_rms_m",
     "airspeed_rms_mps",
     "bank_rate_rms_dps",
     "envelope_violations",
     "violations",
+    "off_plan",
 }
 
 

@@ -7,12 +7,15 @@ from uav_tracking_mpc.studies.comparison.targets import TARGETS, Target, missed,
 TARGET = Target(range_rms=0.1, settling=20.0)
 GOOD = {
     "range_rms_m": 0.05,
+    "range_mean_m": 0.0,
+    "worst_m": 0.1,
     "settling_s": 15.0,
     "altitude_rms_m": 0.1,
     "airspeed_rms_mps": 0.1,
     "bank_rate_rms_dps": 1.0,
     "envelope_violations": 0,
     "violations": {},
+    "off_plan": 0,
 }
 
 

@@ -31,12 +31,16 @@ class Measures:
         range_rms_m: Of r - r_d in [m].
         range_mean_m: Of r - r_d in [m].
         worst_m: Greatest abs(r - r_d) in [m].
-        settling_s: Of the whole flight, first time from which on abs(r - r_d) < 10 m in [s]; None if never.
+        settling_s: Of the whole flight, first time from which on abs(r - r_d) < 10 m in [s]; None
+            if never.
         altitude_rms_m: Of z - z_d in [m].
         airspeed_rms_mps: Of v - v_d in [m/s].
         bank_rate_rms_dps: Of the rate of the bank that was flown in [deg/s].
-        envelope_violations: Of the whole flight, samples at which some limit was passed by more than 1 %.
+        envelope_violations: Of the whole flight, samples at which some limit was passed by more
+            than 1 %.
         violations: How many of them for each limit that was passed.
+        off_plan: Commands that were neither an optimal plan nor the answer of the law that flew;
+            None where that was not recorded.
     """
 
     range_rms_m: float
@@ -48,6 +52,7 @@ class Measures:
     bank_rate_rms_dps: float
     envelope_violations: int
     violations: dict[str, int]
+    off_plan: int | None
 
 
 def measures(
@@ -66,6 +71,10 @@ def measures(
     late = log.time >= log.time[0] + settled_after
     bank_rate = np.diff(flown_bank(log)) / np.diff(log.time)[1:]  # at the samples but two
     beyond = violations(log, parameters)
+    off_plan = None
+    if log.nominal is not None:
+        counted = log.command_time >= log.time[0] + settled_after
+        off_plan = int(np.count_nonzero(counted & ~log.nominal))
     return Measures(
         range_rms_m=_rms(range_error[late]),
         range_mean_m=float(np.mean(range_error[late])),
@@ -76,6 +85,7 @@ def measures(
         bank_rate_rms_dps=float(np.degrees(_rms(bank_rate[late[1:-1]]))),
         envelope_violations=int(np.any(list(beyond.values()), axis=0).sum()),
         violations={name: int(found.sum()) for name, found in beyond.items() if found.any()},
+        off_plan=off_plan,
     )
 
 
