@@ -18,9 +18,7 @@ _MISTAKEN: dict[str, dict[str, object]] = {
     "late_0.1": {f"{_SIMULATOR}.state_delay": 0.1, f"{_SIMULATOR}.state_stamp_true": False},
     "late_0.3": {f"{_SIMULATOR}.state_delay": 0.3, f"{_SIMULATOR}.state_stamp_true": False},
     "stamped_0.3": {f"{_SIMULATOR}.state_delay": 0.3},
-    **{
-        f"noise_{noise:g}": {f"{_TARGET}.noise": noise, f"{_TARGET}.rate": 5.0} for noise in NOISES
-    },
+    **{f"noise_{noise:g}": {f"{_TARGET}.noise": noise, f"{_TARGET}.rate": 5.0} for noise in NOISES},
     "wind_bias_2": {f"{_SIMULATOR}.velocity_bias": [2.0, 0.0, 0.0]},
     "heading_bias_5": {f"{_SIMULATOR}.heading_bias": math.radians(5.0)},
     "airspeed_bias_2": {f"{_SIMULATOR}.airspeed_bias": 2.0},
