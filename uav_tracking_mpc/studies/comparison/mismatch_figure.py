@@ -13,7 +13,7 @@ from uav_tracking_mpc.settings.tracking import PREDICTIVE
 from uav_tracking_mpc.studies.comparison.mismatch_targets import asked_of, resolved
 from uav_tracking_mpc.studies.comparison.results import Scenario
 
-FINEST = (1e-3, 1e-2)  # m and deg/s, the least that is drawn
+FINEST = (1e-3, 0.1)  # m and deg/s, the least that is drawn
 MARKERS = ("o", "s", "D", "^", "v", "P", "X")
 
 

@@ -19,8 +19,8 @@ CAPTION = (
     "Range errors and bank rate from 90 s to the end; violations: samples of the whole flight at "
     "which airspeed, path angle, bank, specific force, height or distance is beyond its limit by "
     "more than 1 %; off plan: commands from 90 s on that are neither an optimal plan nor the "
-    "answer of the law; asked: range RMS and bank rate RMS of nmpc, with the share of the better "
-    "classical law's where it is one."
+    "answer of the law; asked: range RMS and bank rate RMS of nmpc, in parentheses as shares of "
+    "those of the better classical law."
 )
 
 
@@ -82,12 +82,12 @@ def _verdict(mismatch: Scenario) -> tuple[str, str]:
 
 def _words(asked: Asked, bounds: Asked) -> str:
     """For instance ``0.5 m, 3 deg/s``."""
+    shares = f"({asked.range_rms:g}, {asked.bank_rate_rms:g} x {bounds.law or 'the better law'})"
+    if asked.relative and not bounds.law:
+        return shares
+    words = f"{bounds.range_rms:.3g} m, {bounds.bank_rate_rms:.3g} deg/s"
     if asked.relative:
-        words = f"{asked.range_rms:g} x, {asked.bank_rate_rms:g} x the better law"
-        if bounds.law:
-            words += f" ({bounds.law}): {bounds.range_rms:.2f} m, {bounds.bank_rate_rms:.1f} deg/s"
-        return words
-    words = f"{asked.range_rms:g} m, {asked.bank_rate_rms:g} deg/s"
+        words += f" {shares}"
     if math.isfinite(asked.range_mean):
         words += f", mean {asked.range_mean:g} m"
     return words

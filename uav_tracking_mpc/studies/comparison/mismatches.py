@@ -25,7 +25,7 @@ _MISTAKEN: dict[str, dict[str, object]] = {
     "turn_rate_bias_2": {f"{_SIMULATOR}.turn_rate_bias": math.radians(2.0)},
     **{f"gust_{name}": {f"{_SIMULATOR}.gust_intensity": w20} for name, w20 in GUSTS.items()},
     "tight_gale": {f"{_CONTROLLER}.range": 180.0, f"{_SIMULATOR}.wind": [-12.0, 0.0, 0.0]},
-    "zigzag": {f"{_TARGET}.motion": "zigzag"},
+    "zigzag": {f"{_TARGET}.motion": "zigzag", f"{_TARGET}.drive_time": 20.0},
     "sensor_noise": {
         f"{_SIMULATOR}.velocity_noise": 0.3,
         f"{_SIMULATOR}.attitude_noise": math.radians(0.5),
