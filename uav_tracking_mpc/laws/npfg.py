@@ -2,8 +2,9 @@ r"""NPFG: the path-following law that PX4 flies, about a target that may move.
 
 The nonlinear path-following guidance of T. Stastny, R. Siegwart, "On Flying Backwards: Preventing
 Run-away of Small, Low-speed, Fixed-wing UAVs in Strong Winds", IROS 2019, arXiv:1908.01381, as
-PX4 1.15 has it (``src/lib/npfg/npfg.cpp``, class ``NPFG``), written anew here. Names in
-parentheses below are PX4's functions; the constants are the defaults of its parameters. PX4's wind
+PX4's class ``NPFG`` has it (``src/lib/npfg/npfg.cpp``; in 2025 its functions went to
+``DirectionalGuidance`` and ``CourseToAirspeedRefMapper`` beside it), written anew here. Names in
+parentheses are those functions; the constants are the defaults of PX4's parameters. PX4's wind
 becomes the drift c and its ground velocity becomes w, the velocity relative to the target; e is the
 signed distance outside the circle of radius R, d the distance to its centre, t its tangent in the
 sense of the orbit, and V the horizontal airspeed.
@@ -36,10 +37,11 @@ and t (``bearingFeasibility``):
 
 Near a straight path in still air the error then swings with the period T and the damping zeta. T
 has a lower bound from the roll lag and an upper one from curvature in wind (``adaptPeriod``). Three
-things of PX4 are left out: the limit on the rate of its roll setpoint, 90 deg/s, which no command
-here meets; the branch of ``refAirVelocity`` for c.b <= 0, which a minimum ground speed above zero
-never takes; and the track keeping (NPFG_GSP_MAX_TK), which asks for at most 5 m/s where the minimum
-ground speed asks for 5 m/s anyway.
+things of PX4 are left out: the limit on the rate of its roll setpoint, 90 deg/s, since a law here
+has no memory and the lag of the aircraft smooths what it asks for; the regulation of
+``refAirVelocity`` against the bearing, which a minimum ground speed above zero never reaches; and
+the track keeping (NPFG_GSP_MAX_TK), which asks for at most 5 m/s along the bearing where the
+minimum ground speed asks for 5 m/s anyway.
 """
 
 from __future__ import annotations
