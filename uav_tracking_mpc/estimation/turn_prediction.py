@@ -21,7 +21,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.estimation.singer_track import MANOEUVRE_TIME
+from uav_tracking_mpc.estimation.singer_motion import MANOEUVRE_TIME
 
 TURN_RATE_MAX = 1.0  # rad/s
 STRAIGHT = 1e-7  # rad/s: a slower turn cannot be told from a straight line
