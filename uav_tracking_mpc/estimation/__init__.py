@@ -5,7 +5,9 @@
 ``state_gate``        which measurements are believed
 ``air_data``          the airspeed that belongs to a measurement
 ``target_filter``     where the target is and will be, from positions that may be wrong
-``singer_track``      the Kalman filter behind it, on Singer's model
+``target_track``      several models of the target's motion side by side, behind it
+``measurement_noise`` how noisy the positions are, from the positions alone
+``singer_motion``     how a target moves whose acceleration is random
 ``turn_prediction``   where a target will be that goes on turning
 ``command_history``   commands that were sent, as the aircraft flies them
 ``navigator``         measurements in, situations and forecast out

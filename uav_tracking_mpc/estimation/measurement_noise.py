@@ -9,6 +9,9 @@ R_2 + (1 + rho)^2 R_1 + rho^2 R_0, and as long as the target hardly accelerates 
 else is in it. With R = s R_told the factor s is the median of many squared second differences over
 the variance that is told, divided by the median of chi-square: turns on the spot, jumps and
 outliers are rare and leave a median alone, and no filter that has lost the target misleads it.
+
+Many of them make the factor accurate, few of them make it quick: the last few hundred count as long
+as the newest agree with them, and the newest alone where they do not, for the noise has changed.
 """
 
 from __future__ import annotations
@@ -19,7 +22,9 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-WINDOW = 60  # second differences that count
+WINDOW = 240  # second differences that count
+NEWEST = 24  # of them, which notice that the noise has changed
+CHANGED = 3.0  # ratio of the medians of newest and all: not by chance but once in a thousand
 PRIOR = 1  # as many as what is told weighs at the beginning
 KNOWN = 3  # second differences after which the noise is known, with what is told
 SPAN = 3.0  # s, within which the target's acceleration is taken as small
@@ -42,9 +47,11 @@ class MeasurementNoise:
     def reset(self) -> None:
         """Believe again what is told."""
         self._recent: deque[tuple[float, NDArray[np.float64], float]] = deque(maxlen=2)
-        self._window = deque([MEDIAN] * PRIOR)
-        self._sorted = [MEDIAN] * PRIOR
+        self._begin([MEDIAN] * PRIOR)
         self.scale, self.known = 1.0, False
+
+    def _begin(self, squares: list[float]) -> None:
+        self._window, self._ranked = deque(squares), sorted(squares)
 
     def see(self, time: float, position: NDArray[np.float64], variance: float) -> None:
         """Take in a position, whether or not a filter believes it.
@@ -65,12 +72,23 @@ class MeasurementNoise:
         recent.append((time, position, variance))
 
     def _add(self, square: float) -> None:
-        window, ranked = self._window, self._sorted
+        window, ranked = self._window, self._ranked
         window.append(square)
         insort(ranked, square)
         if len(window) > WINDOW:
             del ranked[bisect_left(ranked, window.popleft())]
-        count = len(ranked)
-        median = 0.5 * (ranked[(count - 1) // 2] + ranked[count // 2])
+        median = _middle(ranked)
+        if len(window) >= 2 * NEWEST:
+            newest = list(window)[-NEWEST:]
+            recent = _middle(sorted(newest))
+            if not median <= CHANGED * recent <= CHANGED**2 * median:
+                self._begin(newest)
+                median = recent
         self.scale = min(max(median / MEDIAN, SCALE_MIN), SCALE_MAX)
-        self.known = count >= KNOWN
+        self.known = len(window) >= KNOWN
+
+
+def _middle(ranked: list[float]) -> float:
+    """Median of a list in ascending order."""
+    count = len(ranked)
+    return 0.5 * (ranked[(count - 1) // 2] + ranked[count // 2])

@@ -124,8 +124,9 @@ class TargetFilter:
             position: In ``map``, shape (3,), in [m].
             velocity: In ``map``, shape (3,), in [m/s]; None if it is not known.
             covariance: Of position, shape (3, 3), or of position and velocity, shape (6, 6), in
-                SI units; None for the filter's own noise. Its largest variance counts on every
-                axis, and more than it where the positions scatter more.
+                SI units; None, or a block of zeros, for the filter's own noise. Its largest
+                horizontal variance counts on every axis, and more than it where the positions
+                scatter more.
 
         Returns:
             False if it was left out: late, or not to be believed.
@@ -243,7 +244,10 @@ def _taken(track: TargetTrack, seen: _Seen, gate: float) -> bool:
 
 
 def _variances(covariance: ArrayLike | None) -> tuple[float | None, float]:
-    """Variances of position [m^2], None for the filter's own, and of velocity [m^2/s^2]."""
+    """Variances of position [m^2], None for the filter's own, and of velocity [m^2/s^2].
+
+    Horizontal ones: the vertical axis of a planar tracker has next to no information.
+    """
     if covariance is None:
         return None, VELOCITY_NOISE**2
     matrix = np.asarray(covariance, dtype=float)
@@ -252,16 +256,23 @@ def _variances(covariance: ArrayLike | None) -> tuple[float | None, float]:
             f"covariance of the target has shape {matrix.shape}, must be (3, 3) or (6, 6) and "
             "finite"
         )
-    largest = [
-        float(np.linalg.eigvalsh(matrix[axes, axes])[-1])
-        for axes in (slice(0, 3), slice(3, 6))[: len(matrix) // 3]
-    ]
-    if not min(largest) >= 0.0:
+    position, velocity = None, VELOCITY_NOISE**2
+    if matrix[:3, :3].any():
+        position = _horizontal(matrix[:3, :3])
+    if matrix[3:, 3:].any():
+        velocity = _horizontal(matrix[3:, 3:])
+    return position, velocity
+
+
+def _horizontal(covariance: NDArray[np.float64]) -> float:
+    """Largest horizontal variance, which must not be negative."""
+    (a, b, _), (c, d, _), _ = covariance.tolist()
+    largest = 0.5 * (a + d + math.hypot(a - d, b + c))
+    if not min(a, d) >= 0.0:
         raise MeasurementError(
-            f"covariance of the target is {matrix.tolist()}, must not be negative"
+            f"covariance of the target is {covariance.tolist()}, must not be negative"
         )
-    position, velocity = [*largest, VELOCITY_NOISE**2][:2]
-    return max(position, NOISE_MIN**2), max(velocity, NOISE_MIN**2)
+    return max(largest, NOISE_MIN**2)
 
 
 def _vector(name: str, values: ArrayLike) -> NDArray[np.float64]:

@@ -31,12 +31,7 @@ AGILITIES = np.array([1e-3, 0.1, 1.0, 1.0])  # sigma_a of each in [m/s^2]
 TURN_SPEED = 5.0  # m/s, least standard deviation on each axis by which a turn changes the velocity
 # How often the mode of a row changes to that of a column [1/s]. A turn is over at once.
 RATES = np.array(
-    [
-        [0.0, 3e-4, 3e-4, 3e-4],
-        [0.05, 0.0, 0.05, 0.02],
-        [0.0, 0.2, 0.0, 0.05],
-        [0.0, 0.0, 1e3, 0.0],
-    ]
+    [[0.0, 3e-4, 3e-4, 3e-4], [0.05, 0.0, 0.05, 0.02], [0.0, 0.2, 0.0, 0.05], [0.0, 0.0, 1e3, 0.0]]
 )
 QUIET_LEAST = 0.02  # probability of the quiet mode above which it goes on alone
 PROBABILITY_MIN = 1e-12
