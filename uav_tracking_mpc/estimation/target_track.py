@@ -35,6 +35,7 @@ RATES = np.array(
 )
 QUIET_LEAST = 0.02  # probability of the quiet mode above which it goes on alone
 PROBABILITY_MIN = 1e-12
+ROUNDING = 1e-13  # of a variance, before it is corrected
 TURN_MEMORY = 2.0  # s over which the turn rate is averaged
 Motion = tuple[NDArray[np.float64], float]  # velocity, shape (3,), and its variance [m^2/s^2]
 
@@ -193,11 +194,12 @@ class TargetTrack:
         gains = covariances[:, :, order] / variances[:, np.newaxis]
         columns = gains[:, :, np.newaxis]
         self._states = self._states + columns * innovations[:, np.newaxis, :]
-        # Joseph's form: a sum of squares, whatever is rounded.
+        # Joseph's form, and what was rounded off where a correction takes nearly all away.
         remaining = _IDENTITY - columns * _SELECT[order]
-        covariances = remaining @ covariances @ remaining.transpose(0, 2, 1)
-        covariances += (variance * columns) * gains[:, np.newaxis, :]
-        self._covariances = 0.5 * (covariances + covariances.transpose(0, 2, 1))
+        corrected = remaining @ covariances @ remaining.transpose(0, 2, 1)
+        corrected += (variance * columns) * gains[:, np.newaxis, :]
+        corrected += ROUNDING * _IDENTITY * covariances
+        self._covariances = 0.5 * (corrected + corrected.transpose(0, 2, 1))
         return -1.5 * np.log(variances) - 0.5 * squares / variances
 
     def _weigh(self, logarithms: NDArray[np.float64]) -> None:
