@@ -7,6 +7,8 @@ from scipy.stats import multivariate_normal
 from uav_tracking_mpc.estimation.singer_motion import singer_motion
 from uav_tracking_mpc.estimation.target_track import (
     AGILITIES,
+    OUTLIER_VARIANCE,
+    OUTLIER_WEIGHT,
     QUIET,
     QUIET_LEAST,
     RATES,
@@ -38,12 +40,8 @@ class Textbook:
         changes += np.diag(np.exp(-total * elapsed))
         speed = np.linalg.norm(self.mixture(self.probabilities)[0][1])
         F, Q = singer_motion(elapsed)
-        H, R = np.eye(3)[:1], np.array([[variance]])
-        if velocity is not None:
-            H, R = np.eye(3)[:2], np.diag([variance, velocity[1]])
-        measured = np.array([position, position if velocity is None else velocity[0]])[: len(H)]
-        states, covariances, likelihoods = [], [], []
         predicted = self.probabilities @ changes
+        states, covariances = [], []
         for mode in MODES:
             shares = changes[:, mode] * self.probabilities / predicted[mode]
             if mode == QUIET and self.probabilities[QUIET] > QUIET_LEAST:
@@ -51,24 +49,37 @@ class Textbook:
             x, P = self.mixture(shares)
             x, P = F @ x, F @ P @ F.T + AGILITIES[mode] ** 2 * Q
             if mode == TURN:  # at a moment of the interval, each as likely as the other
-                t = elapsed
-                P[:2, :2] += max(speed, TURN_SPEED) ** 2 * np.array(
-                    [[t**2 / 3.0, t / 2.0], [t / 2.0, 1.0]]
-                )
-            S = H @ P @ H.T + R
-            K = P @ H.T @ np.linalg.inv(S)
-            density = multivariate_normal(cov=S)
-            likelihoods.append(np.prod([density.pdf(axis) for axis in (measured - H @ x).T]))
-            states.append(x + K @ (measured - H @ x))
-            covariances.append(P - K @ H @ P)
-        self.states, self.covariances = states, covariances
-        self.probabilities = predicted * likelihoods / (predicted @ likelihoods)
+                turned = np.array([[elapsed**2 / 3.0, elapsed / 2.0], [elapsed / 2.0, 1.0]])
+                P[:2, :2] += max(speed, TURN_SPEED) ** 2 * turned
+            states.append(x)
+            covariances.append(P)
+        self.states, self.covariances, self.probabilities = states, covariances, predicted
+        self.correct(np.eye(3)[:1], position, variance)
+        if velocity is not None:
+            self.correct(np.eye(3)[1:2], *velocity)
+
+    def correct(self, H, measured, variance):
+        likelihoods = []
+        for mode in MODES:
+            x, P = self.states[mode], self.covariances[mode]
+            innovation = measured - H @ x
+            chances = []
+            for chance, times in ((1.0, 1.0), (np.exp(OUTLIER_WEIGHT), OUTLIER_VARIANCE)):
+                density = multivariate_normal(cov=(H @ P @ H.T)[0, 0] + times * variance)
+                chances.append(chance * np.prod(density.pdf(innovation[0])))
+            likelihoods.append(sum(chances))
+            information = (chances[0] + chances[1] / OUTLIER_VARIANCE) / sum(chances) / variance
+            K = P @ H.T / ((H @ P @ H.T)[0, 0] + 1.0 / information)
+            self.states[mode] = x + K @ innovation
+            self.covariances[mode] = P - K @ H @ P
+        self.probabilities = self.probabilities * likelihoods
+        self.probabilities /= self.probabilities.sum()
 
 
 @pytest.mark.parametrize("run", [0.0, 5.0])
 @pytest.mark.parametrize("sees_velocity", [False, True])
 def test_the_textbook_agrees(run, sees_velocity):
-    """A target that stands or turns back half-way; position and velocity in one correction."""
+    """A target that stands or turns back half-way, and an outlier now and then."""
     random, time = np.random.default_rng(1), 0.0
     track = TargetTrack(0.0, np.zeros(3), 1.0, 0.5, 5.0)
     plain = Textbook(track)
@@ -76,7 +87,7 @@ def test_the_textbook_agrees(run, sees_velocity):
         time += elapsed
         direction = 1.0 if time < 10.0 else -1.0
         place = np.array([run * min(time, 20.0 - time), -2.0 * time, 0.0])
-        position, velocity = place + random.standard_normal(3), None
+        position, velocity = place + random.choice([1.0, 4.0]) * random.standard_normal(3), None
         if sees_velocity:
             velocity = np.array([run * direction, -2.0, 0.0]) + 0.2 * random.standard_normal(3), 0.1
         assert track.update(time, position, 1.0, np.inf, velocity)

@@ -79,7 +79,10 @@ def test_a_velocity_that_is_not_measured_is_left_out():
     ("change", "words"),
     [
         (lambda m: setattr(m.header, "frame_id", "odom"), "header.frame_id is 'odom'"),
-        (lambda m: setattr(m.header.stamp, "nanosec", 2**32 - 1), "header.stamp.nanosec is 4294967295"),
+        (
+            lambda m: setattr(m.header.stamp, "nanosec", 2**32 - 1),
+            "header.stamp.nanosec is 4294967295",
+        ),
         (lambda m: setattr(m.pose.pose.position, "y", math.nan), "pose.position.y is nan"),
         (lambda m: setattr(m.twist.twist.linear, "z", 1e9), "twist.linear.z is"),
         (lambda m: setattr(m.pose.pose.orientation, "w", 0.0), "pose.orientation: quaternion"),

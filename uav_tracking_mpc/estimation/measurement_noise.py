@@ -6,9 +6,9 @@ The second difference of three positions z at intervals h_0 and h_1,
 
 does not depend on where the target is and how fast. Its variance on each axis is
 R_2 + (1 + rho)^2 R_1 + rho^2 R_0, and as long as the target hardly accelerates in h_0 + h_1 nothing
-else is in it. With R = s R_told the factor s is the median of many squared second differences over
-the variance that is told, divided by the median of chi-square: turns on the spot, jumps and
-outliers are rare and leave a median alone, and no filter that has lost the target misleads it.
+else is in it. With R = s R_told the factor s is a quantile of many squared second differences over
+the variance that is told, divided by that of chi-square: turns on the spot, jumps and outliers are
+rare and leave a quantile alone, and no filter that has lost the target misleads it.
 
 Many of them make the factor accurate, few of them make it quick: the last few hundred count as long
 as the newest agree with them, and the newest alone where they do not, for the noise has changed.
@@ -24,12 +24,13 @@ from numpy.typing import NDArray
 
 WINDOW = 240  # second differences that count
 NEWEST = 24  # of them, which notice that the noise has changed
-CHANGED = 3.0  # ratio of the medians of newest and all: not by chance but once in a thousand
+CHANGED = 3.0  # ratio of the quantiles of newest and all: not by chance but once in a thousand
 PRIOR = 1  # as many as what is told weighs at the beginning
 KNOWN = 3  # second differences after which the noise is known, with what is told
-SPAN = 3.0  # s, within which the target's acceleration is taken as small
+SPAN = 5.0  # s, within which the target's acceleration is taken as small
 RATIO_MAX = 100.0  # of the intervals: an extrapolation any longer says little
-MEDIAN = 2.3659739  # of chi-square with 3 degrees of freedom
+QUANTILE = 0.4  # that is compared: with 20 % outliers half of the differences are wrong
+CHI_SQUARE = 1.8691684  # that quantile, of 3 degrees of freedom
 SCALE_MIN, SCALE_MAX = 1e-12, 1e12  # of what is believed of a variance
 
 
@@ -47,7 +48,7 @@ class MeasurementNoise:
     def reset(self) -> None:
         """Believe again what is told."""
         self._recent: deque[tuple[float, NDArray[np.float64], float]] = deque(maxlen=2)
-        self._begin([MEDIAN] * PRIOR)
+        self._begin([CHI_SQUARE] * PRIOR)
         self.scale, self.known = 1.0, False
 
     def _begin(self, squares: list[float]) -> None:
@@ -77,18 +78,20 @@ class MeasurementNoise:
         insort(ranked, square)
         if len(window) > WINDOW:
             del ranked[bisect_left(ranked, window.popleft())]
-        median = _middle(ranked)
+        level = _quantile(ranked)
         if len(window) >= 2 * NEWEST:
             newest = list(window)[-NEWEST:]
-            recent = _middle(sorted(newest))
-            if not median <= CHANGED * recent <= CHANGED**2 * median:
+            recent = _quantile(sorted(newest))
+            if not level <= CHANGED * recent <= CHANGED**2 * level:
                 self._begin(newest)
-                median = recent
-        self.scale = min(max(median / MEDIAN, SCALE_MIN), SCALE_MAX)
+                level = recent
+        self.scale = min(max(level / CHI_SQUARE, SCALE_MIN), SCALE_MAX)
         self.known = len(window) >= KNOWN
 
 
-def _middle(ranked: list[float]) -> float:
-    """Median of a list in ascending order."""
-    count = len(ranked)
-    return 0.5 * (ranked[(count - 1) // 2] + ranked[count // 2])
+def _quantile(ranked: list[float]) -> float:
+    """The quantile of a list in ascending order, between its neighbours."""
+    place = QUANTILE * (len(ranked) - 1)
+    below = int(place)
+    above = min(below + 1, len(ranked) - 1)
+    return ranked[below] + (place - below) * (ranked[above] - ranked[below])

@@ -28,6 +28,7 @@ FIRST_GATE = 4.0 * GATE  # of the second position of a track, which knows no vel
 RIVAL_SPEED = 2.0  # times the standard deviation of the velocity: it may be fast, not noisy
 JUMP = 3  # positions left out in a row that agree: the target is there
 FORGOTTEN = 300.0  # s without a position after which nothing is left of the track
+REPEATED = 0.5  # s in which the same position of a target that moves is an old one, sent again
 REWIND = 1.0  # s before the newest position for which an estimate is given
 VELOCITY_NOISE = 1.0  # m/s, standard deviation of a velocity that comes without a covariance
 NOISE_MIN = 1e-3  # m or m/s, the least standard deviation that is believed
@@ -72,7 +73,8 @@ class TargetFilter:
     Attributes:
         noise: Standard deviation that was found of the newest measured position in [m].
         rejected: Positions left out so far because the track could not explain them.
-        late: Positions left out so far because they were not newer than the newest.
+        late: Positions left out so far because they were not newer than the newest, by their
+            stamp or because they are the same.
         jumps: How often the track started anew from positions that had been left out.
     """
 
@@ -95,6 +97,7 @@ class TargetFilter:
         self._rival: TargetTrack | None = None  # of positions left out in a row
         self._rival_count = 0  # positions of it
         self._single = False  # whether the track is of one position
+        self._last, self._last_time = np.zeros(3), -math.inf  # what was not late
         self._scaling = MeasurementNoise()
         self._own = self._told  # the noise to which the scale belongs; 0 where covariances come
         self.noise = self._told
@@ -143,9 +146,10 @@ class TargetFilter:
         if velocity is not None:
             motion = _vector("target velocity", velocity), velocity_variance
         newest = self._track if self._rival is None else self._rival
-        if newest is not None and time <= newest.time:
+        if newest is not None and (time <= newest.time or self._repeats(time, measured)):
             self.late += 1
             return False
+        self._last, self._last_time = measured, time
         variance = self._variance(time, measured, told)
         doubted = told is None and not self._scaling.known
         seen = _Seen(time, measured, variance, motion, doubted)
@@ -157,6 +161,14 @@ class TargetFilter:
             self._rival, self._single = None, False
             return True
         return self._left_out(seen)
+
+    def _repeats(self, time: float, position: NDArray[np.float64]) -> bool:
+        """Whether an old position comes with a new stamp, as from a tracker that sends it on."""
+        if self._track is None or self._rival is not None or time - self._last_time > REPEATED:
+            return False
+        velocity = self._track.state[1]
+        moves = velocity @ velocity > GATE * self._track.covariance[1, 1]
+        return bool(moves and np.array_equal(position, self._last))
 
     def _variance(self, time: float, position: NDArray[np.float64], told: float | None) -> float:
         """Variance of a position in [m^2]: what is told, as far as the positions bear it out."""

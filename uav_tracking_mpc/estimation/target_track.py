@@ -9,8 +9,11 @@ from i to j:
 
 .. math:: \mu_j \leftarrow N(\nu_j; 0, S_j) \sum_i \pi_{ij} \mu_i
 
-One thing differs from the publication. There each mode starts from a mixture of all of them, and
-what little the quiet mode takes over from the others each time would end its memory after a few
+Where an innovation is large, the measurement may be an outlier: its likelihood is that of a mixture
+of two normal distributions, and its information the mean of theirs.
+
+One more thing differs from the publication. There each mode starts from a mixture of all of them,
+and what little the quiet mode takes over from the others each time would end its memory after a few
 seconds. Here the quiet mode goes on alone while its probability is above :data:`QUIET_LEAST`, and
 starts anew from the mixture below.
 
@@ -35,6 +38,8 @@ RATES = np.array(
 )
 QUIET_LEAST = 0.02  # probability of the quiet mode above which it goes on alone
 PROBABILITY_MIN = 1e-12
+OUTLIER_WEIGHT = math.log(0.03)  # of measurements that are outliers, which are
+OUTLIER_VARIANCE = 25.0  # times as uncertain as the others
 ROUNDING = 1e-13  # of a variance, before it is corrected
 TURN_MEMORY = 2.0  # s over which the turn rate is averaged
 Motion = tuple[NDArray[np.float64], float]  # velocity, shape (3,), and its variance [m^2/s^2]
@@ -190,17 +195,24 @@ class TargetTrack:
     ) -> NDArray[np.float64]:
         """Kalman correction by a measured derivative of order 0 or 1; log-likelihoods."""
         covariances = self._covariances
-        variances = covariances[:, order, order] + variance
-        gains = covariances[:, :, order] / variances[:, np.newaxis]
+        own = covariances[:, order, order]
+        usual = -1.5 * np.log(own + variance) - 0.5 * squares / (own + variance)
+        wide = own + OUTLIER_VARIANCE * variance
+        unusual = OUTLIER_WEIGHT - 1.5 * np.log(wide) - 0.5 * squares / wide
+        likelihoods = np.logaddexp(usual, unusual)
+        # The information of a measurement that may be an outlier is the mean of both.
+        outlier = np.exp(unusual - likelihoods)
+        noise = variance / (1.0 - outlier * (1.0 - 1.0 / OUTLIER_VARIANCE))
+        gains = covariances[:, :, order] / (own + noise)[:, np.newaxis]
         columns = gains[:, :, np.newaxis]
         self._states = self._states + columns * innovations[:, np.newaxis, :]
         # Joseph's form, and what was rounded off where a correction takes nearly all away.
         remaining = _IDENTITY - columns * _SELECT[order]
         corrected = remaining @ covariances @ remaining.transpose(0, 2, 1)
-        corrected += (variance * columns) * gains[:, np.newaxis, :]
+        corrected += (noise[:, np.newaxis, np.newaxis] * columns) * gains[:, np.newaxis, :]
         corrected += ROUNDING * _IDENTITY * covariances
         self._covariances = 0.5 * (corrected + corrected.transpose(0, 2, 1))
-        return -1.5 * np.log(variances) - 0.5 * squares / variances
+        return likelihoods
 
     def _weigh(self, logarithms: NDArray[np.float64]) -> None:
         """Probabilities from their logarithms, up to a common term."""
