@@ -21,12 +21,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from uav_tracking_mpc.control.adaptation import ResponseAdaptation
 from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.control.command_shaping import CommandShaper
 from uav_tracking_mpc.control.direction import nearest_direction
 from uav_tracking_mpc.control.event import EventLog, Level
 from uav_tracking_mpc.control.fallback import Available, FallbackMode, ModeSelector
 from uav_tracking_mpc.control.guidance import formulation_of, law_inputs, law_of
+from uav_tracking_mpc.control.oscillation import OscillationReport
 from uav_tracking_mpc.control.pace import Pace
 from uav_tracking_mpc.control.plan_memory import PlanMemory
 from uav_tracking_mpc.control.rate_keeper import RateKeeper
@@ -56,6 +58,8 @@ class Controller:
         orbit: What is flown, with the direction chosen.
         modes: What the command comes from, with counts.
         navigator: What is known of aircraft, air and target.
+        response: How the aircraft answers commands, as learnt and as flown by.
+        oscillation: Limit cycles of the commands.
         rate: Whether the control rate is kept.
         flying: Whether a command has been sent since the start or the last reset.
         drift: c when the latest command was computed, shape (3,), in [m/s].
@@ -76,10 +80,12 @@ class Controller:
         self.formulation = formulation or formulation_of(parameters)
         self._stopwatch = stopwatch
         self.navigator = Navigator(parameters)
+        self.response = ResponseAdaptation(parameters)
         self.modes = ModeSelector()
         self.rate = RateKeeper(parameters.control_rate)
         self.drift = np.zeros(3)
         self.events = EventLog()
+        self.oscillation = OscillationReport(self.events)
         self._gate = StateGate(parameters.state_timeout)
         self._pace = Pace(parameters.control_rate)
         self._shaper = CommandShaper(parameters)
@@ -91,12 +97,18 @@ class Controller:
         """Forget aircraft, air, target, plans and commands; counts and latency stay."""
         self._gate.reset()
         self.flying = False
+        learnt = self.response.flown is not self.parameters
+        self.response.reset()
+        if learnt:
+            self._fly_by(self.parameters)
         self._forget()
 
     def _forget(self) -> None:
         """Forget what belongs to a time or a place that is no more."""
         for part in (self.navigator, self._pace, self.rate, self._shaper, self._plan):
             part.reset()
+        self.oscillation.reset()
+        self.response.interrupt()
         if self.formulation is not None:
             self.formulation.reset()
         self._direction: str | None = None
@@ -133,12 +145,10 @@ class Controller:
         """
         parameters = changed(self.parameters, values)
         self.check(parameters)
-        if self.formulation is not None:
-            self.formulation.change(parameters)
+        self._fly_by(self.response.tell(parameters))
         if parameters.direction != self.parameters.direction:
             self._direction = None
         self._shaper.change(parameters)
-        self.navigator.change(parameters)
         self._gate.timeout = parameters.state_timeout
         self._pace = Pace(parameters.control_rate)
         self.rate.rate = parameters.control_rate
@@ -147,6 +157,12 @@ class Controller:
         p = parameters
         words = f"{p.range:g} m at {p.altitude:g} m and {p.airspeed:g} m/s, {p.direction}"
         self.events.add(Level.INFO, f"from now on {words}")
+
+    def _fly_by(self, parameters: TrackingParameters) -> None:
+        """Predict with these parameters from now on."""
+        self.navigator.change(parameters)
+        if self.formulation is not None:
+            self.formulation.change(parameters)
 
     def _choose(self) -> None:
         """Fly the orbit that is asked for, in the nearest direction once that is chosen."""
@@ -222,6 +238,9 @@ class Controller:
             return None
         if not self._pace.due(stamp):
             return None
+        learnt = self.response.follow(stamp)
+        if learnt is not None:
+            self._fly_by(learnt)
         command = self._answer(measurement)
         taken = self._stopwatch() - begin
         if taken > self.parameters.state_timeout:
@@ -229,7 +248,10 @@ class Controller:
             self.events.add(Level.REFUSAL, words)
             return None
         delay = max(0.0, now - stamp) + taken
-        self.navigator.commanded(stamp, delay, command.inputs, command.step)
+        flown = self.response.commanded(stamp, delay, command.inputs, command.step)
+        self.navigator.commanded(stamp, delay, flown, command.step)
+        u_psi, u_chi, _ = command.inputs[0].tolist()
+        self.oscillation.see(stamp, (u_psi, u_chi), self._airspeed, self.response)
         self.flying = True
         self.rate.command(stamp)
         return command
@@ -254,7 +276,11 @@ class Controller:
         if verdict is Verdict.RESTART:
             self.events.add(Level.WARNING, f"{reason}, starting anew")
             self._forget()
-        return verdict in (Verdict.USE, Verdict.RESTART)
+        if verdict not in (Verdict.USE, Verdict.RESTART):
+            return False
+        self._airspeed = float(self.navigator.vehicle_state(measurement)[5])
+        self.response.see(measurement, self._airspeed, not self.navigator.air.missing)
+        return True
 
     def _answer(self, measurement: Measurement) -> Command:
         """Command for a measurement that is believed and due."""
@@ -339,7 +365,7 @@ class Controller:
         present: Situation | None = None,
     ) -> Command:
         mode, reason = self.modes.mode, self.modes.reason
-        inputs = self._shaper.shape(stamp, inputs, step, airspeed, mode)
+        inputs = self._shaper.shape(stamp, inputs / self.response.gain, step, airspeed, mode)
         return Command(stamp, inputs, step, mode, reason, self.orbit, plan, present)
 
     def _select(self, available: Available) -> FallbackMode:

@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 CHANNELS = ("turn rate", "path-angle rate", "acceleration")
 # The sum of lag and dead time is trusted below the first deviation [s] and until the second: what
-# it is off by adds to the phase. A gain likewise [-].
+# it is off by adds to the phase. Lag [s] and gain [-] alone likewise.
 DELAY_TRUST = (0.05, 0.1)
-GAIN_TRUST = (0.05, 0.1)
+LAG_TRUST = (0.05, 0.1)
+GAIN_TRUST = (0.03, 0.06)
 
 
 class ChannelResponse(NamedTuple):
@@ -27,6 +28,7 @@ class ChannelResponse(NamedTuple):
         delay_deviation: Of their sum in [s].
         gain_deviation: Of the gain [-].
         trusted: Whether the sum is known well enough to fly by.
+        lag_trusted: Whether the lag alone is.
         gain_trusted: Whether the gain is.
     """
 
@@ -38,6 +40,7 @@ class ChannelResponse(NamedTuple):
     delay_deviation: float = math.inf
     gain_deviation: float = math.inf
     trusted: bool = False
+    lag_trusted: bool = False
     gain_trusted: bool = False
 
     @property
@@ -53,5 +56,6 @@ class ChannelResponse(NamedTuple):
         """
         return self._replace(
             trusted=self.delay_deviation < DELAY_TRUST[before.trusted],
+            lag_trusted=self.lag_deviation < LAG_TRUST[before.lag_trusted],
             gain_trusted=self.gain_deviation < GAIN_TRUST[before.gain_trusted],
         )

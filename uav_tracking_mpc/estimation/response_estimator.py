@@ -1,6 +1,6 @@
 r"""Lag, dead time and gain of each channel, from commands as they were sent and what was measured.
 
-For each lag and dead time of a grid (:mod:`response_candidates`) the least-squares gain g between
+For each lag and dead time of a grid (:mod:`response_candidates`) the least-lags gain g between
 the candidate's response x and the measured one y is known at any time from three sums, which
 forget exponentially:
 
@@ -25,12 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.estimation.channel_response import ChannelResponse
-from uav_tracking_mpc.estimation.response_candidates import (
-    ACCELERATION,
-    DEAD_TIMES,
-    LAGS,
-    ResponseCandidates,
-)
+from uav_tracking_mpc.estimation.response_candidates import DEAD_TIMES, LAGS, ResponseCandidates
 
 MEMORY = 60.0  # s, T_m
 WASHOUT = 10.0  # s, time constant of the high pass: shorter than an orbit, longer than any lag
@@ -39,11 +34,14 @@ GAIN_LIMITS = 0.5, 1.6
 # a response that is lost in it is none.
 NOISE_FLOOR = np.array([0.003, 0.003, 0.05])
 CORRELATION_LIMIT = 0.98  # of successive residuals
+PLAUSIBLE = np.array([10.0, 10.0, 1000.0])  # rad/s, rad/s, m/s: beyond them a sensor is broken
 SHORTEST_PERIOD = 0.015  # s between measurements that are used: faster ones tell no more
 LONGEST_GAP = 1.0  # s without measurements, after which begins another flight
 # Near its bank limit an aircraft turns no faster, whatever is commanded, for as long as it takes to
 # lag away afterwards: share of the limit, and time in [s].
 SATURATION, RECOVERY = 0.95, 0.7
+# What the parabolas are off by between the points of the grid: lag [s], sum [s] and gain [-].
+ROUNDING = 0.015, 0.008, 0.005
 BEGIN = 1.5  # s after the first command, in which what was flown before it still counts
 EVERY = np.arange(3)  # channels
 REFINED_EVERY = 4  # measurements between refinements, one channel each
@@ -68,7 +66,7 @@ class ResponseEstimator:
         """Forget all: another aircraft."""
         for sums in (self._power, self._product, self._passed):
             sums[:] = 0.0
-        # Of 1, y y, the products of successive residuals, and their squares.
+        # Of 1, y y, the products of successive residuals, and their lags.
         self._sums = np.zeros((4, 3))
         self._residual, self._measured_passed = np.zeros(3), np.zeros(3)
         self._nearest, self._gains = np.zeros(3, dtype=int), np.ones(3)  # the best candidate
@@ -120,6 +118,9 @@ class ResponseEstimator:
         if 0.0 <= elapsed < SHORTEST_PERIOD:
             return
         measured = np.array([turn_rate, path_angle_rate, airspeed or 0.0])
+        if (np.abs(measured) > PLAUSIBLE).any():
+            self.interrupt()
+            return
         if not 0.0 <= elapsed <= LONGEST_GAP or time > self._candidates.end:
             self.interrupt()
         self._time = time
@@ -139,11 +140,7 @@ class ResponseEstimator:
             self.channels[axis] = found.judged(self.channels[axis])
 
     def _add(
-        self,
-        time: float,
-        elapsed: float,
-        measured: NDArray[np.float64],
-        usable: NDArray[np.bool_],
+        self, time: float, elapsed: float, measured: NDArray[np.float64], usable: NDArray[np.bool_]
     ) -> None:
         """High pass and sums; where a sample or the one before is of no use, the step is none."""
         work, passed = self._work, self._passed
@@ -193,17 +190,19 @@ class ResponseEstimator:
         around = middle[:, np.newaxis] + np.array([-1, 0, 1])
         costs, times = cost[every[:, np.newaxis], around], DEAD_TIMES[around]
         dead_times, valley, bends = _minimum(times.T, costs.T)
-        # Along the valley, over the square of the lag, in which low frequencies have it.
+        # Along the valley, over the lag.
         best = min(max(int(np.argmin(valley)), 1), len(LAGS) - 2)
         three = slice(best - 1, best + 2)
-        squares = LAGS[three]
-        square, least, bend = (float(v) for v in _minimum(squares, valley[three]))
-        lag = square
-        delay = _parabola(squares, LAGS[three] + dead_times[three], square)
+        lags = LAGS[three]
+        lag, least, bend = (float(v) for v in _minimum(lags, valley[three]))
+        delay = _parabola(lags, LAGS[three] + dead_times[three], lag)
         gain_of = np.array(
-            [np.interp(dead_times[row], DEAD_TIMES, gains[row]) for row in (best - 1, best, best + 1)]
+            [
+                np.interp(dead_times[row], DEAD_TIMES, gains[row])
+                for row in (best - 1, best, best + 1)
+            ]
         )
-        gain = min(max(_parabola(squares, gain_of, square), GAIN_LIMITS[0]), GAIN_LIMITS[1])
+        gain = min(max(_parabola(lags, gain_of, lag), GAIN_LIMITS[0]), GAIN_LIMITS[1])
         nearest = int(np.argmin(np.abs(DEAD_TIMES - dead_times[best])))
         self._nearest[axis], self._gains[axis] = nearest * len(LAGS) + best, gain
 
@@ -213,13 +212,13 @@ class ResponseEstimator:
         # as if a residual was independent of the one before
         variance *= (1.0 + correlation) / (1.0 - correlation)
         variance += float(NOISE_FLOOR[axis]) ** 2
-        of_square = 2.0 * variance / max(bend, 1e-300)
-        along = math.sqrt(of_square)
-        # A deviation of the square is one of the lag of so much.
-        lag_deviation = along
-        sway = abs(_slope(squares, LAGS[three] + dead_times[three], square)) * along
+        of_lag = 2.0 * variance / max(bend, 1e-300)
+        along = math.sqrt(of_lag)
+        lag_rounding, delay_rounding, gain_rounding = ROUNDING
+        lag_deviation = math.hypot(along, lag_rounding)
+        sway = abs(_slope(lags, LAGS[three] + dead_times[three], lag)) * along
         of_dead_time = 2.0 * variance / max(float(bends[best]), 1e-300)
-        gain_sway = abs(_slope(squares, gain_of, square)) * along
+        gain_sway = abs(_slope(lags, gain_of, lag)) * along
         of_gain = variance / max(float(power[best, nearest]), 1e-300)
         return ChannelResponse(
             lag=lag,
@@ -227,8 +226,8 @@ class ResponseEstimator:
             gain=gain,
             lag_deviation=lag_deviation,
             dead_time_deviation=math.hypot(lag_deviation, math.sqrt(of_dead_time)),
-            delay_deviation=math.hypot(sway, math.sqrt(of_dead_time)),
-            gain_deviation=math.hypot(gain_sway, math.sqrt(of_gain)),
+            delay_deviation=math.hypot(sway, math.sqrt(of_dead_time), delay_rounding),
+            gain_deviation=math.hypot(gain_sway, math.sqrt(of_gain), gain_rounding),
         )
 
 
