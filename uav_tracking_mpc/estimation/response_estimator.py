@@ -19,7 +19,7 @@ frequencies.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,12 +59,15 @@ class ResponseEstimator:
         shape = 3, len(DEAD_TIMES) * len(LAGS)
         self._before, self._passed = np.zeros(shape), np.zeros(shape)
         self._work = np.zeros(shape)
-        self._power, self._product = np.zeros(shape), np.zeros(shape)  # of x x and x y
+        # Of x x, of x y, and of x with that of the next dead time.
+        self._power, self._product = np.zeros(shape), np.zeros(shape)
+        self._next = np.zeros((3, shape[1] - len(LAGS)))
+        self._next_work = np.zeros_like(self._next)
         self.reset()
 
     def reset(self) -> None:
         """Forget all: another aircraft."""
-        for sums in (self._power, self._product, self._passed):
+        for sums in (self._power, self._product, self._next, self._passed):
             sums[:] = 0.0
         # Of 1, y y, the products of successive residuals, and their lags.
         self._sums = np.zeros((4, 3))
@@ -166,6 +169,11 @@ class ResponseEstimator:
             work *= column
         self._power *= forgotten
         self._power += work
+        np.multiply(passed[:, : -len(LAGS)], passed[:, len(LAGS) :], out=self._next_work)
+        if not every:
+            self._next_work *= column
+        self._next *= forgotten
+        self._next += self._next_work
         np.multiply(passed, weighted[:, np.newaxis], out=work)
         self._product *= forgotten
         self._product += work
@@ -176,33 +184,22 @@ class ResponseEstimator:
 
     def _refined(self, axis: int) -> ChannelResponse:
         """Minimum of J and its curvature."""
-        shape = len(DEAD_TIMES), len(LAGS)
-        power = self._power[axis].reshape(shape).T
-        product = self._product[axis].reshape(shape).T
+        columns = (-1, len(LAGS))
+        power = self._power[axis].reshape(columns)
+        product = self._product[axis].reshape(columns)
         weight, squared_response, successive, squared = self._sums[:, axis].tolist()
         if not np.any(power > 0.0):
             return ChannelResponse()
-        gains = np.clip(product / np.maximum(power, 1e-300), *GAIN_LIMITS)
-        cost = squared_response + gains * (gains * power - 2.0 * product)
-        # Over the dead time, for each lag.
-        every = np.arange(len(LAGS))
-        middle = np.clip(np.argmin(cost, axis=1), 1, len(DEAD_TIMES) - 2)
-        around = middle[:, np.newaxis] + np.array([-1, 0, 1])
-        costs, times = cost[every[:, np.newaxis], around], DEAD_TIMES[around]
-        dead_times, valley, bends = _minimum(times.T, costs.T)
+        found = _between(power, product, self._next[axis].reshape(columns))
+        dead_times, gains, bends = found.dead_time, found.gain, found.bend
+        valley = squared_response - found.explained
         # Along the valley, over the lag.
         best = min(max(int(np.argmin(valley)), 1), len(LAGS) - 2)
         three = slice(best - 1, best + 2)
         lags = LAGS[three]
         lag, least, bend = (float(v) for v in _minimum(lags, valley[three]))
         delay = _parabola(lags, LAGS[three] + dead_times[three], lag)
-        gain_of = np.array(
-            [
-                np.interp(dead_times[row], DEAD_TIMES, gains[row])
-                for row in (best - 1, best, best + 1)
-            ]
-        )
-        gain = min(max(_parabola(lags, gain_of, lag), GAIN_LIMITS[0]), GAIN_LIMITS[1])
+        gain = min(max(_parabola(lags, gains[three], lag), GAIN_LIMITS[0]), GAIN_LIMITS[1])
         nearest = int(np.argmin(np.abs(DEAD_TIMES - dead_times[best])))
         self._nearest[axis], self._gains[axis] = nearest * len(LAGS) + best, gain
 
@@ -218,8 +215,8 @@ class ResponseEstimator:
         lag_deviation = math.hypot(along, lag_rounding)
         sway = abs(_slope(lags, LAGS[three] + dead_times[three], lag)) * along
         of_dead_time = 2.0 * variance / max(float(bends[best]), 1e-300)
-        gain_sway = abs(_slope(lags, gain_of, lag)) * along
-        of_gain = variance / max(float(power[best, nearest]), 1e-300)
+        gain_sway = abs(_slope(lags, gains[three], lag)) * along
+        of_gain = variance / max(float(power[nearest, best]), 1e-300)
         return ChannelResponse(
             lag=lag,
             dead_time=max(delay - lag, 0.0),
@@ -229,6 +226,49 @@ class ResponseEstimator:
             delay_deviation=math.hypot(sway, math.sqrt(of_dead_time), delay_rounding),
             gain_deviation=math.hypot(gain_sway, math.sqrt(of_gain), gain_rounding),
         )
+
+
+class _Best(NamedTuple):
+    """For each lag the best dead time, the gain there, what of y y it explains, and J'' over D."""
+
+    dead_time: NDArray[np.float64]
+    gain: NDArray[np.float64]
+    explained: NDArray[np.float64]
+    bend: NDArray[np.float64]
+
+
+def _between(
+    power: NDArray[np.float64], product: NDArray[np.float64], following: NDArray[np.float64]
+) -> _Best:
+    """Best dead times between those of the grid, for each lag.
+
+    Between two dead times a response is taken as linear: least squares with both of them.
+
+    Args:
+        power: Sums of x x, shape (dead times, lags).
+        product: Of x y, shape (dead times, lags).
+        following: Of x with that of the next dead time, shape (dead times - 1, lags).
+    """
+    p, q, a = power[:-1], power[1:], following
+    y, z = product[:-1], product[1:]
+    apart = np.maximum(p + q - 2.0 * a, 1e-12 * (p + q) + 1e-300)  # (x_i+1 - x_i)^2
+    determinant = np.maximum(p * q - a * a, 1e-300)
+    first, second = (q * y - a * z) / determinant, (p * z - a * y) / determinant
+    share = second / np.where(first + second > 0.0, first + second, math.inf)
+    share = np.clip(share, 0.0, 1.0)
+    share = np.where((first > 0.0) | (second > 0.0), share, 0.0)
+    mixed = y + share * (z - y)
+    mixed_power = (1.0 - share) ** 2 * p + 2.0 * share * (1.0 - share) * a + share**2 * q
+    gain = np.clip(mixed / np.maximum(mixed_power, 1e-300), *GAIN_LIMITS)
+    explained = gain * (2.0 * mixed - gain * mixed_power)
+    best = explained.argmax(axis=0), np.arange(power.shape[1])
+    apart_in_time = np.diff(DEAD_TIMES)[best[0]]
+    return _Best(
+        DEAD_TIMES[best[0]] + share[best] * apart_in_time,
+        gain[best],
+        explained[best],
+        2.0 * gain[best] ** 2 * apart[best] / apart_in_time**2,
+    )
 
 
 def _minimum(points: Any, values: Any) -> tuple[Any, Any, Any]:
