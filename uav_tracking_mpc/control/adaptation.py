@@ -7,11 +7,13 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.control.event import EventLog
+from uav_tracking_mpc.control.oscillation import OscillationReport
 from uav_tracking_mpc.estimation.channel_response import ChannelResponse
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.response_estimator import ResponseEstimator
 from uav_tracking_mpc.parameters.specification import changed
-from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, TrackingParameters
+from uav_tracking_mpc.settings.tracking import PREDICTIVE, TrackingParameters
 
 PERIOD = 0.5  # s between changes of what is flown
 SPEED = 0.03  # s of lag or dead time, or share of the gain, by which it changes in a second
@@ -28,18 +30,22 @@ class ResponseAdaptation:
 
     Args:
         parameters: What was told.
+        events: Where limit cycles are told.
 
     Attributes:
         estimator: Of the response.
+        oscillation: Limit cycles of the commands.
         lag: Flown by, shape (3,), in [s].
         dead_time: Flown by, shape (3,), in [s].
         gain: Flown by, shape (3,): what is sent is what is wanted divided by it [-].
     """
 
-    def __init__(self, parameters: TrackingParameters) -> None:
+    def __init__(self, parameters: TrackingParameters, events: EventLog) -> None:
+        self.oscillation = OscillationReport(events)
+        self._airspeed = 0.0
         self.estimator = ResponseEstimator()
         self._told = parameters
-        self.reset()
+        self._begin()
 
     @property
     def enabled(self) -> bool:
@@ -51,13 +57,20 @@ class ResponseAdaptation:
         """What is known of turn rate, path-angle rate and acceleration."""
         return self.estimator.channels
 
-    def reset(self) -> None:
-        """Forget what was learnt: what was told is flown."""
+    def reset(self) -> TrackingParameters | None:
+        """Forget what was learnt: what was told is flown by.
+
+        Returns:
+            What was told; None if it has been flown by.
+        """
         self.estimator.reset()
-        self.gain = np.ones(3)
+        self.oscillation.reset()
+        same = self.flown is self._told
         self._begin()
+        return None if same else self._told
 
     def _begin(self) -> None:
+        self.gain = np.ones(3)
         self.lag, self.dead_time = np.array(self._told.rate_lag), np.array(self._told.dead_time)
         self._time: float | None = None
         # Whether estimates replace what was told: of lag, delay, gain of each channel.
@@ -66,6 +79,7 @@ class ResponseAdaptation:
     def interrupt(self) -> None:
         """Forget commands and times, keep what was learnt."""
         self.estimator.interrupt()
+        self.oscillation.reset()
         self._time = None
 
     def tell(self, parameters: TrackingParameters) -> TrackingParameters:
@@ -99,20 +113,24 @@ class ResponseAdaptation:
             return self._told
         return changed(self._told, {"rate_lag": lag, "dead_time": dead_time})
 
-    def see(self, measurement: Measurement, airspeed: float, measured: bool) -> None:
+    def see(
+        self, measurement: Measurement, vehicle: NDArray[np.float64], airspeed_measured: bool
+    ) -> None:
         """Take in a measurement.
 
         Args:
             measurement: Of the aircraft.
-            airspeed: v in [m/s].
-            measured: Whether the airspeed is measured.
+            vehicle: (x, y, z, psi, chi, v), shape (6,).
+            airspeed_measured: Whether v is measured.
         """
+        *_, airspeed = vehicle.tolist()
+        self._airspeed = airspeed
         if self.enabled:
             self.estimator.see(
                 measurement.stamp,
                 measurement.turn_rate,
                 measurement.path_angle_rate,
-                airspeed if measured else None,
+                airspeed if airspeed_measured else None,
                 self._told.envelope.turn_rate_max(airspeed),
             )
 
@@ -132,6 +150,9 @@ class ResponseAdaptation:
         """
         if self.enabled:
             self.estimator.commanded(stamp + delay, stamp, plan, step)
+        u_psi, u_chi, _ = plan[0].tolist()
+        delays = (self.lag + self.dead_time).tolist()
+        self.oscillation.see(stamp, (u_psi, u_chi), self._airspeed, self.channels, delays)
         return plan * self.gain
 
     def follow(self, time: float) -> TrackingParameters | None:
@@ -143,7 +164,7 @@ class ResponseAdaptation:
         Returns:
             What to fly by from now on; None if it stays.
         """
-        if not self.enabled or self._told.terminal_constraint != ARTIFICIAL_ORBIT:
+        if not self.enabled or self._told.law != PREDICTIVE:
             return None
         elapsed = math.inf if self._time is None else time - self._time
         if 0.0 <= elapsed < PERIOD:

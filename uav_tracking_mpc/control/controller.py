@@ -27,8 +27,7 @@ from uav_tracking_mpc.control.command_shaping import CommandShaper
 from uav_tracking_mpc.control.direction import nearest_direction
 from uav_tracking_mpc.control.event import EventLog, Level
 from uav_tracking_mpc.control.fallback import Available, FallbackMode, ModeSelector
-from uav_tracking_mpc.control.guidance import formulation_of, law_inputs, law_of
-from uav_tracking_mpc.control.oscillation import OscillationReport
+from uav_tracking_mpc.control.guidance import formulation_of, law_inputs, law_of, planned
 from uav_tracking_mpc.control.pace import Pace
 from uav_tracking_mpc.control.plan_memory import PlanMemory
 from uav_tracking_mpc.control.rate_keeper import RateKeeper
@@ -59,7 +58,6 @@ class Controller:
         modes: What the command comes from, with counts.
         navigator: What is known of aircraft, air and target.
         response: How the aircraft answers commands, as learnt and as flown by.
-        oscillation: Limit cycles of the commands.
         rate: Whether the control rate is kept.
         flying: Whether a command has been sent since the start or the last reset.
         drift: c when the latest command was computed, shape (3,), in [m/s].
@@ -80,12 +78,11 @@ class Controller:
         self.formulation = formulation or formulation_of(parameters)
         self._stopwatch = stopwatch
         self.navigator = Navigator(parameters)
-        self.response = ResponseAdaptation(parameters)
         self.modes = ModeSelector()
         self.rate = RateKeeper(parameters.control_rate)
         self.drift = np.zeros(3)
         self.events = EventLog()
-        self.oscillation = OscillationReport(self.events)
+        self.response = ResponseAdaptation(parameters, self.events)
         self._gate = StateGate(parameters.state_timeout)
         self._pace = Pace(parameters.control_rate)
         self._shaper = CommandShaper(parameters)
@@ -97,17 +94,13 @@ class Controller:
         """Forget aircraft, air, target, plans and commands; counts and latency stay."""
         self._gate.reset()
         self.flying = False
-        learnt = self.response.flown is not self.parameters
-        self.response.reset()
-        if learnt:
-            self._fly_by(self.parameters)
+        self._fly_by(self.response.reset())
         self._forget()
 
     def _forget(self) -> None:
         """Forget what belongs to a time or a place that is no more."""
         for part in (self.navigator, self._pace, self.rate, self._shaper, self._plan):
             part.reset()
-        self.oscillation.reset()
         self.response.interrupt()
         if self.formulation is not None:
             self.formulation.reset()
@@ -158,11 +151,12 @@ class Controller:
         words = f"{p.range:g} m at {p.altitude:g} m and {p.airspeed:g} m/s, {p.direction}"
         self.events.add(Level.INFO, f"from now on {words}")
 
-    def _fly_by(self, parameters: TrackingParameters) -> None:
-        """Predict with these parameters from now on."""
-        self.navigator.change(parameters)
-        if self.formulation is not None:
-            self.formulation.change(parameters)
+    def _fly_by(self, parameters: TrackingParameters | None) -> None:
+        """Predict with other parameters from now on; with None as before."""
+        if parameters is not None:
+            self.navigator.change(parameters)
+            if self.formulation is not None:
+                self.formulation.change(parameters)
 
     def _choose(self) -> None:
         """Fly the orbit that is asked for, in the nearest direction once that is chosen."""
@@ -238,9 +232,7 @@ class Controller:
             return None
         if not self._pace.due(stamp):
             return None
-        learnt = self.response.follow(stamp)
-        if learnt is not None:
-            self._fly_by(learnt)
+        self._fly_by(self.response.follow(stamp))
         command = self._answer(measurement)
         taken = self._stopwatch() - begin
         if taken > self.parameters.state_timeout:
@@ -250,8 +242,6 @@ class Controller:
         delay = max(0.0, now - stamp) + taken
         flown = self.response.commanded(stamp, delay, command.inputs, command.step)
         self.navigator.commanded(stamp, delay, flown, command.step)
-        u_psi, u_chi, _ = command.inputs[0].tolist()
-        self.oscillation.see(stamp, (u_psi, u_chi), self._airspeed, self.response)
         self.flying = True
         self.rate.command(stamp)
         return command
@@ -276,11 +266,11 @@ class Controller:
         if verdict is Verdict.RESTART:
             self.events.add(Level.WARNING, f"{reason}, starting anew")
             self._forget()
-        if verdict not in (Verdict.USE, Verdict.RESTART):
-            return False
-        self._airspeed = float(self.navigator.vehicle_state(measurement)[5])
-        self.response.see(measurement, self._airspeed, not self.navigator.air.missing)
-        return True
+        if verdict in (Verdict.USE, Verdict.RESTART):
+            vehicle = self.navigator.vehicle_state(measurement)
+            self.response.see(measurement, vehicle, not self.navigator.air.missing)
+            return True
+        return False
 
     def _answer(self, measurement: Measurement) -> Command:
         """Command for a measurement that is believed and due."""
@@ -295,8 +285,7 @@ class Controller:
             return self._hold(stamp, self.navigator.vehicle_state(measurement), trouble)
         if self.navigator.air.missing and not self._air_missing:
             self._air_missing = True
-            words = "no airspeed is measured: the air is taken as still"
-            self.events.add(Level.WARNING, words)
+            self.events.add(Level.WARNING, "no airspeed is measured: the air is taken as still")
         self.drift = estimate.present.drift
         return self._fly(stamp, estimate, stamp - seen <= self.parameters.target_timeout)
 
@@ -306,15 +295,14 @@ class Controller:
         plan, by_law, trouble = None, None, ""
         if target_fresh and self._law is not None:
             by_law, trouble = law_inputs(self._law, estimate.present)
-        elif target_fresh:
-            plan, trouble = self._solve(stamp, estimate)
+        elif target_fresh and self.formulation is not None:
+            elapsed = None if self._solve_time is None else max(0.0, stamp - self._solve_time)
+            self._solve_time = stamp
+            plan, trouble = planned(self.formulation, estimate, self.orbit, elapsed)
         left = self._plan.remaining(stamp, self.parameters.plan_age_max)
         solution = None if plan is None else plan.solution
-        mode = self._select(
-            Available(
-                True, True, target_fresh, solution, left is not None, by_law is not None, trouble
-            )
-        )
+        there = left is not None, by_law is not None
+        mode = self._select(Available(True, True, target_fresh, solution, *there, trouble))
         if mode is FallbackMode.EARLIER_PLAN and left is not None:
             inputs, step = left
         elif mode.planned and plan is not None:
@@ -324,8 +312,7 @@ class Controller:
             if by_law is None:
                 by_law, _ = law_inputs(self._loiter, estimate.effect)
             inputs, step = np.zeros((1, 3)) if by_law is None else by_law, LEVELLING_TIME
-        airspeed = estimate.effect.airspeed
-        return self._command(stamp, inputs, step, airspeed, plan, estimate.present)
+        return self._command(stamp, inputs, step, estimate.effect.airspeed, plan, estimate.present)
 
     def _hold(self, stamp: float, vehicle: NDArray[np.float64], trouble: str) -> Command:
         """Wings level at the present speed: there is no target to fly about."""
@@ -341,19 +328,6 @@ class Controller:
         self._direction = nearest_direction(situation, self._direction)
         if self._direction != self.orbit.direction:
             self._choose()
-
-    def _solve(self, stamp: float, estimate: Estimate) -> tuple[Plan | None, str]:
-        """The predictive controller's answer, or what kept it from one."""
-        assert self.formulation is not None
-        elapsed = None if self._solve_time is None else max(0.0, stamp - self._solve_time)
-        self._solve_time = stamp
-        try:
-            plan = self.formulation.solve(estimate.effect, estimate.forecast, self.orbit, elapsed)
-        except (ArithmeticError, RuntimeError, ValueError) as error:
-            return None, f"the controller failed: {error}"
-        if not np.all(np.isfinite(plan.inputs)):
-            return None, f"the plan is not finite: {plan.solution.message}"
-        return plan, ""
 
     def _command(
         self,

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
-from uav_tracking_mpc.control.adaptation import ResponseAdaptation
 from uav_tracking_mpc.control.event import EventLog, Level
 from uav_tracking_mpc.control.limit_cycle import LimitCycleWatch, Swing
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
@@ -45,7 +45,8 @@ class OscillationReport:
         time: float,
         inputs: tuple[float, float],
         airspeed: float,
-        response: ResponseAdaptation,
+        channels: Sequence[ChannelResponse],
+        delays: Sequence[float],
     ) -> None:
         """Take in a command.
 
@@ -53,7 +54,8 @@ class OscillationReport:
             time: In [s].
             inputs: (u_psi, u_chi) in [rad/s].
             airspeed: v in [m/s].
-            response: What is known of the aircraft's response and flown by.
+            channels: What is known of the response of each channel.
+            delays: Lag plus dead time that each channel is flown by, in [s].
         """
         for axis, (watch, rate) in enumerate(zip(self._watches, inputs, strict=True)):
             if not watch.see(time, airspeed * rate / GRAVITY):
@@ -61,7 +63,7 @@ class OscillationReport:
             if watch.swing is None:
                 self._events.add(Level.INFO, f"the limit cycle of the {CHANNELS[axis]} has ended")
                 continue
-            self.causes[axis] = _cause(response.channels[axis], response.delay(axis))
+            self.causes[axis] = _cause(channels[axis], delays[axis])
             words = f"limit cycle of the {CHANNELS[axis]}: {described(axis, watch.swing)}"
             self._events.add(Level.WARNING, f"{words}; likely {self.causes[axis]}")
 

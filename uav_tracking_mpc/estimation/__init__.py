@@ -1,15 +1,18 @@
 """What is known of aircraft, air and target.
 
-====================  ==============================================================
-``measurement``       what is measured of the aircraft at one time
-``state_gate``        which measurements are believed
-``air_data``          the airspeed that belongs to a measurement
-``target_filter``     where the target is and will be, from positions that may be wrong
-``singer_track``      the Kalman filter behind it, on Singer's model
-``turn_prediction``   where a target will be that goes on turning
-``command_history``   commands that were sent, as the aircraft flies them
-``navigator``         measurements in, situations and forecast out
-``situation``         aircraft, target and the drift between them at one time
-``forecast``          target and drift over a horizon
-====================  ==============================================================
+=========================  ==============================================================
+``measurement``            what is measured of the aircraft at one time
+``state_gate``             which measurements are believed
+``air_data``               the airspeed that belongs to a measurement
+``target_filter``          where the target is and will be, from positions that may be wrong
+``singer_track``           the Kalman filter behind it, on Singer's model
+``turn_prediction``        where a target will be that goes on turning
+``command_history``        commands that were sent, as the aircraft flies them
+``response_candidates``    responses to those commands, for a grid of lags and dead times
+``response_estimator``     lag, dead time and gain, from commands and response
+``channel_response``       what is known of them
+``navigator``              measurements in, situations and forecast out
+``situation``              aircraft, target and the drift between them at one time
+``forecast``               target and drift over a horizon
+=========================  ==============================================================
 """
