@@ -25,7 +25,7 @@ class Swing(NamedTuple):
 
     Attributes:
         period: In [s].
-        amplitude: In the unit of the signal, from the mean.
+        amplitude: From the mean in [g].
     """
 
     period: float

@@ -11,6 +11,8 @@ CHANNELS = ("turn rate", "path-angle rate", "acceleration")
 DELAY_TRUST = (0.05, 0.1)
 LAG_TRUST = (0.05, 0.1)
 GAIN_TRUST = (0.03, 0.06)
+# Deviation of the gain beyond which there may be no response at all, only noise that looks alike.
+RESPONSE_TRUST = 0.1
 
 
 class ChannelResponse(NamedTuple):
@@ -54,8 +56,9 @@ class ChannelResponse(NamedTuple):
         Args:
             before: The estimate before this one.
         """
+        seen = self.gain_deviation < RESPONSE_TRUST
         return self._replace(
-            trusted=self.delay_deviation < DELAY_TRUST[before.trusted],
-            lag_trusted=self.lag_deviation < LAG_TRUST[before.lag_trusted],
+            trusted=seen and self.delay_deviation < DELAY_TRUST[before.trusted],
+            lag_trusted=seen and self.lag_deviation < LAG_TRUST[before.lag_trusted],
             gain_trusted=self.gain_deviation < GAIN_TRUST[before.gain_trusted],
         )

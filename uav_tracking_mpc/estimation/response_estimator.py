@@ -38,8 +38,8 @@ PLAUSIBLE = np.array([10.0, 10.0, 1000.0])  # rad/s, rad/s, m/s: beyond them a s
 SHORTEST_PERIOD = 0.015  # s between measurements that are used: faster ones tell no more
 LONGEST_GAP = 1.0  # s without measurements, after which begins another flight
 # Near its bank limit an aircraft turns no faster, whatever is commanded, for as long as it takes to
-# lag away afterwards: share of the limit, and time in [s].
-SATURATION, RECOVERY = 0.95, 0.7
+# lag away afterwards: share of the limit that is measured, share that is asked for, time in [s].
+SATURATION, TOO_MUCH, RECOVERY = 0.9, 1.02, 1.0
 # What the parabolas are off by between the points of the grid: lag [s], sum [s] and gain [-].
 ROUNDING = 0.015, 0.008, 0.005
 BEGIN = 1.5  # s after the first command, in which what was flown before it still counts
@@ -83,7 +83,7 @@ class ResponseEstimator:
         self._commanded = False
         self._used = np.zeros(3, dtype=bool)
         self._measured = np.zeros(3)
-        self._saturated, self._begun = -math.inf, 0.0
+        self._saturated, self._begun, self._turn_rate_max = -math.inf, 0.0, math.inf
 
     def commanded(
         self, sent: float, begin: float, inputs: NDArray[np.float64], step: float
@@ -99,6 +99,9 @@ class ResponseEstimator:
         if self._time is not None:
             self._candidates.commanded(sent, begin, inputs, step)
             self._commanded = True
+            turn, (u_psi, _, _) = self.channels[0], inputs[0].tolist()
+            if abs(u_psi) * turn.gain > TOO_MUCH * self._turn_rate_max:
+                self._saturated = max(self._saturated, sent + turn.delay)
 
     def see(
         self,
@@ -126,7 +129,7 @@ class ResponseEstimator:
             return
         if not 0.0 <= elapsed <= LONGEST_GAP or time > self._candidates.end:
             self.interrupt()
-        self._time = time
+        self._time, self._turn_rate_max = time, turn_rate_max
         if not self._commanded:  # nobody knows what is flown: as if it had been for long
             self._candidates.reset(time, np.array([turn_rate, path_angle_rate, 0.0]))
             self._candidates.end, self._begun = math.inf, time
