@@ -199,6 +199,9 @@ class ResponseAdaptation:
         delay += min(max(wanted_delay - delay, -most), most)
         self.lag[axis] = min(lag + min(max(wanted_lag - lag, -most), most), delay)
         self.dead_time[axis] = delay - self.lag[axis]
+        off = abs(self.lag[axis] - told_lag), abs(self.dead_time[axis] - told_dead_time)
+        if max(off) < ROUNDING:
+            self.lag[axis], self.dead_time[axis] = told_lag, told_dead_time
 
     def _wanted(
         self, which: tuple[int, int], found: float, told: float, least: float, deviation: float
