@@ -12,7 +12,7 @@ from uav_tracking_mpc import __version__
 from uav_tracking_mpc.cli.arguments import HelpFormatter
 from uav_tracking_mpc.cli.ending import explained
 
-COMMANDS = ("fly", "simulate", "stability", "compare", "benchmark", "torture", "monitor")
+COMMANDS = ("fly", "simulate", "stability", "compare", "benchmark", "torture", "monitor", "margins")
 EPILOG = """\
 examples:
   uav_tracking simulate --config paper          the paper's simulation, no ROS needed

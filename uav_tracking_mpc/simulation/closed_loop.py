@@ -19,6 +19,7 @@ from uav_tracking_mpc.simulation.plants import Plant, SimulationError, plant_of
 from uav_tracking_mpc.simulation.target_sensor import TargetSensor
 
 Progress = Callable[[float], None]
+Disturbance = Callable[[float], NDArray[np.float64]]
 
 
 class _Recorder:
@@ -79,7 +80,11 @@ class _Recorder:
         )
 
 
-def simulate(configuration: Configuration, progress: Progress | None = None) -> FlightLog:
+def simulate(
+    configuration: Configuration,
+    progress: Progress | None = None,
+    disturbance: Disturbance | None = None,
+) -> FlightLog:
     """Fly the mission of a configuration on the plant that it names.
 
     Plant, sensors and target run at the rates at which the nodes run. The controller takes no time
@@ -88,6 +93,8 @@ def simulate(configuration: Configuration, progress: Progress | None = None) -> 
     Args:
         configuration: What to fly.
         progress: Called with the simulated time in [s] after each control step.
+        disturbance: Added to commands on their way to the plant, of which the controller does not
+            know: called with their time in [s], answers (u_psi, u_chi, u_v), shape (3,).
 
     Raises:
         ParameterError: There is no such plant, motion or law, or the parameters cannot be flown.
@@ -113,7 +120,10 @@ def simulate(configuration: Configuration, progress: Progress | None = None) -> 
         if command is not None:
             recorder.commands.append(command)
             starts = command.stamp + command.step * np.arange(len(command.inputs))
-            plant.accept(command.inputs, starts)
+            inputs = command.inputs
+            if disturbance is not None:
+                inputs = inputs + disturbance(now)
+            plant.accept(inputs, starts)
             if progress is not None:
                 progress(now)
         plant.advance(1.0 / rate)
