@@ -17,5 +17,5 @@
 ``navigator``              measurements in, situations and forecast out
 ``situation``              aircraft, target and the drift between them at one time
 ``forecast``               target and drift over a horizon
-=========================  =======================================================
+=========================  ==============================================================
 """
