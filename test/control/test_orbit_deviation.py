@@ -45,7 +45,7 @@ def test_a_deviation_is_where_it_says():
 
 
 def flown_deviation(where, deviation, duration, inputs=(0.0, 0.0, 0.0)):
-    """Deviation from the orbit, at the azimuth that is reached, after a time under steady inputs."""
+    """Deviation from the orbit, at the azimuth that is reached, after a time."""
     model, steps = Lagged(rate_lag=LAGS), 200
     numbers = model.numbers(duration / steps)
     state = model.initial(*_begin(where, deviation))

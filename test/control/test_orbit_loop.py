@@ -52,9 +52,7 @@ def test_in_still_air_the_azimuth_does_not_matter(loop):
 
 
 def test_other_weights_other_margins(loop):
-    quick = small_uav.parameters(
-        "input_weights=[0.04, 0.04, 0.2]", "rate_weights=[0.0, 0.0, 0.0]"
-    )
+    quick = small_uav.parameters("input_weights=[0.04, 0.04, 0.2]", "rate_weights=[0.0, 0.0, 0.0]")
     calm = loop.margins(loop.orbit_in(STILL))
     loop.change(quick)
     hasty = loop.margins(loop.orbit_in(STILL))
@@ -65,7 +63,7 @@ def test_other_weights_other_margins(loop):
 
 def test_an_aircraft_later_than_its_margin_is_unstable(loop):
     channel = loop.margins(loop.orbit_in(STILL)).channels["path"]
-    late = loop.told.dead_times + [0.0, 1.05 * channel.delay_s, 0.0]
+    late = loop.told.dead_times + np.array([0.0, 1.05 * channel.delay_s, 0.0])
     found = loop.margins(loop.orbit_in(STILL), Response(loop.told.lags, late, np.ones(3)))
     assert found.disk == 0.0
 

@@ -35,14 +35,11 @@ def shortfalls(margins: LoopMargins, parameters: TrackingParameters) -> list[str
     wanted_s, wanted_db = parameters.delay_margin_min, parameters.gain_margin_min
     found = []
     for name, channel in margins.channels.items():
-        if channel.delay_s < wanted_s:
-            found.append(
-                f"{name} bears {channel.delay_s:.2f} s of delay, delay_margin_min is {wanted_s:g} s"
-            )
-        if channel.gain_db < wanted_db:
-            found.append(
-                f"{name} bears {channel.gain_db:.1f} dB of gain, gain_margin_min is {wanted_db:g} dB"
-            )
+        delay, gain = channel.delay_s, channel.gain_db
+        if delay < wanted_s:
+            found.append(f"{name} bears {delay:.2f} s of delay, delay_margin_min is {wanted_s:g} s")
+        if gain < wanted_db:
+            found.append(f"{name} bears {gain:.1f} dB of gain, gain_margin_min is {wanted_db:g} dB")
     return found
 
 

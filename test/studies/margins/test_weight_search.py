@@ -12,6 +12,7 @@ from uav_tracking_mpc.studies.comparison.measures import Measures
 from uav_tracking_mpc.studies.margins import weight_search as module
 from uav_tracking_mpc.studies.margins.weight_search import as_json, search_table, search_weights
 
+
 class Loop:
     """Delay margins grow with the input weights, the gain margin is always the same."""
 

@@ -6,8 +6,9 @@ ratios count, so that ``state_weights`` stay. Around the best weights so far eac
 lowered by a factor, and the best of all these is gone on from. Where none is better the factor
 becomes its square root. Weights without the margins that are asked, by the model in still air and
 around the orbit in the scenario of the mismatches, are not flown; while there are no others, the
-search goes towards larger margins. What flies is judged by mismatches: the cost is the root mean
-square of range RMS and bank-rate RMS over what is asked of each flight.
+search goes towards larger margins. What flies is judged by mismatches, by range RMS and bank-rate
+RMS, each as a share s of what is asked of the flight: the cost is the mean of log2(1 + s), which is
+1 where all is just what is asked, and in which one flight that fails does not drown the others.
 """
 
 from __future__ import annotations
@@ -241,7 +242,7 @@ def _cost(flights: dict[str, Measures | None]) -> float:
             return UNFLYABLE
         range_rms, bank_rate = FLIGHTS[name]
         shares += [flight.range_rms_m / range_rms, flight.bank_rate_rms_dps / bank_rate]
-    return math.sqrt(sum(share**2 for share in shares) / len(shares))
+    return sum(math.log2(1.0 + share) for share in shares) / len(shares)
 
 
 def _settings(weights: Weights) -> list[str]:
