@@ -50,7 +50,8 @@ def test_people_are_told_what_is_too_small(capsys):
 
 
 def test_a_search_prints_what_to_paste(monkeypatch, tmp_path, capsys):
-    best = weight_search.Candidate((1.0, 2.0, 3.0, 4.0, 5.0, 6.0), 0.4, 9.0, [], {}, 1.0)
+    weights = tuple(float(each) for each in range(1, 15))
+    best = weight_search.Candidate(weights, 0.4, 9.0, [], {}, 1.0)
     monkeypatch.setattr(
         weight_search,
         "search_weights",
@@ -59,7 +60,7 @@ def test_a_search_prints_what_to_paste(monkeypatch, tmp_path, capsys):
     assert main(["margins", "--search", "--output", str(tmp_path)]) == 0
     out = capsys.readouterr().out
     pasted = yaml.safe_load(out[out.index("/**") :])
-    assert pasted["/**/nmpc_controller"]["ros__parameters"]["rate_weights"] == [4.0, 5.0, 6.0]
+    assert pasted["/**/nmpc_controller"]["ros__parameters"]["rate_weights"] == [9.0, 10.0, 11.0]
     assert json.loads((tmp_path / "search.json").read_text())["best"]["cost"] == 1.0
 
 

@@ -377,4 +377,4 @@ def test_small_margins_are_told_at_configuration_and_after_a_change(flight):
     assert flight.set(gain_margin_min=6.0).successful
     assert not any("margin" in words for words in told())
     assert flight.set(input_weights=[0.04] * 3, rate_weights=[0.0] * 3).successful
-    assert any("turn bears 0.2" in words for words in told())
+    assert any("turn bears 0." in words for words in told())

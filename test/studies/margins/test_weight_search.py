@@ -1,6 +1,7 @@
 """The search finds the least cost among weights with the margins, which are formulas here."""
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -39,6 +40,12 @@ def formulas(monkeypatch):
     monkeypatch.setattr(module, "OrbitLoop", Loop)
 
 
+SEARCHED = ("input_weights", "rate_weights")
+# What the formulas here begin with, whatever the configuration has.
+START = (
+    "nmpc_controller.input_weights=[10.0, 2.0, 1.0]",
+    "nmpc_controller.rate_weights=[10.0, 2.0, 1.0]",
+)
 FLIGHT = Measures(0.0, 0.0, 0.0, 20.0, 0.0, 0.0, 0.0, 0, {})
 
 
@@ -49,10 +56,10 @@ def flights(cost):
         found = []
         for _, name, overrides in tasks:
             told = dict(override.split("=") for override in overrides)
-            parts = [yaml.safe_load(told[f"nmpc_controller.{each}"]) for each in module.SEARCHED]
+            parts = [yaml.safe_load(told[f"nmpc_controller.{each}"]) for each in SEARCHED]
             range_rms, _ = module.FLIGHTS[name]
             value = cost([*parts[0], *parts[1]]) * range_rms
-            found.append(module.replace(FLIGHT, range_rms_m=value))
+            found.append(replace(FLIGHT, range_rms_m=value))
         return found
 
     return parallel_map
@@ -65,13 +72,13 @@ def quadratic(weights):
 
 def test_it_goes_where_the_cost_is_least(monkeypatch):
     monkeypatch.setattr(module, "parallel_map", flights(quadratic))
-    search = search_weights("small_uav", flights=["lag_2"], show=False)
-    assert search.best.weights[0] == pytest.approx(30.0, rel=0.3)
-    assert search.best.weights[4] == pytest.approx(1.0, rel=0.3)
+    search = search_weights("small_uav", START, flights=["lag_2"], show=False)
+    assert search.best.by_name["input_weights"][0] == pytest.approx(30.0, rel=0.3)
+    assert search.best.by_name["rate_weights"][1] == pytest.approx(1.0, rel=0.3)
     assert search.best.delay_s >= 0.3
     assert search.best.cost == min(each.cost for each in search.candidates)
     pasted = yaml.safe_load(search.yaml)["/**/nmpc_controller"]["ros__parameters"]
-    assert (*pasted["input_weights"], *pasted["rate_weights"]) == search.best.weights
+    assert [weight for values in pasted.values() for weight in values] == list(search.best.weights)
     assert as_json(search)["best"]["input_weights"] == pasted["input_weights"]
     assert len(search_table(search).rows) == len(search.candidates)
 
@@ -79,8 +86,8 @@ def test_it_goes_where_the_cost_is_least(monkeypatch):
 def test_weights_without_margins_are_not_flown(monkeypatch):
     """The cost would have them smaller and smaller."""
     monkeypatch.setattr(module, "parallel_map", flights(lambda weights: weights[1]))
-    search = search_weights("small_uav", flights=["lag_2"], show=False)
-    assert 1.0 / 0.99 <= search.best.weights[1] < 2.0
+    search = search_weights("small_uav", START, flights=["lag_2"], show=False)
+    assert 1.0 / 0.99 <= search.best.by_name["input_weights"][1] < 2.0
     assert search.best.delay_s >= 0.3
     small = [each for each in search.candidates if each.shortfalls]
     assert all(not each.flights and math.isinf(each.cost) for each in small)
@@ -88,7 +95,7 @@ def test_weights_without_margins_are_not_flown(monkeypatch):
 
 def test_from_weights_without_margins_it_finds_some(monkeypatch):
     monkeypatch.setattr(module, "parallel_map", flights(quadratic))
-    start = ["nmpc_controller.input_weights=[0.5, 0.3, 0.2]"]
+    start = ["nmpc_controller.input_weights=[0.5, 0.3, 0.2]", START[1]]
     search = search_weights("small_uav", start, flights=["lag_2"], show=False)
     assert search.candidates[0].shortfalls
     assert not search.best.shortfalls
@@ -96,11 +103,26 @@ def test_from_weights_without_margins_it_finds_some(monkeypatch):
 
 def test_no_weights_have_such_margins(monkeypatch):
     monkeypatch.setattr(module, "parallel_map", flights(quadratic))
-    asked = ["nmpc_controller.gain_margin_min=9.0"]
-    with pytest.raises(ArithmeticError, match="none of 13 weights"):
+    asked = [*START, "nmpc_controller.gain_margin_min=9.0"]
+    with pytest.raises(ArithmeticError, match="none of 15 weights"):
         search_weights("small_uav", asked, flights=["lag_2"], rounds=1, show=False)
 
 
 def test_the_papers_problem_is_not_searched():
     with pytest.raises(ParameterError, match="terminal_constraint"):
         search_weights("paper", flights=["lag_2"], show=False)
+
+
+def test_the_range_is_weighted_with_its_orbit(monkeypatch):
+    monkeypatch.setattr(module, "parallel_map", flights(lambda weights: 1.0))
+    search = search_weights("small_uav", START, flights=["lag_2"], rounds=1, show=False)
+    begin = search.candidates[0].by_name
+    ratios = {
+        tuple(
+            round(each.by_name[name][0] / begin[name][0], 1)
+            for name in ("state_weights", "offset_weights")
+        )
+        for each in search.candidates
+    }
+    assert len(ratios) == 3
+    assert all(one == pytest.approx(other, rel=0.1) for one, other in ratios)
