@@ -23,7 +23,7 @@ def test_the_gain_turns_inward_from_outside(loop):
     gain = loop.gain(loop.orbit_in(STILL))
     turn, climb, acceleration = gain
     assert turn[0] < 0.0 and climb[1] < 0.0 and acceleration[4] < 0.0
-    assert abs(turn[0]) > 10.0 * abs(turn[1])
+    assert abs(turn[0]) > 2.0 * abs(turn[1])
 
 
 def test_the_gain_is_a_derivative(loop):
