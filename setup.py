@@ -59,6 +59,7 @@ setup(
         "proof": ["python-flint>=0.6"],
         "test": [
             "colcon-common-extensions",
+            "control>=0.10.2",
             "hypothesis",
             "mypy",
             "pytest",

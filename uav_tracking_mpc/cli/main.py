@@ -24,6 +24,7 @@ examples:
   uav_tracking compare --law pursuit.py:Pursuit a law of your own beside them
   uav_tracking simulate --config small_uav --scenario gusts
                                                 one of these flights
+  uav_tracking margins                          how much more lag and gain the loop bears
   uav_tracking benchmark                        the solver beside its peers
   uav_tracking torture --minutes 10             faults injected into real nodes
   uav_tracking torture --soak 2                 hours of flight, watched for growth
