@@ -179,6 +179,14 @@ class TrackingParameters(Gathered):
         2.0,
         size=3,
     )
+    excitation: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Amplitudes of a test signal on turn rate, path-angle rate, acceleration once the flight "
+        "has settled, in their units; 0 for none. For `identify`.",
+        lower=0.0,
+        upper=5.0,
+        size=3,
+    )
     solver: str = parameter(
         "newton", "Solver of the optimal control problem.", choices=SOLVERS, fixed=True
     )

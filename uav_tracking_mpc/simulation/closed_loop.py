@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog
@@ -19,6 +20,7 @@ from uav_tracking_mpc.simulation.plants import Plant, SimulationError, plant_of
 from uav_tracking_mpc.simulation.target_sensor import TargetSensor
 
 Progress = Callable[[float], None]
+Witness = Callable[[float, Measurement, Command | None], None]
 
 
 class _Recorder:
@@ -79,7 +81,11 @@ class _Recorder:
         )
 
 
-def simulate(configuration: Configuration, progress: Progress | None = None) -> FlightLog:
+def simulate(
+    configuration: Configuration,
+    progress: Progress | None = None,
+    witness: Witness | None = None,
+) -> FlightLog:
     """Fly the mission of a configuration on the plant that it names.
 
     Plant, sensors and target run at the rates at which the nodes run. The controller takes no time
@@ -88,6 +94,8 @@ def simulate(configuration: Configuration, progress: Progress | None = None) -> 
     Args:
         configuration: What to fly.
         progress: Called with the simulated time in [s] after each control step.
+        witness: Called at each tick with the time in [s], what is measured and what the controller
+            answers.
 
     Raises:
         ParameterError: There is no such plant, motion or law, or the parameters cannot be flown.
@@ -109,7 +117,10 @@ def simulate(configuration: Configuration, progress: Progress | None = None) -> 
             sensor.measure(now)
         for stamp, position in sensor.delivered(now):
             controller.see_target(stamp, position)
-        command = controller.step(plant.measured(), now)
+        measured = plant.measured()
+        command = controller.step(measured, now)
+        if witness is not None:
+            witness(now, measured, command)
         if command is not None:
             recorder.commands.append(command)
             starts = command.stamp + command.step * np.arange(len(command.inputs))
