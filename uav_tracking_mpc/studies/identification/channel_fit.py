@@ -27,7 +27,7 @@ LAG_MAX, DEAD_TIME_MAX = 3.0, 2.0  # s
 LAGS = np.concatenate([[0.0], np.geomspace(0.02, LAG_MAX, 16)])  # of the grid in [s]
 DEAD_TIMES = np.concatenate([np.arange(0.0, 0.6, 0.05), np.arange(0.6, 2.01, 0.1)])  # in [s]
 STARTS = 3  # points of the grid from which the search begins
-ROUNDS = 3  # in which fit and noise are made to agree
+ROUNDS = (True, True, False, False)  # of fit and noise: whether on the whole grid
 REFINED = {"xatol": 1e-5, "fatol": 1e-6, "maxfev": 200}
 # No sensor is better: 0.01 deg of attitude, 0.1 deg/s of rate, 0.01 m/s of airspeed.
 LEAST_ANGLE_NOISE, LEAST_RATE_NOISE, LEAST_SPEED_NOISE = 2e-4, 2e-3, 1e-2
@@ -62,6 +62,7 @@ class ChannelFit:
         lag: tau in [s], the best.
         dead_time: D in [s], the best.
         solved: The rest, with them.
+        noise: Of each output.
     """
 
     def __init__(self, record: ChannelRecord, demand: NDArray[np.float64]) -> None:
@@ -72,7 +73,7 @@ class ChannelFit:
         self._outputs = [record.state] + ([] if record.rate is None else [record.rate])
         self._middle = float(np.mean(record.state.time))
         spread = max(float(np.std(record.state.value)), least)
-        self._noise = [NoiseModel(np.ones(1), spread) for _ in self._outputs]
+        self.noise = [NoiseModel(np.ones(1), spread) for _ in self._outputs]
         self._rates = lru_cache(maxsize=len(LAGS) + 8)(self._demand.rates_at_steps)
 
     def columns(self, lag: float, dead_time: float) -> list[NDArray[np.float64]]:
@@ -117,36 +118,39 @@ class ChannelFit:
         self, lag: float, dead_time: float
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         columns = self.columns(lag, dead_time)
-        matrix = [n.whitened(c) for n, c in zip(self._noise, columns, strict=True)]
-        right = [n.whitened(o.value) for n, o in zip(self._noise, self._outputs, strict=True)]
+        matrix = [n.whitened(c) for n, c in zip(self.noise, columns, strict=True)]
+        right = [n.whitened(o.value) for n, o in zip(self.noise, self._outputs, strict=True)]
         return np.concatenate(matrix), np.concatenate(right)
 
     def run(self) -> ChannelFit:
         """Find lag, dead time and noise."""
-        for _ in range(ROUNDS):
-            self._search()
+        starts: list[tuple[float, float]] = []
+        for anywhere in ROUNDS:
+            if anywhere:
+                starts = self._grid()
+            self._refine(starts)
+            starts = [(self.lag, self.dead_time)]
             columns = self.columns(self.lag, self.dead_time)
-            # The rate's scale is unknown until the first fit: its own residuals tell.
             residuals = [
                 output.value - matrix @ self.solved.coefficients
                 for output, matrix in zip(self._outputs, columns, strict=True)
             ]
-            self._noise = [
+            self.noise = [
                 noise_of(left - np.mean(left), least)
                 for left, least in zip(residuals, self._least, strict=False)
             ]
-        self._search()
+        self._refine(starts)
         return self
 
-    def _search(self) -> None:
-        """The best lag and dead time with the present noise."""
-        grid = [
-            (self.solve(lag, dead_time).misfit, lag, dead_time)
-            for lag in LAGS.tolist()
-            for dead_time in DEAD_TIMES.tolist()
-        ]
+    def _grid(self) -> list[tuple[float, float]]:
+        """The best lags and dead times of the grid with the present noise."""
+        points = [(lag, dead_time) for lag in LAGS.tolist() for dead_time in DEAD_TIMES.tolist()]
+        return sorted(points, key=lambda point: self.solve(*point).misfit)[:STARTS]
+
+    def _refine(self, starts: list[tuple[float, float]]) -> None:
+        """The best lag and dead time near some with the present noise."""
         best = np.inf
-        for _, lag, dead_time in sorted(grid)[:STARTS]:
+        for lag, dead_time in starts:
             found = minimize(
                 lambda point: self.solve(float(point[0]), float(point[1])).misfit,
                 (lag, dead_time),
@@ -162,6 +166,18 @@ class ChannelFit:
     def fitted(self) -> NDArray[np.float64]:
         """The fitted integral at the times of ``record.state``, shape (n,)."""
         return self.columns(self.lag, self.dead_time)[0] @ self.solved.coefficients
+
+    def flown_rate(self) -> NDArray[np.float64]:
+        """The fitted rate at these times, shape (n,), in [rad/s] or [m/s^2]."""
+        rates = self._rates(self.lag)
+        time = self.record.state.time
+        rate, _ = self._demand.response(time, self.lag, self.dead_time, rates)
+        return self.solved.gain * rate
+
+    @property
+    def count(self) -> int:
+        """How many values were fitted."""
+        return sum(len(output.time) for output in self._outputs)
 
 
 def _simplex(lag: float, dead_time: float) -> list[tuple[float, float]]:
