@@ -119,6 +119,21 @@ class TrackingParameters(Gathered):
         upper=1e9,
         fixed_unless=COMPILED,
     )
+    rate_weights: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Of the rates of change of turn rate, path-angle rate and acceleration, with the "
+        "artificial orbit.",
+        size=3,
+        lower=0.0,
+        upper=1e9,
+    )
+    airspeed_band: float = parameter(
+        0.15,
+        "Share of the wanted airspeed by which plans leave it unless a limit or the drift forces "
+        "them, with the artificial orbit.",
+        lower=0.01,
+        upper=10.0,
+    )
     terminal_scaling: float = parameter(
         paper.SCALING,
         "rho: terminal weight P_rho = rho P.",
