@@ -7,6 +7,7 @@
 ``compare``          the predictive controller beside classical laws
 ``stability``        the stability analysis, its proof and its certificate
 ``benchmark``        solve times beside other solvers
+``identify``         lag, dead time and gain from a recorded flight
 ``torture``          faults injected into real nodes
 ``monitor``          a live table of a flight
 ``launch_tracking``  entry point of the executable that only starts the nodes

@@ -27,13 +27,14 @@ from uav_tracking_mpc.limits import Motion
 from uav_tracking_mpc.limits.path_angle import PathAngle
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
+USUAL = (0.06, 0.06, 1.2)  # amplitudes in [rad/s, rad/s, m/s^2]: 8 deg of bank, 5 % of airspeed
 HALVES = (0.2, 0.2, 0.2, 0.3, 0.3, 0.3, 2.0)  # s, of the doublets of a cycle
 CALM_TIME = 5.0  # s on the orbit before the signal begins
 FADE_TIME = 1.0  # s from nothing to all of it, and back
 # From the orbit, for the signal to begin, in range and height: m, and a share of the range.
 NEAR, NEAR_SHARE = 10.0, 0.03
 LEFT = 2.0  # so many times as far, and the orbit counts as left
-AIRSPEED_SHARE = 0.15  # of the airspeed asked for by which it may differ
+AIRSPEED_SHARE, AIRSPEED_LEFT = 0.15, 0.2  # of the airspeed asked for, likewise
 TURN_SHARE = 0.85  # of the greatest turn rate that may be commanded beside the signal
 # From limits, in units of `Bound.scale`: 2 m/s of airspeed, 10 m of height or distance, 20 m of the
 # fence. Of the path angle 0.05 rad: the signal itself moves it.
@@ -179,7 +180,8 @@ class Excitation:
         allowed = max(NEAR, NEAR_SHARE * orbit.range) * (LEFT if self._going else 1.0)
         if not off <= allowed:
             return f"{off:.1f} m off the orbit"
-        if not abs(airspeed - orbit.speed) <= AIRSPEED_SHARE * orbit.speed:
+        share = AIRSPEED_LEFT if self._going else AIRSPEED_SHARE
+        if not abs(airspeed - orbit.speed) <= share * orbit.speed:
             return f"the airspeed is {airspeed:.1f} m/s"
         if abs(inputs[0]) > TURN_SHARE * self._envelope.turn_rate_max(airspeed):
             return "the turn is near its limit"

@@ -82,9 +82,7 @@ class _Recorder:
 
 
 def simulate(
-    configuration: Configuration,
-    progress: Progress | None = None,
-    witness: Witness | None = None,
+    configuration: Configuration, progress: Progress | None = None, witness: Witness | None = None
 ) -> FlightLog:
     """Fly the mission of a configuration on the plant that it names.
 

@@ -100,9 +100,7 @@ def read_bag_record(path: Path) -> FlightRecord:
     if not contents.plans:
         raise RecordError(f"bag {path} holds no {COMMAND}")
     time, *columns = zip(*contents.states, strict=True)
-    heading, path_angle, turn_rate, path_angle_rate = (
-        samples(time, column) for column in columns
-    )
+    heading, path_angle, turn_rate, path_angle_rate = (samples(time, column) for column in columns)
     airspeed: Samples | None = None
     if contents.airspeeds:
         airspeed = samples(*zip(*contents.airspeeds, strict=True))

@@ -110,9 +110,7 @@ class ChannelFit:
         residuals = right - scaled @ coefficients
         coefficients = coefficients / scale
         variance = float(inverse[0, 0] / scale[0] ** 2)
-        return Solved(
-            float(residuals @ residuals), float(coefficients[0]), variance, coefficients
-        )
+        return Solved(float(residuals @ residuals), float(coefficients[0]), variance, coefficients)
 
     def _whitened(
         self, lag: float, dead_time: float

@@ -61,7 +61,7 @@ class FlightWitness:
         """
         self._measured.append(measured)
         if command is not None:
-            starts = command.stamp + command.step * np.arange(len(command.inputs))
+            starts = command.stamp + command.step * np.arange(float(len(command.inputs)))
             self._plans.append(FlownPlan(now, starts, command.inputs))
 
     def record(self) -> FlightRecord:
@@ -141,9 +141,7 @@ def read_csv_record(path: Path) -> FlightRecord:
     demand = Demand(time[commanded][order], inputs[commanded][order])
     heading, path_angle = (samples(time, table[name]) for name in STATES)
     airspeed, turn_rate, path_angle_rate = (
-        samples(time, table[name])
-        if name in table and np.isfinite(table[name]).any()
-        else None
+        samples(time, table[name]) if name in table and np.isfinite(table[name]).any() else None
         for name in OPTIONAL
     )
     return FlightRecord(demand, heading, path_angle, airspeed, turn_rate, path_angle_rate)

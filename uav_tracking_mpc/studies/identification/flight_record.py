@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
 from uav_tracking_mpc.studies.identification.channel_record import (
@@ -132,12 +132,12 @@ class FlightRecord:
             raise RecordError(str(error)) from error
 
 
-def samples(time: Sequence[float], values: Sequence[float]) -> Samples:
+def samples(time: ArrayLike, values: ArrayLike) -> Samples:
     """Samples in order, one at a time, without what is no number.
 
     Args:
-        time: In [s], in any order.
-        values: As many.
+        time: In [s], in any order, shape (n,).
+        values: Shape (n,).
     """
     times, held = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
     known = np.isfinite(times) & np.isfinite(held)

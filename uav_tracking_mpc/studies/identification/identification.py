@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,11 @@ from uav_tracking_mpc.studies.identification.channel_fit import ChannelFit
 from uav_tracking_mpc.studies.identification.channel_record import TURN, ChannelRecord
 from uav_tracking_mpc.studies.identification.csv_record import read_csv_record
 from uav_tracking_mpc.studies.identification.flight_record import FlightRecord, RecordError
-from uav_tracking_mpc.studies.identification.profile_intervals import Estimates, estimates
+from uav_tracking_mpc.studies.identification.profile_intervals import (
+    CONFIDENCE,
+    Estimates,
+    estimates,
+)
 from uav_tracking_mpc.studies.identification.saturation import Limits, limited_fit
 
 # Half of the interval of lag plus dead time up to which a channel counts as identified.
@@ -121,3 +125,33 @@ def _identified(record: ChannelRecord) -> ChannelIdentification:
     return ChannelIdentification(record.name, estimates(fit), fit, limits)
 
 
+def identify_flight(path: Path) -> list[ChannelIdentification]:
+    """Identify every channel that a file holds.
+
+    Args:
+        path: File, or folder of a bag.
+
+    Raises:
+        ParameterError: It does not hold what is needed.
+        OSError: It is not there, or cannot be read.
+    """
+    record = read_record(path)
+    try:
+        channels = record.channels()
+    except RecordError as error:
+        raise ParameterError(f"{path}: {error}") from error
+    return identify(channels)
+
+
+def identification(path: Path, found: Sequence[ChannelIdentification]) -> dict[str, Any]:
+    """What was found as plain values.
+
+    Args:
+        path: Of the record.
+        found: In it.
+    """
+    return {
+        "record": str(path),
+        "confidence": CONFIDENCE,
+        "channels": {channel.name: channel.as_json() for channel in found},
+    }

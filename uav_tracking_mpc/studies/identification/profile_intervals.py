@@ -137,11 +137,15 @@ class _Profile:
             while True:
                 outside = max(best - step, 0.0) if bound == 0.0 else min(best + step, most)
                 if profile(outside) > self._allowed:
-                    end = brentq(
-                        lambda value: profile(value) - self._allowed,
-                        *sorted((inside, outside)),
-                        xtol=PRECISION,
-                    ) if profile(inside) < self._allowed else inside
+                    end = (
+                        brentq(
+                            lambda value: profile(value) - self._allowed,
+                            *sorted((inside, outside)),
+                            xtol=PRECISION,
+                        )
+                        if profile(inside) < self._allowed
+                        else inside
+                    )
                     break
                 if outside == bound:
                     end = bound

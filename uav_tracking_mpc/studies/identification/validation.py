@@ -14,6 +14,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from uav_tracking_mpc.control.excitation import USUAL
+from uav_tracking_mpc.parameters.specification import changed
+from uav_tracking_mpc.report.table import Table
 from uav_tracking_mpc.settings.configuration import Configuration, load_configuration
 from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.studies.identification.channel_record import CHANNELS, Samples
@@ -30,7 +33,6 @@ TOLD = 2.0  # greatest factor by which lag and dead time are told wrong
 # How near an estimate must come: s, and share of the truth.
 NEAR = {"total": (0.03, 0.05), "lag": (0.06, 0.15), "dead_time": (0.06, 0.15)}
 NOISE = {"velocity_noise": 0.3, "attitude_noise": math.radians(0.5), "airspeed_noise": 0.3}
-AMPLITUDES = (0.06, 0.06, 1.2)
 
 
 class Truth(NamedTuple):
@@ -94,30 +96,28 @@ def drawn(flight: Flight) -> tuple[Configuration, Truth]:
         flight: To be flown.
     """
     random = np.random.default_rng(flight.seed)
-    lag = np.exp(random.uniform(*np.log(LAG), 3))
+    shortest, longest = np.log(LAG).tolist()
+    lag = np.exp(random.uniform(shortest, longest, 3))
     dead_time, gain = random.uniform(*DEAD_TIME, 3), random.uniform(*GAIN, 3)
-    told = np.exp(random.uniform(-np.log(TOLD), np.log(TOLD), (2, 3)))
+    told = np.exp(random.uniform(-math.log(TOLD), math.log(TOLD), (2, 3)))
     configuration = load_configuration(flight.config, flight.overrides, SCENARIO)
     truth = Truth(*(tuple(values.tolist()) for values in (lag, dead_time, gain)))
-    simulator = replace(
-        configuration.simulator,
-        rate_lag=truth.lag,
-        dead_time=truth.dead_time,
-        command_gain=truth.gain,
-        seed=flight.seed,
+    true: dict[str, Any] = {
+        "rate_lag": truth.lag,
+        "dead_time": truth.dead_time,
+        "command_gain": truth.gain,
+        "seed": flight.seed,
         **NOISE,
-    )
+    }
     told_lag, told_dead_time = (told * (lag, dead_time)).tolist()
-    controller = replace(
-        configuration.controller,
-        rate_lag=tuple(told_lag),
-        dead_time=tuple(told_dead_time),
-        excitation=AMPLITUDES,
+    believed = {"rate_lag": told_lag, "dead_time": told_dead_time, "excitation": USUAL}
+    drawn_configuration = replace(
+        configuration,
+        simulator=changed(configuration.simulator, true),
+        controller=changed(configuration.controller, believed),
+        mission=replace(configuration.mission, duration=DURATION),
     )
-    mission = replace(configuration.mission, duration=DURATION)
-    return replace(
-        configuration, simulator=simulator, controller=controller, mission=mission
-    ), truth
+    return drawn_configuration, truth
 
 
 def fly(flight: Flight) -> Identified:
@@ -179,9 +179,7 @@ def validate(
         "flights": count,
         "seed": seed,
         "confidence": CONFIDENCE,
-        "channels": {
-            name: _counted(index, name, flown) for index, name in enumerate(CHANNELS)
-        },
+        "channels": {name: _counted(index, name, flown) for index, name in enumerate(CHANNELS)},
     }
 
 
@@ -212,3 +210,26 @@ def _counted(index: int, name: str, flown: Sequence[Identified]) -> dict[str, An
 def _share(hits: Iterable[bool]) -> float:
     counted = list(hits)
     return sum(counted) / len(counted)
+
+
+def validation_table(content: dict[str, Any]) -> Table:
+    """Shares of the flights, one row a channel.
+
+    Args:
+        content: Of :func:`validate`.
+    """
+    near = [
+        f"{name.replace('_', ' ')} within {least:g} s or {share:.0%}"
+        for name, (least, share) in NEAR.items()
+    ]
+    covered = [f"interval holds {name.replace('_', ' ')}" for name in Estimates._fields]
+    rows = [
+        [name, *(f"{share:.1%}" for share in (*c["near"].values(), *c["covered"].values()))]
+        for name, c in content["channels"].items()
+    ]
+    return Table(
+        ["channel", *near, *covered],
+        rows,
+        numeric=(*near, *covered),
+        title=f"{content['flights']} flights, {EXCITED:g} s of each",
+    )
