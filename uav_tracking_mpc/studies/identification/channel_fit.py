@@ -12,6 +12,7 @@ lag and dead time are found on a grid, for there may be several minima, and then
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -19,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from uav_tracking_mpc.studies.identification.channel_record import SPEED, ChannelRecord
+from uav_tracking_mpc.studies.identification.channel_record import SPEED, ChannelRecord, Samples
 from uav_tracking_mpc.studies.identification.channel_response import HeldDemand
 from uav_tracking_mpc.studies.identification.noise_model import NoiseModel, noise_of
 
@@ -40,13 +41,38 @@ class Solved(NamedTuple):
         misfit: Sum of squares of the residuals made white [-].
         gain: G [-].
         gain_variance: Of the gain with lag and dead time given [-].
-        coefficients: (G, b, y_0) and b_omega where the rate is measured, shape (3,) or (4,).
     """
 
     misfit: float
     gain: float
     gain_variance: float
-    coefficients: NDArray[np.float64]
+
+
+class _Output:
+    """What was measured of one quantity; offset and drift are fitted to it beside the response."""
+
+    def __init__(self, samples: Samples, offsets: NDArray[np.float64], noise: NoiseModel) -> None:
+        self.samples, self._offsets = samples, offsets
+        self.describe(noise)
+
+    def describe(self, noise: NoiseModel) -> None:
+        """Weigh the measurements by this noise."""
+        self.noise = noise
+        self._basis, self._triangle = np.linalg.qr(noise.whitened(self._offsets))
+        self._measured = noise.whitened(self.samples.value)
+        self.measured = self._less_offsets(self._measured)
+
+    def _less_offsets(self, white: NDArray[np.float64]) -> NDArray[np.float64]:
+        return white - self._basis @ (self._basis.T @ white)
+
+    def response(self, response: NDArray[np.float64]) -> NDArray[np.float64]:
+        """A response made white, less what the offsets explain of it."""
+        return self._less_offsets(self.noise.whitened(response))
+
+    def fitted(self, response: NDArray[np.float64]) -> NDArray[np.float64]:
+        """A response with the offsets that fit best."""
+        left = self._basis.T @ (self._measured - self.noise.whitened(response))
+        return response + self._offsets @ np.linalg.solve(self._triangle, left)
 
 
 class ChannelFit:
@@ -62,7 +88,6 @@ class ChannelFit:
         lag: tau in [s], the best.
         dead_time: D in [s], the best.
         solved: The rest, with them.
-        noise: Of each output.
     """
 
     def __init__(self, record: ChannelRecord, demand: NDArray[np.float64]) -> None:
@@ -70,29 +95,35 @@ class ChannelFit:
         self._demand = HeldDemand(record.demand._replace(value=demand))
         least = LEAST_SPEED_NOISE if record.name == SPEED else LEAST_ANGLE_NOISE
         self._least = (least, LEAST_RATE_NOISE)
-        self._outputs = [record.state] + ([] if record.rate is None else [record.rate])
-        self._middle = float(np.mean(record.state.time))
-        spread = max(float(np.std(record.state.value)), least)
-        self.noise = [NoiseModel(np.ones(1), spread) for _ in self._outputs]
+        time, value = record.state
+        slope_and_level = np.column_stack([time - np.mean(time), np.ones(len(time))])
+        white = NoiseModel(np.ones(1), max(float(np.std(value)), least))
+        self._outputs = [_Output(record.state, slope_and_level, white)]
+        if record.rate is not None:
+            self._outputs.append(_Output(record.rate, np.ones((len(record.rate.time), 1)), white))
         self._rates = lru_cache(maxsize=len(LAGS) + 8)(self._demand.rates_at_steps)
 
-    def columns(self, lag: float, dead_time: float) -> list[NDArray[np.float64]]:
-        """What the coefficients multiply: a matrix for each output, shape (n, 3) or (n, 4).
+    @property
+    def noise(self) -> list[NoiseModel]:
+        """Of each output."""
+        return [output.noise for output in self._outputs]
+
+    def describe(self, noise: Sequence[NoiseModel]) -> None:
+        """Take this noise of the outputs for known.
 
         Args:
-            lag: tau in [s].
-            dead_time: D in [s].
+            noise: Of each.
         """
+        for output, described in zip(self._outputs, noise, strict=True):
+            output.describe(described)
+
+    def _responses(self, lag: float, dead_time: float) -> list[NDArray[np.float64]]:
+        """Of each output to the demand, with gain 1."""
         rates = self._rates(lag)
         found = []
         for index, output in enumerate(self._outputs):
-            rate, integral = self._demand.response(output.time, lag, dead_time, rates)
-            nothing, one = np.zeros_like(rate), np.ones_like(rate)
-            if index == 0:
-                columns = [integral, output.time - self._middle, one, nothing]
-            else:
-                columns = [rate, nothing, nothing, one]
-            found.append(np.column_stack(columns[: 2 + len(self._outputs)]))
+            rate, integral = self._demand.response(output.samples.time, lag, dead_time, rates)
+            found.append(rate if index else integral)
         return found
 
     def solve(self, lag: float, dead_time: float) -> Solved:
@@ -102,23 +133,15 @@ class ChannelFit:
             lag: tau in [s].
             dead_time: D in [s].
         """
-        matrix, right = self._whitened(lag, dead_time)
-        scale = np.linalg.norm(matrix, axis=0) + 1e-300
-        scaled = matrix / scale
-        inverse = np.linalg.pinv(scaled.T @ scaled, hermitian=True)
-        coefficients = inverse @ (scaled.T @ right)
-        residuals = right - scaled @ coefficients
-        coefficients = coefficients / scale
-        variance = float(inverse[0, 0] / scale[0] ** 2)
-        return Solved(float(residuals @ residuals), float(coefficients[0]), variance, coefficients)
-
-    def _whitened(
-        self, lag: float, dead_time: float
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        columns = self.columns(lag, dead_time)
-        matrix = [n.whitened(c) for n, c in zip(self.noise, columns, strict=True)]
-        right = [n.whitened(o.value) for n, o in zip(self.noise, self._outputs, strict=True)]
-        return np.concatenate(matrix), np.concatenate(right)
+        squares = products = total = 0.0
+        for output, response in zip(self._outputs, self._responses(lag, dead_time), strict=True):
+            column = output.response(response)
+            squares += float(column @ column)
+            products += float(column @ output.measured)
+            total += float(output.measured @ output.measured)
+        gain = products / squares if squares > 0.0 else 0.0
+        variance = 1.0 / squares if squares > 0.0 else np.inf
+        return Solved(max(total - gain * products, 0.0), gain, variance)
 
     def run(self) -> ChannelFit:
         """Find lag, dead time and noise."""
@@ -128,15 +151,13 @@ class ChannelFit:
                 starts = self._grid()
             self._refine(starts)
             starts = [(self.lag, self.dead_time)]
-            columns = self.columns(self.lag, self.dead_time)
-            residuals = [
-                output.value - matrix @ self.solved.coefficients
-                for output, matrix in zip(self._outputs, columns, strict=True)
-            ]
-            self.noise = [
-                noise_of(left - np.mean(left), least)
-                for left, least in zip(residuals, self._least, strict=False)
-            ]
+            noise = []
+            for output, fitted, least in zip(
+                self._outputs, self._fitted(), self._least, strict=False
+            ):
+                left = output.samples.value - fitted
+                noise.append(noise_of(left - np.mean(left), least))
+            self.describe(noise)
         self._refine(starts)
         return self
 
@@ -161,9 +182,16 @@ class ChannelFit:
                 self.lag, self.dead_time = (float(value) for value in found.x)
         self.solved = self.solve(self.lag, self.dead_time)
 
+    def _fitted(self) -> list[NDArray[np.float64]]:
+        responses = self._responses(self.lag, self.dead_time)
+        return [
+            output.fitted(self.solved.gain * response)
+            for output, response in zip(self._outputs, responses, strict=True)
+        ]
+
     def fitted(self) -> NDArray[np.float64]:
         """The fitted integral at the times of ``record.state``, shape (n,)."""
-        return self.columns(self.lag, self.dead_time)[0] @ self.solved.coefficients
+        return self._fitted()[0]
 
     def flown_rate(self) -> NDArray[np.float64]:
         """The fitted rate at these times, shape (n,), in [rad/s] or [m/s^2]."""
@@ -175,7 +203,7 @@ class ChannelFit:
     @property
     def count(self) -> int:
         """How many values were fitted."""
-        return sum(len(output.time) for output in self._outputs)
+        return sum(len(output.samples.time) for output in self._outputs)
 
 
 def _simplex(lag: float, dead_time: float) -> list[tuple[float, float]]:

@@ -15,6 +15,8 @@ from uav_tracking_mpc.studies.identification.channel_fit import ChannelFit
 from uav_tracking_mpc.studies.identification.channel_record import ChannelRecord
 
 SHARES = np.linspace(0.3, 0.98, 35)  # of the greatest demand, tried as its limit
+NEARBY = np.linspace(0.92, 1.08, 17)  # of a limit that was found, tried in its place
+ROUNDS = 3  # in which limits and the rest are made to agree
 CONVINCING = 30.0  # by which the misfit must fall [-]; by chance it falls by a few
 
 
@@ -47,7 +49,7 @@ def limited_fit(record: ChannelRecord) -> tuple[ChannelFit, Limits]:
     """
     limits = Limits()
     fit = ChannelFit(record, record.demand.value).run()
-    for _ in range(2):
+    for _ in range(ROUNDS):
         found = _better(fit, limits)
         if found == limits:
             break
@@ -64,9 +66,12 @@ def _better(fit: ChannelFit, limits: Limits) -> Limits:
         inward = 1.0 if side == "upper" else -1.0
         if inward * extreme <= 0.0:
             continue
-        tried = [limits._replace(**{side: float(share * extreme)}) for share in SHARES]
+        known = getattr(limits, side)
+        places = NEARBY * known if np.isfinite(known) else SHARES * extreme
+        tried = [limits._replace(**{side: float(place)}) for place in places]
         misfits = [_misfit(fit, candidate) for candidate in tried]
-        if min(misfits) < _misfit(fit, limits) - CONVINCING:
+        needed = 0.0 if np.isfinite(known) else CONVINCING
+        if min(misfits) < _misfit(fit, limits) - needed:
             limits = tried[int(np.argmin(misfits))]
     return limits
 
@@ -74,5 +79,5 @@ def _better(fit: ChannelFit, limits: Limits) -> Limits:
 def _misfit(fit: ChannelFit, limits: Limits) -> float:
     """Of the same lag, dead time and noise with other limits."""
     other = ChannelFit(fit.record, limits.kept(fit.record))
-    other.noise = fit.noise
+    other.describe(fit.noise)
     return other.solve(fit.lag, fit.dead_time).misfit
