@@ -3,7 +3,7 @@ r"""Confidence intervals by the profile of the likelihood.
 An interval holds every value with which the record is hardly less likely than with the best one,
 all other unknowns being fitted anew (W. Meeker, L. Escobar, The American Statistician 49, 1995):
 
-.. math:: J(\theta) - J_{min} \le \chi^2_1(0.95) \, J_{min} / (n - k)
+.. math:: J(\theta) - J_{min} \le \chi^2_1(0.95) \, \max(1, J_{min} / (n - k))
 
 Lag and dead time are nearly interchangeable, neither is negative, and the misfit is not smooth in
 the dead time, so intervals from second derivatives would be wrong; these need none.
@@ -11,10 +11,10 @@ the dead time, so intervals from second derivatives would be wrong; these need n
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 from scipy.stats import chi2
 
@@ -88,8 +88,9 @@ class _Profile:
 
     def estimates(self) -> Estimates:
         fit = self._fit
-        best = fit.solved.misfit
-        self._allowed = best * (1.0 + chi2.ppf(CONFIDENCE, 1) / (fit.count - UNKNOWNS))
+        # Less than 1 where the noise is less than what is assumed at least.
+        self._variance = max(fit.solved.misfit / (fit.count - UNKNOWNS), 1.0)
+        self._allowed = fit.solved.misfit + self._variance * float(chi2.ppf(CONFIDENCE, 1))
         lag = self._interval(fit.lag, LAG_MAX, self._at_lag)
         dead_time = self._interval(fit.dead_time, DEAD_TIME_MAX, self._at_dead_time)
         total = self._interval(self._total, LAG_MAX + DEAD_TIME_MAX, self._at_total)
@@ -157,10 +158,9 @@ class _Profile:
     def _gain(self) -> Estimate:
         """Of all the points tried: those that line the region allowed are among them."""
         lower = upper = self._fit.solved.gain
-        per_variance = self._fit.solved.misfit / (self._fit.count - UNKNOWNS)
         for solved in self._tried:
-            room = (self._allowed - solved.misfit) / per_variance
+            room = self._allowed - solved.misfit
             if room > 0.0:
-                reach = float(np.sqrt(room * per_variance * solved.gain_variance))
+                reach = math.sqrt(room * solved.gain_variance)
                 lower, upper = min(lower, solved.gain - reach), max(upper, solved.gain + reach)
         return Estimate(self._fit.solved.gain, lower, upper)
