@@ -42,6 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--workers", type=number(int, 1), metavar="N", help="processes (default: one a core)"
     )
     parser.add_argument("--seed", type=number(int, 0), default=0, help="of the flights' draws")
+    parser.add_argument(
+        "--page", type=Path, metavar="FILE", help="put the counts into a page of the documentation"
+    )
     add_configuration_arguments(parser, default="small_uav")
 
 
@@ -105,5 +108,8 @@ def _validate(arguments: argparse.Namespace) -> int:
 
         arguments.output.mkdir(parents=True, exist_ok=True)
         write_json(arguments.output / "validation.json", content)
-    answer(content, [validation_table(content).as_rich()], arguments.json)
+    table = validation_table(content)
+    if arguments.page is not None:
+        table.write_into(arguments.page, "identification")
+    answer(content, [table.as_rich()], arguments.json)
     return 0

@@ -2,7 +2,7 @@ r"""A small test signal on the commands, from which a flight tells how the aircr
 
 Each channel flies doublets: plus the amplitude for a time d, minus the amplitude for the same time,
 so that heading, path angle and airspeed come back to where they were. Short ones (0.2 and 0.3 s)
-tell lag from dead time where both are small; long ones (2 s), their sum and the gain. A doublet has
+tell lag from dead time where both are small; long ones (1.7 s), their sum and the gain. A doublet has
 most of its power about :math:`\omega = 2.3 / d`. Their order and signs are drawn anew for every
 channel and cycle, so that the channels can be told apart (R. Jategaonkar, Flight Vehicle System
 Identification, 2nd ed., 2015, chapter 2: multistep inputs).
@@ -27,18 +27,19 @@ from uav_tracking_mpc.limits import Motion
 from uav_tracking_mpc.limits.path_angle import PathAngle
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
-USUAL = (0.06, 0.06, 1.2)  # amplitudes in [rad/s, rad/s, m/s^2]: 8 deg of bank, 5 % of airspeed
-HALVES = (0.2, 0.2, 0.2, 0.3, 0.3, 0.3, 2.0)  # s, of the doublets of a cycle
+# Amplitudes in [rad/s, rad/s, m/s^2]: 8 deg of bank, 5 deg of path angle, 10 % of airspeed.
+USUAL = (0.06, 0.11, 1.5)
+HALVES = (0.2, 0.2, 0.2, 0.3, 0.3, 0.3, 1.7)  # s, of the doublets of a cycle
 CALM_TIME = 5.0  # s on the orbit before the signal begins
 FADE_TIME = 1.0  # s from nothing to all of it, and back
 # From the orbit, for the signal to begin, in range and height: m, and a share of the range.
 NEAR, NEAR_SHARE = 10.0, 0.03
 LEFT = 2.0  # so many times as far, and the orbit counts as left
-AIRSPEED_SHARE, AIRSPEED_LEFT = 0.15, 0.2  # of the airspeed asked for, likewise
+AIRSPEED_SHARE, AIRSPEED_LEFT = 0.15, 0.25  # of the airspeed asked for, likewise
 TURN_SHARE = 0.85  # of the greatest turn rate that may be commanded beside the signal
 # From limits, in units of `Bound.scale`: 2 m/s of airspeed, 10 m of height or distance, 20 m of the
-# fence. Of the path angle 0.05 rad: the signal itself moves it.
-MARGIN, ANGLE_MARGIN = 2.0, 0.05
+# fence. Of the path angle 0.03 rad: the signal itself moves it.
+MARGIN, ANGLE_MARGIN = 2.0, 0.03
 
 
 class Doublets:

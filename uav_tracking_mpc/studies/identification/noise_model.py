@@ -23,7 +23,7 @@ class NoiseModel(NamedTuple):
 
     Attributes:
         polynomial: A(q), from 1 on, shape (p + 1,).
-        deviation: Of the white noise behind it, in the unit of the residuals.
+        deviation: Of the white noise behind it, in [rad], [rad/s] or [m/s] as the residuals.
     """
 
     polynomial: NDArray[np.float64]
@@ -47,7 +47,7 @@ def noise_of(residuals: NDArray[np.float64], least: float) -> NoiseModel:
 
     Args:
         residuals: Of zero mean, shape (n,).
-        least: Deviation that is assumed at least, in their unit: no sensor is exact.
+        least: Deviation that is assumed at least, in [rad], [rad/s] or [m/s]: no sensor is exact.
     """
     count = len(residuals)
     covariance = np.array(

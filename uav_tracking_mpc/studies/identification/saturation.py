@@ -25,7 +25,7 @@ class Limits(NamedTuple):
 
     Attributes:
         lower: In [rad/s], [m/s^2] or, in a turn, tan(bank) [-].
-        upper: Likewise.
+        upper: In the same unit, [rad/s], [m/s^2] or [-].
     """
 
     lower: float = -np.inf
