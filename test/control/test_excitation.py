@@ -91,8 +91,8 @@ def test_it_begins_on_the_orbit_and_fades_in():
     [
         (situation(), FallbackMode.FEASIBLE, "feasible plan"),
         (situation(height=25.0), FallbackMode.OPTIMAL, "off the orbit"),
-        (situation(airspeed=27.0), FallbackMode.OPTIMAL, "airspeed"),
-        (situation(path_angle=-0.12), FallbackMode.OPTIMAL, "path angle"),
+        (situation(airspeed=28.5), FallbackMode.OPTIMAL, "airspeed"),
+        (situation(path_angle=-0.14), FallbackMode.OPTIMAL, "path angle"),
     ],
     ids=["fallback", "off", "fast", "steep"],
 )
