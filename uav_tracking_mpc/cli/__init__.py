@@ -6,6 +6,7 @@
 ``simulate``         the same mission without ROS
 ``compare``          the predictive controller beside classical laws
 ``stability``        the stability analysis, its proof and its certificate
+``margins``          stability margins about the orbit, and a search for weights
 ``benchmark``        solve times beside other solvers
 ``identify``         lag, dead time and gain from a recorded flight
 ``torture``          faults injected into real nodes

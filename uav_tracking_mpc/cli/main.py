@@ -21,6 +21,7 @@ COMMANDS = (
     "identify",
     "torture",
     "monitor",
+    "margins",
 )
 EPILOG = """\
 examples:

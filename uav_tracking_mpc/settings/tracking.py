@@ -223,6 +223,17 @@ class TrackingParameters(Gathered):
     target_agility: float = parameter(
         0.5, "How hard the target may accelerate, for the filter.", "m/s^2", 1e-3, 100.0
     )
+    delay_margin_min: float = parameter(
+        0.3,
+        "Delay that the closed loop shall bear in each channel beyond what it is told; a warning "
+        "is given where it is less.",
+        "s",
+        0.0,
+        10.0,
+    )
+    gain_margin_min: float = parameter(
+        6.0, "Likewise of the gain of each channel, up and down.", "dB", 0.0, 60.0
+    )
     record: str = parameter(
         "", "File to record what the controller is given and answers; empty for none.", fixed=True
     )

@@ -21,6 +21,7 @@ from uav_tracking_mpc.simulation.target_sensor import TargetSensor
 
 Progress = Callable[[float], None]
 Witness = Callable[[float, Measurement, Command | None], None]
+Disturbance = Callable[[float], NDArray[np.float64]]
 
 
 class _Recorder:
@@ -82,7 +83,10 @@ class _Recorder:
 
 
 def simulate(
-    configuration: Configuration, progress: Progress | None = None, witness: Witness | None = None
+    configuration: Configuration,
+    progress: Progress | None = None,
+    disturbance: Disturbance | None = None,
+    witness: Witness | None = None,
 ) -> FlightLog:
     """Fly the mission of a configuration on the plant that it names.
 
@@ -92,6 +96,8 @@ def simulate(
     Args:
         configuration: What to fly.
         progress: Called with the simulated time in [s] after each control step.
+        disturbance: Added to commands on their way to the plant, of which the controller does not
+            know: called with their time in [s], answers (u_psi, u_chi, u_v), shape (3,).
         witness: Called at each tick with the time in [s], what is measured and what the controller
             answers.
 
@@ -122,7 +128,10 @@ def simulate(
         if command is not None:
             recorder.commands.append(command)
             starts = command.stamp + command.step * np.arange(len(command.inputs))
-            plant.accept(command.inputs, starts)
+            inputs = command.inputs
+            if disturbance is not None:
+                inputs = inputs + disturbance(now)
+            plant.accept(inputs, starts)
             if progress is not None:
                 progress(now)
         plant.advance(1.0 / rate)
