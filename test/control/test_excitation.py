@@ -7,7 +7,14 @@ import pytest
 from controller_cases import FLIGHT
 
 from uav_tracking_mpc.control.event import EventLog
-from uav_tracking_mpc.control.excitation import CALM_TIME, FADE_TIME, HALVES, Doublets, Excitation
+from uav_tracking_mpc.control.excitation import (
+    CALM_TIME,
+    FADE_TIME,
+    HALVES,
+    RESUME_TIME,
+    Doublets,
+    Excitation,
+)
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.parameters.specification import changed
@@ -102,8 +109,9 @@ def test_it_is_suspended_and_fades_out(present, mode, reason):
     assert np.all(np.abs(gone[-1]) < 1e-12)
     (words,) = flown.words()
     assert "suspended" in words and reason in words
-    np.testing.assert_array_equal(flown.added(CALM_TIME - STEP), 0.0)  # it has to settle anew
+    np.testing.assert_array_equal(flown.added(RESUME_TIME - STEP), 0.0)
     assert np.any(flown.added(3.0 * STEP))
+    assert flown.words() == ["the excitation goes on"]
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,7 @@ from uav_tracking_mpc.settings.tracking import TrackingParameters
 # Amplitudes in [rad/s, rad/s, m/s^2]: 8 deg of bank, 5 deg of path angle, 10 % of airspeed.
 USUAL = (0.06, 0.11, 1.5)
 HALVES = (0.2, 0.2, 0.2, 0.3, 0.3, 0.3, 1.7)  # s, of the doublets of a cycle
-CALM_TIME = 5.0  # s on the orbit before the signal begins
+CALM_TIME, RESUME_TIME = 5.0, 1.0  # s on the orbit before the signal begins, and goes on
 FADE_TIME = 1.0  # s from nothing to all of it, and back
 # From the orbit, for the signal to begin, in range and height: m, and a share of the range.
 NEAR, NEAR_SHARE = 10.0, 0.03
@@ -141,7 +141,8 @@ class Excitation:
         elif self._calm_since is None:
             self._calm_since = time
         wait = 0.0 if self._calm_since is None else time - self._calm_since
-        self._tell(not reason and (self._going or wait >= CALM_TIME), reason)
+        needed = CALM_TIME if self._begin is None else RESUME_TIME
+        self._tell(not reason and (self._going or wait >= needed), reason)
         change = min(elapsed, FADE_TIME) / FADE_TIME
         self._share = min(max(self._share + (change if self._going else -change), 0.0), 1.0)
         if self._share == 0.0 or present is None:
@@ -159,7 +160,9 @@ class Excitation:
 
     def _tell(self, going: bool, reason: str) -> None:
         if going != self._going:
-            words = "begins" if going else f"is suspended: {reason}"
+            words = "goes on" if going else f"is suspended: {reason}"
+            if going and self._begin is None:
+                words = "begins"
             self._events.add(Level.INFO, f"the excitation {words}")
         self._going = going
 
