@@ -54,7 +54,9 @@ def run(arguments: argparse.Namespace) -> int:
     witness = FlightWitness() if any(configuration.controller.excitation) else None
     with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("simulating", total=configuration.mission.duration)
-        log = simulate(configuration, lambda time: progress.update(task, completed=time), witness)
+        log = simulate(
+            configuration, lambda time: progress.update(task, completed=time), witness=witness
+        )
     metrics = write_report(log, arguments.output)
     if witness is not None:
         write_record(witness.record(), arguments.output / RECORD)

@@ -2,8 +2,8 @@ r"""A small test signal on the commands, from which a flight tells how the aircr
 
 Each channel flies doublets: plus the amplitude for a time d, minus the amplitude for the same time,
 so that heading, path angle and airspeed come back to where they were. Short ones (0.2 and 0.3 s)
-tell lag from dead time where both are small; long ones (1.7 s), their sum and the gain. A doublet has
-most of its power about :math:`\omega = 2.3 / d`. Their order and signs are drawn anew for every
+tell lag from dead time where both are small; long ones (1.7 s), their sum and the gain. A doublet
+has most of its power about :math:`\omega = 2.3 / d`. Their order and signs are drawn anew for every
 channel and cycle, so that the channels can be told apart (R. Jategaonkar, Flight Vehicle System
 Identification, 2nd ed., 2015, chapter 2: multistep inputs).
 
