@@ -83,8 +83,9 @@ def _rates(axes: Axes, channel: ChannelIdentification) -> None:
         label="commanded",
     )  # fmt: skip
     if record.rate is not None:
-        rate = record.rate
-        axes.plot(rate.time, scale * rate.value, ".", ms=2.5, color=BLUE, label="_measured")
+        late = record.rate.time >= begin
+        rate = record.rate.time[late], scale * record.rate.value[late]
+        axes.plot(*rate, ".", ms=2.5, color=BLUE, label="_measured")
     axes.plot(
         record.state.time[shown], scale * channel.fit.flown_rate()[shown], color=VERMILLION,
         label="fitted rate",
