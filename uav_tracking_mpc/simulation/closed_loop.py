@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.formulation.formulation import Formulation
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog
@@ -79,7 +80,11 @@ class _Recorder:
         )
 
 
-def simulate(configuration: Configuration, progress: Progress | None = None) -> FlightLog:
+def simulate(
+    configuration: Configuration,
+    progress: Progress | None = None,
+    formulation: Formulation | None = None,
+) -> FlightLog:
     """Fly the mission of a configuration on the plant that it names.
 
     Plant, sensors and target run at the rates at which the nodes run. The controller takes no time
@@ -88,13 +93,15 @@ def simulate(configuration: Configuration, progress: Progress | None = None) -> 
     Args:
         configuration: What to fly.
         progress: Called with the simulated time in [s] after each control step.
+        formulation: Of these parameters, which another flight may have used; made by default.
 
     Raises:
         ParameterError: There is no such plant, motion or law, or the parameters cannot be flown.
         SimulationError: The flight left what the plant can describe, or the target was never seen.
     """
     plant, motion = plant_of(configuration), motion_of(configuration.target)
-    controller = Controller(_paced(configuration.controller, plant), stopwatch=lambda: 0.0)
+    parameters = _paced(configuration.controller, plant)
+    controller = Controller(parameters, formulation, stopwatch=lambda: 0.0)
     sensor, recorder = TargetSensor(configuration.target, motion), _Recorder(plant, motion)
     rate = configuration.simulator.state_rate if plant.period is None else 1.0 / plant.period
     ticks_of_target = max(1, round(rate / configuration.target.rate))
