@@ -27,13 +27,20 @@ setup(
     packages=[*find_packages(include=[NAME, f"{NAME}.*"]), f"{NAME}.config"],
     package_dir={f"{NAME}.config": "config"},
     package_data={
-        f"{NAME}.config": ["*.yaml", "certificates/*.json", "scenarios/*.yaml", "security/*.xml"],
+        f"{NAME}.config": [
+            "*.yaml",
+            "certificates/*.json",
+            "campaigns/*.yaml",
+            "scenarios/*.yaml",
+            "security/*.xml",
+        ],
         "": ["*.j2", "py.typed"],
     },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
         (f"share/{NAME}/config", glob("config/*.yaml")),
+        (f"share/{NAME}/config/campaigns", glob("config/campaigns/*.yaml")),
         (f"share/{NAME}/config/certificates", glob("config/certificates/*.json")),
         (f"share/{NAME}/config/scenarios", glob("config/scenarios/*.yaml")),
         (f"share/{NAME}/config/security", glob("config/security/*.xml")),

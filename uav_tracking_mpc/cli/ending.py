@@ -55,12 +55,13 @@ def explanation(error: BaseException) -> tuple[int, str] | None:
     from uav_tracking_mpc.parameters.registry import ExtensionError
     from uav_tracking_mpc.parameters.specification import ParameterError
     from uav_tracking_mpc.simulation.closed_loop import SimulationError
+    from uav_tracking_mpc.studies.campaign.executors import CampaignError
 
     if isinstance(error, FlightInterruptedError):
         return 128 + error.signal, str(error)
     if isinstance(error, (ParameterError, ExtensionError)):
         return 2, str(error)
-    if isinstance(error, (LaunchError, DomainError, SimulationError, OSError)):
+    if isinstance(error, (LaunchError, DomainError, SimulationError, CampaignError, OSError)):
         return 1, str(error)
     return None
 

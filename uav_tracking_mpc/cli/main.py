@@ -12,7 +12,16 @@ from uav_tracking_mpc import __version__
 from uav_tracking_mpc.cli.arguments import HelpFormatter
 from uav_tracking_mpc.cli.ending import explained
 
-COMMANDS = ("fly", "simulate", "stability", "compare", "benchmark", "torture", "monitor")
+COMMANDS = (
+    "fly",
+    "simulate",
+    "stability",
+    "compare",
+    "campaign",
+    "benchmark",
+    "torture",
+    "monitor",
+)
 EPILOG = """\
 examples:
   uav_tracking simulate --config paper          the paper's simulation, no ROS needed
@@ -24,6 +33,7 @@ examples:
   uav_tracking compare --law pursuit.py:Pursuit a law of your own beside them
   uav_tracking simulate --config small_uav --scenario gusts
                                                 one of these flights
+  uav_tracking campaign robustness --flights 40 random flights, and how many fail
   uav_tracking benchmark                        the solver beside its peers
   uav_tracking torture --minutes 10             faults injected into real nodes
   uav_tracking torture --soak 2                 hours of flight, watched for growth

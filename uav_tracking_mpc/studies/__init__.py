@@ -2,6 +2,7 @@
 
 ================  ==============================================================================
 ``comparison``    the predictive controller beside other laws, through the same scenarios
+``campaign``      many flights of what is uncertain, and how many of them fail
 ``stability``     the paper's stability analysis, recomputed and proved
 ``feasibility``   what is guaranteed with an artificial orbit, and flights that show it
 ``benchmark``     solve times beside other solvers
