@@ -52,13 +52,13 @@ $(VENV)/bin/python:
 	@$(PYTHON) -m venv $(VENV)
 
 $(VENV)/demo: $(VENV)/bin/python setup.py
-	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof]'
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign]'
 	@touch $@
 
 $(VENV)/test: $(VENV)/bin/python setup.py
-	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,test]'
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,test]'
 	@touch $@ $(VENV)/demo
 
 $(VENV)/docs: $(VENV)/bin/python setup.py
-	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,docs]'
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,docs]'
 	@touch $@ $(VENV)/demo

@@ -64,10 +64,17 @@ setup(
         "ros": ["ros-jazzy-rclpy[fastrtps]==7.1.6", "ros-jazzy-common-interfaces==5.3.6"],
         # Proofs of terminal sets; checking a certificate needs none of it.
         "proof": ["python-flint>=0.6"],
+        # Results of campaigns as Parquet; a Dask cluster to fly them on.
+        "campaign": ["pyarrow>=14.0"],
+        "dask": ["distributed>=2024.1"],
         "test": [
             "colcon-common-extensions",
+            "distributed>=2024.1",
+            "duckdb>=0.10",
             "hypothesis",
             "mypy",
+            "pandas>=2.0",
+            "pyarrow>=14.0",
             "pytest",
             "pytest-timeout",
             "pytest-xdist",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from contextlib import closing
 from pathlib import Path
 
 from uav_tracking_mpc.cli.answer import answer
@@ -99,7 +100,8 @@ def run(arguments: argparse.Namespace) -> int:
         else DaskExecutor(arguments.scheduler)
     )
     folder = arguments.output or Path("output") / "campaigns" / campaign.name
-    results = run_campaign(campaign, executor, folder)
+    with closing(executor):
+        results = run_campaign(campaign, executor, folder)
     content = as_json(results)
     write_campaign(content, results)
     if arguments.page is not None:

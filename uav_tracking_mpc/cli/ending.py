@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
+EXTRAS = {"pyarrow": "campaign", "distributed": "dask"}  # that bring a module
+
 
 @dataclass
 class Ending:
@@ -72,6 +74,9 @@ def _missing(error: ImportError) -> tuple[int, str] | None:
         return 1, str(error)
     if error.name is None or error.name.startswith("uav_tracking_mpc"):
         return None
+    extra = EXTRAS.get(error.name.partition(".")[0])
+    if extra is not None:
+        return 1, f"{error.name} is not installed: `pip install 'uav_tracking_mpc[{extra}]'`"
     return 1, (
         f"{error.name} is not installed; flying needs ROS 2 Jazzy: source its setup file, or "
         "`pip install 'uav_tracking_mpc[ros]'`"

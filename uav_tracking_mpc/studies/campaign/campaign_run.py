@@ -64,6 +64,8 @@ def run_campaign(
     labels = [law_label(law) for law in campaign.laws]
     if len(set(labels)) < len(labels):
         raise ParameterError(f"laws are {', '.join(labels)}, each must have a name of its own")
+    for law in campaign.laws:
+        planned(campaign, 0).configuration(law)
     store = FlightStore(campaign, folder)
     tasks = store.left()
     begin = time.perf_counter()

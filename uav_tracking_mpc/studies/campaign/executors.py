@@ -20,6 +20,8 @@ Work = Callable[[Campaign, P], R]
 LOCAL_BATCH = 4  # flights: no more is lost when this process is killed
 CLUSTER_BATCH = 25  # flights: a minute of work, beside which a message is nothing
 
+WORKERS_WITHIN = 60  # s, for a cluster that has just been started
+
 
 class CampaignError(RuntimeError):
     """The flights could not all be flown; what was flown is kept."""
@@ -47,6 +49,10 @@ class Executor(Protocol):
         Raises:
             CampaignError: A worker was lost.
         """
+        ...
+
+    def close(self) -> None:
+        """Let go of whatever works."""
         ...
 
 
@@ -84,6 +90,9 @@ class LocalExecutor:
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
 
+    def close(self) -> None:
+        """See :meth:`Executor.close`; processes end with each run."""
+
 
 def _end_with_parent() -> None:
     """In a worker: leave Ctrl-C to the parent, and end when it is killed."""
@@ -117,6 +126,11 @@ class DaskExecutor:
             self._client = Client(address, set_as_default=False)
         except (OSError, ValueError) as error:
             raise CampaignError(f"no Dask scheduler answers at {address}: {error}") from error
+        try:
+            self._client.wait_for_workers(1, timeout=WORKERS_WITHIN)
+        except TimeoutError as error:
+            self.close()
+            raise CampaignError(f"the Dask scheduler at {address} has no workers") from error
         self.workers = sum(self._client.nthreads().values())
 
     def run(self, work: Work[P, R], campaign: Campaign, batches: Sequence[P]) -> Iterator[R]:
@@ -130,11 +144,15 @@ class DaskExecutor:
         # A batch whose worker dies is flown again by another: nothing of it has come back.
         pending = [client.submit(work, shared, batch, pure=False) for batch in batches]
         try:
-            for future in completed(pending):
+            for future in completed(pending, loop=client.loop):
                 yield future.result()
                 future.release()
         except KilledWorker as error:
             raise CampaignError(f"{error}; the same command goes on with the rest") from error
+
+    def close(self) -> None:
+        """See :meth:`Executor.close`; the cluster stays."""
+        self._client.close()
 
 
 def _itself(campaign: Campaign) -> Campaign:

@@ -58,7 +58,7 @@ def _specification(sections: Sections, section: str, name: str) -> Specification
     parameters: Any = resolved(SECTIONS[section], sections[section])
     known = _specifications(parameters)
     if name not in known:
-        near = difflib.get_close_matches(name, known, 3)
+        near = difflib.get_close_matches(name, known, 3, cutoff=0.4)
         words = f"; near are {', '.join(near)}" if near else ""
         raise ParameterError(f"'{section}.{name}': there is no such parameter{words}")
     return known[name]
