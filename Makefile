@@ -3,6 +3,7 @@
 # make test-long  the long forms of the tests, and the tests with the kernels of other processors
 # make docs       build the documentation site in docs/_build, with the tables of its reference
 # make figures    fly the comparison again for docs/flight.md: table, pictures, docs/flight.gif
+# make campaign   fly the 2000 flights of docs/campaign.md again: tables and picture; about an hour
 # make lint       style and types alone
 # make clean      remove .venv and all that was built
 # All keep their environment in .venv; PYTHON chooses the interpreter (3.10 to 3.13).
@@ -15,7 +16,7 @@ CLEAN := env -u PYTHONPATH -u LD_LIBRARY_PATH -u AMENT_PREFIX_PATH -u _ROS_WHEEL
 PYTEST := $(CLEAN) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python -m pytest
 REFERENCE := docs/reference/topics_and_parameters.md
 
-.PHONY: demo test test-long lint docs figures clean
+.PHONY: demo test test-long lint docs figures campaign clean
 
 demo: $(VENV)/demo
 	@$(CLEAN) $(BIN)/uav_tracking fly --config paper --output output/demo
@@ -43,6 +44,10 @@ figures: $(VENV)/demo
 	cp output/compare/*.png docs/flight/
 	$(CLEAN) $(BIN)/uav_tracking simulate --config small_uav --scenario circling_target --animation --output output/flight
 	cp output/flight/flight.gif docs/
+
+campaign: $(VENV)/demo
+	$(CLEAN) $(BIN)/uav_tracking campaign robustness --output output/campaigns/robustness --page docs/campaign.md
+	cp output/campaigns/robustness/campaign.png docs/
 
 clean:
 	rm -rf $(VENV) build install log output docs/_build docs/api *.egg-info
