@@ -7,6 +7,7 @@
 ``compare``          the predictive controller beside classical laws
 ``campaign``         random flights, and how many of them fail
 ``stability``        the stability analysis, its proof and its certificate
+``margins``          stability margins about the orbit, and a search for weights
 ``benchmark``        solve times beside other solvers
 ``torture``          faults injected into real nodes
 ``monitor``          a live table of a flight

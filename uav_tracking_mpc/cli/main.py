@@ -13,15 +13,9 @@ from uav_tracking_mpc.cli.arguments import HelpFormatter
 from uav_tracking_mpc.cli.ending import explained
 
 COMMANDS = (
-    "fly",
-    "simulate",
-    "stability",
-    "compare",
-    "campaign",
-    "benchmark",
-    "torture",
-    "monitor",
-)
+    "fly", "simulate", "stability", "compare", "campaign", "benchmark", "torture", "monitor",
+    "margins",
+)  # fmt: skip
 EPILOG = """\
 examples:
   uav_tracking simulate --config paper          the paper's simulation, no ROS needed

@@ -13,5 +13,10 @@
 ``rate_keeper``       whether the control rate is kept
 ``record``            what a controller was given, to be flown again
 ``certification``     what may be claimed of the terminal set that is flown
+``orbit_deviation``   motion near the orbit, linearised at one azimuth
+``sampled_loop``      lag, dead time, prediction and a static gain as a sampled loop
+``orbit_loop``        that of the controller: its answers near the orbit
+``loop_margins``      gain, phase, delay and disk margins of a loop
+``margin_check``      whether they are as large as is asked, in words
 ====================  ==============================================================
 """

@@ -12,6 +12,7 @@
 ``relative_models``   (9), (11) and the exact rates of (r, theta, z, chi, v), one file each
 ``drift``             how fast a drift is, how sharp it makes the turn
 ``drifting_orbit``    the periodic orbit under drift and its turn rate
+``dryden``            how strong gusts are and how long they last
 ``relative``          the coordinates (r, theta, z, chi, v), steady inputs, tracking errors
 ``discretisation``    Euler (10), Runge-Kutta 4, error form (11), linearisation (12)
 ====================  ================================================================

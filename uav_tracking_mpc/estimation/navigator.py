@@ -15,8 +15,10 @@ from uav_tracking_mpc.estimation.air_data import AirData
 from uav_tracking_mpc.estimation.command_history import CommandHistory
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.rate_aided_filter import RateAidedFilter
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.estimation.target_filter import TargetFilter
+from uav_tracking_mpc.estimation.wind_filter import WindFilter
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
 LONGEST_SUBSTEP = 0.05  # s, in which dead time is flown through
@@ -43,12 +45,23 @@ class Estimate(NamedTuple):
     forecast: Forecast
 
 
+class _AircraftInAir(NamedTuple):
+    """Aircraft and air as they are known, and how long gusts last on each axis."""
+
+    vehicle: NDArray[np.float64]
+    rates: NDArray[np.float64]
+    wind: NDArray[np.float64]
+    gust: NDArray[np.float64]
+    correlation_times: NDArray[np.float64]
+
+
 class Navigator:
     """Measurements in, situations and forecast out.
 
-    The drift is the present wind triangle, c = v_ground - v_air - v_target: a mean wind would still
-    lose in gusts. Turn rate and path-angle rate are measured; the acceleration that is flown comes
-    from the commands and the aircraft's lag.
+    The drift is the wind less the target's velocity. Over the horizon the mean wind stays and the
+    gust of now fades with its correlation time. Sensors' biases are estimated and taken out, and
+    what is noisy is smoothed. The acceleration that is flown comes from the commands and the
+    aircraft's lag. Without an airspeed the air is taken as still, and nothing of this is done.
 
     Args:
         parameters: Lag, dead time, horizon and filter settings.
@@ -56,12 +69,17 @@ class Navigator:
     Attributes:
         air: The airspeed that came by itself.
         target: The filter of the target's positions.
-        wind: At the latest estimate, shape (3,), in [m/s].
+        air_filter: Of mean wind, gusts and biases.
+        wind: At the latest estimate, gust included, shape (3,), in [m/s].
         latency: Time from a measurement to the command that answers it, averaged, in [s].
     """
 
     def __init__(self, parameters: TrackingParameters) -> None:
         self.air = AirData(parameters.state_timeout)
+        self.air_filter = WindFilter()
+        self._heading = RateAidedFilter(1e-3, 0.05, 1e-3, circular=True)
+        self._path_angle = RateAidedFilter(1e-3, 0.05, 1e-3, circular=True)
+        self._airspeed = RateAidedFilter(0.1, 0.5, 0.05, circular=False)
         self.target = TargetFilter(parameters.target_noise, parameters.target_agility)
         self.latency = 0.0
         self._history = CommandHistory(0.0)
@@ -89,6 +107,8 @@ class Navigator:
         self.air.reset()
         self.target.reset()
         self._history.reset()
+        for part in (self.air_filter, self._heading, self._path_angle, self._airspeed):
+            part.reset()
         self.wind = np.zeros(3)
         self._faded, self._fade_begin = np.zeros((2, 3)), 0.0
         self._acceleration = 0.0
@@ -159,25 +179,52 @@ class Navigator:
         self._times[1:] = time + delay + self._stages
         positions, velocities, accelerations = self.target.ahead(self._times)
         position_fading, velocity_fading = self._fading(time)
-        self.wind = measurement.ground_velocity - vehicle_model.velocity(vehicle)
         self._follow_acceleration(time)
-        rates = [measurement.turn_rate, measurement.path_angle_rate, self._acceleration]
+        air = self._aircraft_in_air(measurement, vehicle, positions[0])
         present = Situation(
-            vehicle=vehicle,
+            vehicle=air.vehicle,
             target=positions[0] + position_fading,
-            drift=self.wind - velocities[0] - velocity_fading,
-            drift_rate=-accelerations[0],
-            rates=np.array(rates),
+            drift=air.wind + air.gust - velocities[0] - velocity_fading,
+            drift_rate=-accelerations[0] - air.gust / air.correlation_times,
+            rates=air.rates,
         )
+        self.wind = air.wind + air.gust
         later_position, later_velocity = self._fading(time + delay)[:, np.newaxis] * self._shares
+        left = np.exp(-(delay + self._stages)[:, np.newaxis] / air.correlation_times)
         forecast = Forecast(
             positions[1:] + later_position,
-            self.wind - velocities[1:] - later_velocity,
-            -accelerations[1:],
+            air.wind + left * air.gust - velocities[1:] - later_velocity,
+            -accelerations[1:] - left * (air.gust / air.correlation_times),
         )
         if delay == 0.0:
             return Estimate(present, present, forecast)
         return Estimate(present, self._at_effect(time, delay, present, forecast), forecast)
+
+    def _aircraft_in_air(
+        self, measurement: Measurement, vehicle: NDArray[np.float64], target: NDArray[np.float64]
+    ) -> _AircraftInAir:
+        """What is measured, without noise and biases as far as they are known."""
+        rates = np.array([measurement.turn_rate, measurement.path_angle_rate, self._acceleration])
+        if self.air.missing:
+            wind = measurement.ground_velocity - vehicle_model.velocity(vehicle)
+            return _AircraftInAir(vehicle, rates, wind, np.zeros(3), np.ones(3))
+        filters = (self._heading, self._path_angle, self._airspeed)
+        for each, value, rate in zip(filters, vehicle[3:].tolist(), rates.tolist(), strict=True):
+            each.update(measurement.stamp, value, rate)
+        heading, path_angle, airspeed = (each.value for each in filters)
+        seen = vehicle_model.velocity([*vehicle[:3], heading, path_angle, airspeed])
+        air, height = self.air_filter, float(vehicle[2] - target[2])
+        air.update(measurement.stamp, vehicle[:3], measurement.ground_velocity, seen, height)
+        heading = math.remainder(heading - air.heading_bias, 2.0 * math.pi)
+        airspeed *= 1.0 - air.airspeed_share
+        rates[:2] -= self._heading.bias, self._path_angle.bias
+        return _AircraftInAir(
+            np.array([*air.position, heading, path_angle, airspeed]),
+            rates,
+            air.mean_wind,
+            air.gust,
+            air.correlation_times,
+        )
 
     def _at_effect(
         self, time: float, delay: float, present: Situation, forecast: Forecast

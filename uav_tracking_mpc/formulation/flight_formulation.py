@@ -61,6 +61,9 @@ class FlightFormulation:
         parts = {
             "state_weights": parameters.state_weights,
             "input_weights": parameters.input_weights,
+            "rate_weights": parameters.rate_weights,
+            "airspeed_band": parameters.airspeed
+            * (1.0 + parameters.airspeed_band * np.array([-1.0, 1.0])),
             "offset_weights": parameters.offset_weights,
             "offset_reach": OFFSET_REACH * reach,
             # Held commands lag by tau, and by half a step behind what they follow.
@@ -114,6 +117,8 @@ class FlightFormulation:
         states = self.model.State(*solution.states[:-1].T)
         middle, half = self.flight.span(states, data[:-1].T)
         inputs = np.array(middle).T + np.array(half).T * solution.inputs
+        acceleration = float(self.flight.turn_acceleration(x_0, data[0], solution.decision))
+        inputs[0, 0] -= 0.5 * (self.step - 1.0 / self.parameters.control_rate) * acceleration
         return Plan(inputs, self.step, self.error(situation, orbit), solution)
 
     def initial_state(self, situation: Situation) -> NDArray[np.float64]:

@@ -8,6 +8,11 @@ velocity against the orbit's tangent, altitude, path angle, airspeed. The true p
 drift has no error and is paid nothing, its turn rate being fed forward; without drift the stage
 cost is that of (14).
 
+Beside the paper's terms the cost pays for how quickly turn rate, path-angle rate and acceleration
+change, the orbit's own change being fed forward: bandwidth that a wrong lag, a dead time or noise
+would turn into oscillation costs more than it brings. Airspeeds far from the wanted one are
+penalised as the limits are, so that they are flown only where one of these forces them.
+
 The inputs are shares, from -1 to 1, of what the aircraft can do in its present state
 (:mod:`~uav_tracking_mpc.formulation.input_span`), so that their coupled limits are a box, which
 every plan obeys. The limits of the flight itself, such as airspeed and height, are exact soft
@@ -51,6 +56,8 @@ OWN_SIZES = {
     "sense": 1,  # 1 counter-clockwise, -1 clockwise
     "state_weights": 5,  # diagonal of Q
     "input_weights": 3,  # diagonal of R
+    "rate_weights": 3,  # of the changes of (psi', chi', v')
+    "airspeed_band": 2,  # least and greatest airspeed unless forced [m/s]
     "offset_weights": 3,  # of the artificial orbit's distance to the wanted one
     "offset_reach": 3,  # distance at which that cost turns from quadratic to linear
     "lead": 1,  # s by which the orbit's turn rate is fed forward
@@ -107,7 +114,14 @@ class FlightProblem:
         r_a = ca.sqrt(d_a**2 + z_a**2)
         error = self._error(state, orbit, told["drift"], (r_a, z_a, v_a))
         turn_rate = orbit.turn_rate + told["lead"] * orbit.turn_acceleration
+        self.turn_acceleration = ca.Function(
+            "turn_acceleration", [ca.vertcat(*state), p, decision], [orbit.turn_acceleration]
+        )
         deviation = ca.vertcat(inputs[0] - turn_rate, inputs[1], inputs[2])
+        changes = [
+            (after - before) / self.step for before, after in zip(state[6:9], following[6:9])
+        ]
+        change = ca.vertcat(changes[0] - orbit.turn_acceleration, changes[1], changes[2])
         offset = ca.vertcat(r_a, z_a, v_a) - told["orbit"]
         scaled = [error[0] / 10.0, error[1], error[2] / 10.0, error[3], error[4]]
         strength = ca.sqrt(told["drift"][0] ** 2 + told["drift"][1] ** 2 + SMALL**2)
@@ -119,7 +133,8 @@ class FlightProblem:
             inputs=shares,
             next_state=ca.vertcat(*following),
             stage_cost=ca.dot(told["state_weights"], error**2)
-            + ca.dot(told["input_weights"], deviation**2),
+            + ca.dot(told["input_weights"], deviation**2)
+            + ca.dot(told["rate_weights"], change**2),
             terminal_cost=ca.dot(told["offset_weights"], _distance(offset, told["offset_reach"])),
             horizon=horizon,
             step=self.step,
@@ -130,7 +145,7 @@ class FlightProblem:
             decision_lower=lower / DECISION_SCALE,
             decision_upper=upper / DECISION_SCALE,
             decision_guess=np.array([3.0, 3.0, 6.0]),
-            stage_inequalities=tuple(self._stage_inequalities(_motion(state), p)),
+            stage_inequalities=tuple(self._stage_inequalities(self._motion(state, p), p)),
             terminal_inequalities=tuple(self._orbit_inequalities(shape, p)),
             terminal_equality=ca.vertcat(*scaled, *model.settled(state, orbit)),
             continuation=self._shares([turn_rate, 0.0, 0.0], state, p),
@@ -151,13 +166,18 @@ class FlightProblem:
         )  # fmt: skip
 
     def _inputs(self, shares: Any, state: Any, p: ca.SX) -> list[Any]:
-        middle, half = self._span(_motion(state), p, ca)
+        middle, half = self._span(self._motion(state, p), p, ca)
         return [middle[axis] + half[axis] * shares[axis] for axis in range(3)]
 
     def _shares(self, inputs: Sequence[Any], state: Any, p: ca.SX) -> ca.SX:
         """Input shares of (u_psi, u_chi, u_v) in a state."""
-        middle, half = self._span(_motion(state), p, ca)
+        middle, half = self._span(self._motion(state, p), p, ca)
         return ca.vertcat(*[(inputs[axis] - middle[axis]) / half[axis] for axis in range(3)])
+
+    def _motion(self, state: Any, p: Any) -> Motion:
+        reach = self.model.rate_reach(self.step, self.layout.part(p, "model"))
+        x, y, z, _, path_angle, airspeed, turn_rate, _, acceleration = state[:9]
+        return Motion(x, y, z, path_angle, airspeed, turn_rate, acceleration, reach)
 
     def _span(self, motion: Motion, p: Any, xp: ModuleType) -> tuple[list[Any], list[Any]]:
         told = [self.layout.part(p, part_of(limit)) for limit in self._of_inputs]
@@ -173,10 +193,13 @@ class FlightProblem:
         Returns:
             Three values each, in [rad/s, rad/s, m/s^2], scalar or of shape (n,).
         """
-        return self._span(_motion(state), p, np)
+        return self._span(self._motion(state, p), p, np)
 
     def _stage_inequalities(self, motion: Motion, p: ca.SX) -> list[Inequality]:
-        found = []
+        band = self.layout.part(p, "airspeed_band")
+        found = [
+            _inequality(Bound(motion.airspeed, band[0], band[1]), self._penalty, "airspeed band")
+        ]
         for limit in self.limits:
             bound = limit.stage(motion, self.layout.part(p, part_of(limit)), ca)
             if bound is not None:
@@ -185,7 +208,13 @@ class FlightProblem:
 
     def _orbit_inequalities(self, shape: OrbitShape, p: ca.SX) -> list[Inequality]:
         too_much = shape.drift - DRIFT_SHARE * shape.airspeed
-        found = [Inequality(too_much, None, "drift about the orbit")]
+        band = self.layout.part(p, "airspeed_band")
+        found = [
+            Inequality(too_much, None, "drift about the orbit"),
+            _inequality(
+                Bound(shape.airspeed, band[0], band[1]), self._penalty, "airspeed band on the orbit"
+            ),
+        ]
         for limit in self.limits:
             bound = limit.orbit(shape, self.layout.part(p, part_of(limit)), ca)
             if bound is not None:
@@ -201,10 +230,6 @@ def part_of(limit: Limit) -> str:
         limit: The limit.
     """
     return f"limit {limit.name}"
-
-
-def _motion(state: Any) -> Motion:
-    return Motion(state.x, state.y, state.z, state.path_angle, state.airspeed)
 
 
 def _inequality(bound: Bound, penalty: float | None, name: str) -> Inequality:

@@ -52,8 +52,11 @@ class Motion(NamedTuple):
         z: Above the target in [m].
         path_angle: chi in [rad].
         airspeed: v in [m/s].
-        turn_rate: psi' in [rad/s]; None in plans, whose inputs keep to their bounds.
-        acceleration: v' in [m/s^2]; None in plans.
+        turn_rate: psi' in [rad/s]; None where it does not matter.
+        acceleration: v' in [m/s^2]; None where it does not matter.
+        rate_reach: In plans, the time in [s] for which a held input lets the turn rate change by as
+            much as it leads it now: by that much times the stage over this time it changes in a
+            stage. None in flights that were flown.
     """
 
     x: Any
@@ -63,6 +66,7 @@ class Motion(NamedTuple):
     airspeed: Any
     turn_rate: Any = None
     acceleration: Any = None
+    rate_reach: Any = None
 
 
 class OrbitShape(NamedTuple):

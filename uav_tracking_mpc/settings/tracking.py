@@ -119,6 +119,21 @@ class TrackingParameters(Gathered):
         upper=1e9,
         fixed_unless=COMPILED,
     )
+    rate_weights: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Of the rates of change of turn rate, path-angle rate and acceleration, with the "
+        "artificial orbit.",
+        size=3,
+        lower=0.0,
+        upper=1e9,
+    )
+    airspeed_band: float = parameter(
+        0.15,
+        "Share of the wanted airspeed by which plans leave it unless a limit or the drift forces "
+        "them, with the artificial orbit.",
+        lower=0.01,
+        upper=10.0,
+    )
     terminal_scaling: float = parameter(
         paper.SCALING,
         "rho: terminal weight P_rho = rho P.",
@@ -199,6 +214,17 @@ class TrackingParameters(Gathered):
     )
     target_agility: float = parameter(
         0.5, "How hard the target may accelerate, for the filter.", "m/s^2", 1e-3, 100.0
+    )
+    delay_margin_min: float = parameter(
+        0.3,
+        "Delay that the closed loop shall bear in each channel beyond what it is told; a warning "
+        "is given where it is less.",
+        "s",
+        0.0,
+        10.0,
+    )
+    gain_margin_min: float = parameter(
+        6.0, "Likewise of the gain of each channel, up and down.", "dB", 0.0, 60.0
     )
     record: str = parameter(
         "", "File to record what the controller is given and answers; empty for none.", fixed=True

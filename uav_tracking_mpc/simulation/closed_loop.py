@@ -20,6 +20,7 @@ from uav_tracking_mpc.simulation.plants import Plant, SimulationError, plant_of
 from uav_tracking_mpc.simulation.target_sensor import TargetSensor
 
 Progress = Callable[[float], None]
+Disturbance = Callable[[float], NDArray[np.float64]]
 
 
 class _Recorder:
@@ -83,6 +84,7 @@ class _Recorder:
 def simulate(
     configuration: Configuration,
     progress: Progress | None = None,
+    disturbance: Disturbance | None = None,
     formulation: Formulation | None = None,
 ) -> FlightLog:
     """Fly the mission of a configuration on the plant that it names.
@@ -93,7 +95,10 @@ def simulate(
     Args:
         configuration: What to fly.
         progress: Called with the simulated time in [s] after each control step.
-        formulation: Of these parameters, which another flight may have used; made by default.
+        disturbance: Added to commands on their way to the plant, of which the controller does not
+            know: called with their time in [s], answers (u_psi, u_chi, u_v), shape (3,).
+        formulation: That another flight may have used, of a problem that differs in nothing fixed;
+            it is set to these parameters. Made by default.
 
     Raises:
         ParameterError: There is no such plant, motion or law, or the parameters cannot be flown.
@@ -101,6 +106,8 @@ def simulate(
     """
     plant, motion = plant_of(configuration), motion_of(configuration.target)
     parameters = _paced(configuration.controller, plant)
+    if formulation is not None:
+        formulation.change(parameters)
     controller = Controller(parameters, formulation, stopwatch=lambda: 0.0)
     sensor, recorder = TargetSensor(configuration.target, motion), _Recorder(plant, motion)
     rate = configuration.simulator.state_rate if plant.period is None else 1.0 / plant.period
@@ -120,7 +127,10 @@ def simulate(
         if command is not None:
             recorder.commands.append(command)
             starts = command.stamp + command.step * np.arange(len(command.inputs))
-            plant.accept(command.inputs, starts)
+            inputs = command.inputs
+            if disturbance is not None:
+                inputs = inputs + disturbance(now)
+            plant.accept(inputs, starts)
             if progress is not None:
                 progress(now)
         plant.advance(1.0 / rate)

@@ -1,13 +1,7 @@
 r"""Wind: a mean, and Dryden gusts about it (MIL-F-8785C, low-altitude model).
 
-With W20 the wind speed at 20 ft and h the height in feet, from 10 to 1000,
-
-.. math:: \sigma_w = 0.1\, W_{20},\quad
-          \sigma_u = \sigma_v = \sigma_w / (0.177 + 0.000823\, h)^{0.4},\quad
-          L_w = h,\quad L_u = L_v = h / (0.177 + 0.000823\, h)^{1.2}
-
-and each component, flown through at airspeed V, has the one-sided spectrum over
-:math:`\Omega = \omega / V`
+With the strengths sigma and lengths L of :mod:`~uav_tracking_mpc.dynamics.dryden` each component,
+flown through at airspeed V, has the one-sided spectrum over :math:`\Omega = \omega / V`
 
 .. math:: \Phi_u = \sigma_u^2 \frac{2 L_u}{\pi} \frac{1}{1 + (L_u \Omega)^2},\qquad
           \Phi_{v,w} = \sigma^2 \frac{L}{\pi} \frac{1 + 3 (L \Omega)^2}{(1 + (L \Omega)^2)^2}
@@ -23,46 +17,15 @@ path through the air, and the mean wind over ground plays no part in that.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import gammainc
 
-FOOT = 0.3048  # m
-HEIGHTS = (10.0 * FOOT, 1000.0 * FOOT)  # m, where the model holds; beyond, its value there
+from uav_tracking_mpc.dynamics.dryden import GustScales, gust_scales
+
 GUST_STEP = 0.02  # s of flight for which a gust is held
 ROOT_2, ROOT_3 = math.sqrt(2.0), math.sqrt(3.0)
-
-
-class GustScales(NamedTuple):
-    """Strengths and lengths of gusts.
-
-    Attributes:
-        level: sigma_u = sigma_v in [m/s].
-        vertical: sigma_w in [m/s].
-        long: L_u = L_v in [m].
-        short: L_w in [m].
-    """
-
-    level: float
-    vertical: float
-    long: float
-    short: float
-
-
-def gust_scales(height: float, intensity: float) -> GustScales:
-    """Strengths and lengths of gusts at a height; outside the model's, its value at the end.
-
-    Args:
-        height: Above ground in [m].
-        intensity: W20 in [m/s].
-    """
-    lowest, highest = HEIGHTS
-    height = min(max(height, lowest), highest)
-    shape = 0.177 + 0.000823 * height / FOOT
-    vertical = 0.1 * intensity
-    return GustScales(vertical / shape**0.4, vertical, height / shape**1.2, height)
 
 
 class ExactStep:

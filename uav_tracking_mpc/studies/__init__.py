@@ -3,6 +3,7 @@
 ================  ==============================================================================
 ``comparison``    the predictive controller beside other laws, through the same scenarios
 ``campaign``      many flights of what is uncertain, and how many of them fail
+``margins``       stability margins of the closed loop about the orbit, and weights that keep them
 ``stability``     the paper's stability analysis, recomputed and proved
 ``feasibility``   what is guaranteed with an artificial orbit, and flights that show it
 ``benchmark``     solve times beside other solvers

@@ -37,8 +37,8 @@ class Drift(NamedTuple):
 class VehicleModel(PredictionModel):
     """Base of the models.
 
-    The state's first six components are x, y, z relative to the target in the axes of ``map``,
-    heading, path_angle and airspeed.
+    The state's first nine components are x, y, z relative to the target in the axes of ``map``,
+    heading, path_angle and airspeed, and their rates turn_rate, path_angle_rate and acceleration.
     """
 
     @abstractmethod
@@ -53,6 +53,17 @@ class VehicleModel(PredictionModel):
     @abstractmethod
     def lags(self) -> NDArray[np.float64]:
         """Time constants with which (psi', chi', v') follow commands, shape (3,), in [s]."""
+
+    @abstractmethod
+    def rate_reach(self, duration: float, numbers: Any) -> Any:
+        """Time over which the turn rate would take up all that a held input leads it by, in [s].
+
+        It changes by the lead times ``duration`` over this time within a step.
+
+        Args:
+            duration: Of the step in [s].
+            numbers: Of this duration, as of :meth:`numbers`, shape (k,).
+        """
 
     @abstractmethod
     def step(self, state: Any, inputs: Any, duration: float, numbers: Any, drift: Drift) -> Any:

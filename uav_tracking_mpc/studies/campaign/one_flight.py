@@ -110,7 +110,7 @@ def _worst(error: NDArray[np.float64]) -> float | None:
 
 
 def shared_formulation(parameters: TrackingParameters) -> Formulation | None:
-    """The formulation that this thread's flights share, set to these parameters.
+    """The formulation that this thread's flights share, if nothing fixed differs; else a new one.
 
     Args:
         parameters: What is flown.
@@ -126,8 +126,6 @@ def shared_formulation(parameters: TrackingParameters) -> Formulation | None:
         except ParameterError:
             pass  # another problem, or a guidance law
         else:
-            formulation.change(parameters)
-            _of_thread.kept = parameters, formulation
             return formulation
     with _compiling:
         made = formulation_of(parameters)

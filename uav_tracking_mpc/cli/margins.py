@@ -1,0 +1,110 @@
+"""``uav_tracking margins``: how much the closed loop bears beyond what the controller is told."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from uav_tracking_mpc.cli.answer import answer
+from uav_tracking_mpc.cli.arguments import (
+    add_configuration_arguments,
+    add_limit_argument,
+    add_output_arguments,
+    chosen_configuration,
+)
+
+if TYPE_CHECKING:
+    from uav_tracking_mpc.settings.configuration import Configuration
+
+HELP = "stability margins of the closed loop about the orbit"
+DESCRIPTION = (
+    "Gain, phase, delay and disk margins of the sampled closed loop about the orbit, lag and dead "
+    "time included, for each channel and for all at once: flown in still air with all estimators, "
+    "by the linearised model beside it, and by that in the wind of a scenario at the worst phase "
+    "of the orbit, frozen. With --search, choose weights instead. Exit code 0: computed; whether "
+    "they are as large as nmpc_controller.delay_margin_min and gain_margin_min ask is said."
+)
+SCENARIO = "crosswind"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options.
+
+    Args:
+        parser: Of this command.
+    """
+    from uav_tracking_mpc.settings.configuration import scenario_names
+
+    add_configuration_arguments(parser, default="small_uav")
+    add_limit_argument(parser)
+    parser.add_argument(
+        "--scenario",
+        metavar="NAME|FILE",
+        help=f"whose wind and target make the drift: {', '.join(scenario_names())} "
+        f"(default: {SCENARIO} with the artificial orbit, else still air)",
+    )
+    parser.add_argument(
+        "--search",
+        action="store_true",
+        help="search for input_weights and rate_weights that fly well and keep the margins; print "
+        "every candidate and the YAML to paste",
+    )
+    add_output_arguments(parser, "margins.json and margins.png, or search.json")
+    parser.add_argument(
+        "--page", type=Path, metavar="FILE", help="put the table into a page of the documentation"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Compute the margins, or search for weights.
+
+    Args:
+        arguments: As parsed.
+
+    Returns:
+        Exit code.
+    """
+    from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT
+
+    if arguments.search:
+        return _search(arguments)
+    configuration = chosen_configuration(arguments, arguments.scenario)
+    in_drift = configuration.controller.terminal_constraint == ARTIFICIAL_ORBIT
+    if arguments.scenario is None and in_drift:
+        configuration = chosen_configuration(arguments, SCENARIO)
+    return _margins(arguments, configuration)
+
+
+def _margins(arguments: argparse.Namespace, configuration: Configuration) -> int:
+    from uav_tracking_mpc.report.atomic_write import write_json
+    from uav_tracking_mpc.report.figure_style import save_figure
+    from uav_tracking_mpc.studies.margins.margin_figure import margin_figure
+    from uav_tracking_mpc.studies.margins.margin_study import as_json, margin_study
+    from uav_tracking_mpc.studies.margins.margin_table import margin_table
+
+    study = margin_study(configuration)
+    content, table = as_json(study), margin_table(study)
+    words = [table.as_rich(), *(f"too small, {line}" for line in study.shortfalls)]
+    if arguments.output is not None:
+        arguments.output.mkdir(parents=True, exist_ok=True)
+        write_json(arguments.output / "margins.json", content)
+        save_figure(margin_figure(study), arguments.output / "margins.png")
+        words.append(f"figure: {arguments.output / 'margins.png'}")
+    if arguments.page is not None:
+        table.write_into(arguments.page, "margins")
+    answer(content, words, arguments.json)
+    return 0
+
+
+def _search(arguments: argparse.Namespace) -> int:
+    from uav_tracking_mpc.report.atomic_write import write_json
+    from uav_tracking_mpc.studies.margins.weight_search import as_json, search_table, search_weights
+
+    search = search_weights(arguments.config, arguments.overrides)
+    content = as_json(search)
+    if arguments.output is not None:
+        arguments.output.mkdir(parents=True, exist_ok=True)
+        write_json(arguments.output / "search.json", content)
+    answer(content, [search_table(search).as_rich(), search.yaml], arguments.json)
+    return 0

@@ -1,0 +1,108 @@
+"""Whether the margins of the closed loop are as large as the parameters ask, in words.
+
+It takes some tenths of a second and belongs where nothing waits for a command: where a flight is
+configured, and after a change in flight in a thread of its own (:class:`MarginWatch`).
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+import numpy as np
+
+from uav_tracking_mpc.control.loop_margins import LoopMargins
+from uav_tracking_mpc.control.orbit_loop import OrbitLoop
+from uav_tracking_mpc.settings.tracking import TrackingParameters
+
+
+def margin_warning(parameters: TrackingParameters) -> str:
+    """What is to be said about the margins in still air; empty where they are large enough.
+
+    Args:
+        parameters: What is flown.
+
+    Raises:
+        ParameterError: There is no such law, or the parameters cannot be flown.
+    """
+    return _judged(OrbitLoop(parameters))
+
+
+def shortfalls(margins: LoopMargins, parameters: TrackingParameters) -> list[str]:
+    """Which margins are smaller than the parameters ask, in words.
+
+    Args:
+        margins: Of the loop.
+        parameters: ``delay_margin_min`` and ``gain_margin_min``.
+    """
+    wanted_s, wanted_db = parameters.delay_margin_min, parameters.gain_margin_min
+    found = []
+    for name, channel in margins.channels.items():
+        if channel.delay_s < wanted_s:
+            found.append(
+                f"{name}: {channel.delay_s:.2f} s of delay, delay_margin_min is {wanted_s:g} s"
+            )
+        if channel.gain_db < wanted_db:
+            found.append(
+                f"{name}: {channel.gain_db:.1f} dB of gain, gain_margin_min is {wanted_db:g} dB"
+            )
+    return found
+
+
+class MarginWatch:
+    """Judges the margins after each change of parameters, in a thread of its own.
+
+    Of changes that come faster than they can be judged only the latest counts.
+
+    Args:
+        parameters: What is flown at the beginning; fixed ones stay.
+        report: Called in that thread with a warning in words.
+
+    Raises:
+        ParameterError: There is no such law, or the parameters cannot be flown.
+    """
+
+    def __init__(self, parameters: TrackingParameters, report: Callable[[str], None]) -> None:
+        self._loop, self._report = OrbitLoop(parameters), report
+        self._lock = threading.Lock()
+        self._next: TrackingParameters | None = None
+        self._thread: threading.Thread | None = None
+
+    def change(self, parameters: TrackingParameters) -> None:
+        """Judge other parameters soon; returns at once.
+
+        Args:
+            parameters: What is flown from now on.
+        """
+        with self._lock:
+            self._next = parameters
+            if self._thread is None:
+                self._thread = threading.Thread(target=self._judge, name="margins")
+                self._thread.start()
+
+    def wait(self) -> None:
+        """Return when all that was asked is judged."""
+        thread = self._thread
+        if thread is not None:
+            thread.join()
+
+    def _judge(self) -> None:
+        while True:
+            with self._lock:
+                parameters, self._next = self._next, None
+                if parameters is None:
+                    self._thread = None
+                    return
+            self._loop.change(parameters)
+            words = _judged(self._loop)
+            if words:
+                self._report(words)
+
+
+def _judged(loop: OrbitLoop) -> str:
+    try:
+        margins = loop.margins(loop.orbit_in(np.zeros(3)))
+    except (ArithmeticError, RuntimeError, ValueError) as error:
+        return f"the margins of the closed loop are not known: {error}"
+    small = shortfalls(margins, loop.parameters)
+    return f"the closed loop has small margins: {'; '.join(small)}" if small else ""

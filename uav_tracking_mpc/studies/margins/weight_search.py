@@ -1,0 +1,309 @@
+"""Weights for performance that keep the margins, by a search that is the same every time.
+
+A pattern search (Hooke and Jeeves, "Direct search solution of numerical and statistical problems",
+Journal of the ACM 8(2), 1961) over the logarithms of ``input_weights`` and ``rate_weights``; only
+ratios count, so that ``state_weights`` stay. Around the best weights so far each one is raised and
+lowered by a factor, and the best of all these is gone on from. Where none is better the factor
+becomes its square root. Weights without the margins that are asked, by the model in still air and
+around the orbit in the scenario of the mismatches, are not flown; while there are no others, the
+search goes towards larger margins. What flies is judged by mismatches: the cost is the root mean
+square of range RMS and bank-rate RMS over what is asked of each flight.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from uav_tracking_mpc.control.margin_check import shortfalls
+from uav_tracking_mpc.control.orbit_loop import OrbitLoop
+from uav_tracking_mpc.parameters.specification import ParameterError, changed
+from uav_tracking_mpc.report.table import Table
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, PREDICTIVE
+from uav_tracking_mpc.simulation.closed_loop import simulate
+from uav_tracking_mpc.simulation.plants import SimulationError
+from uav_tracking_mpc.studies.comparison.flights import prepared
+from uav_tracking_mpc.studies.comparison.measures import Measures, measures
+from uav_tracking_mpc.studies.comparison.mismatches import SCENARIO, mismatched
+from uav_tracking_mpc.studies.margins.margin_study import drift_of
+from uav_tracking_mpc.studies.parallel import parallel_map
+
+# Range RMS [m] and bank-rate RMS [deg/s] that are asked of each flight.
+FLIGHTS = {
+    "lag_0.5": (0.5, 3.0),
+    "lag_2": (0.5, 3.0),
+    "noise_2": (0.6, 5.0),
+    "gust_moderate": (0.7, 8.0),
+    "sensor_noise": (0.1, 2.0),
+}
+DURATION, SETTLED_AFTER = 150.0, 90.0  # s, of a flight and until it counts
+SEARCHED = ("input_weights", "rate_weights")
+LEAST = 1e-2  # weight that one of 0 begins with
+FACTOR, LAST_FACTOR = 10.0**0.5, 10.0**0.25
+ROUNDS = 12  # at most
+AZIMUTHS = (0.0, 0.5 * math.pi, math.pi, 1.5 * math.pi)  # rad, at which the orbit is frozen
+
+UNFLYABLE = 1e9  # cost of a flight that came to nothing
+CAPTION = (
+    "delay, gain: least margin of any channel, in still air and in wind; cost: 1 where every "
+    "flight is just what is asked of it."
+)
+
+Weights = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """Weights, and what they give.
+
+    Attributes:
+        weights: ``input_weights`` and ``rate_weights``, six in all.
+        delay_s: Least delay margin of any channel in [s].
+        gain_db: Least gain margin of any channel in [dB].
+        shortfalls: Which margins are too small, in words.
+        flights: Measures by the name of the flight; none where margins are too small.
+        cost: 1 where every flight is just what is asked [-]; infinite where none was flown.
+    """
+
+    weights: Weights
+    delay_s: float
+    gain_db: float
+    shortfalls: Sequence[str]
+    flights: dict[str, Measures | None]
+    cost: float
+
+    @property
+    def by_name(self) -> dict[str, list[float]]:
+        """The weights by the names of their parameters."""
+        return {name: list(self.weights[3 * k : 3 * k + 3]) for k, name in enumerate(SEARCHED)}
+
+
+@dataclass(frozen=True)
+class Search:
+    """All that was tried.
+
+    Attributes:
+        config: Name of the configuration.
+        candidates: In the order in which they were tried.
+        best: Least cost among those with the margins that are asked.
+    """
+
+    config: str
+    candidates: list[Candidate]
+    best: Candidate
+
+    @property
+    def yaml(self) -> str:
+        """The best weights, to be pasted into a configuration."""
+        lines = [f"    {name}: {values}" for name, values in self.best.by_name.items()]
+        return "\n".join(["/**/nmpc_controller:", "  ros__parameters:", *lines])
+
+
+def search_weights(
+    config: str,
+    overrides: Sequence[str] = (),
+    flights: Iterable[str] = FLIGHTS,
+    rounds: int = ROUNDS,
+    workers: int | None = None,
+    show: bool = True,
+) -> Search:
+    """Search from the weights of a configuration on.
+
+    Args:
+        config: Name or file of the configuration.
+        overrides: ``SECTION.PARAMETER=VALUE`` each.
+        flights: Some of :data:`FLIGHTS`.
+        rounds: Of the search, at most.
+        workers: Processes; all cores by default.
+        show: Progress bars on stderr.
+
+    Raises:
+        ParameterError: As of :func:`load_configuration`.
+        ArithmeticError: No weights that were tried have the margins that are asked.
+    """
+    trial = _Trial(config, overrides, tuple(flights), workers, show)
+    start = trial.configuration.controller
+    if start.terminal_constraint != ARTIFICIAL_ORBIT:
+        raise ParameterError(
+            f"parameter 'terminal_constraint' is '{start.terminal_constraint}', must be "
+            f"'{ARTIFICIAL_ORBIT}' for a search of weights"
+        )
+    center = _rounded([max(each, LEAST) for each in (*start.input_weights, *start.rate_weights)])
+    trial.take([center])
+    factor = FACTOR
+    for _ in range(rounds):
+        steps = [(axis, scale) for axis in range(len(center)) for scale in (factor, 1.0 / factor)]
+        trial.take(_scaled(center, axis, scale) for axis, scale in steps)
+        best = trial.best
+        if best.weights != center:
+            center = best.weights
+        elif factor > LAST_FACTOR:
+            factor = math.sqrt(factor)
+        else:
+            break
+    if not math.isfinite(trial.best.cost):
+        raise ArithmeticError(
+            f"none of {len(trial.known)} weights has the margins that are asked; the best: "
+            f"{'; '.join(trial.best.shortfalls)}"
+        )
+    return Search(trial.configuration.name, list(trial.known.values()), trial.best)
+
+
+class _Trial:
+    """Tries weights, each once."""
+
+    def __init__(
+        self,
+        config: str,
+        overrides: Sequence[str],
+        flights: Sequence[str],
+        workers: int | None,
+        show: bool,
+    ) -> None:
+        self.known: dict[Weights, Candidate] = {}
+        self._config, self._overrides, self._flights = config, tuple(overrides), flights
+        self._workers, self._show = workers, show
+        self.configuration = load_configuration(config, self._overrides, SCENARIO)
+        self._drift = drift_of(self.configuration)
+        self._parameters = self.configuration.controller
+        self._loop = OrbitLoop(self._parameters)
+
+    @property
+    def best(self) -> Candidate:
+        """The least cost; where none was flown, the margins that lack least."""
+        asked = self._parameters
+
+        def rank(candidate: Candidate) -> tuple[float, float]:
+            delay = candidate.delay_s / max(asked.delay_margin_min, 1e-9)
+            gain = candidate.gain_db / max(asked.gain_margin_min, 1e-9)
+            return candidate.cost, -min(delay, gain)
+
+        return min(self.known.values(), key=rank)
+
+    def take(self, several: Iterable[Weights]) -> None:
+        """Margins and flights of weights that are not known yet."""
+        fresh = [weights for weights in dict.fromkeys(several) if weights not in self.known]
+        margins = {weights: self._margins(weights) for weights in fresh}
+        sound = [weights for weights in fresh if not margins[weights].shortfalls]
+        tasks = [
+            (self._config, name, (*self._overrides, *_settings(weights)))
+            for weights in sound
+            for name in self._flights
+        ]
+        flown = iter(parallel_map(_fly, tasks, self._workers, "flights", self._show))
+        for weights in fresh:
+            candidate = margins[weights]
+            if weights in sound:
+                flights: dict[str, Measures | None] = {name: next(flown) for name in self._flights}
+                candidate = replace(candidate, flights=flights, cost=_cost(flights))
+            self.known[weights] = candidate
+
+    def _margins(self, weights: Weights) -> Candidate:
+        candidate = Candidate(weights, 0.0, 0.0, (), {}, math.inf)
+        self._loop.change(changed(self._parameters, candidate.by_name))
+        try:
+            found = [self._loop.margins(self._loop.orbit_in(np.zeros(3)))]
+            found += [self._loop.margins(self._loop.orbit_in(self._drift, phi)) for phi in AZIMUTHS]
+        except ArithmeticError as error:
+            return replace(candidate, shortfalls=[str(error)])
+        channels = [channel for each in found for channel in each.channels.values()]
+        words = [line for each in found for line in shortfalls(each, self._parameters)]
+        return replace(
+            candidate,
+            delay_s=min(channel.delay_s for channel in channels),
+            gain_db=min(channel.gain_db for channel in channels),
+            shortfalls=words,
+        )
+
+
+def _fly(task: tuple[str, str, tuple[str, ...]]) -> Measures | None:
+    """Measures of a flight; None where it came to nothing."""
+    config, name, overrides = task
+    configuration = prepared(mismatched(config, name, overrides), PREDICTIVE)
+    mission = replace(configuration.mission, duration=DURATION)
+    configuration = replace(configuration, mission=mission)
+    try:
+        log = simulate(configuration)
+    except SimulationError:
+        return None
+    return measures(log, configuration.controller, SETTLED_AFTER)
+
+
+def _cost(flights: dict[str, Measures | None]) -> float:
+    shares = []
+    for name, flight in flights.items():
+        if flight is None:
+            return UNFLYABLE
+        range_rms, bank_rate = FLIGHTS[name]
+        shares += [flight.range_rms_m / range_rms, flight.bank_rate_rms_dps / bank_rate]
+    return math.sqrt(sum(share**2 for share in shares) / len(shares))
+
+
+def _settings(weights: Weights) -> list[str]:
+    return [
+        f"nmpc_controller.{name}={list(weights[3 * k : 3 * k + 3])}"
+        for k, name in enumerate(SEARCHED)
+    ]
+
+
+def _scaled(weights: Weights, axis: int, scale: float) -> Weights:
+    return _rounded([w * scale if k == axis else w for k, w in enumerate(weights)])
+
+
+def _rounded(weights: Iterable[float]) -> Weights:
+    """Two digits: what is printed is what was flown."""
+    return tuple(float(f"{weight:.2g}") for weight in weights)
+
+
+def search_table(search: Search) -> Table:
+    """One row for each candidate.
+
+    Args:
+        search: That has ended.
+    """
+    columns = ("delay [s]", "gain [dB]", "cost")
+    rows = [
+        [
+            *(", ".join(f"{weight:g}" for weight in part) for part in each.by_name.values()),
+            f"{each.delay_s:.2f}",
+            f"{each.gain_db:.1f}",
+            f"{each.cost:.3f}" if math.isfinite(each.cost) else "too small margins",
+        ]
+        for each in search.candidates
+    ]
+    return Table((*SEARCHED, *columns), rows, numeric=columns, caption=CAPTION)
+
+
+def as_json(search: Search) -> dict[str, Any]:
+    """The search as one object for JSON.
+
+    Args:
+        search: That has ended.
+    """
+    return {
+        "config": search.config,
+        "candidates": [_plain(each) for each in search.candidates],
+        "best": _plain(search.best),
+        "yaml": search.yaml,
+    }
+
+
+def _plain(candidate: Candidate) -> dict[str, Any]:
+    return {
+        **candidate.by_name,
+        "delay_s": candidate.delay_s,
+        "gain_db": candidate.gain_db,
+        "shortfalls": list(candidate.shortfalls),
+        "cost": candidate.cost if math.isfinite(candidate.cost) else None,
+        "flights": {
+            name: None
+            if flight is None
+            else {"range_rms_m": flight.range_rms_m, "bank_rate_rms_dps": flight.bank_rate_rms_dps}
+            for name, flight in candidate.flights.items()
+        },
+    }
