@@ -14,7 +14,7 @@ from uav_tracking_mpc.studies.campaign.campaign_run import CampaignResults
 from uav_tracking_mpc.studies.campaign.failure_statistics import Failures, by
 from uav_tracking_mpc.studies.campaign.one_flight import Row
 
-LINES = 14  # parts of the flights that panel (c) shows at most
+LINES = 16  # parts of the flights that panel (c) shows at most
 
 
 def campaign_figure(results: CampaignResults) -> Figure:
@@ -25,7 +25,11 @@ def campaign_figure(results: CampaignResults) -> Figure:
     """
     colour = colours(results.laws)
     with drawing(9.5, 3.9) as figure:
-        rms, worst, parts = figure.subplots(1, 3, width_ratios=(1.0, 1.0, 1.15))
+        grid = figure.add_gridspec(
+            1, 4, width_ratios=(1.0, 1.0, 0.13, 1.0),
+            left=0.065, right=0.985, bottom=0.13, top=0.92, wspace=0.25,
+        )  # fmt: skip
+        rms, worst, parts = (figure.add_subplot(grid[0, place]) for place in (0, 1, 3))
         for law, rows in by(results.rows, "law").items():
             _draw_beyond(rms, rows, "range_rms_m", law, colour[law])
             _draw_beyond(worst, rows, "worst_settled_m", law, colour[law])
@@ -36,7 +40,6 @@ def campaign_figure(results: CampaignResults) -> Figure:
         worst.set(xlabel="greatest range error once settled [m]")
         worst.set_title("(b) worst error; dashed: lost")
         _draw_parts(parts, results, colour)
-        figure.subplots_adjust(left=0.065, right=0.985, bottom=0.13, top=0.92, wspace=0.32)
     return figure
 
 
@@ -51,25 +54,30 @@ def _draw_beyond(axes: Axes, rows: Sequence[Row], column: str, law: str, colour:
 
 def _draw_parts(axes: Axes, results: CampaignResults, colour: dict[str, str]) -> None:
     """Failure probability of all flights of a law and of their parts, with 95 % bounds."""
-    names: list[str] = []
-    for law, rows in by(results.rows, "law").items():
-        lines = {"all": list(rows)} | (
-            by(rows, "group") if len(results.campaign.groups) > 1 else {}
-        )
-        lines |= single_mistakes(rows)
-        swept = list(results.campaign.swept)
-        for part in swept_parts(results, rows):
-            lines[", ".join(f"{part[0][key]:.3g}" for key in swept if key in part[0])] = part
-        for name, part in list(lines.items())[:LINES]:
-            counts = Failures.of(part)
+    pitch = 0.7 / len(results.laws)
+    for place, (law, rows) in enumerate(by(results.rows, "law").items()):
+        parts = _parts(results, rows)
+        for line, part in enumerate(parts.values()):
+            counts, y = Failures.of(part), line + pitch * (place - 0.5 * (len(results.laws) - 1))
             ends = [100.0 * counts.lower, 100.0 * counts.upper]
-            axes.plot(ends, [len(names)] * 2, color=colour[law], lw=2.0)
-            axes.plot(100.0 * counts.probability, len(names), "o", color=colour[law], ms=4.5)
-            names.append(name if len(results.laws) == 1 else f"{law}: {name}")
-    axes.set_yticks(range(len(names)), names)
-    axes.tick_params(axis="y", labelsize=6.5)
-    axes.set_ylim(len(names) - 0.5, -0.5)
+            axes.plot(ends, [y] * 2, color=colour[law], lw=1.8)
+            axes.plot(100.0 * counts.probability, y, "o", color=colour[law], ms=3.5)
+        axes.set_yticks(range(len(parts)), list(parts))
+    axes.tick_params(axis="y", labelsize=7.0)
+    axes.invert_yaxis()
     axes.set(xlabel="flights that fail [%]")
     axes.set_xlim(left=0.0)
     axes.grid(axis="y", visible=False)
     axes.set_title("(c) failures, 95 % bounds")
+
+
+def _parts(results: CampaignResults, rows: Sequence[Row]) -> dict[str, list[Row]]:
+    """All flights of a law, groups, errors and swept values, as many as there is room for."""
+    parts = {"all": list(rows)}
+    if len(results.campaign.groups) > 1:
+        parts |= by(rows, "group")
+    parts |= single_mistakes(rows)
+    for part in swept_parts(results, rows):
+        values = (part[0][key] for key in results.campaign.swept)
+        parts[", ".join(x if isinstance(x, str) else f"{x:.4g}" for x in values)] = part
+    return dict(list(parts.items())[:LINES])

@@ -132,5 +132,6 @@ def _schema(campaign: Campaign) -> pyarrow.Schema:
         kinds[key] = pyarrow.string() if key in words else pyarrow.float64()
     kinds |= {"failed": pyarrow.bool_(), "reasons": pyarrow.string(), "error": pyarrow.string()}
     kinds |= {name: pyarrow.float64() for name in FIGURES}
-    kinds |= {name: pyarrow.int64() for name in ("envelope_violations", "off_plan")}
+    counts = ("envelope_violations", "solves_failed", "off_plan")
+    kinds |= {name: pyarrow.int64() for name in counts}
     return pyarrow.schema(list(kinds.items()))

@@ -100,6 +100,7 @@ def outcome_of(
         "airspeed_rms_mps": flown.airspeed_rms_mps,
         "bank_rate_rms_dps": flown.bank_rate_rms_dps,
         "envelope_violations": flown.envelope_violations,
+        "solves_failed": log.failures,
         "off_plan": log.commands.plan_reused + log.commands.failsafe,
     }
 
