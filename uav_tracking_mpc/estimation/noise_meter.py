@@ -16,7 +16,8 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-SAMPLES = 4  # of the longer difference
+SAMPLES = 16  # of the longer difference
+PRIOR_TIME = 1.0  # s of samples that what is taken at first counts for
 LONGEST_GAP = 1.0  # s between samples beyond which the signal begins anew
 
 
@@ -27,23 +28,26 @@ class NoiseMeter:
         deviation: Standard deviation of the noise that is taken before anything is known, in the
             signal's unit [SI].
         memory: Time constant of the averages in [s].
+        walk: q that is taken before anything is known, in the square of the unit [SI] per s.
 
     Attributes:
         variance: R, in the square of the unit [SI].
         walk: q, in the square of the unit [SI] per s.
     """
 
-    def __init__(self, deviation: float, memory: float) -> None:
-        self._deviation, self._memory = deviation, memory
+    def __init__(self, deviation: float, memory: float, walk: float = 0.0) -> None:
+        self._deviation, self._memory, self._walk = deviation, memory, walk
         self.reset()
 
     def reset(self) -> None:
         """Forget the signal and its noise."""
         self._samples: deque[tuple[float, NDArray[np.float64]]] = deque(maxlen=SAMPLES + 1)
-        self._weight = 0.1 * self._memory  # s, of the prior
-        self._short = self._long = 2.0 * self._deviation**2
-        self._short_time, self._long_time = 0.0, 1.0
-        self.variance, self.walk = self._deviation**2, 0.0
+        self._weight = PRIOR_TIME
+        self._short_time: float = 0.0
+        self._long_time: float = 1.0
+        self._short = 2.0 * self._deviation**2
+        self._long = self._short + self._walk * self._long_time
+        self.variance, self.walk = self._deviation**2, self._walk
 
     def see(self, time: float, signal: NDArray[np.float64]) -> None:
         """Take in a sample.
@@ -62,8 +66,8 @@ class NoiseMeter:
         self._weight = min(self._weight + short_time, self._memory)
         share = short_time / self._weight
         near, far = signal - before, signal - oldest
-        self._short += share * (near @ near / len(signal) - self._short)
-        self._long += share * (far @ far / len(signal) - self._long)
+        self._short += share * (float(near @ near) / len(signal) - self._short)
+        self._long += share * (float(far @ far) / len(signal) - self._long)
         self._short_time += share * (short_time - self._short_time)
         self._long_time += share * (long_time - self._long_time)
         self.walk = max(self._long - self._short, 0.0) / (self._long_time - self._short_time)

@@ -13,7 +13,7 @@ import numpy as np
 
 from uav_tracking_mpc.estimation.noise_meter import NoiseMeter
 
-NOISE_MEMORY = 20.0  # s
+NOISE_MEMORY = 40.0  # s
 LONGEST_GAP = 1.0  # s without a measurement, after which x begins anew
 
 

@@ -27,12 +27,13 @@ from uav_tracking_mpc.dynamics.dryden import gust_scales
 from uav_tracking_mpc.estimation.noise_meter import NoiseMeter
 
 # Standard deviations before anything is measured
-WIND, GROUND_BIAS = 10.0, 2.0  # m/s
-AIRSPEED_SHARE, HEADING_BIAS = 0.07, 0.06  # -, rad
+WIND, GUST, GROUND_BIAS = 10.0, 2.5, 2.0  # m/s
+AIRSPEED_SHARE, HEADING_BIAS = 0.02, 0.02  # -, rad
 # How much what is constant may wander, in its unit per root of s
 WIND_WALK, GROUND_WALK, SHARE_WALK, HEADING_WALK = 0.03, 0.01, 2e-4, 2e-4
 POSITION_NOISE, VELOCITY_NOISE = 0.1, 0.05  # m, m/s: least standard deviations believed
-NOISE_MEMORY = 20.0  # s
+NOISE_MEMORY = 40.0  # s
+GUST_WALK = 1.0  # m^2/s^3, that of moderate gusts, until it is seen how strong they are
 LONGEST_GAP = 2.0  # s without a measurement, after which the position begins anew
 
 P, W, G, B = (slice(3 * k, 3 * k + 3) for k in range(4))
@@ -44,8 +45,8 @@ class WindFilter:
 
     def __init__(self) -> None:
         self._position_meter = NoiseMeter(POSITION_NOISE, NOISE_MEMORY)
-        self._level_meter = NoiseMeter(VELOCITY_NOISE, NOISE_MEMORY)
-        self._vertical_meter = NoiseMeter(VELOCITY_NOISE, NOISE_MEMORY)
+        self._level_meter = NoiseMeter(VELOCITY_NOISE, NOISE_MEMORY, GUST_WALK)
+        self._vertical_meter = NoiseMeter(VELOCITY_NOISE, NOISE_MEMORY, GUST_WALK)
         self._transition = np.eye(SIZE)
         self._sensed = np.zeros((6, SIZE))  # of position and ground velocity
         axes = np.arange(3)
@@ -61,7 +62,7 @@ class WindFilter:
             meter.reset()
         self._time: float | None = None
         self._state = np.zeros(SIZE)
-        deviations = [POSITION_NOISE, WIND, 0.0, GROUND_BIAS]
+        deviations = [POSITION_NOISE, WIND, GUST, GROUND_BIAS]
         prior = [*np.repeat(deviations, 3), AIRSPEED_SHARE, HEADING_BIAS]
         self._covariance = np.diag(np.square(prior))
         self._air, self._travelled = np.zeros(3), np.zeros(3)

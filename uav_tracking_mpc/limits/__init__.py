@@ -5,6 +5,7 @@ r"""Limits of the aircraft and of where it may fly, one file each.
 ``path_angle``       steepest descent and climb
 ``bank``             greatest bank of a coordinated turn: limits the turn rate
 ``yaw_rate``         greatest turn rate
+``roll_rate``          how quickly the bank, and so the turn rate, may change
 ``pitch_rate``       greatest path-angle rate
 ``acceleration``     least and greatest acceleration
 ``force``            thrust less drag: a climb and an acceleration share it

@@ -226,6 +226,12 @@ class TrackingParameters(Gathered):
     gain_margin_min: float = parameter(
         6.0, "Likewise of the gain of each channel, up and down.", "dB", 0.0, 60.0
     )
+    air_estimation: bool = parameter(
+        False,
+        "Estimate mean wind, gusts, noise and biases of the sensors; else measurements count as "
+        "they are.",
+        fixed=True,
+    )
     record: str = parameter(
         "", "File to record what the controller is given and answers; empty for none.", fixed=True
     )

@@ -31,11 +31,13 @@ class Measures:
         range_rms_m: Of r - r_d in [m].
         range_mean_m: Of r - r_d in [m].
         worst_m: Greatest abs(r - r_d) in [m].
-        settling_s: Of the whole flight, first time from which on abs(r - r_d) < 10 m in [s]; None if never.
+        settling_s: Of the whole flight: first time from which on abs(r - r_d) < 10 m in [s]; None
+            if never.
         altitude_rms_m: Of z - z_d in [m].
         airspeed_rms_mps: Of v - v_d in [m/s].
         bank_rate_rms_dps: Of the rate of the bank that was flown in [deg/s].
-        envelope_violations: Of the whole flight, samples at which some limit was passed by more than 1 %.
+        envelope_violations: Of the whole flight: samples at which some limit was passed by more
+            than 1 %.
         violations: How many of them for each limit that was passed.
     """
 
