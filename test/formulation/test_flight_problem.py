@@ -97,7 +97,7 @@ def test_without_drift_the_stage_cost_is_that_of_the_paper(direction):
 
 
 def test_the_cost_of_changes_is_that_beyond_the_orbits_own():
-    """Weighted squares of how much each rate changes over a step, less the orbit's change of turn."""
+    """Weighted squares of each rate's change over a step, less the orbit's change of turn."""
     weights = np.array([0.3, 5.0, 0.7])
     lag = {"rate_lag": (0.3, 0.13, 0.16)}
     orbit, rng = STILL.orbit, np.random.default_rng(5)

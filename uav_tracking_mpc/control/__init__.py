@@ -12,6 +12,7 @@
 ``limit_cycle``       notices one
 ``event``             what it reports
 ``direction``         which way round
+``orbit_shortfall``   tells when another orbit is flown than the one asked for
 ``pace``              when a command is due
 ``plan_memory``       what is left of the last plan
 ``rate_keeper``       whether the control rate is kept

@@ -28,6 +28,7 @@ from uav_tracking_mpc.control.direction import nearest_direction
 from uav_tracking_mpc.control.event import EventLog, Level
 from uav_tracking_mpc.control.fallback import Available, FallbackMode, ModeSelector
 from uav_tracking_mpc.control.guidance import formulation_of, law_inputs, law_of, planned
+from uav_tracking_mpc.control.orbit_shortfall import OrbitShortfall
 from uav_tracking_mpc.control.pace import Pace
 from uav_tracking_mpc.control.plan_memory import PlanMemory
 from uav_tracking_mpc.control.rate_keeper import RateKeeper
@@ -83,6 +84,7 @@ class Controller:
         self.drift = np.zeros(3)
         self.events = EventLog()
         self.response = ResponseAdaptation(parameters, self.events)
+        self._shortfall = OrbitShortfall(self.events)
         self._gate = StateGate(parameters.state_timeout)
         self._pace = Pace(parameters.control_rate)
         self._shaper = CommandShaper(parameters, self.events)
@@ -101,6 +103,7 @@ class Controller:
         """Forget what belongs to a time or a place that is no more."""
         for part in (self.navigator, self._pace, self.rate, self._shaper, self._plan):
             part.reset()
+        self._shortfall.reset()
         self.response.interrupt()
         if self.formulation is not None:
             self.formulation.reset()
@@ -146,9 +149,11 @@ class Controller:
         self._pace, self.rate.rate = Pace(parameters.control_rate), parameters.control_rate
         self.parameters = parameters
         self._choose()
-        p = parameters
-        words = f"{p.range:g} m at {p.altitude:g} m and {p.airspeed:g} m/s, {p.direction}"
-        self.events.add(Level.INFO, f"from now on {words}")
+        p, flown = (
+            parameters,
+            "from now on {0.range:g} m at {0.altitude:g} m and {0.airspeed:g} m/s",
+        )
+        self.events.add(Level.INFO, f"{flown.format(p)}, {p.direction}")
 
     def _fly_by(self, parameters: TrackingParameters | None) -> None:
         """Predict with other parameters from now on; with None as before."""
@@ -227,7 +232,7 @@ class Controller:
         if target.time is not None and target.time - stamp > self.parameters.target_timeout:
             target.reset()  # it was seen in a time that is no more
         if target.time is None and not self.flying:
-            self._silence("no target position")
+            self.fall_silent("no target position")
             return None
         if not self._pace.due(stamp):
             return None
@@ -235,8 +240,8 @@ class Controller:
         command = self._answer(measurement)
         taken = self._stopwatch() - begin
         if taken > self.parameters.state_timeout:
-            words = f"vehicle state: answered only after {taken:.3f} s, the command is not sent"
-            self.events.add(Level.REFUSAL, words)
+            late = f"vehicle state: answered only after {taken:.3f} s, the command is not sent"
+            self.events.add(Level.REFUSAL, late)
             return None
         delay = max(0.0, now - stamp) + taken
         flown = self.response.commanded(stamp, delay, command.inputs, command.step)
@@ -251,9 +256,6 @@ class Controller:
         Args:
             reason: Why, in words.
         """
-        self._silence(reason)
-
-    def _silence(self, reason: str) -> None:
         self._shaper.reset()
         self._select(Available(state=False, trouble=reason))
 
@@ -265,11 +267,11 @@ class Controller:
         if verdict is Verdict.RESTART:
             self.events.add(Level.WARNING, f"{reason}, starting anew")
             self._forget()
-        if verdict in (Verdict.USE, Verdict.RESTART):
+        believed = verdict in (Verdict.USE, Verdict.RESTART)
+        if believed:
             vehicle = self.navigator.vehicle_state(measurement)
             self.response.see(measurement, vehicle, not self.navigator.air.missing)
-            return True
-        return False
+        return believed
 
     def _answer(self, measurement: Measurement) -> Command:
         """Command for a measurement that is believed and due."""
@@ -306,6 +308,7 @@ class Controller:
             inputs, step = left
         elif mode.planned and plan is not None:
             self._plan.keep(plan, stamp)
+            self._shortfall.see(stamp, plan, self.orbit)
             inputs, step = plan.inputs, plan.step
         else:
             if by_law is None:

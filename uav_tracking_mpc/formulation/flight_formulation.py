@@ -50,8 +50,8 @@ class FlightFormulation:
         # A call of the function converts its arguments, which takes 200 times as long.
         self._buffer, self._evaluate = function.buffer()
         for k, argument in enumerate(self._arguments):
-            self._buffer.set_arg(k, memoryview(argument))
-        self._buffer.set_res(0, memoryview(self._turn_acceleration))
+            self._buffer.set_arg(k, memoryview(argument))  # type: ignore[arg-type]
+        self._buffer.set_res(0, memoryview(self._turn_acceleration))  # type: ignore
         self._data = np.zeros((self._stages + 1, self.flight.layout.size))
         self.change(parameters)
 
@@ -126,7 +126,9 @@ class FlightFormulation:
         middle, half = self.flight.span(states, data[:-1].T)
         inputs = np.array(middle).T + np.array(half).T * solution.inputs
         inputs[0, 0] -= self._lead_of_stage(x_0, data[0], solution.decision)
-        return Plan(inputs, self.step, self.error(situation, orbit), solution)
+        radius, altitude, airspeed = (solution.decision * DECISION_SCALE).tolist()
+        held = np.array([math.hypot(radius, altitude), altitude, airspeed])
+        return Plan(inputs, self.step, self.error(situation, orbit), solution, held)
 
     def _lead_of_stage(
         self, x_0: NDArray[np.float64], data: NDArray[np.float64], decision: NDArray[np.float64]

@@ -31,6 +31,8 @@ class Plan:
         step: T_s in [s].
         error: Tracking error x, shape (5,).
         solution: What the solver said.
+        orbit: Range, altitude and airspeed of the orbit that it ends on, shape (3,), in [m, m, m/s];
+            None where that is the one asked for.
         decrease: Whether the optimal cost fell as (54) says; None where that cannot be told.
     """
 
@@ -38,6 +40,7 @@ class Plan:
     step: float
     error: NDArray[np.float64]
     solution: Solution
+    orbit: NDArray[np.float64] | None = None
     decrease: DecreaseCheck | None = None
 
 

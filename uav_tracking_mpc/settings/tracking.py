@@ -33,6 +33,7 @@ from uav_tracking_mpc.parameters.specification import (
     parameter,
     taken,
 )
+from uav_tracking_mpc.settings.estimation_parameters import EstimationParameters
 
 ARTIFICIAL_ORBIT = COMPILED[1]
 NEAREST = "nearest"  # direction: the nearer one where the flight begins
@@ -40,7 +41,8 @@ PREDICTIVE = "nmpc"  # law: none, the optimal control problem is solved
 SOLVERS = ("newton", "ipopt")  # fatrop may never return, see CasadiSolver
 
 
-Gathered: Any = gathered("Gathered", (*LIMIT.all().values(), *VEHICLE_MODEL.all().values()))
+OWNERS = (*LIMIT.all().values(), *VEHICLE_MODEL.all().values(), EstimationParameters)
+Gathered: Any = gathered("Gathered", OWNERS)
 
 
 @dataclass(frozen=True)
@@ -186,26 +188,6 @@ class TrackingParameters(Gathered):
         extension=VEHICLE_MODEL,
         fixed=True,
     )
-    dead_time: tuple[float, ...] = parameter(
-        (0.0, 0.0, 0.0),
-        "Time until a command of turn rate, path-angle rate, acceleration begins to act.",
-        "s",
-        0.0,
-        2.0,
-        size=3,
-    )
-    response_estimation: bool = parameter(
-        False,
-        "Estimate lag, dead time and gain in flight and fly by them; needs the artificial orbit.",
-    )
-    excitation: tuple[float, ...] = parameter(
-        (0.0, 0.0, 0.0),
-        "Amplitudes of a test signal on turn rate, path-angle rate, acceleration once the flight "
-        "has settled, in their units; 0 for none. For `identify`.",
-        lower=0.0,
-        upper=5.0,
-        size=3,
-    )
     solver: str = parameter(
         "newton", "Solver of the optimal control problem.", choices=SOLVERS, fixed=True
     )
@@ -214,39 +196,6 @@ class TrackingParameters(Gathered):
     )
     plan_age_max: float = parameter(
         2.0, "How long an earlier plan may stand in for a solve that failed.", "s", 0.0, 60.0
-    )
-    state_timeout: float = parameter(
-        0.5, "Age at which the vehicle's state counts as lost.", "s", 0.01, 60.0
-    )
-    target_timeout: float = parameter(
-        5.0, "Age at which the target's position counts as lost.", "s", 0.01, 600.0
-    )
-    target_noise: float = parameter(
-        0.1,
-        "Standard deviation of the target's measured position, until it is found in flight.",
-        "m",
-        1e-3,
-        1e3,
-    )
-    target_agility: float = parameter(
-        0.5, "How hard the target accelerates, until it is found in flight.", "m/s^2", 1e-3, 100.0
-    )
-    delay_margin_min: float = parameter(
-        0.3,
-        "Delay that the closed loop shall bear in each channel beyond what it is told; a warning "
-        "is given where it is less.",
-        "s",
-        0.0,
-        10.0,
-    )
-    gain_margin_min: float = parameter(
-        6.0, "Likewise of the gain of each channel, up and down.", "dB", 0.0, 60.0
-    )
-    air_estimation: bool = parameter(
-        False,
-        "Estimate mean wind, gusts, noise and biases of the sensors; else measurements count as "
-        "they are.",
-        fixed=True,
     )
     record: str = parameter(
         "", "File to record what the controller is given and answers; empty for none.", fixed=True
