@@ -149,11 +149,9 @@ class Controller:
         self._pace, self.rate.rate = Pace(parameters.control_rate), parameters.control_rate
         self.parameters = parameters
         self._choose()
-        p, flown = (
-            parameters,
-            "from now on {0.range:g} m at {0.altitude:g} m and {0.airspeed:g} m/s",
-        )
-        self.events.add(Level.INFO, f"{flown.format(p)}, {p.direction}")
+        p = parameters
+        words = f"{p.range:g} m at {p.altitude:g} m and {p.airspeed:g} m/s, {p.direction}"
+        self.events.add(Level.INFO, f"from now on {words}")
 
     def _fly_by(self, parameters: TrackingParameters | None) -> None:
         """Predict with other parameters from now on; with None as before."""

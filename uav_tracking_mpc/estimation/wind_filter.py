@@ -1,19 +1,20 @@
 r"""Mean wind, gusts and sensor biases, from positions, ground velocities and air velocities.
 
-A Kalman filter. With a the air velocity as heading, path angle and airspeed tell it, :math:`\alpha`
-the share by which the airspeed reads too much, :math:`\beta` the angle by which the heading reads too
-far to the left, w the mean wind, g the gust and b the bias of the ground velocity,
+A Kalman filter. With a the air velocity as heading, path angle and airspeed tell it,
+:math:`\alpha` the share by which the airspeed reads too much, :math:`\beta` the angle by which the
+heading reads too far to the left, w the mean wind, g the gust and b the bias of the ground
+velocity,
 
 .. math::
 
     p' = a - \alpha a - \beta\, e_z \times a + w + g,\qquad
     p_{measured} = p,\qquad v_{measured} = p' + b.
 
-Gusts are coloured noise, :math:`g' = -g / T + n`, with the correlation time T = L / V of the Dryden
-spectra (:mod:`~uav_tracking_mpc.dynamics.dryden`; the longitudinal form on all axes). Everything else
-wanders slowly. How strong the gusts are and how noisy the velocities is not told but seen. A bias of
-the ground velocity shows at once beside the positions, those of heading and airspeed while the
-aircraft turns, for they turn with it and the wind does not.
+Gusts are coloured noise, :math:`g' = -g / T + n`, with the correlation time T = L / V of the
+Dryden spectra (:mod:`~uav_tracking_mpc.dynamics.dryden`; the longitudinal form on all axes).
+Everything else wanders slowly. How strong the gusts are and how noisy the velocities is not told
+but seen. A bias of the ground velocity shows at once beside the positions, those of heading and
+airspeed while the aircraft turns, for they turn with it and the wind does not.
 """
 
 from __future__ import annotations

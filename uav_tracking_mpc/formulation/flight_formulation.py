@@ -50,7 +50,7 @@ class FlightFormulation:
         # A call of the function converts its arguments, which takes 200 times as long.
         self._buffer, self._evaluate = function.buffer()
         for k, argument in enumerate(self._arguments):
-            self._buffer.set_arg(k, memoryview(argument))  # type: ignore[arg-type]
+            self._buffer.set_arg(k, memoryview(argument))  # type: ignore
         self._buffer.set_res(0, memoryview(self._turn_acceleration))  # type: ignore
         self._data = np.zeros((self._stages + 1, self.flight.layout.size))
         self.change(parameters)

@@ -31,7 +31,7 @@ class Plan:
         step: T_s in [s].
         error: Tracking error x, shape (5,).
         solution: What the solver said.
-        orbit: Range, altitude and airspeed of the orbit that it ends on, shape (3,), in [m, m, m/s];
+        orbit: Range [m], altitude [m] and airspeed [m/s] of the orbit that it ends on, shape (3,);
             None where that is the one asked for.
         decrease: Whether the optimal cost fell as (54) says; None where that cannot be told.
     """

@@ -58,6 +58,5 @@ class PaperFormulation:
             target_moved=moved,
             fraction=1.0 if elapsed is None else elapsed / self.step,
         )
-        return Plan(
-            solution.inputs + self._steady_inputs, self.step, error, solution, decrease=decrease
-        )
+        inputs = solution.inputs + self._steady_inputs
+        return Plan(inputs, self.step, error, solution, decrease=decrease)

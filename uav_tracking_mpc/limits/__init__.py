@@ -129,8 +129,8 @@ class Limit:
         name: By which it is found.
         hard_on_orbit: Whether every plan must end on an orbit that keeps it; else that is
             penalised, as at the stages.
-        by_squares: Whether passing it at a stage is paid for by squares, so that plans may pass it a
-            little: much easier to solve than a bound that is exact.
+        by_squares: Whether passing it at a stage is paid for by squares, so that plans may pass it
+            a little: much easier to solve than a bound that is exact.
         of_rates: Whether :meth:`flown` needs turn rate and acceleration.
         on_ground: Whether :meth:`numbers` changes with the target's forecast.
 

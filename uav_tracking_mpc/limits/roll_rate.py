@@ -1,4 +1,6 @@
-r"""Greatest roll rate of a coordinated turn: :math:`\tan\phi = v \omega / g`, so that
+r"""Greatest roll rate of a coordinated turn.
+
+From :math:`\tan\phi = v \omega / g` follows
 
 .. math:: \dot\phi = \frac{(v \dot\omega + \dot v \omega) / g}{1 + (v \omega / g)^2}.
 """

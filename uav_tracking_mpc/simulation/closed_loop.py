@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +12,7 @@ from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.formulation.formulation import Formulation
+from uav_tracking_mpc.parameters.specification import changed
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog
@@ -155,8 +155,5 @@ def _paced(parameters: TrackingParameters, plant: Plant) -> TrackingParameters:
     """The controller's parameters; a plant with a period of its own gets a command in each."""
     if plant.period is None:
         return parameters
-    return replace(
-        parameters,
-        control_rate=1.0 / plant.period,
-        state_timeout=max(parameters.state_timeout, 2.0 * plant.period),
-    )
+    timeout = max(parameters.state_timeout, 2.0 * plant.period)
+    return changed(parameters, {"control_rate": 1.0 / plant.period, "state_timeout": timeout})
