@@ -210,11 +210,7 @@ class TrackingParameters(Gathered):
         5.0, "Age at which the target's position counts as lost.", "s", 0.01, 600.0
     )
     target_noise: float = parameter(
-        0.1,
-        "Standard deviation of the target's measured position, until it is found in flight.",
-        "m",
-        1e-3,
-        1e3,
+        0.1, "Standard deviation of the target's position, until found in flight.", "m", 1e-3, 1e3
     )
     target_agility: float = parameter(
         0.5, "How hard the target accelerates, until it is found in flight.", "m/s^2", 1e-3, 100.0
