@@ -16,6 +16,8 @@ from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackRet
 
 from uav_tracking_mpc.control.certification import certification
 from uav_tracking_mpc.control.controller import Controller
+from uav_tracking_mpc.control.event import Level
+from uav_tracking_mpc.control.margin_check import MarginWatch
 from uav_tracking_mpc.control.record import RecordingController
 from uav_tracking_mpc.estimation.measurement import MeasurementError
 from uav_tracking_mpc.nodes import conversions
@@ -54,6 +56,7 @@ class NmpcController(LifecycleNode):
         self.parameters = declare_parameters(self, TrackingParameters, changeable=True)
         follow_parameters(self, self.parameters, self._check, self._take)
         self.controller: Controller | None = None
+        self._margins: MarginWatch | None = None  # of the present controller
         self._active = False
         self._failure = ""
         self._origin: int | None = None  # first stamp seen [ns]; the controller's times are since
@@ -107,6 +110,9 @@ class NmpcController(LifecycleNode):
             self.report.unconfigured(f"cannot be configured: {error}")
             return FAILURE
         self.report.configured(self.controller, claim)
+        events = self.controller.events  # the next state reports them
+        self._margins = MarginWatch(lambda words: events.add(Level.WARNING, words))
+        self._margins.judge(parameters)
         return SUCCESS
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -168,6 +174,8 @@ class NmpcController(LifecycleNode):
         self.parameters = parameters
         if self.controller is not None:
             self.controller.change(**asdict(parameters))
+            if self._margins is not None:
+                self._margins.judge(parameters)
             self.report.tell()
 
     def _seconds(self, message: Any) -> float:

@@ -194,6 +194,18 @@ class TrackingParameters(Gathered):
         2.0,
         size=3,
     )
+    response_estimation: bool = parameter(
+        False,
+        "Estimate lag, dead time and gain in flight and fly by them; needs the artificial orbit.",
+    )
+    excitation: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Amplitudes of a test signal on turn rate, path-angle rate, acceleration once the flight "
+        "has settled, in their units; 0 for none. For `identify`.",
+        lower=0.0,
+        upper=5.0,
+        size=3,
+    )
     solver: str = parameter(
         "newton", "Solver of the optimal control problem.", choices=SOLVERS, fixed=True
     )
@@ -269,6 +281,11 @@ class TrackingParameters(Gathered):
                     f"terminal_constraint '{ARTIFICIAL_ORBIT}'"
                 )
             return
+        if self.response_estimation:
+            raise ParameterError(
+                "parameter 'response_estimation' is true, must be false unless "
+                f"terminal_constraint is '{ARTIFICIAL_ORBIT}'"
+            )
         defaults = {"rate_lag": (0.0,) * 3, "dead_time": (0.0,) * 3}
         for name, default in defaults.items():
             if getattr(self, name) != default:
