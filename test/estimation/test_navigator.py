@@ -13,7 +13,7 @@ from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
 
 TICK = 0.05
-FLIGHT = small_uav.parameters()
+FLIGHT = small_uav.parameters("air_estimation=false")  # what is measured counts as it is
 VEHICLE = np.array([300.0, -50.0, 120.0, 2.0, 0.05, 22.0])
 
 
@@ -63,6 +63,7 @@ class Flight:
             "small_uav",
             [
                 f"nmpc_controller.{lists}",
+                "nmpc_controller.air_estimation=false",
                 f"uav_simulator.{lists}",
                 f"uav_simulator.wind={list(wind)}",
             ],
@@ -209,3 +210,69 @@ def test_without_air_data_the_velocity_over_ground_counts():
     assert not navigator.air.missing
     navigator.air.see(6.0 - FLIGHT.state_timeout - 1e-3, 21.0)
     assert navigator.estimate(blind).present.airspeed == pytest.approx(5.0)
+
+
+def flight_in_air(overrides, until=60.0, scenario="crosswind"):
+    """Estimates and truth of a circling aircraft with what its sensors get wrong."""
+    configuration = load_configuration(
+        "small_uav", [f"uav_simulator.{each}" for each in overrides], scenario
+    )
+    plant, navigator = VehiclePlant(configuration.simulator), Navigator(configuration.controller)
+    found = []
+    for tick in range(round(until / TICK)):
+        time = plant.time = tick * TICK
+        navigator.target.update(time, np.zeros(3))
+        estimate = navigator.estimate(plant.measured())
+        found.append((estimate, plant.truth, plant.wind))
+        plan = np.array([[0.12, 0.02 * np.sin(0.3 * time), 0.2 * np.sin(0.5 * time)]])
+        navigator.commanded(time, 0.0, plan, 0.5)
+        plant.accept(plan, [time])
+        plant.advance(TICK)
+    return found
+
+
+BIASES = {
+    "velocity_bias=[2.0, -1.0, 0.5]": 2.0,
+    "heading_bias=0.087": 1.9,
+    "airspeed_bias=2.0": 2.0,
+    "turn_rate_bias=0.035": 0.035,
+}
+
+
+@pytest.mark.parametrize("bias", BIASES)
+def test_a_constant_bias_is_taken_out_of_the_situation(bias):
+    """A tenth of it is left after two turns, of the wind or of the turn rate."""
+    estimate, truth, wind = flight_in_air([bias], until=100.0)[-1]
+    present = estimate.present
+    error = present.drift - wind  # the target stands
+    if bias.startswith("turn_rate"):
+        assert abs(present.rates[0] - truth.turn_rate) < 0.1 * BIASES[bias]
+    else:
+        assert np.linalg.norm(error) < 0.1 * BIASES[bias]
+    assert abs(angle_difference(present.heading, truth.heading)) < 0.01
+    assert present.airspeed == pytest.approx(truth.airspeed, abs=0.25)
+    np.testing.assert_allclose(present.vehicle[:3], truth.position, atol=0.05)
+
+
+def test_noise_is_smoothed_out():
+    noise = ["velocity_noise=0.3", "attitude_noise=0.0087", "airspeed_noise=0.3"]
+    found = flight_in_air(noise)[400:]
+    drift = np.array([estimate.present.drift - wind for estimate, _, wind in found])
+    heading = [
+        angle_difference(estimate.present.heading, truth.heading) for estimate, truth, _ in found
+    ]
+    assert np.sqrt(np.mean(drift**2)) < 0.1  # 0.36 m/s in the wind triangle
+    assert np.sqrt(np.mean(np.square(heading))) < 0.3 * 0.0087
+
+
+def test_gusts_are_followed_and_fade_over_the_horizon():
+    found = flight_in_air(["gust_intensity=15.4", "wind=[0.0, 8.0, 0.0]"], until=120.0)[400:]
+    drift = np.array([estimate.present.drift - wind for estimate, _, wind in found])
+    gusts = np.array([wind - [0.0, 8.0, 0.0] for _, _, wind in found])
+    assert np.sqrt(np.mean(drift**2)) < 0.2 * np.sqrt(np.mean(gusts**2))
+    estimate, _, _ = found[-1]
+    ahead = estimate.forecast.drift
+    assert np.linalg.norm(ahead[-1] - ahead[0]) > 0.1
+    # What the forecast says of its own rate of change is its rate of change.
+    middle = 0.5 * (estimate.forecast.drift_rate[1:] + estimate.forecast.drift_rate[:-1])
+    np.testing.assert_allclose(np.diff(ahead, axis=0) / FLIGHT.horizon_step, middle, atol=2e-3)

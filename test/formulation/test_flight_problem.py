@@ -27,7 +27,13 @@ from uav_tracking_mpc.mpc.solver import Guess
 FLIGHT = small_uav.parameters()
 # No limit is near, nothing lags, and the horizon is long: the paper's world.
 STILL = small_uav.parameters(
-    "rate_lag=[0, 0, 0]", "dead_time=[0, 0, 0]", "direction=counter_clockwise", "scheme=rk4"
+    "rate_lag=[0, 0, 0]",
+    "dead_time=[0, 0, 0]",
+    "rate_weights=[0, 0, 0]",
+    "roll_rate_max=50",
+    "airspeed_band=10",
+    "direction=counter_clockwise",
+    "scheme=rk4",
 )
 
 
@@ -54,9 +60,9 @@ def state_of(vehicle, rates=(0.0, 0.0, 0.0)):
     return LaggedState(*vehicle, *rates)
 
 
-def shares_of(inputs, state, data):
+def shares_of(inputs, state, data, flight=LAGGED):
     """Shares that give inputs (u_psi, u_chi, u_v) in a state."""
-    middle, half = (np.array(part) for part in LAGGED.span(state, data))
+    middle, half = (np.array(part) for part in flight.span(state, data))
     return (inputs - middle) / half
 
 
@@ -90,11 +96,31 @@ def test_without_drift_the_stage_cost_is_that_of_the_paper(direction):
         assert float(cost) == pytest.approx(x @ q @ x + u @ r @ u, rel=1e-11)
 
 
+def test_the_cost_of_changes_is_that_beyond_the_orbits_own():
+    """Weighted squares of how much each rate changes over a step, less the orbit's change of turn."""
+    weights = np.array([0.3, 5.0, 0.7])
+    lag = {"rate_lag": (0.3, 0.13, 0.16)}
+    orbit, rng = STILL.orbit, np.random.default_rng(5)
+    told = [replace(STILL, **lag, rate_weights=w) for w in ((0.0,) * 3, tuple(weights))]
+    drift, stage = (4.0, 2.0, 0.0), stage_function(LAGGED.problem)
+    free, paid = (data_of(each, orbit, drift) for each in told)
+    for _ in range(20):
+        rates = rng.uniform([-0.2, -0.1, -0.5], [0.2, 0.1, 0.5])
+        state = state_of([*rng.uniform(100.0, 300.0, 3), *rng.uniform(-0.3, 0.3, 2), 22.0], rates)
+        shares, decision = rng.uniform(-0.5, 0.5, 3), decision_of(orbit)
+        following, with_changes = stage(state, shares, paid, decision)
+        _, without = stage(state, shares, free, decision)
+        change = (np.array(following).ravel()[6:9] - rates) / STILL.horizon_step
+        change[0] -= float(LAGGED.turn_acceleration(state, paid, decision))
+        assert float(with_changes - without) == pytest.approx(weights @ change**2, rel=1e-9)
+
+
 @pytest.mark.parametrize(("step", "error"), [(0.5, 3e-5), (0.25, 1e-6), (0.125, 3.5e-8)])
 def test_a_step_is_the_papers_up_to_the_error_of_integration(step, error):
     """Against Runge-Kutta in the paper's coordinates: both are of fourth order."""
     parameters = replace(STILL, force_min=(-60.0, -60.0), force_max=(60.0, 60.0), horizon_step=step)
-    stage = stage_function(flight_problem(replace(parameters, horizon=1)).problem)
+    flight = flight_problem(replace(parameters, horizon=1))
+    stage = stage_function(flight.problem)
     orbit, rng = parameters.orbit, np.random.default_rng(3)
     dynamics = error_dynamics("exact", orbit, step, "rk4")
     data = data_of(parameters, orbit)
@@ -104,7 +130,8 @@ def test_a_step_is_the_papers_up_to_the_error_of_integration(step, error):
         inputs = rng.uniform([-0.4, -0.3, -2.0], [0.4, 0.3, 2.0])
         vehicle = vehicle_state(relative, 0.7, np.zeros(3))
         state = state_of(vehicle, inputs)
-        flown = stage(state, shares_of(inputs, state, data), data, decision_of(orbit))[0]
+        shares = shares_of(inputs, state, data, flight)
+        flown = stage(state, shares, data, decision_of(orbit))[0]
         x = tracking_error(relative_state(np.array(flown).ravel()[:6], np.zeros(3)), orbit)
         u = inputs - steady_inputs("exact", orbit)
         expected = np.array(dynamics(tracking_error(relative, orbit), u)).ravel()
@@ -156,7 +183,10 @@ def test_near_the_orbit_its_inputs_are_those_of_the_paper():
     orbit, which its weights hold to the wanted one. Over 10 s both are so near to the optimum of an
     infinite horizon that 2e-5 is left, of first inputs of 0.1.
     """
-    parameters = replace(STILL, offset_weights=(1e4, 1e4, 1e4), terminal_constraint="none")
+    weights = {"state_weights": (0.05, 1.0, 0.3, 0.5, 0.5), "input_weights": (0.04, 0.04, 0.2)}
+    parameters = replace(
+        STILL, **weights, offset_weights=(1e4, 1e4, 1e4), terminal_constraint="none"
+    )
     paper = CasadiSolver(problem_of(parameters), "ipopt")
     flight = FlightFormulation(
         replace(parameters, terminal_constraint="artificial_orbit"), small_uav.solver()

@@ -58,10 +58,11 @@ class _AircraftInAir(NamedTuple):
 class Navigator:
     """Measurements in, situations and forecast out.
 
-    The drift is the wind less the target's velocity. Over the horizon the mean wind stays and the
-    gust of now fades with its correlation time. Sensors' biases are estimated and taken out, and
-    what is noisy is smoothed. The acceleration that is flown comes from the commands and the
-    aircraft's lag. Without an airspeed the air is taken as still, and nothing of this is done.
+    The drift is the wind less the target's velocity. With ``air_estimation`` the mean wind stays
+    over the horizon and the gust of now fades with its correlation time, sensors' biases are taken
+    out, and what is noisy is smoothed; without it, or without an airspeed, the wind is that of the
+    present wind triangle, v_ground - v_air. The acceleration that is flown comes from the commands
+    and the aircraft's lag.
 
     Args:
         parameters: Lag, dead time, horizon and filter settings.
@@ -93,6 +94,7 @@ class Navigator:
             parameters: The new ones.
         """
         self._model = parameters.vehicle
+        self._estimating = parameters.air_estimation
         self._lag = float(self._model.lags[ACCELERATION])
         self._dead_time = parameters.dead_time
         self._stages = parameters.horizon_step * np.arange(parameters.horizon + 1)
@@ -205,7 +207,7 @@ class Navigator:
     ) -> _AircraftInAir:
         """What is measured, without noise and biases as far as they are known."""
         rates = np.array([measurement.turn_rate, measurement.path_angle_rate, self._acceleration])
-        if self.air.missing:
+        if self.air.missing or not self._estimating:
             wind = measurement.ground_velocity - vehicle_model.velocity(vehicle)
             return _AircraftInAir(vehicle, rates, wind, np.zeros(3), np.ones(3))
         filters = (self._heading, self._path_angle, self._airspeed)

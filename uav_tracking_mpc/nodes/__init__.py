@@ -16,6 +16,7 @@
 ``peers``                whether anybody is at the other end, and what rate is promised
 ``topics``               names, types and qualities of service
 ``conversions``          messages to arrays and back, the only module that knows both
+``target_odometry``      what a tracker says of the target
 ``declared_parameters``  parameter dataclasses as ROS parameters
 ``diagnostics``          /diagnostics
 ``sample_window``        median, percentile, maximum and histogram of durations

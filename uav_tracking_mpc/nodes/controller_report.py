@@ -154,6 +154,8 @@ class ControllerReport:
             "target positions rejected": navigator.target.rejected,
             "target positions late": navigator.target.late,
             "target jumps": navigator.target.jumps,
+            "target noise [m]": navigator.target.noise,
+            "target agility [m/s^2]": navigator.target.agility,
             "latency [s]": float(navigator.latency),
             "solver": "none" if formulation is None else formulation.solver.name,
             "solves": solve.count,

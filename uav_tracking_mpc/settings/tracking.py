@@ -198,6 +198,14 @@ class TrackingParameters(Gathered):
         False,
         "Estimate lag, dead time and gain in flight and fly by them; needs the artificial orbit.",
     )
+    excitation: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Amplitudes of a test signal on turn rate, path-angle rate, acceleration once the flight "
+        "has settled, in their units; 0 for none. For `identify`.",
+        lower=0.0,
+        upper=5.0,
+        size=3,
+    )
     solver: str = parameter(
         "newton", "Solver of the optimal control problem.", choices=SOLVERS, fixed=True
     )
@@ -214,10 +222,14 @@ class TrackingParameters(Gathered):
         5.0, "Age at which the target's position counts as lost.", "s", 0.01, 600.0
     )
     target_noise: float = parameter(
-        0.1, "Standard deviation of the target's measured position, for the filter.", "m", 1e-3, 1e3
+        0.1,
+        "Standard deviation of the target's measured position, until it is found in flight.",
+        "m",
+        1e-3,
+        1e3,
     )
     target_agility: float = parameter(
-        0.5, "How hard the target may accelerate, for the filter.", "m/s^2", 1e-3, 100.0
+        0.5, "How hard the target accelerates, until it is found in flight.", "m/s^2", 1e-3, 100.0
     )
     delay_margin_min: float = parameter(
         0.3,
@@ -229,6 +241,12 @@ class TrackingParameters(Gathered):
     )
     gain_margin_min: float = parameter(
         6.0, "Likewise of the gain of each channel, up and down.", "dB", 0.0, 60.0
+    )
+    air_estimation: bool = parameter(
+        False,
+        "Estimate mean wind, gusts, noise and biases of the sensors; else measurements count as "
+        "they are.",
+        fixed=True,
     )
     record: str = parameter(
         "", "File to record what the controller is given and answers; empty for none.", fixed=True

@@ -1,0 +1,71 @@
+"""Wind, gusts and biases from flights whose air is known."""
+
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.estimation.wind_filter import WindFilter
+
+STEP, SPEED, TURN = 0.05, 22.0, 0.073
+
+
+def flown(duration, wind=(3.0, -5.0, 0.2), bias=(0.0, 0.0, 0.0), share=0.0, heading=0.0, noise=0.0):
+    """Filter after circling in steady wind with sensors that err."""
+    random, position = np.random.default_rng(2), np.array([100.0, 50.0, 120.0])
+    filter_ = WindFilter()
+    for k in range(round(duration / STEP)):
+        psi = TURN * k * STEP
+        air = SPEED * np.array([np.cos(psi), np.sin(psi), 0.0])
+        measured = (
+            SPEED / (1.0 - share) * np.array([np.cos(psi + heading), np.sin(psi + heading), 0.0])
+        )
+        ground = air + wind + np.array(bias) + noise * random.standard_normal(3)
+        filter_.update(k * STEP, position, ground, measured, 120.0)
+        chord = STEP * np.sinc(0.5 * TURN * STEP / np.pi)
+        middle = psi + 0.5 * TURN * STEP
+        position = position + chord * SPEED * np.array([np.cos(middle), np.sin(middle), 0.0])
+        position = position + STEP * np.array(wind)
+    return filter_, position
+
+
+def test_in_steady_wind_everything_else_is_nothing():
+    filter_, _ = flown(60.0)
+    np.testing.assert_allclose(filter_.mean_wind + filter_.gust, [3.0, -5.0, 0.2], atol=5e-3)
+    np.testing.assert_allclose(filter_.mean_wind, [3.0, -5.0, 0.2], atol=0.1)
+    np.testing.assert_allclose(filter_.ground_velocity_bias, 0.0, atol=1e-2)
+    assert abs(filter_.airspeed_share) < 1e-3
+    assert abs(filter_.heading_bias) < 1e-3
+
+
+def test_a_bias_of_the_ground_velocity_shows_beside_the_positions():
+    filter_, _ = flown(20.0, bias=(2.0, -1.0, 0.5))
+    np.testing.assert_allclose(filter_.ground_velocity_bias, [2.0, -1.0, 0.5], atol=0.05)
+    np.testing.assert_allclose(filter_.mean_wind + filter_.gust, [3.0, -5.0, 0.2], atol=0.05)
+
+
+@pytest.mark.parametrize(("share", "heading"), [(0.09, 0.0), (0.0, 0.087), (-0.05, -0.05)])
+def test_biases_of_airspeed_and_heading_show_while_the_aircraft_turns(share, heading):
+    filter_, _ = flown(200.0, share=share, heading=heading)
+    assert filter_.airspeed_share == pytest.approx(share, abs=0.01)
+    assert filter_.heading_bias == pytest.approx(heading, abs=0.01)
+    np.testing.assert_allclose(filter_.mean_wind, [3.0, -5.0, 0.2], atol=0.3)
+
+
+def test_noise_of_the_ground_velocity_is_smoothed_and_its_size_seen():
+    filter_, position = flown(100.0, noise=0.3)
+    np.testing.assert_allclose(filter_.mean_wind + filter_.gust, [3.0, -5.0, 0.2], atol=0.2)
+    assert np.linalg.norm(filter_.position - position) < 1.2  # of the newest, a step before
+
+
+def test_gusts_last_as_long_as_drydens():
+    filter_, _ = flown(1.0)
+    long, also_long, short = filter_.correlation_times
+    assert long == also_long == pytest.approx(275.0 / SPEED, rel=0.01)
+    assert short == pytest.approx(120.0 / SPEED, rel=0.01)
+
+
+def test_after_a_gap_the_position_begins_anew_and_the_wind_is_kept():
+    filter_, _ = flown(60.0)
+    filter_.update(70.0, np.array([5e3, 0.0, 100.0]), np.array([25.0, -5.0, 0.2]),
+                   np.array([22.0, 0.0, 0.0]), 120.0)  # fmt: skip
+    assert filter_.position[0] == pytest.approx(5e3, abs=1.0)
+    np.testing.assert_allclose(filter_.mean_wind, [3.0, -5.0, 0.2], atol=0.2)
