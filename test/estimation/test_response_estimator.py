@@ -119,7 +119,7 @@ def test_nothing_is_trusted_that_was_not_excited():
 def test_trust_fades_when_the_excitation_ends_and_the_estimate_stays():
     aircraft = Aircraft(2, (0.3, 0.13, 0.16), (0.17, 0.2, 0.1), np.ones(3))
     before = aircraft.fly(40.0)[0]
-    after = aircraft.fly(120.0, sizes=np.zeros(3))[0]
+    after = aircraft.fly(180.0, sizes=np.zeros(3))[0]
     assert before.trusted
     assert after.delay_deviation > 1.4 * before.delay_deviation
     assert after.delay == pytest.approx(before.delay, abs=3.0 * after.delay_deviation)

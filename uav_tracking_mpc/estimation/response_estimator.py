@@ -44,7 +44,7 @@ SATURATION, TOO_MUCH, RECOVERY = 0.9, 1.02, 1.0
 ROUNDING = 0.015, 0.008, 0.005
 BEGIN = 1.5  # s after the first command, in which what was flown before it still counts
 EVERY = np.arange(3)  # channels
-REFINED_EVERY = 4  # measurements between refinements, one channel each
+REFINED_EVERY = 8  # measurements between refinements, one channel each
 
 
 class ResponseEstimator:
@@ -182,7 +182,11 @@ class ResponseEstimator:
         self._product += work
         residual = y - self._gains * passed[EVERY, self._nearest]
         self._sums *= forgotten
-        self._sums += weights * (np.ones(3), y * y, residual * self._residual, residual * residual)
+        self._sums[0] += weights
+        self._sums[1] += weighted * y
+        residual *= weights
+        self._sums[2] += residual * self._residual
+        self._sums[3] += residual * residual
         self._residual = residual
 
     def _refined(self, axis: int) -> ChannelResponse:
