@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import logging
 
 from uav_tracking_mpc.cli.answer import answer
 from uav_tracking_mpc.cli.arguments import (
@@ -11,6 +12,8 @@ from uav_tracking_mpc.cli.arguments import (
     add_output_arguments,
     chosen_configuration,
 )
+
+logger = logging.getLogger(__name__)
 
 HELP = "the same mission without ROS, deterministic"
 DESCRIPTION = "Fly a mission without ROS: plant and controller in turn, the same every time."
@@ -45,12 +48,16 @@ def run(arguments: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.progress import Progress
 
+    from uav_tracking_mpc.control.margin_check import margin_warning
     from uav_tracking_mpc.report.flight_findings import in_short
     from uav_tracking_mpc.report.mission_report import write_report
     from uav_tracking_mpc.simulation.closed_loop import simulate
     from uav_tracking_mpc.studies.identification.csv_record import FlightWitness, write_record
 
     configuration = chosen_configuration(arguments, arguments.scenario)
+    warning = margin_warning(configuration.controller)
+    if warning:
+        logger.warning(warning)
     witness = FlightWitness() if any(configuration.controller.excitation) else None
     with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("simulating", total=configuration.mission.duration)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.angles import wrap_angle
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
-from uav_tracking_mpc.limits import Motion
+from uav_tracking_mpc.limits import TOLERANCE, Motion
 from uav_tracking_mpc.report.metrics import settling_time
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.flight_log import FlightLog
@@ -39,6 +39,8 @@ class Measures:
         envelope_violations: Of the whole flight: samples at which some limit was passed by more
             than 1 %.
         violations: How many of them for each limit that was passed.
+        off_plan: Commands that were neither an optimal plan nor the answer of the law that flew;
+            None where that was not recorded.
     """
 
     range_rms_m: float
@@ -50,6 +52,7 @@ class Measures:
     bank_rate_rms_dps: float
     envelope_violations: int
     violations: dict[str, int]
+    off_plan: int | None
 
 
 def measures(
@@ -68,6 +71,10 @@ def measures(
     late = log.time >= log.time[0] + settled_after
     bank_rate = np.diff(flown_bank(log)) / np.diff(log.time)[1:]  # at the samples but two
     beyond = violations(log, parameters)
+    off_plan = None
+    if log.nominal is not None:
+        counted = log.command_time >= log.time[0] + settled_after
+        off_plan = int(np.count_nonzero(counted & ~log.nominal))
     return Measures(
         range_rms_m=_rms(range_error[late]),
         range_mean_m=float(np.mean(range_error[late])),
@@ -78,6 +85,7 @@ def measures(
         bank_rate_rms_dps=float(np.degrees(_rms(bank_rate[late[1:-1]]))),
         envelope_violations=int(np.any(list(beyond.values()), axis=0).sum()),
         violations={name: int(found.sum()) for name, found in beyond.items() if found.any()},
+        off_plan=off_plan,
     )
 
 
@@ -93,14 +101,17 @@ def flown_bank(log: FlightLog) -> NDArray[np.float64]:
     return np.asarray(np.arctan(motion.airspeed * motion.turn_rate / GRAVITY))
 
 
-def violations(log: FlightLog, parameters: TrackingParameters) -> dict[str, NDArray[np.bool_]]:
-    """At which samples which limit is passed by more than 1 %, each of shape (n,).
+def violations(
+    log: FlightLog, parameters: TrackingParameters, tolerance: float = TOLERANCE
+) -> dict[str, NDArray[np.bool_]]:
+    """At which samples which limit is passed by more than a tolerance, each of shape (n,).
 
     Bank and force are those of the interval after a sample.
 
     Args:
         log: Record of the flight.
         parameters: The limits.
+        tolerance: As a share of the bound [-].
 
     Returns:
         By the label of the limit.
@@ -114,7 +125,7 @@ def violations(log: FlightLog, parameters: TrackingParameters) -> dict[str, NDAr
         bound = limit.flown(motion, limit.numbers(targets).T)
         if bound is not None:
             # The last sample begins no interval.
-            passed[limit.label] = np.append(bound.passed(), False)[: len(log.time)]
+            passed[limit.label] = np.append(bound.passed(tolerance), False)[: len(log.time)]
     return passed
 
 
