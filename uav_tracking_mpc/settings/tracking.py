@@ -216,15 +216,10 @@ class TrackingParameters(Gathered):
         0.5, "How hard the target may accelerate, for the filter.", "m/s^2", 1e-3, 100.0
     )
     delay_margin_min: float = parameter(
-        0.3,
-        "Delay that the closed loop shall bear in each channel beyond what it is told; a warning "
-        "is given where it is less.",
-        "s",
-        0.0,
-        10.0,
+        0.3, "Delay that each channel shall bear untold; less is warned of.", "s", 0.0, 10.0
     )
     gain_margin_min: float = parameter(
-        6.0, "Likewise of the gain of each channel, up and down.", "dB", 0.0, 60.0
+        6.0, "Change of gain, up and down, that it shall bear likewise.", "dB", 0.0, 60.0
     )
     air_estimation: bool = parameter(
         False,
