@@ -2,7 +2,7 @@
 # make test       lint, type-check and test
 # make test-long  the long forms of the tests, and the tests with the kernels of other processors
 # make docs       build the documentation site in docs/_build, with the tables of its reference
-# make figures    fly the comparison again for docs/flight.md: table, pictures, docs/flight.gif;
+# make figures    fly the comparison again for docs/flight.md: tables, pictures, docs/flight.gif;
 #                 the margins for docs/margins.md
 # make lint       style and types alone
 # make clean      remove .venv and all that was built
@@ -41,6 +41,7 @@ docs: $(VENV)/docs
 
 figures: $(VENV)/demo
 	$(CLEAN) $(BIN)/uav_tracking compare --config small_uav --output output/compare --page docs/flight.md
+	$(CLEAN) $(BIN)/uav_tracking compare --config small_uav --mismatch --output output/compare --page docs/flight.md
 	cp output/compare/*.png docs/flight/
 	$(CLEAN) $(BIN)/uav_tracking margins --config small_uav --output output/margins --page docs/margins.md
 	cp output/margins/margins.png docs/

@@ -28,7 +28,8 @@ from uav_tracking_mpc.nodes.declared_parameters import declare_parameters, follo
 from uav_tracking_mpc.nodes.peers import Promise
 from uav_tracking_mpc.nodes.run import run
 from uav_tracking_mpc.nodes.stall_guard import StallGuard
-from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, COMMAND, ODOMETRY, TARGET
+from uav_tracking_mpc.nodes.target_odometry import target_from_odometry
+from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, COMMAND, ODOMETRY, TARGET, TARGET_ODOMETRY
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import configuration_folder
 from uav_tracking_mpc.settings.tracking import TrackingParameters
@@ -59,6 +60,7 @@ class NmpcController(LifecycleNode):
         self._active = False
         self._failure = ""
         self._origin: int | None = None  # first stamp seen [ns]; the controller's times are since
+        self._tracked, self._both_told = -math.inf, False  # stamp of the newest target/odometry [s]
         self._arrival = -math.inf  # of the newest state that was believed, steady [s]
         self._wire = CommandWire()
         self._views = ControllerViews(self)
@@ -75,6 +77,7 @@ class NmpcController(LifecycleNode):
             (ODOMETRY, self._on_odometry),
             (AIR_VELOCITY, self._on_air),
             (TARGET, self._on_target),
+            (TARGET_ODOMETRY, self._on_target_odometry),
         ):
             heard, events = self._refusing(callback), self.report.peers.listening(topic)
             self.create_subscription(
@@ -200,8 +203,18 @@ class NmpcController(LifecycleNode):
         controller.see_air(self._seconds(message), airspeed)
 
     def _on_target(self, message: Any, controller: Controller) -> None:
-        position = conversions.position_from_point(message)
-        controller.see_target(self._seconds(message), position)
+        position, stamp = conversions.position_from_point(message), self._seconds(message)
+        if abs(stamp - self._tracked) > self.parameters.target_timeout:
+            controller.see_target(stamp, position)
+        elif not self._both_told:  # one after the other they would count as two measurements
+            self._both_told = True
+            words = "target/odometry comes as well: target/position is left out while it comes"
+            self.get_logger().warning(words)
+
+    def _on_target_odometry(self, message: Any, controller: Controller) -> None:
+        measured, stamp = target_from_odometry(message), self._seconds(message)
+        controller.see_target(stamp, *measured)
+        self._tracked = stamp
 
     def _on_odometry(self, message: Any, controller: Controller) -> None:
         arrival, before = time.monotonic(), controller.state_time

@@ -77,6 +77,7 @@ class _Recorder:
             ),
             ground_velocity=np.array(self.ground_velocities),
             target_velocity=np.array(self.target_velocities),
+            nominal=np.array([mode.nominal for mode in modes]),
         )
 
 
