@@ -85,7 +85,7 @@ class Controller:
         self.response = ResponseAdaptation(parameters, self.events)
         self._gate = StateGate(parameters.state_timeout)
         self._pace = Pace(parameters.control_rate)
-        self._shaper = CommandShaper(parameters)
+        self._shaper = CommandShaper(parameters, self.events)
         self._plan = PlanMemory()
         self.reset()
         self._choose()
@@ -143,8 +143,7 @@ class Controller:
             self._direction = None
         self._shaper.change(parameters)
         self._gate.timeout = parameters.state_timeout
-        self._pace = Pace(parameters.control_rate)
-        self.rate.rate = parameters.control_rate
+        self._pace, self.rate.rate = Pace(parameters.control_rate), parameters.control_rate
         self.parameters = parameters
         self._choose()
         p = parameters
@@ -340,6 +339,7 @@ class Controller:
     ) -> Command:
         mode, reason = self.modes.mode, self.modes.reason
         inputs = self._shaper.shape(stamp, inputs / self.response.gain, step, airspeed, mode)
+        inputs = self._shaper.excitation.added(stamp, inputs, mode, self.orbit, present)
         return Command(stamp, inputs, step, mode, reason, self.orbit, plan, present)
 
     def _select(self, available: Available) -> FallbackMode:

@@ -106,14 +106,18 @@ class Bound(NamedTuple):
         sides = [] if self.lower is None else [(self.lower - self.value) / self.scale]
         return sides if self.upper is None else [*sides, (self.value - self.upper) / self.scale]
 
-    def passed(self) -> NDArray[np.bool_]:
-        """Where a bound is passed by more than :data:`TOLERANCE`, the value's shape."""
+    def passed(self, tolerance: float = TOLERANCE) -> NDArray[np.bool_]:
+        """Where a bound is passed by more than a tolerance, the value's shape.
+
+        Args:
+            tolerance: As a share of the bound [-].
+        """
         value = np.asarray(self.value, dtype=float)
         beyond = np.isnan(value)
         if self.lower is not None:
-            beyond |= value < self.lower - TOLERANCE * np.abs(self.lower) - 1e-9
+            beyond |= value < self.lower - tolerance * np.abs(self.lower) - 1e-9
         if self.upper is not None:
-            beyond |= value > self.upper + TOLERANCE * np.abs(self.upper) + 1e-9
+            beyond |= value > self.upper + tolerance * np.abs(self.upper) + 1e-9
         return beyond
 
 

@@ -198,6 +198,14 @@ class TrackingParameters(Gathered):
         False,
         "Estimate lag, dead time and gain in flight and fly by them; needs the artificial orbit.",
     )
+    excitation: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Amplitudes of a test signal on turn rate, path-angle rate, acceleration once the flight "
+        "has settled, in their units; 0 for none. For `identify`.",
+        lower=0.0,
+        upper=5.0,
+        size=3,
+    )
     solver: str = parameter(
         "newton", "Solver of the optimal control problem.", choices=SOLVERS, fixed=True
     )
