@@ -51,25 +51,38 @@ def test_still_air_takes_away_what_is_no_error_of_the_aircraft(configuration):
     assert np.abs(log.error[:, 0]).max() < 1.0  # it begins on the orbit
 
 
-def test_model_and_flight_agree(configuration, near):
+@pytest.mark.parametrize(("estimators", "error", "share"), [(False, 0.01, 0.02), (True, 0.1, 0.1)])
+def test_model_and_flight_agree(configuration, near, estimators, error, share):
+    """Estimators of air and response, which the model does not know, hardly show on the orbit."""
+    controller = replace(
+        configuration.controller, air_estimation=estimators, response_estimation=estimators
+    )
     by_model = near.loop(near.orbit_in(np.zeros(3)))
     frequency = by_model.frequencies(200)
-    (flown,) = flown_loops(configuration, frequency, workers=1, show=False)
+    flights = replace(configuration, controller=controller)
+    (flown,) = flown_loops(flights, frequency, workers=1, show=False)
     assert flown.settled
     expected = sensitivities(by_model.response(frequency))
-    np.testing.assert_allclose(sensitivities(flown.loop), expected, atol=0.01)
+    np.testing.assert_allclose(sensitivities(flown.loop), expected, atol=error)
     found = loop_margins(frequency, flown.loop)
     told = loop_margins(frequency, by_model.response(frequency))
-    assert found.disk == pytest.approx(told.disk, rel=0.02)
+    assert found.disk == pytest.approx(told.disk, rel=share)
     for name, channel in found.channels.items():
-        assert channel.delay_s == pytest.approx(told.channels[name].delay_s, rel=0.02)
-        assert channel.gain_db == pytest.approx(told.channels[name].gain_db, rel=0.02)
+        assert channel.delay_s == pytest.approx(told.channels[name].delay_s, rel=share)
+        assert channel.phase_deg == pytest.approx(told.channels[name].phase_deg, rel=share)
 
 
 def left_of_an_answer(configuration, axis, **simulator):
-    """Greatest command in the last 10 s over that in the 10 s after an impulse."""
+    """Greatest command in the last 10 s over that in the 10 s after an impulse.
+
+    The controller does not learn of the response: that is another remedy than a margin.
+    """
     still = in_still_air(configuration)
-    still = replace(still, simulator=replace(still.simulator, **simulator))
+    still = replace(
+        still,
+        simulator=replace(still.simulator, **simulator),
+        controller=replace(still.controller, response_estimation=False),
+    )
     log = simulate(still, disturbance=Impulse(0.3 * np.diag(flown_loop.IMPULSES)[axis], 0.05))
     answer = np.abs(log.inputs[:, axis] - np.median(log.inputs[:, axis]))
     first = (log.command_time > 10.0) & (log.command_time < 20.0)
