@@ -69,6 +69,7 @@ setup(
         "dask": ["distributed>=2024.1"],
         "test": [
             "colcon-common-extensions",
+            "control>=0.10.2",
             "distributed>=2024.1",
             "duckdb>=0.10",
             "hypothesis",

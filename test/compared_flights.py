@@ -4,17 +4,21 @@ from functools import cache
 
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.studies.comparison.flights import fly_all
+from uav_tracking_mpc.studies.comparison.mismatches import mismatched, settled_after
 from uav_tracking_mpc.studies.comparison.results import Scenario, scenario_of
 
 LAWS = ("nmpc", "l1")
 KEYS = {  # of a flight in the JSON
     "range_rms_m",
+    "range_mean_m",
+    "worst_m",
     "settling_s",
     "altitude_rms_m",
     "airspeed_rms_mps",
     "bank_rate_rms_dps",
     "envelope_violations",
     "violations",
+    "off_plan",
 }
 
 
@@ -25,3 +29,11 @@ def compared(name="gusts", duration=12.0, config="small_uav") -> Scenario:
     configuration = load_configuration(config, overrides, name)
     (logs,) = fly_all([configuration], ("vector_field", "l1"), workers=1, show=False)
     return scenario_of(name, configuration, LAWS, logs)
+
+
+@cache
+def mistold(name="lag_2", duration=12.0) -> Scenario:
+    """The same under a mismatch."""
+    configuration = mismatched("small_uav", name, (f"mission.duration={duration}",))
+    (logs,) = fly_all([configuration], ("vector_field", "l1"), workers=1, show=False)
+    return scenario_of(name, configuration, LAWS, logs, settled_after(configuration))

@@ -10,6 +10,7 @@ from uav_tracking_mpc.cli.arguments import (
     add_limit_argument,
     add_mission_arguments,
     chosen_configuration,
+    chosen_overrides,
     number,
 )
 from uav_tracking_mpc.parameters.specification import ParameterError
@@ -34,8 +35,9 @@ def test_limits_are_added_to_those_of_the_configuration():
     add_configuration_arguments(parser)
     add_limit_argument(parser)
     words = ["--set", "nmpc_controller.limits=height", "--limit", "fence", "--limit", "bank"]
-    chosen = chosen_configuration(parser.parse_args(words))
-    assert chosen.controller.limits == "height,fence,bank"
+    chosen = parser.parse_args(words)
+    assert chosen_configuration(chosen).controller.limits == "height,fence,bank"
+    assert chosen_overrides(chosen)[-1] == 'nmpc_controller.limits="height,fence,bank"'
 
 
 def test_what_does_not_exist_is_refused():

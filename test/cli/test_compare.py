@@ -61,6 +61,8 @@ def test_people_get_a_table():
         (["--laws", "pid"], "invalid choice: 'pid'"),
         (["--law", "nowhere.py:Pursuit"], "there is no file"),
         (["--config", "mars"], "configuration is 'mars'"),
+        (["--mismatch", "lag_9"], "invalid choice: 'lag_9'"),
+        (["--mismatch", "lag_0", "--scenario", "still"], "not allowed with argument --mismatch"),
     ],
 )
 def test_mistakes_are_explained(arguments, words):
@@ -80,3 +82,20 @@ def test_a_law_of_ones_own_flies_beside_the_others(tmp_path):
     assert finished.returncode == 0, finished.stderr
     assert list(json.loads(finished.stdout)["scenarios"]["still"]) == ["l1", "circler"]
     assert (tmp_path / "out" / "still.png").is_file()
+
+
+def test_laws_that_are_told_wrong(tmp_path):
+    finished = run(
+        "--mismatch", "zigzag", "lag_0.5", "--laws", "nmpc", "npfg",
+        "--set", "mission.duration=20", "--output", tmp_path, "--json",
+    )  # fmt: skip
+    assert finished.returncode == 0, finished.stderr
+    content = json.loads(finished.stdout)
+    assert list(content["mismatches"]) == ["lag_0.5", "zigzag"]
+    for flights in content["mismatches"].values():
+        assert list(flights) == ["nmpc", "npfg"]
+        assert all(set(flight) == KEYS for flight in flights.values())
+    assert content["asked"]["lag_0.5"]["range_rms_m"] == 0.5
+    assert content["asked"]["zigzag"]["of_law"] == "npfg"
+    assert json.loads((tmp_path / "mismatches.json").read_text()) == content
+    assert (tmp_path / "mismatches.png").is_file()

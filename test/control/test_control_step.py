@@ -134,7 +134,7 @@ def test_without_air_data_the_air_is_taken_as_still_and_that_is_said_once(consta
     assert command.present.airspeed == pytest.approx(22.0, abs=0.1)
 
 
-@pytest.mark.parametrize("law", ["l1", "vector_field"])
+@pytest.mark.parametrize("law", ["l1", "npfg", "vector_field"])
 def test_a_law_is_flown_in_the_place_of_the_predictive_controller(law):
     parameters = replace(FLIGHT, law=law, direction=CLOCKWISE)
     controller = Controller(parameters, stopwatch=lambda: 0.0)

@@ -61,7 +61,7 @@ def test_an_entry_point_is_found(monkeypatch):
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("no_such", "guidance law is 'no_such', must be one of l1, vector_field, or path.py:Class"),
+        ("no_such", "law is 'no_such', must be one of l1, npfg, vector_field, or path.py:Class"),
         ("nowhere.py:Law", "there is no file .*nowhere.py"),
         ("os.path:join", "must derive from uav_tracking_mpc.laws.GuidanceLaw"),
         ("os.path:Law", "os.path has no Law"),

@@ -298,3 +298,29 @@ def test_a_law_is_flown_by_the_same_loop():
     assert (log.solver, log.failures, log.commands.failsafe) == ("none", 0, 0)
     assert log.commands.sent == 1200
     assert np.max(np.abs(log.error[log.time > 40.0, 0])) < 1.0
+    assert log.nominal.all()
+
+
+def test_commands_that_were_not_asked_for_are_told_from_the_others():
+    """A target seen once a second, and lost after half a second, is circled by the loiter law."""
+    overrides = [
+        "mission.duration=4", "nmpc_controller.law=l1", "nmpc_controller.target_timeout=0.475",
+        "target_publisher.rate=1",
+    ]  # fmt: skip
+    log = simulate(load_configuration("small_uav", overrides))
+    np.testing.assert_array_equal(log.nominal, log.command_time % 1.0 < 0.475)
+
+
+def test_a_disturbance_reaches_the_plant_and_not_the_record():
+    """The turn of 0.1 s is flown on top of the commands, which answer it only later."""
+    quiet = load_configuration("paper", ["mission.duration=2", "mission.plant=vehicle"])
+
+    def pulse(time):
+        return np.array([0.5 if 0.99 < time < 1.05 else 0.0, 0.0, 0.0])
+
+    flown, disturbed = simulate(quiet), simulate(quiet, disturbance=pulse)
+    before = flown.command_time < 1.05
+    np.testing.assert_array_equal(flown.inputs[before], disturbed.inputs[before])
+    assert np.any(flown.inputs[~before] != disturbed.inputs[~before])
+    *_, heading, _, _ = (disturbed.vehicle - flown.vehicle)[flown.time < 1.12][-1]
+    assert heading == pytest.approx(0.05, rel=0.02)

@@ -9,6 +9,7 @@
 ``stability``        the stability analysis, its proof and its certificate
 ``margins``          stability margins about the orbit, and a search for weights
 ``benchmark``        solve times beside other solvers
+``identify``         lag, dead time and gain from a recorded flight
 ``torture``          faults injected into real nodes
 ``monitor``          a live table of a flight
 ``launch_tracking``  entry point of the executable that only starts the nodes

@@ -79,6 +79,25 @@ def add_mission_arguments(parser: argparse.ArgumentParser, plant: str) -> None:
     add_limit_argument(parser)
 
 
+def add_excite_argument(parser: argparse.ArgumentParser) -> None:
+    """The option ``--excite``.
+
+    Args:
+        parser: Gets the option.
+    """
+    from uav_tracking_mpc.control.excitation import USUAL
+
+    parser.add_argument(
+        "--excite",
+        dest="overrides",
+        action="append_const",
+        default=[],
+        const=_override("nmpc_controller.excitation", list(USUAL)),
+        help="add a small test signal to the commands once the aircraft is on its orbit, for "
+        "`identify` (sets nmpc_controller.excitation)",
+    )
+
+
 def add_limit_argument(parser: argparse.ArgumentParser) -> None:
     """The option ``--limit``.
 
@@ -171,13 +190,28 @@ def chosen_configuration(
     """
     from uav_tracking_mpc.settings.configuration import load_configuration
 
-    configuration = load_configuration(arguments.config, arguments.overrides, scenario)
+    return load_configuration(arguments.config, chosen_overrides(arguments, scenario), scenario)
+
+
+def chosen_overrides(arguments: argparse.Namespace, scenario: str | None = None) -> list[str]:
+    """Overrides of a command line, those of ``--limit`` among them.
+
+    Args:
+        arguments: Of a parser with :func:`add_configuration_arguments`.
+        scenario: Name or file of a scenario.
+
+    Raises:
+        ParameterError: There is no such configuration, or it is not allowed.
+    """
+    from uav_tracking_mpc.settings.configuration import load_configuration
+
+    overrides: list[str] = list(arguments.overrides)
     more = getattr(arguments, "limits", [])
-    if not more:
-        return configuration
-    limits = ",".join(filter(None, [configuration.controller.limits, *more]))
-    overrides = [*arguments.overrides, _override("nmpc_controller.limits", limits)]
-    return load_configuration(arguments.config, overrides, scenario)
+    if more:
+        configured = load_configuration(arguments.config, overrides, scenario).controller.limits
+        limits = ",".join(filter(None, [configured, *more]))
+        overrides.append(_override("nmpc_controller.limits", limits))
+    return overrides
 
 
 def _add_extension(

@@ -1,9 +1,10 @@
 """Guidance laws, one file each: where the aircraft is in, turn, climb and acceleration out.
 
-==================  ==============================================================
+==================  ===============================================================
 ``vector_field``    Lyapunov loiter vector field; also the controller's fallback
 ``l1``              L1 capture and circle tracking, as ArduPilot's
-==================  ==============================================================
+``npfg``            nonlinear path following with its handling of strong wind, as PX4's
+==================  ===============================================================
 
 A law is a subclass of :class:`GuidanceLaw` in a file of its own name. It is found by that name, by
 an entry point in the group ``uav_tracking_mpc.laws``, or as ``path.py:Class``;

@@ -26,9 +26,10 @@ GREEN = "#009E73"
 GREY = "#7F7F7F"
 LIGHT_GREY = "#D9D9D9"
 BLACK = "#1A1A1A"
-LAWS = {"nmpc": BLUE, "l1": VERMILLION, "vector_field": GREEN}
+PURPLE = "#CC79A7"
+LAWS = {"nmpc": BLUE, "l1": VERMILLION, "npfg": PURPLE, "vector_field": GREEN}
 # Where no colour is reserved.
-OTHERS = ("#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#8C6D31")
+OTHERS = ("#E69F00", "#56B4E9", "#7A5195", "#8C6D31")
 
 DPI = 160
 

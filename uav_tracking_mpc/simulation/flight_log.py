@@ -74,6 +74,8 @@ class FlightLog:
             None where the air stands still.
         target_velocity: True velocity of the target at these times, shape (n, 3), in [m/s]; None
             where it stands.
+        nominal: Whether each command was what was asked for, an optimal plan or the answer of the
+            guidance law, shape (m,); None where that is not recorded.
     """
 
     config: str
@@ -97,6 +99,7 @@ class FlightLog:
     latency: Latency | None = None
     ground_velocity: NDArray[np.float64] | None = None
     target_velocity: NDArray[np.float64] | None = None
+    nominal: NDArray[np.bool_] | None = None
 
     @property
     def steady_inputs(self) -> NDArray[np.float64]:

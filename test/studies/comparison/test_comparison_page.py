@@ -1,8 +1,9 @@
 import json
 
-from compared_flights import compared
+from compared_flights import compared, mistold
 
-from uav_tracking_mpc.studies.comparison.comparison_page import write_comparison
+from uav_tracking_mpc.studies.comparison.comparison_page import write_comparison, write_mismatches
+from uav_tracking_mpc.studies.comparison.mismatch_results import mismatches_as_json
 from uav_tracking_mpc.studies.comparison.results import as_json
 
 
@@ -18,3 +19,16 @@ def test_the_folder_tells_the_comparison(tmp_path):
     assert "Wind with gusts" in page
     assert "gusts: settled never" in page
     assert "http" not in page
+
+
+def test_another_folder_tells_what_happens_where_it_is_told_wrong(tmp_path):
+    mismatches = [mistold(), mistold("gust_light")]
+    numbers = mismatches_as_json(mismatches)
+    write_mismatches(numbers, mismatches, tmp_path / "new")
+    names = {path.name for path in (tmp_path / "new").iterdir()}
+    assert names == {"mismatches.json", "mismatches.html", "mismatches.png"}
+    assert json.loads((tmp_path / "new" / "mismatches.json").read_text()) == numbers
+    page = (tmp_path / "new" / "mismatches.html").read_text()
+    assert page.count("data:image/png;base64,") == 1
+    assert "Guidance laws told wrong: small_uav" in page
+    assert "lag_2: range RMS" in page

@@ -54,6 +54,21 @@ def test_errors_count_over_the_last_third_and_settling_over_all():
     assert never.settling_s is None
 
 
+def test_what_counts_may_begin_earlier_or_later_and_commands_off_the_plan_are_counted():
+    """Commands are sent at all samples but the last, from 0 to 29.9 s."""
+    error = np.where(STEADY.time < 12.0, 8.0, 0.0)
+    height = 50.0 + error
+    nominal = np.ones(300, bool)
+    nominal[[10, 119, 120, 250]] = False
+    log = with_vehicle(2, height, replace(STEADY, nominal=nominal))
+    assert measures(log, LIMITS, 12.0).altitude_rms_m == 0.0
+    assert measures(log, LIMITS, 12.0).off_plan == 2
+    assert measures(log, LIMITS, 11.9).worst_m > 0.0
+    assert measures(log, LIMITS, 11.9).off_plan == 3
+    assert measures(log, LIMITS).off_plan == 1
+    assert measures(STEADY, LIMITS).off_plan is None
+
+
 @pytest.mark.parametrize(
     ("column", "inside", "outside", "name"),
     [

@@ -39,6 +39,8 @@ class Measures:
         envelope_violations: Of the whole flight: samples at which some limit was passed by more
             than 1 %.
         violations: How many of them for each limit that was passed.
+        off_plan: Commands that were neither an optimal plan nor the answer of the law that flew;
+            None where that was not recorded.
     """
 
     range_rms_m: float
@@ -50,6 +52,7 @@ class Measures:
     bank_rate_rms_dps: float
     envelope_violations: int
     violations: dict[str, int]
+    off_plan: int | None
 
 
 def measures(
@@ -68,6 +71,10 @@ def measures(
     late = log.time >= log.time[0] + settled_after
     bank_rate = np.diff(flown_bank(log)) / np.diff(log.time)[1:]  # at the samples but two
     beyond = violations(log, parameters)
+    off_plan = None
+    if log.nominal is not None:
+        counted = log.command_time >= log.time[0] + settled_after
+        off_plan = int(np.count_nonzero(counted & ~log.nominal))
     return Measures(
         range_rms_m=_rms(range_error[late]),
         range_mean_m=float(np.mean(range_error[late])),
@@ -78,6 +85,7 @@ def measures(
         bank_rate_rms_dps=float(np.degrees(_rms(bank_rate[late[1:-1]]))),
         envelope_violations=int(np.any(list(beyond.values()), axis=0).sum()),
         violations={name: int(found.sum()) for name, found in beyond.items() if found.any()},
+        off_plan=off_plan,
     )
 
 

@@ -65,6 +65,7 @@ def compare(
     laws: Sequence[str],
     workers: int | None = None,
     show: bool = True,
+    settled_after: float | None = None,
 ) -> list[Scenario]:
     """Fly laws through scenarios and measure the flights.
 
@@ -73,6 +74,7 @@ def compare(
         laws: Names of laws, or ``path.py:Class``.
         workers: Processes; all cores by default.
         show: Progress bar on stderr.
+        settled_after: Time in [s] from which on flights count; their last third by default.
 
     Raises:
         ExtensionError: There is no such law.
@@ -83,13 +85,17 @@ def compare(
         raise ParameterError(f"laws are {', '.join(labels)}, each must have a name of its own")
     flights = fly_all(list(configurations.values()), laws, workers, show)
     return [
-        scenario_of(name, configuration, labels, logs)
+        scenario_of(name, configuration, labels, logs, settled_after)
         for (name, configuration), logs in zip(configurations.items(), flights, strict=True)
     ]
 
 
 def scenario_of(
-    name: str, configuration: Configuration, laws: Sequence[str], logs: Sequence[FlightLog]
+    name: str,
+    configuration: Configuration,
+    laws: Sequence[str],
+    logs: Sequence[FlightLog],
+    settled_after: float | None = None,
 ) -> Scenario:
     """Flights of each law through a scenario, measured.
 
@@ -98,6 +104,7 @@ def scenario_of(
         configuration: What was flown.
         laws: Labels of the laws.
         logs: Flight of each law.
+        settled_after: Time in [s] from which on flights count; their last third by default.
     """
     flights = dict(zip(laws, logs, strict=True))
     limits = configuration.controller
@@ -105,7 +112,7 @@ def scenario_of(
         name=name,
         configuration=configuration,
         logs=flights,
-        measures={law: measures(log, limits) for law, log in flights.items()},
+        measures={law: measures(log, limits, settled_after) for law, log in flights.items()},
     )
 
 
@@ -139,12 +146,26 @@ def as_json(scenarios: Sequence[Scenario]) -> dict[str, Any]:
             for each in flown
             if each.target is not None
         },
-        "solves": {each.name: _solves(each.logs[PREDICTIVE]) for each in flown},
+        "solves": {each.name: solves(each.logs[PREDICTIVE]) for each in flown},
     }
+    return finite(numbers)
+
+
+def finite(numbers: dict[str, Any]) -> Any:
+    """Plain values for JSON, with None for what is not finite.
+
+    Args:
+        numbers: Of any depth.
+    """
     return json.loads(json.dumps(numbers), parse_constant=lambda _: None)
 
 
-def _solves(log: FlightLog) -> dict[str, Any]:
+def solves(log: FlightLog) -> dict[str, Any]:
+    """How many solves a flight took, how many of them did not converge, and how long.
+
+    Args:
+        log: A flight of the predictive controller.
+    """
     times = 1e6 * log.solve_time[np.isfinite(log.solve_time)]
     numbers: dict[str, Any] = {"count": len(times), "not_converged": log.failures}
     if len(times):

@@ -14,6 +14,7 @@ CONFIGURATION = "small_uav"
 AIRSPEED_RMS = 0.3  # m/s, where the air has no gusts
 BANK_RATE_RMS = 5.0  # deg/s, where the target's position is noisy
 WORSE_BY = 0.05  # m of range RMS, over the better classical law
+LATER_BY = 3.0  # s of settling, after the better classical law, where the air has no gusts
 
 
 @dataclass(frozen=True)
@@ -30,11 +31,11 @@ class Target:
 
 
 TARGETS = {
-    "still": Target(0.05, 20.0),
-    "wind": Target(0.1, 20.0),
-    "crosswind": Target(0.15, 25.0),
-    "headwind": Target(0.2, 35.0),
-    "tight_headwind": Target(0.6, 45.0),
+    "still": Target(0.03, 20.0),
+    "wind": Target(0.03, 20.0),
+    "crosswind": Target(0.03, 25.0),
+    "headwind": Target(0.03, 35.0),
+    "tight_headwind": Target(0.1, 45.0),
     "circling_target": Target(0.5, 30.0),
     "gusts": Target(0.4, 20.0),
     "noisy_target": Target(1.0, 30.0),
@@ -81,9 +82,12 @@ def missed(
         words.append(
             f"bank rate RMS {own.bank_rate_rms_dps:.2f} deg/s, at most {BANK_RATE_RMS:g} deg/s"
         )
-    others = [flight.range_rms_m for law, flight in flights.items() if law != PREDICTIVE]
+    others = [flight for law, flight in flights.items() if law != PREDICTIVE]
     if others:
-        words += _compared(own.range_rms_m, min(others), _disturbed(configuration))
+        best = min(others, key=lambda flight: flight.range_rms_m)
+        words += _compared(own.range_rms_m, best.range_rms_m, _disturbed(configuration))
+        if not gusty:
+            words += _settled_later(own.settling_s, best.settling_s)
     return words
 
 
@@ -92,6 +96,12 @@ def _disturbed(configuration: Configuration) -> bool:
     simulator, target = configuration.simulator, configuration.target
     moves = any(motion_of(target).velocity(0.0))
     return moves or any(simulator.wind) or simulator.gust_intensity > 0.0
+
+
+def _settled_later(own: float | None, best: float | None) -> list[str]:
+    if own is None or best is None or own <= best + LATER_BY:
+        return []  # that it never settled has been said
+    return [f"settled after {own:.1f} s, {best:.1f} s by the better classical law"]
 
 
 def _compared(own: float, best: float, disturbed: bool) -> list[str]:

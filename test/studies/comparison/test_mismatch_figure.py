@@ -1,0 +1,20 @@
+import pytest
+from compared_flights import mistold
+
+from uav_tracking_mpc.report.figure_style import LAWS, png
+from uav_tracking_mpc.studies.comparison.mismatch_figure import mismatch_figure
+
+
+def test_there_is_a_mark_for_every_flight_and_a_bar_for_what_is_asked():
+    mismatches = [mistold(), mistold("gust_light")]
+    figure = mismatch_figure(mismatches)
+    ranges, bank_rates = figure.axes
+    assert [label.get_text() for label in ranges.get_yticklabels()] == ["lag_2", "gust_light"]
+    own, other, bar, *_ = ranges.lines
+    assert own.get_color() == LAWS["nmpc"]
+    assert own.get_xdata()[0] == mismatches[0].measures["nmpc"].range_rms_m
+    assert other.get_xdata()[0] == mismatches[0].measures["l1"].range_rms_m
+    assert list(bar.get_xdata()) == [0.5, 0.5]
+    better = mismatches[1].measures["l1"].bank_rate_rms_dps
+    assert list(bank_rates.lines[-1].get_xdata()) == pytest.approx([1.5 * better] * 2)
+    assert len(png(figure)) < 300_000

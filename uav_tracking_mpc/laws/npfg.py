@@ -1,0 +1,235 @@
+r"""NPFG: the path-following law that PX4 flies, about a target that may move.
+
+The nonlinear path-following guidance of T. Stastny, R. Siegwart, "On Flying Backwards: Preventing
+Run-away of Small, Low-speed, Fixed-wing UAVs in Strong Winds", IROS 2019, arXiv:1908.01381, as
+PX4's class ``NPFG`` has it (``src/lib/npfg/npfg.cpp``; in 2025 its functions went to
+``DirectionalGuidance`` and ``CourseToAirspeedRefMapper`` beside it), written anew here. Names in
+parentheses are those functions; the constants are the defaults of PX4's parameters. PX4's wind
+becomes the drift c and its ground velocity becomes w, the velocity relative to the target; e is the
+signed distance outside the circle of radius R, d the distance to its centre, t its tangent in the
+sense of the orbit, and V the horizontal airspeed.
+
+The bearing b, the wanted direction of w, turns from the shortest way to the circle into its tangent
+(``trackErrorBound``, ``lookAheadAngle``, ``bearingVec``):
+
+.. math::
+    \lambda = \frac{\pi}{2} \left(1 - \min\left(\frac{|e|}{|w| \zeta T}, 1\right)\right)^2, \qquad
+    b = -\mathrm{sign}(e) \cos\lambda\, u + \sin\lambda\, t
+
+with u from the target to the aircraft. With n 90 deg to the left of b, the reference of the air
+velocity (``refAirVelocity``, ``solveWindTriangle``) has the airspeed
+
+.. math::
+    V_{ref} = \mathrm{clip}\left(\sqrt{\max(s_{min} - c \cdot b, 0)^2 + (c \cdot n)^2},
+              v_d, v_{max}\right)
+
+which keeps a speed of s_min along the bearing while v_max allows it, and makes the relative
+velocity follow b. Where no air velocity of this size does, the mitigation law
+(``infeasibleAirVelRef``) lets the aircraft be blown away as slowly as possible. The lateral
+acceleration (``lateralAccel``, ``lateralAccelFF``) is that of the heading error eta, at most
+90 deg, and that of the circle, which fades with the distance to it and with the feasibility f of b
+and t (``bearingFeasibility``):
+
+.. math::
+    a = \frac{4 \pi \zeta}{T} V \sin\eta + f_b f_t \sin^2\lambda\,
+        V \left(1 + \frac{c \cdot t}{\sqrt{V^2 - (c \cdot n_t)^2}}\right)
+        \frac{\max(w \cdot t, 0)}{d}
+
+Near a straight path in still air the error then swings with the period T and the damping zeta. T
+has a lower bound from the roll lag and an upper one from curvature in wind (``adaptPeriod``). Three
+things of PX4 are left out: the limit on the rate of its roll setpoint, 90 deg/s, since a law here
+has no memory and the lag of the aircraft smooths what it asks for; the regulation of
+``refAirVelocity`` against the bearing, which a minimum ground speed above zero never reaches; and
+the track keeping (NPFG_GSP_MAX_TK), which asks for at most 5 m/s along the bearing where the
+minimum ground speed asks for 5 m/s anyway.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
+from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.laws import GuidanceLaw
+from uav_tracking_mpc.laws._altitude_hold import SPEED_GAIN, altitude_hold
+from uav_tracking_mpc.limits._envelope import Envelope
+
+# Defaults of PX4's parameters, fw_path_navigation_params.c and fw_lat_long_params.yaml.
+PERIOD = 10.0  # s, NPFG_PERIOD
+DAMPING = 0.7  # NPFG_DAMPING
+ROLL_TIME = 0.5  # s, NPFG_ROLL_TC
+PERIOD_SAFETY = 1.5  # NPFG_PERIOD_SF
+GROUND_SPEED_MIN = 5.0  # m/s, FW_GND_SPD_MIN
+# Constants of npfg.hpp.
+AIRSPEED_BUFFER = 1.5  # m/s, AIRSPEED_BUFFER: over which feasibility fades
+RADIUS_MIN = 0.5  # m, MIN_RADIUS
+SMALL = 1e-6  # NPFG_EPSILON
+
+
+class NPFGLoiter(GuidanceLaw):
+    """Loiter law of PX4 about a target.
+
+    Args:
+        orbit: What to fly.
+        envelope: What can be flown.
+        period: T in [s].
+        damping: zeta, [-].
+    """
+
+    name = "npfg"
+
+    def __init__(
+        self, orbit: Orbit, envelope: Envelope, period: float = PERIOD, damping: float = DAMPING
+    ) -> None:
+        super().__init__(orbit, envelope)
+        self._sense = 1.0 if orbit.direction == COUNTER_CLOCKWISE else -1.0
+        self._period = period
+        self._damping = damping
+
+    def inputs(self, situation: Situation) -> NDArray[np.float64]:
+        """See :meth:`GuidanceLaw.inputs`."""
+        path_angle, speed = situation.path_angle, situation.airspeed
+        lateral, reference = self.guide(situation)
+        # The bank turns the air velocity: a = v u_psi.
+        turn_rate = lateral / max(speed, 0.1 * self.orbit.speed)
+        climb, acceleration = altitude_hold(self.orbit, self.envelope, situation)
+        acceleration += SPEED_GAIN * (reference - self.orbit.speed)
+        return self.envelope.clip([turn_rate, climb, acceleration], speed, path_angle)
+
+    def guide(self, situation: Situation) -> tuple[float, float]:
+        """Lateral acceleration and airspeed asked for (``NPFG::guideToPath``).
+
+        Args:
+            situation: Aircraft, target and drift now.
+
+        Returns:
+            (a, V_ref) in [m/s^2, m/s]; a is positive to the left, V_ref at least v_d.
+        """
+        x, y, _ = situation.offset.tolist()
+        wx, wy, _ = situation.relative_velocity.tolist()
+        drift = _Vector(*situation.drift.tolist()[:2])
+        air = _Vector(*situation.air_velocity.tolist()[:2])
+        relative, airspeed = _Vector(wx, wy), air.norm
+        # Over the target the direction of the flight stands for that from the target.
+        outward = (_Vector(x, y) if math.hypot(x, y) > 0.1 else relative).unit
+        tangent = outward.left.times(self._sense)
+        distance = math.hypot(x, y)
+        error = distance - self.orbit.radius
+
+        on_track = _feasibility(drift, tangent, airspeed)
+        period = self._adapted_period(relative.norm, airspeed, drift.norm, abs(error), on_track)
+        angle = self._look_ahead(abs(error), relative.norm, period)
+        inward = outward.times(-1.0 if error > 0.0 else 1.0)
+        bearing = inward.times(math.cos(angle)).plus(tangent.times(math.sin(angle)))
+        proximity = math.sin(angle) ** 2
+        feasible = on_track * _feasibility(drift, bearing, airspeed)
+
+        reference, wanted = _air_velocity(
+            drift, bearing, self.orbit.speed, self.envelope.airspeed_max
+        )
+        # Beyond 90 deg of heading error the acceleration stays at its greatest (lateralAccel).
+        aim = wanted.unit
+        sine = air.unit.cross(aim)
+        if air.dot(aim) < 0.0:
+            sine = math.copysign(1.0, sine)
+        lateral = 4.0 * math.pi * self._damping / period * airspeed * sine
+
+        # The circle's turn, as if the aircraft were on it without heading error (lateralAccelFF).
+        along, across = drift.dot(tangent), tangent.cross(drift)
+        speed_ratio = 1.0 + along / max(_leg(airspeed, across), SMALL)
+        rate = self._sense * max(relative.dot(tangent), 0.0) / max(distance, RADIUS_MIN)
+        return lateral + feasible * proximity * airspeed * speed_ratio * rate, reference
+
+    def _adapted_period(
+        self, ground: float, airspeed: float, wind: float, error: float, on_track: float
+    ) -> float:
+        """T kept above what the roll lag, below what curvature in wind allows (adaptPeriod)."""
+        zeta = self._damping
+        # windFactor, times the turn rate of the circle in still air
+        ratio = min(wind / max(airspeed, SMALL), 1.0)
+        rate = airspeed / self.orbit.radius * 2.0 * (1.0 - math.sqrt(1.0 - ratio))
+        straight = curved = math.pi * ROLL_TIME / zeta  # periodLowerBound
+        if rate >= SMALL and zeta >= 0.5:
+            curved = 4.0 * math.pi * ROLL_TIME * zeta * on_track + (1.0 - on_track) * straight
+        straight, curved = PERIOD_SAFETY * straight, PERIOD_SAFETY * curved
+        proximity = math.sin(self._look_ahead(error, ground, straight)) ** 2
+        lower = curved * proximity + straight * (1.0 - proximity)
+        period = max(lower, self._period)
+        upper = math.inf
+        if rate * on_track > SMALL:
+            upper = 4.0 * math.pi * zeta / (rate * on_track)  # periodUpperBound
+        if period > upper:
+            period = max(lower, upper) * proximity + period * (1.0 - proximity)
+        return period
+
+    def _look_ahead(self, error: float, ground: float, period: float) -> float:
+        """Angle of the bearing from the shortest way to the circle (lookAheadAngle)."""
+        # trackErrorBound: smooth where the ground speed falls below 1 m/s
+        speed = ground if ground > 1.0 else 0.5 * (ground * ground + 1.0)
+        share = min(error / (speed * self._damping * period), 1.0)
+        return 0.5 * math.pi * (1.0 - share) * (1.0 - share)
+
+
+class _Vector(NamedTuple):
+    """A horizontal vector."""
+
+    east: float
+    north: float
+
+    @property
+    def norm(self) -> float:
+        return math.hypot(self.east, self.north)
+
+    @property
+    def unit(self) -> _Vector:
+        """Its direction; North where it has none, as PX4 chooses."""
+        norm = self.norm
+        return self.times(1.0 / norm) if norm > SMALL else _Vector(0.0, 1.0)
+
+    @property
+    def left(self) -> _Vector:
+        """Turned by 90 deg counter-clockwise."""
+        return _Vector(-self.north, self.east)
+
+    def times(self, factor: float) -> _Vector:
+        return _Vector(factor * self.east, factor * self.north)
+
+    def plus(self, other: _Vector) -> _Vector:
+        return _Vector(self.east + other.east, self.north + other.north)
+
+    def dot(self, other: _Vector) -> float:
+        return self.east * other.east + self.north * other.north
+
+    def cross(self, other: _Vector) -> float:
+        """Component of the other to the left of this, times this one's length."""
+        return self.east * other.north - self.north * other.east
+
+
+def _leg(hypotenuse: float, other: float) -> float:
+    """Second leg of a right triangle, 0 where there is none (projectAirspOnBearing)."""
+    return math.sqrt(max(hypotenuse * hypotenuse - other * other, 0.0))
+
+
+def _feasibility(drift: _Vector, bearing: _Vector, airspeed: float) -> float:
+    """1 where the air velocity can make up for the drift, 0 where not (bearingFeasibility)."""
+    against = drift.norm if drift.dot(bearing) < 0.0 else abs(bearing.cross(drift))
+    share = min(max((airspeed - against) / AIRSPEED_BUFFER, 0.0), 1.0)
+    return math.sin(0.5 * math.pi * share) ** 2
+
+
+def _air_velocity(
+    drift: _Vector, bearing: _Vector, nominal: float, most: float
+) -> tuple[float, _Vector]:
+    """Airspeed, and the air velocity that follows a bearing with it (refAirVelocity)."""
+    along, across = drift.dot(bearing), bearing.cross(drift)
+    needed = math.hypot(max(GROUND_SPEED_MIN - along, 0.0), across)
+    # In this order a drift that is no number leaves the nominal airspeed.
+    airspeed = min(max(nominal, needed), most)
+    if abs(across) <= airspeed and (along > 0.0 or drift.norm < airspeed):
+        leg = _leg(airspeed, across)
+        return airspeed, bearing.times(leg).plus(bearing.left.times(-across))
+    return airspeed, bearing.times(_leg(drift.norm, airspeed)).plus(drift.times(-1.0))
