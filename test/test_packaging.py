@@ -153,7 +153,7 @@ def test_versions_agree():
 
 def test_package_xml_names_every_import():
     """By rosdep key; what only proofs and campaigns need is an extra and has none."""
-    extras = {"flint", "pyarrow", "distributed", "pandas", "duckdb", "dask"}
+    extras = {"flint", "control", "pyarrow", "distributed", "pandas", "duckdb", "dask"}
     keys = {
         "casadi": "casadi-pip",
         "hypothesis": "python3-hypothesis",

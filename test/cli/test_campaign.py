@@ -22,6 +22,7 @@ def run(*arguments, limit=110):
     )
 
 
+@pytest.mark.timeout(300)
 def test_a_campaign_that_was_killed_goes_on_and_flies_nothing_twice(tmp_path):
     draw = {**SHORT["draw"], "mission.duration": 5.0}
     file, output = written(tmp_path, draw=draw, flights=24), tmp_path / "out"
@@ -68,7 +69,7 @@ def test_people_get_tables(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["storm"], "campaign is 'storm', must be a file or one of robustness"),
+        (["storm"], "campaign is 'storm', must be a file or one of lag_sweep"),
         (["robustness", "--set", "wind.sped=3"], "'wind.sped' must be SECTION.PARAMETER"),
         (["robustness", "--set", "wind.speed={uniform: [3]}"], "must have 2 values"),
         (["robustness", "--laws", "pid"], "'law' is 'pid', must be one of"),
