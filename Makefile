@@ -2,7 +2,8 @@
 # make test       lint, type-check and test
 # make test-long  the long forms of the tests, and the tests with the kernels of other processors
 # make docs       build the documentation site in docs/_build, with the tables of its reference
-# make figures    fly the comparison again for docs/flight.md: tables, pictures, docs/flight.gif
+# make figures    fly again for docs/flight.md, margins.md, identification.md: tables and pictures
+# make campaign   fly the 2000 flights of docs/campaign.md again: tables and picture; about an hour
 # make lint       style and types alone
 # make clean      remove .venv and all that was built
 # All keep their environment in .venv; PYTHON chooses the interpreter (3.10 to 3.13).
@@ -13,9 +14,12 @@ BIN := $(VENV)/bin
 # An apt ROS 2 that is sourced in this shell must not mix with the wheels in .venv.
 CLEAN := env -u PYTHONPATH -u LD_LIBRARY_PATH -u AMENT_PREFIX_PATH -u _ROS_WHEELS_BOOTSTRAP_COMPLETE
 PYTEST := $(CLEAN) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python -m pytest
+# Noise of attitude [rad], airspeed and velocity [m/s] of the flight in docs/identification.md.
+NOISY := --set uav_simulator.attitude_noise=0.0087 --set uav_simulator.airspeed_noise=0.3 \
+	--set uav_simulator.velocity_noise=0.3
 REFERENCE := docs/reference/topics_and_parameters.md
 
-.PHONY: demo test test-long lint docs figures clean
+.PHONY: demo test test-long lint docs figures campaign clean
 
 demo: $(VENV)/demo
 	@$(CLEAN) $(BIN)/uav_tracking fly --config paper --output output/demo
@@ -42,8 +46,17 @@ figures: $(VENV)/demo
 	$(CLEAN) $(BIN)/uav_tracking compare --config small_uav --output output/compare --page docs/flight.md
 	$(CLEAN) $(BIN)/uav_tracking compare --config small_uav --mismatch --output output/compare --page docs/flight.md
 	cp output/compare/*.png docs/flight/
+	$(CLEAN) $(BIN)/uav_tracking margins --config small_uav --output output/margins --page docs/margins.md
+	cp output/margins/margins.png docs/
 	$(CLEAN) $(BIN)/uav_tracking simulate --config small_uav --scenario circling_target --animation --output output/flight
 	cp output/flight/flight.gif docs/
+	$(CLEAN) $(BIN)/uav_tracking simulate --config small_uav --scenario crosswind --excite $(NOISY) --output output/excited
+	$(CLEAN) $(BIN)/uav_tracking identify output/excited/record.csv --output output/identified
+	cp output/identified/response.png docs/identification.png
+
+campaign: $(VENV)/demo
+	$(CLEAN) $(BIN)/uav_tracking campaign robustness --output output/campaigns/robustness --page docs/campaign.md
+	cp output/campaigns/robustness/campaign.png docs/
 
 clean:
 	rm -rf $(VENV) build install log output docs/_build docs/api *.egg-info
@@ -53,13 +66,13 @@ $(VENV)/bin/python:
 	@$(PYTHON) -m venv $(VENV)
 
 $(VENV)/demo: $(VENV)/bin/python setup.py
-	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof]'
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign]'
 	@touch $@
 
 $(VENV)/test: $(VENV)/bin/python setup.py
-	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,test]'
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,test]'
 	@touch $@ $(VENV)/demo
 
 $(VENV)/docs: $(VENV)/bin/python setup.py
-	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,docs]'
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,docs]'
 	@touch $@ $(VENV)/demo

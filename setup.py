@@ -27,13 +27,20 @@ setup(
     packages=[*find_packages(include=[NAME, f"{NAME}.*"]), f"{NAME}.config"],
     package_dir={f"{NAME}.config": "config"},
     package_data={
-        f"{NAME}.config": ["*.yaml", "certificates/*.json", "scenarios/*.yaml", "security/*.xml"],
+        f"{NAME}.config": [
+            "*.yaml",
+            "certificates/*.json",
+            "campaigns/*.yaml",
+            "scenarios/*.yaml",
+            "security/*.xml",
+        ],
         "": ["*.j2", "py.typed"],
     },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
         (f"share/{NAME}/config", glob("config/*.yaml")),
+        (f"share/{NAME}/config/campaigns", glob("config/campaigns/*.yaml")),
         (f"share/{NAME}/config/certificates", glob("config/certificates/*.json")),
         (f"share/{NAME}/config/scenarios", glob("config/scenarios/*.yaml")),
         (f"share/{NAME}/config/security", glob("config/security/*.xml")),
@@ -57,10 +64,18 @@ setup(
         "ros": ["ros-jazzy-rclpy[fastrtps]==7.1.6", "ros-jazzy-common-interfaces==5.3.6"],
         # Proofs of terminal sets; checking a certificate needs none of it.
         "proof": ["python-flint>=0.6"],
+        # Results of campaigns as Parquet; a Dask cluster to fly them on.
+        "campaign": ["pyarrow>=14.0"],
+        "dask": ["distributed>=2024.1"],
         "test": [
             "colcon-common-extensions",
+            "control>=0.10.2",
+            "distributed>=2024.1",
+            "duckdb>=0.10",
             "hypothesis",
             "mypy",
+            "pandas>=2.0",
+            "pyarrow>=14.0",
             "pytest",
             "pytest-timeout",
             "pytest-xdist",

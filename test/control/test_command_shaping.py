@@ -5,6 +5,7 @@ import pytest
 import small_uav
 
 from uav_tracking_mpc.control.command_shaping import FADE_TIME, CommandShaper
+from uav_tracking_mpc.control.event import EventLog
 from uav_tracking_mpc.control.fallback import FallbackMode
 
 FLIGHT = small_uav.parameters()
@@ -14,7 +15,7 @@ LAW = np.array([[-0.1, 0.0, -0.2]])
 
 @pytest.fixture
 def shaper():
-    return CommandShaper(FLIGHT)
+    return CommandShaper(FLIGHT, EventLog())
 
 
 def test_inputs_are_kept_inside_limits_that_the_airspeed_decides(shaper):

@@ -223,13 +223,133 @@ def test_a_velocity_is_used_at_once():
 
 
 def test_the_covariance_that_comes_with_a_position_counts():
-    """The worst axis, on every axis."""
-    told, own = TargetFilter(1.0, 0.5), TargetFilter(7.0, 0.5)
+    """Of a target that stands: precise positions weigh as much as their variance says."""
+    target, random, errors = TargetFilter(1.0, 0.5), np.random.default_rng(0), []
+    for k in range(400):
+        sigma = 0.3 if k % 4 == 0 else 6.0
+        covariance = np.diag([sigma**2, 0.5 * sigma**2, 1e6])  # a planar tracker
+        position = sigma * random.standard_normal(3) * [1.0, 0.5, 0.0]
+        target.update(0.2 * k, position, covariance=covariance)
+        if k > 100:
+            errors.append(target.predict(0.2 * k).position)
+    assert np.std(errors) < 0.1  # 0.3 m over the root of a hundred is 0.03 m, of 6 m it is 0.6 m
+    assert target.noise == pytest.approx(6.0, rel=0.2)
+
+
+def test_a_covariance_that_the_positions_belie_is_corrected():
+    """Told 0.1 m by the tracker, true 3 m: no position of a good track is left out for long."""
+    target, random = TargetFilter(0.1, 0.5), np.random.default_rng(1)
+    for time in np.arange(0.0, 60.0, 0.2):
+        position = straight(time) + 3.0 * random.standard_normal(3)
+        target.update(time, position, covariance=0.01 * np.eye(3))
+    assert target.rejected < 5 and target.noise == pytest.approx(3.0, rel=0.3)
+    np.testing.assert_allclose(target.predict(60.0).velocity, [5.0, -2.0, 0.0], atol=0.3)
+
+
+def test_a_block_of_zeros_is_no_covariance():
+    told, own = TargetFilter(2.0, 0.5), TargetFilter(2.0, 0.5)
     for k, x in enumerate((0.0, 3.0, -4.0, 6.0)):
-        told.update(0.2 * k, [x, 0.0, 0.0], covariance=np.diag([49.0, 1.0, 4.0]))
-        own.update(0.2 * k, [x, 0.0, 0.0])
-    np.testing.assert_allclose(told.predict(0.7).position, own.predict(0.7).position, rtol=1e-12)
-    assert told.predict(0.7).position_std == pytest.approx(own.predict(0.7).position_std)
+        blocks = np.diag([0.0] * 3 + [1.0] * 3)  # that of the velocity is the filter's own
+        told.update(0.2 * k, [x, 0.0, 0.0], [5.0, 0.0, 0.0], blocks)
+        own.update(0.2 * k, [x, 0.0, 0.0], [5.0, 0.0, 0.0])
+    np.testing.assert_array_equal(told.predict(0.7).position, own.predict(0.7).position)
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("rate", [5.0, 10.0])
+@pytest.mark.parametrize("true", [0.5, 5.0, 20.0])
+def test_noise_told_far_too_small_does_not_leave_the_track(true, rate, seed):
+    """Told 0.1 m. Once the noise is found hardly one position in a hundred is left out."""
+    target, random = TargetFilter(0.1, 0.5), np.random.default_rng(seed)
+    for k in range(round(60.0 * rate)):
+        time = k / rate
+        target.update(time, straight(time) + true * random.standard_normal(3))
+        assert target.rejected <= 8 + 0.02 * k
+    assert target.jumps <= 1
+    assert target.noise == pytest.approx(true, rel=0.35)
+    assert np.linalg.norm(target.predict(time).position - straight(time)) < true
+    assert target.agility < 0.2
+
+
+def test_noise_told_far_too_large_is_no_lag():
+    """Told 10 m, true nothing: a turn on the spot is followed at once."""
+    target = TargetFilter(10.0, 0.01)
+    for k in range(304):
+        time = 0.1 * k
+        target.update(time, [5.0 * min(time, 30.0), 5.0 * max(0.0, time - 30.0), 0.0])
+    assert target.noise < 0.01
+    np.testing.assert_allclose(target.predict(time).velocity, [0.0, 5.0, 0.0], atol=0.1)
+
+
+def test_noise_that_grows_in_flight_is_found():
+    target, random = TargetFilter(0.1, 0.5), np.random.default_rng(0)
+    for k in range(600):
+        sigma = 0.1 if k < 300 else 4.0
+        target.update(0.2 * k, straight(0.2 * k) + sigma * random.standard_normal(3))
+    assert target.noise == pytest.approx(4.0, rel=0.3)
+    assert np.linalg.norm(target.predict(120.0).position - straight(120.0)) < 4.0
+
+
+def test_heavy_tails_are_no_turns():
+    """Student's t of 2 degrees of freedom, whose variance is infinite."""
+    target, random, errors = TargetFilter(0.1, 0.5), np.random.default_rng(0), []
+    for k in range(600):
+        target.update(0.2 * k, straight(0.2 * k) + 0.5 * random.standard_t(2, 3))
+        if k > 200:
+            errors.append(np.linalg.norm(target.predict(0.2 * k).velocity - [5.0, -2.0, 0.0]))
+    assert np.quantile(errors, 0.95) < 0.5
+
+
+def test_an_old_position_that_is_sent_again_is_late():
+    """Measured at 5 Hz, sent at 20 Hz, of a target that drives."""
+    target = TargetFilter(0.1, 0.5)
+    for k in range(200):
+        target.update(0.05 * k, straight(0.2 * (k // 4)))
+    assert target.late > 140
+    np.testing.assert_allclose(target.predict(10.0).velocity, [5.0, -2.0, 0.0], atol=0.01)
+
+
+def test_a_target_that_stops_on_the_spot_is_seen_to_stand():
+    target = TargetFilter(0.1, 0.5)
+    for k in range(120):
+        target.update(0.1 * k, straight(min(0.1 * k, 10.0)))
+    np.testing.assert_allclose(target.predict(12.0).velocity, 0.0, atol=0.1)
+    assert target.jumps == 0
+
+
+@pytest.mark.parametrize("speed", [5.0, 30.0, 60.0])
+@pytest.mark.parametrize("rate", [1.0, 10.0])
+def test_a_fast_target_is_caught(speed, rate):
+    target = TargetFilter(0.1, 0.5)
+    for k in range(12):
+        target.update(k / rate, [speed * k / rate, 0.0, 0.0])
+    np.testing.assert_allclose(target.predict(11 / rate).velocity, [speed, 0.0, 0.0], atol=0.1)
+
+
+def test_predictions_are_smooth_from_measurement_to_measurement():
+    """5 m of noise at 5 Hz on a straight run: what is predicted 9 s ahead moves by decimetres.
+
+    But for the few moments at which the noise looks like a turn.
+    """
+    target, random, before, steps = TargetFilter(0.1, 0.5), np.random.default_rng(0), None, []
+    for k in range(600):
+        time = 0.2 * k
+        target.update(time, straight(time) + 5.0 * random.standard_normal(3))
+        if time > 60.0:
+            now = target.ahead([time, time + 8.8, time + 9.0])[0]
+            if before is not None:
+                steps.append(np.linalg.norm(now[1] - before))
+            before = now[2]
+    assert np.quantile(steps, 0.9) < 0.5
+    assert np.median(steps) < 0.2
+
+
+def test_other_noise_told_is_where_the_next_track_begins():
+    target = fed([0.0, 1.0], straight)
+    target.tune(2.0, 0.01)
+    assert target.noise != 2.0
+    target.reset()
+    assert (target.noise, target.agility) == (2.0, 0.01)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,9 @@ from uav_tracking_mpc.parameters.specification import ParameterError
 
 LIMITS = {limit.name: limit for limit in Envelope(fence_radius=500.0, height_min=10.0).limits}
 TARGETS = np.array([[0.0, 0.0, 0.0], [30.0, -10.0, 5.0], [60.0, -20.0, 10.0]])
-MOTION = Motion(120.0, -40.0, 35.0, 0.1, 15.0, turn_rate=0.2, acceleration=0.3, rate_reach=0.5)
+MOTION = Motion(
+    120.0, -40.0, 35.0, 0.1, 15.0, turn_rate=0.2, acceleration=0.3, turn_acceleration=-0.4
+)
 
 
 def test_every_file_of_the_room_holds_a_limit():
@@ -81,14 +83,15 @@ def test_a_bank_limits_the_turn_by_the_airspeed():
     assert float(flown.value) == pytest.approx(bank.bank_max)
 
 
-def test_a_roll_rate_limits_the_change_of_the_turn_rate():
-    """The bank after a short while at the bound, against a coordinated turn's."""
+def test_the_roll_rate_is_that_of_the_bank_of_a_coordinated_turn():
+    """Against a difference of banks; where the change of the turn is not known nothing is said."""
     limit, step = LIMITS["roll_rate"], 1e-6
-    told = limit.numbers(TARGETS)[0]
-    motion = MOTION._replace(rate_reach=step)
-    lower, upper = limit.inputs(motion, told, np)["turn_rate"]
-    banks = np.arctan(15.0 * np.array([lower, 0.2, upper]) / 9.80665)
-    np.testing.assert_allclose(np.diff(banks) / step, limit.roll_rate_max, rtol=1e-4)
+    bound = limit.stage(MOTION, limit.numbers(TARGETS)[0], np)
+    times = np.array([0.0, step])
+    banks = np.arctan((15.0 + 0.3 * times) * (0.2 - 0.4 * times) / 9.80665)
+    assert bound.value == pytest.approx(np.diff(banks)[0] / step, rel=1e-4)
+    assert -bound.lower == bound.upper == limit.roll_rate_max
+    assert limit.flown(MOTION._replace(turn_acceleration=None), [1.0]) is None
 
 
 def test_the_force_of_a_climb_is_that_of_the_weight_along_the_path():

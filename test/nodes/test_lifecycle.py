@@ -363,3 +363,18 @@ def test_a_law_flies_in_the_place_of_the_predictive_controller(flight):
     assert flight.commanded(20)
     _, values = flight.told()
     assert (values["mode"], values["solver"]) == ("guidance law", "none")
+
+
+@pytest.mark.timeout(60)
+def test_small_margins_are_told_at_configuration_and_after_a_change(flight):
+    controller = flight.add(NmpcController, "controller", gain_margin_min=60.0)
+
+    def told():
+        controller._margins.wait()
+        return [words for _, words in controller.controller.events.take()]
+
+    assert any("gain_margin_min is 60 dB" in words for words in told())
+    assert flight.set(gain_margin_min=6.0).successful
+    assert not any("margin" in words for words in told())
+    assert flight.set(input_weights=[0.04] * 3, rate_weights=[0.0] * 3).successful
+    assert any("turn bears 0." in words for words in told())

@@ -21,6 +21,7 @@ from uav_tracking_mpc.nodes.conversions import (
     plan_from_command,
     set_odometry,
     set_point,
+    set_stamp,
     vehicle_from_odometry,
 )
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
@@ -33,6 +34,7 @@ from uav_tracking_mpc.nodes.topics import (
     ODOMETRY,
     PREDICTED_PATH,
     TARGET,
+    TARGET_ODOMETRY,
     TRACKING,
 )
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
@@ -227,6 +229,33 @@ def test_after_the_clock_went_back_commands_flow_again(executor):
     # The right clock brings it back.
     send.ahead = 0
     assert spin(executor, lambda: controller.controller.modes.mode is FallbackMode.OPTIMAL, 20.0)
+
+
+def test_odometry_of_the_target_counts_instead_of_its_position(executor):
+    """Together, one after the other, and when the odometry stays away."""
+    controller = add(executor, NmpcController)
+    hear = {s.topic_name.lstrip("/"): s.callback for s in controller.subscriptions}
+    position, odometry = TARGET.type(), TARGET_ODOMETRY.type()
+    odometry.header.frame_id = "map"
+    odometry.twist.twist.linear.x = 5.0
+    odometry.pose.covariance[0] = odometry.pose.covariance[7] = 0.01
+    target, second = controller.controller.navigator.target, 1_000_000_000
+    for k in range(20):
+        stamp = 100 * second + k * second // 10
+        set_stamp(odometry.header.stamp, stamp)
+        odometry.pose.pose.position.x = 0.5 * k
+        hear[TARGET_ODOMETRY.name](odometry)
+        set_point(position, stamp + second // 20, np.array([0.0, 500.0, 0.0]))
+        hear[TARGET.name](position)
+    assert (target.rejected, target.late) == (0, 0)
+    estimate = target.predict(target.time)
+    np.testing.assert_allclose(estimate.position, [9.5, 0.0, 0.0], atol=0.1)
+    np.testing.assert_allclose(estimate.velocity, [5.0, 0.0, 0.0], atol=0.1)
+    timeout = round(controller.parameters.target_timeout * 1e9)
+    for k in range(3):
+        set_point(position, stamp + timeout + (1 + k) * second, np.array([0.0, 500.0, 0.0]))
+        hear[TARGET.name](position)
+    assert target.jumps == 1
 
 
 @pytest.mark.timeout(60)

@@ -309,3 +309,18 @@ def test_commands_that_were_not_asked_for_are_told_from_the_others():
     ]  # fmt: skip
     log = simulate(load_configuration("small_uav", overrides))
     np.testing.assert_array_equal(log.nominal, log.command_time % 1.0 < 0.475)
+
+
+def test_a_disturbance_reaches_the_plant_and_not_the_record():
+    """The turn of 0.1 s is flown on top of the commands, which answer it only later."""
+    quiet = load_configuration("paper", ["mission.duration=2", "mission.plant=vehicle"])
+
+    def pulse(time):
+        return np.array([0.5 if 0.99 < time < 1.05 else 0.0, 0.0, 0.0])
+
+    flown, disturbed = simulate(quiet), simulate(quiet, disturbance=pulse)
+    before = flown.command_time < 1.05
+    np.testing.assert_array_equal(flown.inputs[before], disturbed.inputs[before])
+    assert np.any(flown.inputs[~before] != disturbed.inputs[~before])
+    *_, heading, _, _ = (disturbed.vehicle - flown.vehicle)[flown.time < 1.12][-1]
+    assert heading == pytest.approx(0.05, rel=0.02)

@@ -5,9 +5,11 @@
 ``fly``              a mission with real ROS 2 nodes
 ``simulate``         the same mission without ROS
 ``compare``          the predictive controller beside classical laws
+``campaign``         random flights, and how many of them fail
 ``stability``        the stability analysis, its proof and its certificate
 ``margins``          stability margins about the orbit, and a search for weights
 ``benchmark``        solve times beside other solvers
+``identify``         lag, dead time and gain from a recorded flight
 ``torture``          faults injected into real nodes
 ``monitor``          a live table of a flight
 ``launch_tracking``  entry point of the executable that only starts the nodes

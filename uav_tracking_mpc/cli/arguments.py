@@ -79,6 +79,25 @@ def add_mission_arguments(parser: argparse.ArgumentParser, plant: str) -> None:
     add_limit_argument(parser)
 
 
+def add_excite_argument(parser: argparse.ArgumentParser) -> None:
+    """The option ``--excite``.
+
+    Args:
+        parser: Gets the option.
+    """
+    from uav_tracking_mpc.control.excitation import USUAL
+
+    parser.add_argument(
+        "--excite",
+        dest="overrides",
+        action="append_const",
+        default=[],
+        const=_override("nmpc_controller.excitation", list(USUAL)),
+        help="add a small test signal to the commands once the aircraft is on its orbit, for "
+        "`identify` (sets nmpc_controller.excitation)",
+    )
+
+
 def add_limit_argument(parser: argparse.ArgumentParser) -> None:
     """The option ``--limit``.
 

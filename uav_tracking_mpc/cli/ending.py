@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
+EXTRAS = {"pyarrow": "campaign", "distributed": "dask"}  # that bring a module
+
 
 @dataclass
 class Ending:
@@ -55,12 +57,13 @@ def explanation(error: BaseException) -> tuple[int, str] | None:
     from uav_tracking_mpc.parameters.registry import ExtensionError
     from uav_tracking_mpc.parameters.specification import ParameterError
     from uav_tracking_mpc.simulation.closed_loop import SimulationError
+    from uav_tracking_mpc.studies.campaign.executors import CampaignError
 
     if isinstance(error, FlightInterruptedError):
         return 128 + error.signal, str(error)
     if isinstance(error, (ParameterError, ExtensionError)):
         return 2, str(error)
-    if isinstance(error, (LaunchError, DomainError, SimulationError, OSError)):
+    if isinstance(error, (LaunchError, DomainError, SimulationError, CampaignError, OSError)):
         return 1, str(error)
     return None
 
@@ -71,6 +74,9 @@ def _missing(error: ImportError) -> tuple[int, str] | None:
         return 1, str(error)
     if error.name is None or error.name.startswith("uav_tracking_mpc"):
         return None
+    extra = EXTRAS.get(error.name.partition(".")[0])
+    if extra is not None:
+        return 1, f"{error.name} is not installed: `pip install 'uav_tracking_mpc[{extra}]'`"
     return 1, (
         f"{error.name} is not installed; flying needs ROS 2 Jazzy: source its setup file, or "
         "`pip install 'uav_tracking_mpc[ros]'`"

@@ -9,6 +9,7 @@ import sys
 from uav_tracking_mpc.cli.answer import answer
 from uav_tracking_mpc.cli.arguments import (
     add_domain_argument,
+    add_excite_argument,
     add_mission_arguments,
     add_output_arguments,
     chosen_configuration,
@@ -27,6 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser: Of this command.
     """
     add_mission_arguments(parser, plant="uav_simulator.plant")
+    add_excite_argument(parser)
     add_domain_argument(parser, "ROS domain to fly in (default: one that no other launch uses)")
     add_output_arguments(
         parser, f"{BAG}, {RECORD}, metrics.json, figures and report.html", "output"

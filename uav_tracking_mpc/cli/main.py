@@ -12,7 +12,10 @@ from uav_tracking_mpc import __version__
 from uav_tracking_mpc.cli.arguments import HelpFormatter
 from uav_tracking_mpc.cli.ending import explained
 
-COMMANDS = ("fly", "simulate", "stability", "compare", "benchmark", "torture", "monitor", "margins")
+COMMANDS = (
+    "fly", "simulate", "compare", "campaign", "margins", "identify", "stability", "benchmark",
+    "torture", "monitor",
+)  # fmt: skip
 EPILOG = """\
 examples:
   uav_tracking simulate --config paper          the paper's simulation, no ROS needed
@@ -24,6 +27,10 @@ examples:
   uav_tracking compare --law pursuit.py:Pursuit a law of your own beside them
   uav_tracking simulate --config small_uav --scenario gusts
                                                 one of these flights
+  uav_tracking campaign robustness --flights 40 random flights, and how many fail
+  uav_tracking margins                          how much more lag and gain the loop bears
+  uav_tracking simulate --config small_uav --excite --output out
+  uav_tracking identify out/record.csv          lag and dead time from this flight
   uav_tracking benchmark                        the solver beside its peers
   uav_tracking torture --minutes 10             faults injected into real nodes
   uav_tracking torture --soak 2                 hours of flight, watched for growth

@@ -47,8 +47,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--search",
         action="store_true",
-        help="search for input_weights and rate_weights that fly well and keep the margins; print "
-        "every candidate and the YAML to paste",
+        help="search for weights of range, inputs and their rates that fly well and keep the "
+        "margins; print every candidate and the YAML to paste",
     )
     add_output_arguments(parser, "margins.json and margins.png, or search.json")
     parser.add_argument(

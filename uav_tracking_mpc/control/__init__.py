@@ -5,7 +5,11 @@
 ``guidance``          what the parameters ask for: an optimal control problem, or a law
 ``fallback``          the modes from the optimal plan down to silence, and their choice
 ``command_shaping``   commands inside their limits, faded from one guidance to another
+``excitation``        a small test signal, from which the aircraft's answer is identified
 ``command``           what the controller answers
+``adaptation``        flies by the response that the aircraft shows
+``oscillation``       tells limit cycles, and why
+``limit_cycle``       notices one
 ``event``             what it reports
 ``direction``         which way round
 ``pace``              when a command is due

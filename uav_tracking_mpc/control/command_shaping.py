@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.control.event import EventLog
+from uav_tracking_mpc.control.excitation import Excitation
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
@@ -16,10 +18,15 @@ class CommandShaper:
     """Clips commands and fades between kinds of guidance.
 
     Args:
-        parameters: Limits of the inputs and of the bank.
+        parameters: Limits of the inputs and of the bank, and the excitation.
+        events: Where the excitation is reported.
+
+    Attributes:
+        excitation: The test signal that is added to what is shaped.
     """
 
-    def __init__(self, parameters: TrackingParameters) -> None:
+    def __init__(self, parameters: TrackingParameters, events: EventLog) -> None:
+        self.excitation = Excitation(parameters, events)
         self.change(parameters)
         self.reset()
 
@@ -34,6 +41,7 @@ class CommandShaper:
         self._envelope = parameters.envelope
         self._lower, self._upper = parameters.input_lower, parameters.input_upper
         self._changed = True
+        self.excitation.change(parameters)
 
     def reset(self) -> None:
         """Forget what was commanded: the next command comes as it is."""
@@ -41,6 +49,7 @@ class CommandShaper:
         self._mode = FallbackMode.SILENCE
         self._offset, self._begin = np.zeros(3), 0.0
         self._changed = False
+        self.excitation.reset()
 
     def shape(
         self,

@@ -21,12 +21,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from uav_tracking_mpc.control.adaptation import ResponseAdaptation
 from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.control.command_shaping import CommandShaper
 from uav_tracking_mpc.control.direction import nearest_direction
 from uav_tracking_mpc.control.event import EventLog, Level
 from uav_tracking_mpc.control.fallback import Available, FallbackMode, ModeSelector
-from uav_tracking_mpc.control.guidance import formulation_of, law_inputs, law_of
+from uav_tracking_mpc.control.guidance import formulation_of, law_inputs, law_of, planned
 from uav_tracking_mpc.control.pace import Pace
 from uav_tracking_mpc.control.plan_memory import PlanMemory
 from uav_tracking_mpc.control.rate_keeper import RateKeeper
@@ -56,6 +57,7 @@ class Controller:
         orbit: What is flown, with the direction chosen.
         modes: What the command comes from, with counts.
         navigator: What is known of aircraft, air and target.
+        response: How the aircraft answers commands, as learnt and as flown by.
         rate: Whether the control rate is kept.
         flying: Whether a command has been sent since the start or the last reset.
         drift: c when the latest command was computed, shape (3,), in [m/s].
@@ -80,9 +82,10 @@ class Controller:
         self.rate = RateKeeper(parameters.control_rate)
         self.drift = np.zeros(3)
         self.events = EventLog()
+        self.response = ResponseAdaptation(parameters, self.events)
         self._gate = StateGate(parameters.state_timeout)
         self._pace = Pace(parameters.control_rate)
-        self._shaper = CommandShaper(parameters)
+        self._shaper = CommandShaper(parameters, self.events)
         self._plan = PlanMemory()
         self.reset()
         self._choose()
@@ -91,12 +94,14 @@ class Controller:
         """Forget aircraft, air, target, plans and commands; counts and latency stay."""
         self._gate.reset()
         self.flying = False
+        self._fly_by(self.response.reset())
         self._forget()
 
     def _forget(self) -> None:
         """Forget what belongs to a time or a place that is no more."""
         for part in (self.navigator, self._pace, self.rate, self._shaper, self._plan):
             part.reset()
+        self.response.interrupt()
         if self.formulation is not None:
             self.formulation.reset()
         self._direction: str | None = None
@@ -133,20 +138,24 @@ class Controller:
         """
         parameters = changed(self.parameters, values)
         self.check(parameters)
-        if self.formulation is not None:
-            self.formulation.change(parameters)
+        self._fly_by(self.response.tell(parameters))
         if parameters.direction != self.parameters.direction:
             self._direction = None
         self._shaper.change(parameters)
-        self.navigator.change(parameters)
         self._gate.timeout = parameters.state_timeout
-        self._pace = Pace(parameters.control_rate)
-        self.rate.rate = parameters.control_rate
+        self._pace, self.rate.rate = Pace(parameters.control_rate), parameters.control_rate
         self.parameters = parameters
         self._choose()
         p = parameters
         words = f"{p.range:g} m at {p.altitude:g} m and {p.airspeed:g} m/s, {p.direction}"
         self.events.add(Level.INFO, f"from now on {words}")
+
+    def _fly_by(self, parameters: TrackingParameters | None) -> None:
+        """Predict with other parameters from now on; with None as before."""
+        if parameters is not None:
+            self.navigator.change(parameters)
+            if self.formulation is not None:
+                self.formulation.change(parameters)
 
     def _choose(self) -> None:
         """Fly the orbit that is asked for, in the nearest direction once that is chosen."""
@@ -222,6 +231,7 @@ class Controller:
             return None
         if not self._pace.due(stamp):
             return None
+        self._fly_by(self.response.follow(stamp))
         command = self._answer(measurement)
         taken = self._stopwatch() - begin
         if taken > self.parameters.state_timeout:
@@ -229,7 +239,8 @@ class Controller:
             self.events.add(Level.REFUSAL, words)
             return None
         delay = max(0.0, now - stamp) + taken
-        self.navigator.commanded(stamp, delay, command.inputs, command.step)
+        flown = self.response.commanded(stamp, delay, command.inputs, command.step)
+        self.navigator.commanded(stamp, delay, flown, command.step)
         self.flying = True
         self.rate.command(stamp)
         return command
@@ -254,7 +265,11 @@ class Controller:
         if verdict is Verdict.RESTART:
             self.events.add(Level.WARNING, f"{reason}, starting anew")
             self._forget()
-        return verdict in (Verdict.USE, Verdict.RESTART)
+        if verdict in (Verdict.USE, Verdict.RESTART):
+            vehicle = self.navigator.vehicle_state(measurement)
+            self.response.see(measurement, vehicle, not self.navigator.air.missing)
+            return True
+        return False
 
     def _answer(self, measurement: Measurement) -> Command:
         """Command for a measurement that is believed and due."""
@@ -269,8 +284,7 @@ class Controller:
             return self._hold(stamp, self.navigator.vehicle_state(measurement), trouble)
         if self.navigator.air.missing and not self._air_missing:
             self._air_missing = True
-            words = "no airspeed is measured: the air is taken as still"
-            self.events.add(Level.WARNING, words)
+            self.events.add(Level.WARNING, "no airspeed is measured: the air is taken as still")
         self.drift = estimate.present.drift
         return self._fly(stamp, estimate, stamp - seen <= self.parameters.target_timeout)
 
@@ -280,15 +294,14 @@ class Controller:
         plan, by_law, trouble = None, None, ""
         if target_fresh and self._law is not None:
             by_law, trouble = law_inputs(self._law, estimate.present)
-        elif target_fresh:
-            plan, trouble = self._solve(stamp, estimate)
+        elif target_fresh and self.formulation is not None:
+            elapsed = None if self._solve_time is None else max(0.0, stamp - self._solve_time)
+            self._solve_time = stamp
+            plan, trouble = planned(self.formulation, estimate, self.orbit, elapsed)
         left = self._plan.remaining(stamp, self.parameters.plan_age_max)
         solution = None if plan is None else plan.solution
-        mode = self._select(
-            Available(
-                True, True, target_fresh, solution, left is not None, by_law is not None, trouble
-            )
-        )
+        there = left is not None, by_law is not None
+        mode = self._select(Available(True, True, target_fresh, solution, *there, trouble))
         if mode is FallbackMode.EARLIER_PLAN and left is not None:
             inputs, step = left
         elif mode.planned and plan is not None:
@@ -298,8 +311,7 @@ class Controller:
             if by_law is None:
                 by_law, _ = law_inputs(self._loiter, estimate.effect)
             inputs, step = np.zeros((1, 3)) if by_law is None else by_law, LEVELLING_TIME
-        airspeed = estimate.effect.airspeed
-        return self._command(stamp, inputs, step, airspeed, plan, estimate.present)
+        return self._command(stamp, inputs, step, estimate.effect.airspeed, plan, estimate.present)
 
     def _hold(self, stamp: float, vehicle: NDArray[np.float64], trouble: str) -> Command:
         """Wings level at the present speed: there is no target to fly about."""
@@ -316,19 +328,6 @@ class Controller:
         if self._direction != self.orbit.direction:
             self._choose()
 
-    def _solve(self, stamp: float, estimate: Estimate) -> tuple[Plan | None, str]:
-        """The predictive controller's answer, or what kept it from one."""
-        assert self.formulation is not None
-        elapsed = None if self._solve_time is None else max(0.0, stamp - self._solve_time)
-        self._solve_time = stamp
-        try:
-            plan = self.formulation.solve(estimate.effect, estimate.forecast, self.orbit, elapsed)
-        except (ArithmeticError, RuntimeError, ValueError) as error:
-            return None, f"the controller failed: {error}"
-        if not np.all(np.isfinite(plan.inputs)):
-            return None, f"the plan is not finite: {plan.solution.message}"
-        return plan, ""
-
     def _command(
         self,
         stamp: float,
@@ -339,7 +338,8 @@ class Controller:
         present: Situation | None = None,
     ) -> Command:
         mode, reason = self.modes.mode, self.modes.reason
-        inputs = self._shaper.shape(stamp, inputs, step, airspeed, mode)
+        inputs = self._shaper.shape(stamp, inputs / self.response.gain, step, airspeed, mode)
+        inputs = self._shaper.excitation.added(stamp, inputs, mode, self.orbit, present)
         return Command(stamp, inputs, step, mode, reason, self.orbit, plan, present)
 
     def _select(self, available: Available) -> FallbackMode:

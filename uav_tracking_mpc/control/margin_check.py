@@ -21,11 +21,8 @@ def margin_warning(parameters: TrackingParameters) -> str:
 
     Args:
         parameters: What is flown.
-
-    Raises:
-        ParameterError: There is no such law, or the parameters cannot be flown.
     """
-    return _judged(OrbitLoop(parameters))
+    return _warning(parameters, None)[1]
 
 
 def shortfalls(margins: LoopMargins, parameters: TrackingParameters) -> list[str]:
@@ -38,46 +35,40 @@ def shortfalls(margins: LoopMargins, parameters: TrackingParameters) -> list[str
     wanted_s, wanted_db = parameters.delay_margin_min, parameters.gain_margin_min
     found = []
     for name, channel in margins.channels.items():
-        if channel.delay_s < wanted_s:
-            found.append(
-                f"{name}: {channel.delay_s:.2f} s of delay, delay_margin_min is {wanted_s:g} s"
-            )
-        if channel.gain_db < wanted_db:
-            found.append(
-                f"{name}: {channel.gain_db:.1f} dB of gain, gain_margin_min is {wanted_db:g} dB"
-            )
+        delay, gain = channel.delay_s, channel.gain_db
+        if delay < wanted_s:
+            found.append(f"{name} bears {delay:.2f} s of delay, delay_margin_min is {wanted_s:g} s")
+        if gain < wanted_db:
+            found.append(f"{name} bears {gain:.1f} dB of gain, gain_margin_min is {wanted_db:g} dB")
     return found
 
 
 class MarginWatch:
-    """Judges the margins after each change of parameters, in a thread of its own.
+    """Judges the margins of parameters in a thread of its own.
 
     Of changes that come faster than they can be judged only the latest counts.
 
     Args:
-        parameters: What is flown at the beginning; fixed ones stay.
         report: Called in that thread with a warning in words.
-
-    Raises:
-        ParameterError: There is no such law, or the parameters cannot be flown.
     """
 
-    def __init__(self, parameters: TrackingParameters, report: Callable[[str], None]) -> None:
-        self._loop, self._report = OrbitLoop(parameters), report
+    def __init__(self, report: Callable[[str], None]) -> None:
+        self._report = report
+        self._loop: OrbitLoop | None = None
         self._lock = threading.Lock()
         self._next: TrackingParameters | None = None
         self._thread: threading.Thread | None = None
 
-    def change(self, parameters: TrackingParameters) -> None:
-        """Judge other parameters soon; returns at once.
+    def judge(self, parameters: TrackingParameters) -> None:
+        """Judge parameters soon; returns at once.
 
         Args:
-            parameters: What is flown from now on.
+            parameters: What is flown from now on; fixed ones are those of the first call.
         """
         with self._lock:
             self._next = parameters
             if self._thread is None:
-                self._thread = threading.Thread(target=self._judge, name="margins")
+                self._thread = threading.Thread(target=self._work, name="margins")
                 self._thread.start()
 
     def wait(self) -> None:
@@ -86,23 +77,31 @@ class MarginWatch:
         if thread is not None:
             thread.join()
 
-    def _judge(self) -> None:
+    def _work(self) -> None:
         while True:
             with self._lock:
                 parameters, self._next = self._next, None
                 if parameters is None:
                     self._thread = None
                     return
-            self._loop.change(parameters)
-            words = _judged(self._loop)
+            self._loop, words = _warning(parameters, self._loop)
             if words:
                 self._report(words)
 
 
-def _judged(loop: OrbitLoop) -> str:
+def _warning(
+    parameters: TrackingParameters, loop: OrbitLoop | None
+) -> tuple[OrbitLoop | None, str]:
+    """The loop of parameters, made from another one where there is one, and the words."""
+    if parameters.delay_margin_min == 0.0 and parameters.gain_margin_min == 0.0:
+        return loop, ""
     try:
+        if loop is None:
+            loop = OrbitLoop(parameters)
+        else:
+            loop.change(parameters)
         margins = loop.margins(loop.orbit_in(np.zeros(3)))
     except (ArithmeticError, RuntimeError, ValueError) as error:
-        return f"the margins of the closed loop are not known: {error}"
-    small = shortfalls(margins, loop.parameters)
-    return f"the closed loop has small margins: {'; '.join(small)}" if small else ""
+        return loop, f"the margins of the closed loop are not known: {error}"
+    small = shortfalls(margins, parameters)
+    return loop, f"the closed loop has small margins: {'; '.join(small)}" if small else ""

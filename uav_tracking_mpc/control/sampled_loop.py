@@ -132,9 +132,10 @@ def sampled_loop(
     Args:
         period: T in [s].
         gain: Effect of the predicted deviation on the command, shape (3, 8).
-        dynamics: A and B of the aircraft.
+        dynamics: A and B of the aircraft, shapes (8, 8) and (8, 3), in SI units.
         plant: How the aircraft responds.
-        predicted: A and B by which the controller predicts; None where it does not predict.
+        predicted: A and B by which the controller predicts, shapes (8, 8) and (8, 3); None where it
+            does not predict.
         told: How it takes the aircraft to respond.
     """
     plant_step, plant_taps = _plant(period, dynamics, plant)

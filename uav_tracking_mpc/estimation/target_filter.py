@@ -1,8 +1,12 @@
 """Where the target is and will be, from measured positions that may be wrong, late or missing.
 
+How noisy the positions are and how hard the target accelerates is found from the positions
+themselves (:mod:`measurement_noise`, :mod:`target_track`); what is told is only where both begin.
+
 A position that the track can hardly explain is left out. Should the next ones be left out too and
-agree with each other, then the target has jumped, or turned harder than it may, and the track
-starts anew from them.
+agree with each other, then the target has jumped and the track starts anew from them. The noise is
+learned from all positions, those left out as well: told far too small, it is corrected within a
+second, and a good track is not left.
 """
 
 from __future__ import annotations
@@ -14,12 +18,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.estimation.measurement import MeasurementError
-from uav_tracking_mpc.estimation.singer_track import Motion, SingerTrack, bridged
+from uav_tracking_mpc.estimation.measurement_noise import MeasurementNoise
+from uav_tracking_mpc.estimation.singer_motion import bridged
+from uav_tracking_mpc.estimation.target_track import Motion, TargetTrack
 from uav_tracking_mpc.estimation.turn_prediction import predict_turn
 
 GATE = 16.27  # chi-square of 3 degrees of freedom: one good position in a thousand is left out
+FIRST_GATE = 4.0 * GATE  # of the second position of a track, which knows no velocity yet
+RIVAL_SPEED = 2.0  # times the standard deviation of the velocity: it may be fast, not noisy
 JUMP = 3  # positions left out in a row that agree: the target is there
 FORGOTTEN = 300.0  # s without a position after which nothing is left of the track
+REPEATED = 0.5  # s in which the same position of a target that moves is an old one, sent again
 REWIND = 1.0  # s before the newest position for which an estimate is given
 VELOCITY_NOISE = 1.0  # m/s, standard deviation of a velocity that comes without a covariance
 NOISE_MIN = 1e-3  # m or m/s, the least standard deviation that is believed
@@ -42,44 +51,67 @@ class TargetEstimate:
     position_std: float
 
 
+@dataclass(frozen=True)
+class _Seen:
+    """One measurement: time, position, its variance, velocity, whether the variance is a guess."""
+
+    time: float
+    position: NDArray[np.float64]
+    variance: float
+    motion: Motion | None
+    doubted: bool
+
+
 class TargetFilter:
     """Position, velocity and acceleration of a target from noisy measurements at any rate.
 
     Args:
-        noise: Standard deviation of a measured position in [m].
-        agility: Standard deviation of the target's acceleration in [m/s^2].
+        noise: Standard deviation of a measured position with which the filter begins in [m].
+        agility: Standard deviation of the target's acceleration with which it begins in [m/s^2].
         speed: Standard deviation of the velocity before anything is known of it in [m/s].
 
     Attributes:
+        noise: Standard deviation that was found of the newest measured position in [m].
         rejected: Positions left out so far because the track could not explain them.
-        late: Positions left out so far because they were not newer than the newest.
+        late: Positions left out so far because they were not newer than the newest, by their
+            stamp or because they are the same.
         jumps: How often the track started anew from positions that had been left out.
     """
 
-    def __init__(self, noise: float, agility: float, speed: float = 10.0) -> None:
-        self._noise, self._agility, self._speed = noise, agility, speed
+    def __init__(self, noise: float, agility: float, speed: float = 5.0) -> None:
+        self._told, self._agility, self._speed = noise, agility, speed
         self.reset()
 
     def tune(self, noise: float, agility: float) -> None:
-        """Use other standard deviations, from the next track on.
+        """Begin with other standard deviations; those that have been found are kept until then.
 
         Args:
             noise: Of a measured position in [m].
             agility: Of the target's acceleration in [m/s^2].
         """
-        self._noise, self._agility = noise, agility
+        self._told, self._agility = noise, agility
 
     def reset(self) -> None:
         """Forget the target."""
-        self._track: SingerTrack | None = None
-        self._rival: SingerTrack | None = None  # of positions left out in a row
-        self._rival_count = 0
+        self._track: TargetTrack | None = None
+        self._rival: TargetTrack | None = None  # of positions left out in a row
+        self._rival_count = 0  # positions of it
+        self._single = False  # whether the track is of one position
+        self._last, self._last_time = np.zeros(3), -math.inf  # what was not late
+        self._scaling = MeasurementNoise()
+        self._own = self._told  # the noise to which the scale belongs; 0 where covariances come
+        self.noise = self._told
         self.rejected = self.late = self.jumps = 0
 
     @property
     def time(self) -> float | None:
         """Time of the newest position taken in, in [s]; None before the first."""
         return None if self._track is None else self._track.time
+
+    @property
+    def agility(self) -> float:
+        """Standard deviation that was found of the target's acceleration in [m/s^2]."""
+        return self._agility if self._track is None else self._track.agility
 
     def update(
         self,
@@ -95,8 +127,9 @@ class TargetFilter:
             position: In ``map``, shape (3,), in [m].
             velocity: In ``map``, shape (3,), in [m/s]; None if it is not known.
             covariance: Of position, shape (3, 3), or of position and velocity, shape (6, 6), in
-                SI units; None for the filter's own noise. Its largest variance counts on every
-                axis.
+                SI units; None, or a block of zeros, for the filter's own noise. Its largest
+                horizontal variance counts on every axis, and more than it where the positions
+                scatter more.
 
         Returns:
             False if it was left out: late, or not to be believed.
@@ -108,73 +141,68 @@ class TargetFilter:
         if not np.isfinite(time):
             raise MeasurementError(f"time of the target position is {time!r} s, must be finite")
         measured = _vector("target position", position)
-        variance, velocity_variance = self._variances(covariance)
+        told, velocity_variance = _variances(covariance)
         motion = None
         if velocity is not None:
             motion = _vector("target velocity", velocity), velocity_variance
-        if self._track is None or time - self._track.time > FORGOTTEN:
-            self._track, self._rival = self._begin(time, measured, variance, motion), None
-            return True
         newest = self._track if self._rival is None else self._rival
-        if time <= newest.time:
+        if newest is not None and (time <= newest.time or self._repeats(time, measured)):
             self.late += 1
             return False
-        if self._track.update(time, measured, GATE, variance, motion):
-            self._rival = None
+        self._last, self._last_time = measured, time
+        variance = self._variance(time, measured, told)
+        doubted = told is None and not self._scaling.known
+        seen = _Seen(time, measured, variance, motion, doubted)
+        if self._track is None or time - self._track.time > FORGOTTEN:
+            self._track, self._rival = self._begun(seen, self._speed), None
+            self._single = True
             return True
-        return self._doubt(time, measured, variance, motion)
+        if _taken(self._track, seen, FIRST_GATE if self._single else GATE):
+            self._rival, self._single = None, False
+            return True
+        return self._left_out(seen)
 
-    @staticmethod
-    def _variances(covariance: ArrayLike | None) -> tuple[float | None, float]:
-        """Variances of position [m^2], None for the track's own, and of velocity [m^2/s^2]."""
-        if covariance is None:
-            return None, VELOCITY_NOISE**2
-        matrix = np.asarray(covariance, dtype=float)
-        if matrix.shape not in ((3, 3), (6, 6)) or not np.isfinite(matrix).all():
-            raise MeasurementError(
-                f"covariance of the target has shape {matrix.shape}, must be (3, 3) or (6, 6) and "
-                "finite"
-            )
-        largest = [
-            float(np.linalg.eigvalsh(matrix[axes, axes])[-1])
-            for axes in (slice(0, 3), slice(3, 6))[: len(matrix) // 3]
-        ]
-        if not min(largest) >= 0.0:
-            raise MeasurementError(
-                f"covariance of the target is {matrix.tolist()}, must not be negative"
-            )
-        position, velocity = [*largest, VELOCITY_NOISE**2][:2]
-        return max(position, NOISE_MIN**2), max(velocity, NOISE_MIN**2)
+    def _repeats(self, time: float, position: NDArray[np.float64]) -> bool:
+        """Whether an old position comes with a new stamp, as from a tracker that sends it on."""
+        if self._track is None or self._rival is not None or time - self._last_time > REPEATED:
+            return False
+        velocity = self._track.state[1]
+        moves = velocity @ velocity > GATE * self._track.covariance[1, 1]
+        return bool(moves and np.array_equal(position, self._last))
 
-    def _begin(
-        self,
-        time: float,
-        position: NDArray[np.float64],
-        variance: float | None,
-        motion: Motion | None,
-    ) -> SingerTrack:
-        noise = self._noise if variance is None else math.sqrt(variance)
-        track = SingerTrack(time, position, noise, self._agility, self._speed)
-        if motion is not None:
-            track.see_velocity(*motion, GATE)
+    def _variance(self, time: float, position: NDArray[np.float64], told: float | None) -> float:
+        """Variance of a position in [m^2]: what is told, as far as the positions bear it out."""
+        own = self._own or self._told if told is None else 0.0
+        if own != self._own:  # covariances come from now on, or no longer
+            self._scaling.reset()
+            self._own = own
+        variance = own**2 if told is None else told
+        self._scaling.see(time, position, variance)
+        scale = self._scaling.scale
+        variance *= scale if told is None else max(scale, 1.0)
+        self.noise = max(math.sqrt(variance), NOISE_MIN)
+        return self.noise**2
+
+    def _begun(self, seen: _Seen, speed: float) -> TargetTrack:
+        """A track of one measurement."""
+        track = TargetTrack(
+            seen.time, seen.position, math.sqrt(seen.variance), self._agility, speed
+        )
+        if seen.motion is not None:
+            track.see_velocity(*seen.motion, GATE)
         return track
 
-    def _doubt(
-        self,
-        time: float,
-        position: NDArray[np.float64],
-        variance: float | None,
-        motion: Motion | None,
-    ) -> bool:
+    def _left_out(self, seen: _Seen) -> bool:
         """Hold a position that was left out against those left out just before."""
-        if self._rival is not None and self._rival.update(time, position, GATE, variance, motion):
+        gate = FIRST_GATE if self._rival_count == 1 else GATE
+        if self._rival is not None and _taken(self._rival, seen, gate):
             self._rival_count += 1
             if self._rival_count == JUMP:
-                self._track, self._rival = self._rival, None
+                self._track, self._rival, self._single = self._rival, None, False
                 self.jumps += 1
                 return True
         else:
-            self._rival, self._rival_count = self._begin(time, position, variance, motion), 1
+            self._rival, self._rival_count = self._begun(seen, RIVAL_SPEED * self._speed), 1
         self.rejected += 1
         return False
 
@@ -217,10 +245,46 @@ class TargetFilter:
         )
         return positions, left * velocities, left * left * accelerations
 
-    def _known(self) -> SingerTrack:
+    def _known(self) -> TargetTrack:
         if self._track is None:
             raise ValueError("no target position has been received yet")
         return self._track
+
+
+def _taken(track: TargetTrack, seen: _Seen, gate: float) -> bool:
+    return track.update(seen.time, seen.position, seen.variance, gate, seen.motion, seen.doubted)
+
+
+def _variances(covariance: ArrayLike | None) -> tuple[float | None, float]:
+    """Variances of position [m^2], None for the filter's own, and of velocity [m^2/s^2].
+
+    Horizontal ones: the vertical axis of a planar tracker has next to no information.
+    """
+    if covariance is None:
+        return None, VELOCITY_NOISE**2
+    matrix = np.asarray(covariance, dtype=float)
+    if matrix.shape not in ((3, 3), (6, 6)) or not np.isfinite(matrix).all():
+        raise MeasurementError(
+            f"covariance of the target has shape {matrix.shape}, must be (3, 3) or (6, 6) and "
+            "finite"
+        )
+    position, velocity = None, VELOCITY_NOISE**2
+    if matrix[:3, :3].any():
+        position = _horizontal(matrix[:3, :3])
+    if matrix[3:, 3:].any():
+        velocity = _horizontal(matrix[3:, 3:])
+    return position, velocity
+
+
+def _horizontal(covariance: NDArray[np.float64]) -> float:
+    """Largest horizontal variance, which must not be negative."""
+    (a, b, _), (c, d, _), _ = covariance.tolist()
+    largest = 0.5 * (a + d + math.hypot(a - d, b + c))
+    if not min(a, d) >= 0.0:
+        raise MeasurementError(
+            f"covariance of the target is {covariance.tolist()}, must not be negative"
+        )
+    return max(largest, NOISE_MIN**2)
 
 
 def _vector(name: str, values: ArrayLike) -> NDArray[np.float64]:

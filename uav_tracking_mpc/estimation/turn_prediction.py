@@ -21,9 +21,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.estimation.singer_track import MANOEUVRE_TIME
-
 TURN_RATE_MAX = 1.0  # rad/s
+SPEED_TIME = 2.0  # tau [s]: vehicles change their speed for a few seconds
 STRAIGHT = 1e-7  # rad/s: a slower turn cannot be told from a straight line
 
 
@@ -52,10 +51,10 @@ def predict_turn(
     along = (complex(ax, ay) * direction.conjugate()).real
     along *= along * along / (along * along + float(covariance[2, 2]))
     # Speed gained after a long time; braking ends at rest.
-    gained = max(along * MANOEUVRE_TIME, -speed)
+    gained = max(along * SPEED_TIME, -speed)
     # v = lasting exp(turn t) - passing exp(fade t), and so are its derivative and integral.
     turn = 1j * math.copysign(max(abs(rate), STRAIGHT), rate)
-    fade = turn - 1.0 / MANOEUVRE_TIME
+    fade = turn - 1.0 / SPEED_TIME
     lasting, passing = direction * (speed + gained), -direction * gained
     integral = np.array([lasting / turn, passing / fade])
     factors = np.array([integral, [lasting, passing], [lasting * turn, passing * fade]])

@@ -44,6 +44,14 @@ class FlightFormulation:
         self._stages = parameters.horizon
         self.flight = flight_problem(parameters)
         self.solver = solver or solver_of(self.flight.problem, parameters)
+        function = self.flight.turn_acceleration
+        self._arguments = [np.zeros(function.size1_in(k)) for k in range(3)]
+        self._turn_acceleration = np.zeros(1)
+        # A call of the function converts its arguments, which takes 200 times as long.
+        self._buffer, self._evaluate = function.buffer()
+        for k, argument in enumerate(self._arguments):
+            self._buffer.set_arg(k, memoryview(argument))
+        self._buffer.set_res(0, memoryview(self._turn_acceleration))
         self._data = np.zeros((self._stages + 1, self.flight.layout.size))
         self.change(parameters)
 
@@ -117,9 +125,21 @@ class FlightFormulation:
         states = self.model.State(*solution.states[:-1].T)
         middle, half = self.flight.span(states, data[:-1].T)
         inputs = np.array(middle).T + np.array(half).T * solution.inputs
-        acceleration = float(self.flight.turn_acceleration(x_0, data[0], solution.decision))
-        inputs[0, 0] -= 0.5 * (self.step - 1.0 / self.parameters.control_rate) * acceleration
+        inputs[0, 0] -= self._lead_of_stage(x_0, data[0], solution.decision)
         return Plan(inputs, self.step, self.error(situation, orbit), solution)
+
+    def _lead_of_stage(
+        self, x_0: NDArray[np.float64], data: NDArray[np.float64], decision: NDArray[np.float64]
+    ) -> float:
+        """By how much the first input leads the turn rate of the orbit when it is flown, [rad/s].
+
+        It is that of the middle of its stage, but the next command comes after a control period.
+        """
+        for kept, value in zip(self._arguments, (x_0, data, decision), strict=True):
+            kept[:] = value
+        self._evaluate()
+        (acceleration,) = self._turn_acceleration
+        return 0.5 * (self.step - 1.0 / self.parameters.control_rate) * float(acceleration)
 
     def initial_state(self, situation: Situation) -> NDArray[np.float64]:
         """x_0 of the problem, shape (nx,).

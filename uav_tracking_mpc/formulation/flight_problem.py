@@ -48,6 +48,8 @@ from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
 # Decisions are scaled to be of one size: [m], [m], [m/s].
 DECISION_SCALE = np.array([100.0, 30.0, 3.0])
 RADIUS_LIMITS, ALTITUDE_LIMIT, SPEED_LIMITS = (1.0, 2e4), 1e4, (0.1, 400.0)
+SQUARES = 0.01  # weight of squares by which a limit is passed, as a share of the penalty
+BAND_SCALE = 0.3  # m/s by which leaving the airspeed's band is as bad as 1 m/s beyond a limit
 SMALL = 0.01  # [m] keeps distances smooth where they vanish
 OWN_SIZES = {
     "drift": 3,  # c [m/s]
@@ -119,9 +121,11 @@ class FlightProblem:
         )
         deviation = ca.vertcat(inputs[0] - turn_rate, inputs[1], inputs[2])
         changes = [
-            (after - before) / self.step for before, after in zip(state[6:9], following[6:9])
+            (after - before) / self.step
+            for before, after in zip(state[6:9], following[6:9], strict=True)
         ]
         change = ca.vertcat(changes[0] - orbit.turn_acceleration, changes[1], changes[2])
+        motion = _motion(state)._replace(turn_acceleration=changes[0])
         offset = ca.vertcat(r_a, z_a, v_a) - told["orbit"]
         scaled = [error[0] / 10.0, error[1], error[2] / 10.0, error[3], error[4]]
         strength = ca.sqrt(told["drift"][0] ** 2 + told["drift"][1] ** 2 + SMALL**2)
@@ -134,7 +138,8 @@ class FlightProblem:
             next_state=ca.vertcat(*following),
             stage_cost=ca.dot(told["state_weights"], error**2)
             + ca.dot(told["input_weights"], deviation**2)
-            + ca.dot(told["rate_weights"], change**2),
+            + ca.dot(told["rate_weights"], change**2)
+            + self._passed(motion, p),
             terminal_cost=ca.dot(told["offset_weights"], _distance(offset, told["offset_reach"])),
             horizon=horizon,
             step=self.step,
@@ -145,7 +150,7 @@ class FlightProblem:
             decision_lower=lower / DECISION_SCALE,
             decision_upper=upper / DECISION_SCALE,
             decision_guess=np.array([3.0, 3.0, 6.0]),
-            stage_inequalities=tuple(self._stage_inequalities(self._motion(state, p), p)),
+            stage_inequalities=tuple(self._stage_inequalities(motion, p)),
             terminal_inequalities=tuple(self._orbit_inequalities(shape, p)),
             terminal_equality=ca.vertcat(*scaled, *model.settled(state, orbit)),
             continuation=self._shares([turn_rate, 0.0, 0.0], state, p),
@@ -166,18 +171,13 @@ class FlightProblem:
         )  # fmt: skip
 
     def _inputs(self, shares: Any, state: Any, p: ca.SX) -> list[Any]:
-        middle, half = self._span(self._motion(state, p), p, ca)
+        middle, half = self._span(_motion(state), p, ca)
         return [middle[axis] + half[axis] * shares[axis] for axis in range(3)]
 
     def _shares(self, inputs: Sequence[Any], state: Any, p: ca.SX) -> ca.SX:
         """Input shares of (u_psi, u_chi, u_v) in a state."""
-        middle, half = self._span(self._motion(state, p), p, ca)
+        middle, half = self._span(_motion(state), p, ca)
         return ca.vertcat(*[(inputs[axis] - middle[axis]) / half[axis] for axis in range(3)])
-
-    def _motion(self, state: Any, p: Any) -> Motion:
-        reach = self.model.rate_reach(self.step, self.layout.part(p, "model"))
-        x, y, z, _, path_angle, airspeed, turn_rate, _, acceleration = state[:9]
-        return Motion(x, y, z, path_angle, airspeed, turn_rate, acceleration, reach)
 
     def _span(self, motion: Motion, p: Any, xp: ModuleType) -> tuple[list[Any], list[Any]]:
         told = [self.layout.part(p, part_of(limit)) for limit in self._of_inputs]
@@ -193,28 +193,36 @@ class FlightProblem:
         Returns:
             Three values each, in [rad/s, rad/s, m/s^2], scalar or of shape (n,).
         """
-        return self._span(self._motion(state, p), p, np)
+        return self._span(_motion(state), p, np)
 
     def _stage_inequalities(self, motion: Motion, p: ca.SX) -> list[Inequality]:
+        found = []
+        for limit, bound in self._stage_bounds(motion, p):
+            if not limit.by_squares:
+                found.append(_inequality(bound, self._penalty, limit.label))
+        return found
+
+    def _passed(self, motion: Motion, p: ca.SX) -> ca.SX:
+        """Cost of what is paid for by squares: the airspeed's band, and limits that say so."""
         band = self.layout.part(p, "airspeed_band")
-        found = [
-            _inequality(Bound(motion.airspeed, band[0], band[1]), self._penalty, "airspeed band")
-        ]
+        bounds = [Bound(motion.airspeed, band[0], band[1], scale=BAND_SCALE)]
+        for limit, bound in self._stage_bounds(motion, p):
+            if limit.by_squares:
+                bounds.append(bound)
+        beyond = [ca.fmax(side, 0.0) for bound in bounds for side in bound.inequalities()]
+        return SQUARES * self._penalty * ca.sumsqr(ca.vertcat(*beyond))
+
+    def _stage_bounds(self, motion: Motion, p: ca.SX) -> list[tuple[Limit, Bound]]:
+        found = []
         for limit in self.limits:
             bound = limit.stage(motion, self.layout.part(p, part_of(limit)), ca)
             if bound is not None:
-                found.append(_inequality(bound, self._penalty, limit.label))
+                found.append((limit, bound))
         return found
 
     def _orbit_inequalities(self, shape: OrbitShape, p: ca.SX) -> list[Inequality]:
         too_much = shape.drift - DRIFT_SHARE * shape.airspeed
-        band = self.layout.part(p, "airspeed_band")
-        found = [
-            Inequality(too_much, None, "drift about the orbit"),
-            _inequality(
-                Bound(shape.airspeed, band[0], band[1]), self._penalty, "airspeed band on the orbit"
-            ),
-        ]
+        found = [Inequality(too_much, None, "drift about the orbit")]
         for limit in self.limits:
             bound = limit.orbit(shape, self.layout.part(p, part_of(limit)), ca)
             if bound is not None:
@@ -230,6 +238,11 @@ def part_of(limit: Limit) -> str:
         limit: The limit.
     """
     return f"limit {limit.name}"
+
+
+def _motion(state: Any) -> Motion:
+    x, y, z, _, path_angle, airspeed, turn_rate, _, acceleration = state[:9]
+    return Motion(x, y, z, path_angle, airspeed, turn_rate, acceleration)
 
 
 def _inequality(bound: Bound, penalty: float | None, name: str) -> Inequality:

@@ -5,7 +5,7 @@ r"""Limits of the aircraft and of where it may fly, one file each.
 ``path_angle``       steepest descent and climb
 ``bank``             greatest bank of a coordinated turn: limits the turn rate
 ``yaw_rate``         greatest turn rate
-``roll_rate``          how quickly the bank, and so the turn rate, may change
+``roll_rate``          how quickly the bank may change
 ``pitch_rate``       greatest path-angle rate
 ``acceleration``     least and greatest acceleration
 ``force``            thrust less drag: a climb and an acceleration share it
@@ -55,9 +55,7 @@ class Motion(NamedTuple):
         airspeed: v in [m/s].
         turn_rate: psi' in [rad/s]; None where it does not matter.
         acceleration: v' in [m/s^2]; None where it does not matter.
-        rate_reach: In plans, the time in [s] for which a held input lets the turn rate change by as
-            much as it leads it now: by that much times the stage over this time it changes in a
-            stage. None in flights that were flown.
+        turn_acceleration: psi'' in [rad/s^2], in plans the mean over a stage; None where unknown.
     """
 
     x: Any
@@ -67,7 +65,7 @@ class Motion(NamedTuple):
     airspeed: Any
     turn_rate: Any = None
     acceleration: Any = None
-    rate_reach: Any = None
+    turn_acceleration: Any = None
 
 
 class OrbitShape(NamedTuple):
@@ -108,14 +106,18 @@ class Bound(NamedTuple):
         sides = [] if self.lower is None else [(self.lower - self.value) / self.scale]
         return sides if self.upper is None else [*sides, (self.value - self.upper) / self.scale]
 
-    def passed(self) -> NDArray[np.bool_]:
-        """Where a bound is passed by more than :data:`TOLERANCE`, the value's shape."""
+    def passed(self, tolerance: float = TOLERANCE) -> NDArray[np.bool_]:
+        """Where a bound is passed by more than a tolerance, the value's shape.
+
+        Args:
+            tolerance: As a share of the bound [-].
+        """
         value = np.asarray(self.value, dtype=float)
         beyond = np.isnan(value)
         if self.lower is not None:
-            beyond |= value < self.lower - TOLERANCE * np.abs(self.lower) - 1e-9
+            beyond |= value < self.lower - tolerance * np.abs(self.lower) - 1e-9
         if self.upper is not None:
-            beyond |= value > self.upper + TOLERANCE * np.abs(self.upper) + 1e-9
+            beyond |= value > self.upper + tolerance * np.abs(self.upper) + 1e-9
         return beyond
 
 
@@ -127,6 +129,8 @@ class Limit:
         name: By which it is found.
         hard_on_orbit: Whether every plan must end on an orbit that keeps it; else that is
             penalised, as at the stages.
+        by_squares: Whether passing it at a stage is paid for by squares, so that plans may pass it a
+            little: much easier to solve than a bound that is exact.
         of_rates: Whether :meth:`flown` needs turn rate and acceleration.
         on_ground: Whether :meth:`numbers` changes with the target's forecast.
 
@@ -136,6 +140,7 @@ class Limit:
 
     name: ClassVar[str]
     hard_on_orbit: ClassVar[bool] = False
+    by_squares: ClassVar[bool] = False
     of_rates: ClassVar[bool] = False
     on_ground: ClassVar[bool] = False
 

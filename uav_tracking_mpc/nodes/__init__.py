@@ -5,6 +5,7 @@
 ``target_publisher``     where the target is
 ``nmpc_controller``      messages to the controller, its commands to the vehicle
 ``controller_report``    what it has done, as numbers for /diagnostics
+``response_values``      how the aircraft answers commands, as values of these
 ``controller_views``     what it shows to people: tracking errors, path, markers
 ``view_messages``        the messages of path and markers
 ``command_wire``         a command as bytes, rewritten in place
@@ -15,6 +16,7 @@
 ``peers``                whether anybody is at the other end, and what rate is promised
 ``topics``               names, types and qualities of service
 ``conversions``          messages to arrays and back, the only module that knows both
+``target_odometry``      what a tracker says of the target
 ``declared_parameters``  parameter dataclasses as ROS parameters
 ``diagnostics``          /diagnostics
 ``sample_window``        median, percentile, maximum and histogram of durations

@@ -8,8 +8,10 @@ from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.event import Level
 from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.estimation.channel_response import CHANNELS
 from uav_tracking_mpc.nodes import diagnostics
 from uav_tracking_mpc.nodes.peers import Peers
+from uav_tracking_mpc.nodes.response_values import response_values
 from uav_tracking_mpc.nodes.sample_window import SampleWindow
 from uav_tracking_mpc.terminal.claim import CertificateStatus
 
@@ -152,6 +154,8 @@ class ControllerReport:
             "target positions rejected": navigator.target.rejected,
             "target positions late": navigator.target.late,
             "target jumps": navigator.target.jumps,
+            "target noise [m]": navigator.target.noise,
+            "target agility [m/s^2]": navigator.target.agility,
             "latency [s]": float(navigator.latency),
             "solver": "none" if formulation is None else formulation.solver.name,
             "solves": solve.count,
@@ -165,6 +169,7 @@ class ControllerReport:
             "state in to command out p99 [us]": response.percentile(99.0),
             "state in to command out max [us]": response.max,
             "state in to command out": response.histogram,
+            **response_values(controller.response),
             **self.peers.values(),
         }
         decrease = None if formulation is None else formulation.decrease
@@ -185,6 +190,10 @@ def _status(controller: Controller) -> tuple[bytes, str]:
     if not mode.nominal:
         level = diagnostics.WARN if mode.planned else diagnostics.ERROR
         return level, f"flying {mode.value}, not the optimal one"
+    for axis, swing in enumerate(controller.response.oscillation.swings):
+        if swing is not None:
+            cause = controller.response.oscillation.causes[axis]  # the figures are in the values
+            return diagnostics.WARN, f"limit cycle of the {CHANNELS[axis]}, likely {cause}"
     if controller.rate.complaint():  # the figures are in the values
         return diagnostics.WARN, "the control rate is not kept"
     return diagnostics.OK, f"tracking: {mode.value}"

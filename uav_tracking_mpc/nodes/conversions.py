@@ -123,12 +123,12 @@ def measurement_from_odometry(message: Odometry, stamp: float = 0.0) -> Measurem
     Raises:
         MessageError: Wrong frame, no time, not finite, absurd, or no unit quaternion.
     """
-    _check_header("uav/odometry", message.header, MAP)
+    check_header("uav/odometry", message.header, MAP)
     _check_frame("uav/odometry", "child_frame_id", message.child_frame_id, BASE_LINK)
     pose, twist = message.pose.pose, message.twist.twist
-    position = _vector("uav/odometry", "pose.position", pose.position, POSITION_LIMIT)
-    ground = _vector("uav/odometry", "twist.linear", twist.linear, SPEED_LIMIT)
-    angular = _vector("uav/odometry", "twist.angular", twist.angular, RATE_LIMIT)
+    position = finite_vector("uav/odometry", "pose.position", pose.position, POSITION_LIMIT)
+    ground = finite_vector("uav/odometry", "twist.linear", twist.linear, SPEED_LIMIT)
+    angular = finite_vector("uav/odometry", "twist.angular", twist.angular, RATE_LIMIT)
     q = pose.orientation
     try:
         heading, path_angle = course_from_quaternion(q.x, q.y, q.z, q.w)
@@ -163,8 +163,8 @@ def air_velocity_from_twist(message: TwistStamped) -> NDArray[np.float64]:
     Raises:
         MessageError: Wrong frame, no time, not finite, or absurd.
     """
-    _check_header("uav/air_velocity", message.header, BASE_LINK)
-    return _vector("uav/air_velocity", "twist.linear", message.twist.linear, SPEED_LIMIT)
+    check_header("uav/air_velocity", message.header, BASE_LINK)
+    return finite_vector("uav/air_velocity", "twist.linear", message.twist.linear, SPEED_LIMIT)
 
 
 def position_from_point(message: PointStamped) -> NDArray[np.float64]:
@@ -176,8 +176,8 @@ def position_from_point(message: PointStamped) -> NDArray[np.float64]:
     Raises:
         MessageError: Wrong frame, no time, not finite, or absurd.
     """
-    _check_header("target/position", message.header, MAP)
-    return _vector("target/position", "point", message.point, POSITION_LIMIT)
+    check_header("target/position", message.header, MAP)
+    return finite_vector("target/position", "point", message.point, POSITION_LIMIT)
 
 
 def set_command(
@@ -232,7 +232,7 @@ def plan_from_command(
         MessageError: Wrong frame or joint, no time, no points, a point without rates or
             accelerations, values that are not finite.
     """
-    _check_header("uav/command", message.header, MAP)
+    check_header("uav/command", message.header, MAP)
     if list(message.joint_names) != [BASE_LINK]:
         raise MessageError(
             f"uav/command: joint_names is {list(message.joint_names)}, must be ['{BASE_LINK}']"
@@ -277,7 +277,20 @@ def set_orientation(message: Quaternion, heading: float, path_angle: float) -> N
     )
 
 
-def _vector(topic: str, name: str, message: Point | Vector3, limit: float) -> NDArray[np.float64]:
+def finite_vector(
+    topic: str, name: str, message: Point | Vector3, limit: float
+) -> NDArray[np.float64]:
+    """A vector of a message, shape (3,), in the unit of the field.
+
+    Args:
+        topic: From which it came.
+        name: Of the field.
+        message: The vector.
+        limit: Greatest absolute value of a component, in [m], [m/s] or [rad/s] as the field.
+
+    Raises:
+        MessageError: A component is not finite or beyond the limit.
+    """
     values = np.array([message.x, message.y, message.z], dtype=float)
     for axis, value in zip("xyz", values, strict=True):
         if not abs(value) <= limit:
@@ -287,7 +300,17 @@ def _vector(topic: str, name: str, message: Point | Vector3, limit: float) -> ND
     return values
 
 
-def _check_header(topic: str, header: Header, frame: str) -> None:
+def check_header(topic: str, header: Header, frame: str) -> None:
+    """Check frame and stamp of a message.
+
+    Args:
+        topic: From which it came.
+        header: Of the message.
+        frame: In which it must be.
+
+    Raises:
+        MessageError: Another frame, or a stamp that is no time.
+    """
     _check_frame(topic, "header.frame_id", header.frame_id, frame)
     if header.stamp.nanosec >= 1_000_000_000:  # as a time it could lie past the last one there is
         raise MessageError(

@@ -70,7 +70,8 @@ class FlightRecorder(Node):
         self._start: int | None = None
         # The simulator's time may wait for this node: it listens to the state, and so releases
         # the simulator, only when it hears everything else.
-        self._others = [self._listen(topic) for topic in ALL if topic is not ODOMETRY]
+        others = [(topic, self._listen(topic)) for topic in ALL if topic is not ODOMETRY]
+        self._needed = [subscription for topic, subscription in others if not topic.optional]
         self._waiting = self.create_timer(
             0.05, self._release, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
@@ -80,7 +81,7 @@ class FlightRecorder(Node):
         return self.create_subscription(topic.type, topic.name, callback, QUEUE, raw=True)
 
     def _release(self) -> None:
-        if all(subscription.get_publisher_count() for subscription in self._others):
+        if all(subscription.get_publisher_count() for subscription in self._needed):
             self._waiting.cancel()
             self._listen(ODOMETRY)
 

@@ -23,17 +23,19 @@ from uav_tracking_mpc.nodes.conversions import (
     position_from_point,
 )
 from uav_tracking_mpc.nodes.run import run
+from uav_tracking_mpc.nodes.target_odometry import target_from_odometry
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     COMMAND,
     DIAGNOSTICS,
     ODOMETRY,
     TARGET,
+    TARGET_ODOMETRY,
     TRACKING,
     Topic,
 )
 
-SHOWN = (ODOMETRY, AIR_VELOCITY, TARGET, COMMAND, *TRACKING.values())
+SHOWN = (ODOMETRY, AIR_VELOCITY, TARGET, TARGET_ODOMETRY, COMMAND, *TRACKING.values())
 REFRESH_PERIOD = 0.25  # s
 STALE = 2.0  # s of wall time after which a topic counts as silent
 LEVELS = {b"\x00": "ok", b"\x01": "[yellow]warning[/]", b"\x02": "[red]error[/]", b"\x03": "stale"}
@@ -116,6 +118,10 @@ class Monitor(Node):
             if topic is TARGET:
                 x, y, z = position_from_point(message)
                 return f"x {x:.2f}  y {y:.2f}  z {z:.2f} m"
+            if topic is TARGET_ODOMETRY:
+                (x, y, z), velocity, _ = target_from_odometry(message)
+                speed = "" if velocity is None else f"   speed {math.hypot(*velocity):.2f} m/s"
+                return f"x {x:.2f}  y {y:.2f}  z {z:.2f} m{speed}"
             if topic is COMMAND:
                 yaw, pitch, acceleration = plan_from_command(message)[0][0]
                 return (

@@ -16,6 +16,8 @@ from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackRet
 
 from uav_tracking_mpc.control.certification import certification
 from uav_tracking_mpc.control.controller import Controller
+from uav_tracking_mpc.control.event import Level
+from uav_tracking_mpc.control.margin_check import MarginWatch
 from uav_tracking_mpc.control.record import RecordingController
 from uav_tracking_mpc.estimation.measurement import MeasurementError
 from uav_tracking_mpc.nodes import conversions
@@ -26,7 +28,8 @@ from uav_tracking_mpc.nodes.declared_parameters import declare_parameters, follo
 from uav_tracking_mpc.nodes.peers import Promise
 from uav_tracking_mpc.nodes.run import run
 from uav_tracking_mpc.nodes.stall_guard import StallGuard
-from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, COMMAND, ODOMETRY, TARGET
+from uav_tracking_mpc.nodes.target_odometry import target_from_odometry
+from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, COMMAND, ODOMETRY, TARGET, TARGET_ODOMETRY
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import configuration_folder
 from uav_tracking_mpc.settings.tracking import TrackingParameters
@@ -53,9 +56,11 @@ class NmpcController(LifecycleNode):
         self.parameters = declare_parameters(self, TrackingParameters, changeable=True)
         follow_parameters(self, self.parameters, self._check, self._take)
         self.controller: Controller | None = None
+        self._margins: MarginWatch | None = None  # of the present controller
         self._active = False
         self._failure = ""
         self._origin: int | None = None  # first stamp seen [ns]; the controller's times are since
+        self._tracked, self._both_told = -math.inf, False  # stamp of the newest target/odometry [s]
         self._arrival = -math.inf  # of the newest state that was believed, steady [s]
         self._wire = CommandWire()
         self._views = ControllerViews(self)
@@ -72,6 +77,7 @@ class NmpcController(LifecycleNode):
             (ODOMETRY, self._on_odometry),
             (AIR_VELOCITY, self._on_air),
             (TARGET, self._on_target),
+            (TARGET_ODOMETRY, self._on_target_odometry),
         ):
             heard, events = self._refusing(callback), self.report.peers.listening(topic)
             self.create_subscription(
@@ -104,6 +110,9 @@ class NmpcController(LifecycleNode):
             self.report.unconfigured(f"cannot be configured: {error}")
             return FAILURE
         self.report.configured(self.controller, claim)
+        events = self.controller.events  # the next state reports them
+        self._margins = MarginWatch(lambda words: events.add(Level.WARNING, words))
+        self._margins.judge(parameters)
         return SUCCESS
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -165,6 +174,8 @@ class NmpcController(LifecycleNode):
         self.parameters = parameters
         if self.controller is not None:
             self.controller.change(**asdict(parameters))
+            if self._margins is not None:
+                self._margins.judge(parameters)
             self.report.tell()
 
     def _seconds(self, message: Any) -> float:
@@ -192,8 +203,18 @@ class NmpcController(LifecycleNode):
         controller.see_air(self._seconds(message), airspeed)
 
     def _on_target(self, message: Any, controller: Controller) -> None:
-        position = conversions.position_from_point(message)
-        controller.see_target(self._seconds(message), position)
+        position, stamp = conversions.position_from_point(message), self._seconds(message)
+        if abs(stamp - self._tracked) > self.parameters.target_timeout:
+            controller.see_target(stamp, position)
+        elif not self._both_told:  # one after the other they would count as two measurements
+            self._both_told = True
+            words = "target/odometry comes as well: target/position is left out while it comes"
+            self.get_logger().warning(words)
+
+    def _on_target_odometry(self, message: Any, controller: Controller) -> None:
+        measured, stamp = target_from_odometry(message), self._seconds(message)
+        controller.see_target(stamp, *measured)
+        self._tracked = stamp
 
     def _on_odometry(self, message: Any, controller: Controller) -> None:
         arrival, before = time.monotonic(), controller.state_time

@@ -27,6 +27,7 @@ class Topic:
         qos: Offered and asked for.
         sender: Node that publishes it.
         meaning: For people.
+        optional: Whether a flight may go without it.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Topic:
     qos: QoSProfile
     sender: str
     meaning: str
+    optional: bool = False
 
     @property
     def type_name(self) -> str:
@@ -62,6 +64,15 @@ TARGET = Topic(
     LATEST,
     "target_publisher",
     "Measured position of the target in `map`, noisy, at any rate.",
+)
+TARGET_ODOMETRY = Topic(
+    "target/odometry",
+    Odometry,
+    LATEST,
+    "a tracker",
+    "Instead of `target/position`: pose in `map`; twist in `child_frame_id`, which is the target's "
+    "own frame by its orientation, or `map` if empty; covariances count where given.",
+    optional=True,
 )
 COMMAND = Topic(
     "uav/command",
@@ -104,6 +115,7 @@ ALL = (
     ODOMETRY,
     AIR_VELOCITY,
     TARGET,
+    TARGET_ODOMETRY,
     COMMAND,
     PREDICTED_PATH,
     MARKERS,

@@ -66,12 +66,21 @@ def configuration_folder() -> Path:
 
 def configuration_names() -> list[str]:
     """Names of the configurations that come with the package."""
-    return sorted(path.stem for path in configuration_folder().glob("*.yaml"))
+    return _names(configuration_folder())
 
 
 def scenario_names() -> list[str]:
     """Names of the scenarios that come with the package."""
-    return sorted(path.stem for path in (configuration_folder() / "scenarios").glob("*.yaml"))
+    return _names(configuration_folder() / "scenarios")
+
+
+def campaign_names() -> list[str]:
+    """Names of the campaigns that come with the package."""
+    return _names(configuration_folder() / "campaigns")
+
+
+def _names(folder: Path) -> list[str]:
+    return sorted(path.stem for path in folder.glob("*.yaml"))
 
 
 def load_configuration(
@@ -90,33 +99,60 @@ def load_configuration(
             or parameter, a value that is not allowed.
     """
     folder = configuration_folder()
-    path = _find("configuration", name_or_file, folder, configuration_names())
+    path = found("configuration", name_or_file, folder)
     sections = read_sections(path, SECTIONS)
     about = None
     if scenario is not None:
-        overlay = _find("scenario", scenario, folder / "scenarios", scenario_names())
+        overlay = found("scenario", scenario, folder / "scenarios")
         changes = read_sections(overlay, [*SECTIONS, SCENARIO])
         about = _built(ScenarioParameters, SCENARIO, changes.pop(SCENARIO))
         for section, values in changes.items():
             sections[section].update(values)
     for assignment in overrides:
         override(sections, assignment)
+    return configuration_of(path.stem, sections, about)
+
+
+def configuration_of(
+    name: str, sections: Sections, scenario: ScenarioParameters | None = None
+) -> Configuration:
+    """A configuration from values by section.
+
+    Args:
+        name: What it is called.
+        sections: Values by parameter of every section.
+        scenario: What the scenario is, if there is one.
+
+    Raises:
+        ParameterError: An unknown parameter, or a value that is not allowed.
+    """
     built: dict[str, Any] = {}
     for section, parameters in SECTIONS.items():
         values = {k: v for k, v in sections[section].items() if k != "use_sim_time"}
         built[section] = _built(parameters, section, values)
     return Configuration(
-        name=path.stem,
+        name=name,
         controller=built["nmpc_controller"],
         simulator=built["uav_simulator"],
         target=built["target_publisher"],
         mission=built["mission"],
         sections=sections,
-        scenario=about,
+        scenario=scenario,
     )
 
 
-def _find(kind: str, name_or_file: str, folder: Path, names: list[str]) -> Path:
+def found(kind: str, name_or_file: str, folder: Path) -> Path:
+    """File of that name in a folder of the package, or anywhere.
+
+    Args:
+        kind: What it is, for the message of an error.
+        name_or_file: Name of one that comes with the package, or path of a YAML file.
+        folder: Where those of the package lie.
+
+    Raises:
+        ParameterError: There is none.
+    """
+    names = _names(folder)
     if name_or_file in names:
         return folder / f"{name_or_file}.yaml"
     if not Path(name_or_file).is_file():

@@ -43,10 +43,7 @@ def read_sections(path: Path, known: Collection[str]) -> Sections:
     Raises:
         ParameterError: Not readable as YAML, an unknown section, or one without parameters.
     """
-    try:
-        document = yaml.load(path.read_text(encoding="utf-8"), _Loader)
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise ParameterError(f"configuration {path} cannot be read: {error}") from error
+    document = read_yaml(path, "configuration")
     if not isinstance(document, Mapping):
         raise ParameterError(f"configuration {path} holds no sections")
     sections: Sections = {section: {} for section in known}
@@ -61,6 +58,34 @@ def read_sections(path: Path, known: Collection[str]) -> Sections:
             raise ParameterError(f"configuration {path}: section '{key}' has no ros__parameters")
         sections[section].update(values)
     return sections
+
+
+def read_yaml(path: Path, kind: str) -> Any:
+    """Content of a YAML file, with numbers as people write them.
+
+    Args:
+        path: Of the file.
+        kind: What it is, for the message of an error.
+
+    Raises:
+        ParameterError: Not readable as YAML.
+    """
+    try:
+        return yaml.load(path.read_text(encoding="utf-8"), _Loader)
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise ParameterError(f"{kind} {path} cannot be read: {error}") from error
+
+
+def read_value(text: str) -> Any:
+    """A value in YAML.
+
+    Args:
+        text: Of the value.
+
+    Raises:
+        yaml.YAMLError: It is none.
+    """
+    return yaml.load(text, _Loader)
 
 
 def override(sections: Sections, assignment: str) -> None:
@@ -81,7 +106,7 @@ def override(sections: Sections, assignment: str) -> None:
             f"{', '.join(sections)}"
         )
     try:
-        sections[section][parameter_name] = yaml.load(text, _Loader)
+        sections[section][parameter_name] = read_value(text)
     except yaml.YAMLError as error:
         raise ParameterError(f"override {assignment!r} is not YAML: {error}") from error
 

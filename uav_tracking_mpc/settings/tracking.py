@@ -194,6 +194,18 @@ class TrackingParameters(Gathered):
         2.0,
         size=3,
     )
+    response_estimation: bool = parameter(
+        False,
+        "Estimate lag, dead time and gain in flight and fly by them; needs the artificial orbit.",
+    )
+    excitation: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Amplitudes of a test signal on turn rate, path-angle rate, acceleration once the flight "
+        "has settled, in their units; 0 for none. For `identify`.",
+        lower=0.0,
+        upper=5.0,
+        size=3,
+    )
     solver: str = parameter(
         "newton", "Solver of the optimal control problem.", choices=SOLVERS, fixed=True
     )
@@ -210,10 +222,14 @@ class TrackingParameters(Gathered):
         5.0, "Age at which the target's position counts as lost.", "s", 0.01, 600.0
     )
     target_noise: float = parameter(
-        0.1, "Standard deviation of the target's measured position, for the filter.", "m", 1e-3, 1e3
+        0.1,
+        "Standard deviation of the target's measured position, until it is found in flight.",
+        "m",
+        1e-3,
+        1e3,
     )
     target_agility: float = parameter(
-        0.5, "How hard the target may accelerate, for the filter.", "m/s^2", 1e-3, 100.0
+        0.5, "How hard the target accelerates, until it is found in flight.", "m/s^2", 1e-3, 100.0
     )
     delay_margin_min: float = parameter(
         0.3,
@@ -269,6 +285,11 @@ class TrackingParameters(Gathered):
                     f"terminal_constraint '{ARTIFICIAL_ORBIT}'"
                 )
             return
+        if self.response_estimation:
+            raise ParameterError(
+                "parameter 'response_estimation' is true, must be false unless "
+                f"terminal_constraint is '{ARTIFICIAL_ORBIT}'"
+            )
         defaults = {"rate_lag": (0.0,) * 3, "dead_time": (0.0,) * 3}
         for name, default in defaults.items():
             if getattr(self, name) != default:

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.formulation.formulation import Formulation
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog
@@ -19,6 +21,7 @@ from uav_tracking_mpc.simulation.plants import Plant, SimulationError, plant_of
 from uav_tracking_mpc.simulation.target_sensor import TargetSensor
 
 Progress = Callable[[float], None]
+Witness = Callable[[float, Measurement, Command | None], None]
 Disturbance = Callable[[float], NDArray[np.float64]]
 
 
@@ -85,6 +88,8 @@ def simulate(
     configuration: Configuration,
     progress: Progress | None = None,
     disturbance: Disturbance | None = None,
+    witness: Witness | None = None,
+    formulation: Formulation | None = None,
 ) -> FlightLog:
     """Fly the mission of a configuration on the plant that it names.
 
@@ -96,13 +101,20 @@ def simulate(
         progress: Called with the simulated time in [s] after each control step.
         disturbance: Added to commands on their way to the plant, of which the controller does not
             know: called with their time in [s], answers (u_psi, u_chi, u_v), shape (3,).
+        witness: Called at each tick with the time in [s], what is measured and what the controller
+            answers.
+        formulation: That another flight may have used, of a problem that differs in nothing fixed;
+            it is set to these parameters. Made by default.
 
     Raises:
         ParameterError: There is no such plant, motion or law, or the parameters cannot be flown.
         SimulationError: The flight left what the plant can describe, or the target was never seen.
     """
     plant, motion = plant_of(configuration), motion_of(configuration.target)
-    controller = Controller(_paced(configuration.controller, plant), stopwatch=lambda: 0.0)
+    parameters = _paced(configuration.controller, plant)
+    if formulation is not None:
+        formulation.change(parameters)
+    controller = Controller(parameters, formulation, stopwatch=lambda: 0.0)
     sensor, recorder = TargetSensor(configuration.target, motion), _Recorder(plant, motion)
     rate = configuration.simulator.state_rate if plant.period is None else 1.0 / plant.period
     ticks_of_target = max(1, round(rate / configuration.target.rate))
@@ -117,7 +129,10 @@ def simulate(
             sensor.measure(now)
         for stamp, position in sensor.delivered(now):
             controller.see_target(stamp, position)
-        command = controller.step(plant.measured(), now)
+        measured = plant.measured()
+        command = controller.step(measured, now)
+        if witness is not None:
+            witness(now, measured, command)
         if command is not None:
             recorder.commands.append(command)
             starts = command.stamp + command.step * np.arange(len(command.inputs))

@@ -55,17 +55,6 @@ class VehicleModel(PredictionModel):
         """Time constants with which (psi', chi', v') follow commands, shape (3,), in [s]."""
 
     @abstractmethod
-    def rate_reach(self, duration: float, numbers: Any) -> Any:
-        """Time over which the turn rate would take up all that a held input leads it by, in [s].
-
-        It changes by the lead times ``duration`` over this time within a step.
-
-        Args:
-            duration: Of the step in [s].
-            numbers: Of this duration, as of :meth:`numbers`, shape (k,).
-        """
-
-    @abstractmethod
     def step(self, state: Any, inputs: Any, duration: float, numbers: Any, drift: Drift) -> Any:
         """State after a step under held inputs, for numbers and CasADi symbols alike.
 

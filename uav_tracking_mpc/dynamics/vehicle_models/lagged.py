@@ -88,10 +88,6 @@ class Lagged(VehicleModel):
         """See :attr:`VehicleModel.lags`."""
         return np.array(self.rate_lag)
 
-    def rate_reach(self, duration: float, numbers: Any) -> Any:
-        """See :meth:`VehicleModel.rate_reach`: t / (1 - e^(-t/tau))."""
-        return duration / (1.0 - numbers[6])
-
     def step(
         self, state: LaggedState, inputs: Any, duration: float, numbers: Any, drift: Drift
     ) -> LaggedState:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.angles import wrap_angle
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
-from uav_tracking_mpc.limits import Motion
+from uav_tracking_mpc.limits import TOLERANCE, Motion
 from uav_tracking_mpc.report.metrics import settling_time
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.flight_log import FlightLog
@@ -101,14 +101,17 @@ def flown_bank(log: FlightLog) -> NDArray[np.float64]:
     return np.asarray(np.arctan(motion.airspeed * motion.turn_rate / GRAVITY))
 
 
-def violations(log: FlightLog, parameters: TrackingParameters) -> dict[str, NDArray[np.bool_]]:
-    """At which samples which limit is passed by more than 1 %, each of shape (n,).
+def violations(
+    log: FlightLog, parameters: TrackingParameters, tolerance: float = TOLERANCE
+) -> dict[str, NDArray[np.bool_]]:
+    """At which samples which limit is passed by more than a tolerance, each of shape (n,).
 
     Bank and force are those of the interval after a sample.
 
     Args:
         log: Record of the flight.
         parameters: The limits.
+        tolerance: As a share of the bound [-].
 
     Returns:
         By the label of the limit.
@@ -122,7 +125,7 @@ def violations(log: FlightLog, parameters: TrackingParameters) -> dict[str, NDAr
         bound = limit.flown(motion, limit.numbers(targets).T)
         if bound is not None:
             # The last sample begins no interval.
-            passed[limit.label] = np.append(bound.passed(), False)[: len(log.time)]
+            passed[limit.label] = np.append(bound.passed(tolerance), False)[: len(log.time)]
     return passed
 
 

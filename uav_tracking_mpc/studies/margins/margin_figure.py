@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.control.loop_margins import CHANNELS
@@ -29,6 +30,7 @@ from uav_tracking_mpc.studies.margins.margin_study import MarginStudy
 SIZE = (9.5, 4.4)  # [inch]
 COLOURS = dict(zip(CHANNELS, (BLUE, VERMILLION, GREEN), strict=True))
 DISKS = (0.5, 1.0)
+DELAYS, DELAY_TICKS = (0.1, 10.0), (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # [s]
 PHASES, GAINS = (-360.0, 0.0), (-40.0, 40.0)  # [deg], [dB] that are drawn
 
 
@@ -82,16 +84,16 @@ def _draw_delays(axes: Axes, study: MarginStudy) -> None:
     axes.axhline(asked, color=BLACK, lw=1.0, ls=(0, (5, 2.5)))
     axes.annotate(
         "asked", (1.0, asked), xycoords=("axes fraction", "data"), fontsize=8.0,
-        ha="right", va="bottom", color=BLACK,
+        ha="right", va="top", color=BLACK,
     )  # fmt: skip
-    axes.yaxis.set_major_formatter("{x:g}")
-    axes.yaxis.set_minor_formatter("{x:g}")
     speed = np.hypot(*study.drift[:2])
     axes.set(
-        xlim=(0.0, 360.0), xticks=np.arange(0.0, 361.0, 90.0), yscale="log",
+        xlim=(0.0, 360.0), xticks=np.arange(0.0, 361.0, 90.0), yscale="log", ylim=DELAYS,
         xlabel="azimuth on the orbit, from east [deg]", ylabel="delay margin [s]",
         title=f"Drift of {speed:.1f} m/s, frozen (dotted: still air)",
     )  # fmt: skip
+    axes.set_yticks(DELAY_TICKS, [f"{tick:g}" for tick in DELAY_TICKS])
+    axes.yaxis.set_minor_locator(NullLocator())
 
 
 def _nichols(ratio: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

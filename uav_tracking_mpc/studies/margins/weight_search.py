@@ -1,13 +1,15 @@
 """Weights for performance that keep the margins, by a search that is the same every time.
 
 A pattern search (Hooke and Jeeves, "Direct search solution of numerical and statistical problems",
-Journal of the ACM 8(2), 1961) over the logarithms of ``input_weights`` and ``rate_weights``; only
-ratios count, so that ``state_weights`` stay. Around the best weights so far each one is raised and
-lowered by a factor, and the best of all these is gone on from. Where none is better the factor
+Journal of the ACM 8(2), 1961) over the logarithms of ``input_weights``, ``rate_weights`` and the
+weight of the range, with that of the artificial orbit's range; only ratios count, so that the other
+weights stay. Around the best weights so far each one is raised and lowered by a factor, and the
+best of all these is gone on from. Where none is better the factor
 becomes its square root. Weights without the margins that are asked, by the model in still air and
 around the orbit in the scenario of the mismatches, are not flown; while there are no others, the
-search goes towards larger margins. What flies is judged by mismatches: the cost is the root mean
-square of range RMS and bank-rate RMS over what is asked of each flight.
+search goes towards larger margins. What flies is judged by mismatches, by range RMS and bank-rate
+RMS, each as a share s of what is asked of the flight: the cost is the mean of log2(1 + s), which is
+1 where all is just what is asked, and in which one flight that fails does not drown the others.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -42,13 +45,17 @@ FLIGHTS = {
     "sensor_noise": (0.1, 2.0),
 }
 DURATION, SETTLED_AFTER = 150.0, 90.0  # s, of a flight and until it counts
-SEARCHED = ("input_weights", "rate_weights")
+SIZES = {"state_weights": 5, "input_weights": 3, "rate_weights": 3, "offset_weights": 3}
+# Weights that are scaled together, by their places in the order of SIZES: range, then each of
+# the inputs and rates.
+MOVES = ((0, 11), (5,), (6,), (7,), (8,), (9,), (10,))
 LEAST = 1e-2  # weight that one of 0 begins with
 FACTOR, LAST_FACTOR = 10.0**0.5, 10.0**0.25
 ROUNDS = 12  # at most
 AZIMUTHS = (0.0, 0.5 * math.pi, math.pi, 1.5 * math.pi)  # rad, at which the orbit is frozen
 
 UNFLYABLE = 1e9  # cost of a flight that came to nothing
+SHOWN = ("range", "input_weights", "rate_weights")  # in the table
 CAPTION = (
     "delay, gain: least margin of any channel, in still air and in wind; cost: 1 where every "
     "flight is just what is asked of it."
@@ -62,7 +69,7 @@ class Candidate:
     """Weights, and what they give.
 
     Attributes:
-        weights: ``input_weights`` and ``rate_weights``, six in all.
+        weights: All of :data:`SIZES`, one after the other.
         delay_s: Least delay margin of any channel in [s].
         gain_db: Least gain margin of any channel in [dB].
         shortfalls: Which margins are too small, in words.
@@ -80,7 +87,7 @@ class Candidate:
     @property
     def by_name(self) -> dict[str, list[float]]:
         """The weights by the names of their parameters."""
-        return {name: list(self.weights[3 * k : 3 * k + 3]) for k, name in enumerate(SEARCHED)}
+        return _by_name(self.weights)
 
 
 @dataclass(frozen=True)
@@ -133,12 +140,13 @@ def search_weights(
             f"parameter 'terminal_constraint' is '{start.terminal_constraint}', must be "
             f"'{ARTIFICIAL_ORBIT}' for a search of weights"
         )
-    center = _rounded([max(each, LEAST) for each in (*start.input_weights, *start.rate_weights)])
+    begin = [weight for name in SIZES for weight in getattr(start, name)]
+    center = _rounded([max(weight, LEAST) for weight in begin])
     trial.take([center])
     factor = FACTOR
     for _ in range(rounds):
-        steps = [(axis, scale) for axis in range(len(center)) for scale in (factor, 1.0 / factor)]
-        trial.take(_scaled(center, axis, scale) for axis, scale in steps)
+        steps = [(places, scale) for places in MOVES for scale in (factor, 1.0 / factor)]
+        trial.take(_scaled(center, places, scale) for places, scale in steps)
         best = trial.best
         if best.weights != center:
             center = best.weights
@@ -241,18 +249,20 @@ def _cost(flights: dict[str, Measures | None]) -> float:
             return UNFLYABLE
         range_rms, bank_rate = FLIGHTS[name]
         shares += [flight.range_rms_m / range_rms, flight.bank_rate_rms_dps / bank_rate]
-    return math.sqrt(sum(share**2 for share in shares) / len(shares))
+    return sum(math.log2(1.0 + share) for share in shares) / len(shares)
+
+
+def _by_name(weights: Weights) -> dict[str, list[float]]:
+    rest = iter(weights)
+    return {name: list(islice(rest, size)) for name, size in SIZES.items()}
 
 
 def _settings(weights: Weights) -> list[str]:
-    return [
-        f"nmpc_controller.{name}={list(weights[3 * k : 3 * k + 3])}"
-        for k, name in enumerate(SEARCHED)
-    ]
+    return [f"nmpc_controller.{name}={values}" for name, values in _by_name(weights).items()]
 
 
-def _scaled(weights: Weights, axis: int, scale: float) -> Weights:
-    return _rounded([w * scale if k == axis else w for k, w in enumerate(weights)])
+def _scaled(weights: Weights, places: Sequence[int], scale: float) -> Weights:
+    return _rounded([w * scale if k in places else w for k, w in enumerate(weights)])
 
 
 def _rounded(weights: Iterable[float]) -> Weights:
@@ -269,14 +279,15 @@ def search_table(search: Search) -> Table:
     columns = ("delay [s]", "gain [dB]", "cost")
     rows = [
         [
-            *(", ".join(f"{weight:g}" for weight in part) for part in each.by_name.values()),
+            f"{each.by_name['state_weights'][0]:g}",
+            *(", ".join(f"{weight:g}" for weight in each.by_name[name]) for name in SHOWN[1:]),
             f"{each.delay_s:.2f}",
             f"{each.gain_db:.1f}",
             f"{each.cost:.3f}" if math.isfinite(each.cost) else "too small margins",
         ]
         for each in search.candidates
     ]
-    return Table((*SEARCHED, *columns), rows, numeric=columns, caption=CAPTION)
+    return Table((*SHOWN, *columns), rows, numeric=columns, caption=CAPTION)
 
 
 def as_json(search: Search) -> dict[str, Any]:

@@ -1,0 +1,90 @@
+"""The command from end to end, killed and resumed, and what it refuses."""
+
+import json
+import subprocess
+import time
+
+import pytest
+from campaign_files import SHORT, written
+from processes import command, environment, wait_for
+from pyarrow import parquet
+
+from uav_tracking_mpc.cli.ending import explanation
+
+
+def run(*arguments, limit=110):
+    return subprocess.run(
+        command("cli.main", "campaign", *map(str, arguments)),
+        capture_output=True,
+        text=True,
+        env=environment(),
+        timeout=limit,
+    )
+
+
+def test_a_campaign_that_was_killed_goes_on_and_flies_nothing_twice(tmp_path):
+    draw = {**SHORT["draw"], "mission.duration": 5.0}
+    file, output = written(tmp_path, draw=draw, flights=24), tmp_path / "out"
+    arguments = [file, "--workers", 2, "--output", output, "--json"]
+    process = subprocess.Popen(
+        command("cli.main", "campaign", *map(str, arguments)),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        env=environment(),
+    )
+    try:
+        assert wait_for(lambda: any(output.glob("batches/*.parquet")), 60.0)
+    finally:
+        process.kill()
+        process.wait()
+    time.sleep(0.5)  # its processes end when they see that
+    kept = {path.name: path.stat().st_mtime_ns for path in output.glob("batches/*.parquet")}
+    there = sum(parquet.read_metadata(output / "batches" / f).num_rows for f in kept)
+    finished = run(*arguments)
+    assert finished.returncode == 0, finished.stderr
+    content = json.loads(finished.stdout)
+    assert (content["flights"], content["flown"]) == (24, 24 - there)
+    assert json.loads((output / "campaign.json").read_text()) == content
+    assert parquet.read_metadata(output / "flights.parquet").num_rows == 24
+    # From another folder, without a break: the same.
+    whole = run(file, "--workers", 1, "--output", tmp_path / "whole", "--json")
+    assert whole.returncode == 0, whole.stderr
+    assert (tmp_path / "whole/flights.parquet").read_bytes() == (
+        output / "flights.parquet"
+    ).read_bytes()
+
+
+def test_people_get_tables(tmp_path):
+    finished = run(
+        written(tmp_path), "--flights", 2, "--laws", "vector_field", "--set", "wind.speed=2.0",
+        "--workers", 1, "--output", tmp_path / "out",
+    )  # fmt: skip
+    assert finished.returncode == 0, finished.stderr
+    assert "vector_field" in finished.stdout
+    assert "bounds" in finished.stdout
+    assert "a minute and worker" in finished.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["storm"], "campaign is 'storm', must be a file or one of robustness"),
+        (["robustness", "--set", "wind.sped=3"], "'wind.sped' must be SECTION.PARAMETER"),
+        (["robustness", "--set", "wind.speed={uniform: [3]}"], "must have 2 values"),
+        (["robustness", "--laws", "pid"], "'law' is 'pid', must be one of"),
+        (["robustness", "--flights", "0"], "'0' is not an integer at least 1"),
+        (["robustness", "--workers", "2", "--scheduler", "tcp://x:1"], "not allowed with"),
+    ],
+)
+def test_mistakes_are_explained(arguments, words, tmp_path):
+    finished = run(*arguments, "--output", tmp_path / "out")
+    assert finished.returncode == 2
+    assert words in finished.stderr
+    assert finished.stdout == ""
+
+
+def test_an_extra_that_is_missing_is_named():
+    error = ModuleNotFoundError("No module named 'pyarrow'", name="pyarrow")
+    assert explanation(error) == (
+        1, "pyarrow is not installed: `pip install 'uav_tracking_mpc[campaign]'`",
+    )  # fmt: skip

@@ -1,0 +1,53 @@
+"""From an excited flight to the YAML to paste, on the command line."""
+
+import json
+
+import pytest
+
+from uav_tracking_mpc.cli.main import main
+
+
+@pytest.fixture(scope="module")
+def flight(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("flight")
+    few = ["--config", "small_uav", "--duration", "60", "--json", "--law", "l1"]
+    assert main(["simulate", *few, "--excite", "--output", str(folder)]) == 0
+    return folder
+
+
+def test_a_flight_is_identified(flight, tmp_path, capsys):
+    record, output = flight / "record.csv", tmp_path / "out"
+    assert main(["identify", str(record), "--json", "--output", str(output)]) == 0
+    content = json.loads(capsys.readouterr().out)
+    truth = {"turn": (0.3, 0.17), "path": (0.13, 0.2), "speed": (0.16, 0.1)}
+    for name, (lag, dead_time) in truth.items():
+        channel = content["channels"][name]
+        assert channel["sure"]
+        assert channel["lag_s"]["value"] == pytest.approx(lag, abs=0.02)
+        assert channel["dead_time_s"]["value"] == pytest.approx(dead_time, abs=0.02)
+        assert channel["gain"]["value"] == pytest.approx(1.0, abs=0.02)
+    assert "rate_lag" in content["yaml"]
+    assert {path.name for path in output.iterdir()} == {
+        "identification.json",
+        "identified.yaml",
+        "response.png",
+    }
+
+
+def test_people_get_a_table_and_the_yaml(flight, capsys):
+    assert main(["identify", str(flight / "record.csv")]) == 0
+    out = capsys.readouterr().out
+    assert "How the aircraft answers commands" in out
+    assert "/**/nmpc_controller:" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        ([], 2, "either a bag or CSV file, or --validate N"),
+        (["nowhere.mcap"], 1, "nowhere.mcap does not exist"),
+    ],
+)
+def test_what_cannot_be_done_is_said_in_a_line(arguments, code, words, capsys):
+    assert main(["identify", *arguments]) == code
+    assert words in capsys.readouterr().err

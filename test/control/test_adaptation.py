@@ -1,0 +1,133 @@
+"""What the aircraft shows is flown by, slowly, and only where it contradicts what was told."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+import small_uav
+
+from uav_tracking_mpc.control.adaptation import PERIOD, SPEED, ResponseAdaptation
+from uav_tracking_mpc.control.controller import Controller
+from uav_tracking_mpc.control.event import EventLog
+from uav_tracking_mpc.estimation.channel_response import ChannelResponse
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.simulation.closed_loop import simulate
+
+TOLD = small_uav.parameters()
+DEVIATIONS = ("lag_deviation", "dead_time_deviation", "delay_deviation", "gain_deviation")
+TRUSTED = dict.fromkeys(("trusted", "lag_trusted", "gain_trusted"), True)
+SURE = dict.fromkeys(DEVIATIONS, 0.01) | TRUSTED
+
+
+def adaptation(*channels, told=TOLD):
+    """One that has found these channels."""
+    found = ResponseAdaptation(told, EventLog())
+    found.estimator.channels = [*channels, *[ChannelResponse()] * (3 - len(channels))]
+    return found
+
+
+def followed(found, seconds):
+    changes = [found.follow(tick * 0.05) for tick in range(round(seconds / 0.05))]
+    return [change for change in changes if change is not None]
+
+
+def test_it_follows_slowly_what_is_trusted():
+    found = adaptation(ChannelResponse(lag=0.5, dead_time=0.4, gain=1.2, **SURE))
+    first, *_ = changes = followed(found, 30.0)
+    assert abs(first.rate_lag[0] - TOLD.rate_lag[0]) <= SPEED * PERIOD + 1e-12
+    delays = np.array([p.rate_lag[0] + p.dead_time[0] for p in changes])
+    assert np.all(np.abs(np.diff(delays)) <= SPEED * PERIOD + 1e-12)
+    assert found.lag[0] == pytest.approx(0.5)
+    assert found.dead_time[0] == pytest.approx(0.4)
+    assert found.gain.tolist() == pytest.approx([1.2, 1.0, 1.0])
+    assert changes[-1].rate_lag[1:] == TOLD.rate_lag[1:]
+
+
+@pytest.mark.parametrize(
+    "channel",
+    [
+        ChannelResponse(lag=0.9, dead_time=0.9, gain=1.5),  # not trusted
+        ChannelResponse(TOLD.rate_lag[0] + 0.01, TOLD.dead_time[0], 1.01, **SURE),  # the same
+        ChannelResponse(0.35, 0.2, 1.05, **dict.fromkeys(DEVIATIONS, 0.05), **TRUSTED),  # doubtful
+    ],
+)
+def test_what_was_told_is_flown_unless_it_is_contradicted(channel):
+    found = adaptation(channel)
+    assert followed(found, 10.0) == []
+    assert found.flown is TOLD
+    assert np.all(found.gain == 1.0)
+
+
+def test_a_premature_estimate_is_taken_back():
+    found = adaptation(ChannelResponse(lag=0.5, dead_time=0.4, gain=1.2, **SURE))
+    followed(found, 5.0)
+    found.estimator.channels[0] = ChannelResponse(TOLD.rate_lag[0], TOLD.dead_time[0], **SURE)
+    found.interrupt()
+    followed(found, 20.0)
+    assert found.flown is TOLD
+    assert found.gain[0] == 1.0
+
+
+def test_what_was_learnt_stays_while_nothing_is_trusted():
+    found = adaptation(ChannelResponse(lag=0.5, dead_time=0.4, gain=1.2, **SURE))
+    followed(found, 30.0)
+    found.estimator.channels[0] = ChannelResponse(lag=0.1)
+    found.interrupt()
+    assert followed(found, 10.0) == []
+    assert found.lag[0] == pytest.approx(0.5)
+
+
+def test_it_is_off_where_it_is_not_asked_for_or_a_law_is_flown():
+    channel = ChannelResponse(lag=0.5, dead_time=0.4, gain=1.2, **SURE)
+    for change in ({"response_estimation": False}, {"law": "vector_field"}):
+        found = adaptation(channel, told=dataclasses.replace(TOLD, **change))
+        assert followed(found, 10.0) == []
+        assert np.all(found.gain == 1.0)
+
+
+def test_what_was_learnt_survives_a_change_unless_that_tells_another_response():
+    found = adaptation(ChannelResponse(lag=0.5, dead_time=0.4, **SURE))
+    followed(found, 30.0)
+    flown = found.tell(dataclasses.replace(TOLD, range=350.0))
+    assert flown.range == 350.0
+    assert flown.rate_lag[0] == pytest.approx(0.5)
+    told = dataclasses.replace(TOLD, rate_lag=(0.2, 0.1, 0.1))
+    assert found.tell(told) is told
+
+
+def test_commands_are_what_is_wanted_divided_by_the_gain():
+    controller = Controller(TOLD)
+    found = adaptation(ChannelResponse(0.3, 0.17, 0.8, **SURE))
+    followed(found, 10.0)
+    plan = np.array([[0.1, 0.02, 0.5]])
+    np.testing.assert_allclose(found.commanded(0.0, 0.0, plan, 0.4), [[0.08, 0.02, 0.5]])
+    assert controller.response.reset() is None  # nothing was learnt
+
+
+def test_the_paper_s_formulation_refuses_it():
+    with pytest.raises(ParameterError, match="'response_estimation' is true, must be false unless"):
+        TrackingParameters(response_estimation=True)
+
+
+def test_a_flight_that_was_told_half_of_it_finds_the_truth():
+    told = ["nmpc_controller.rate_lag=[0.15, 0.06, 0.08]",
+            "nmpc_controller.dead_time=[0.08, 0.1, 0.05]", "mission.duration=40.0"]  # fmt: skip
+    flown = []
+
+    class Observed(Controller):
+        def __init__(self, *arguments, **named):
+            super().__init__(*arguments, **named)
+            flown.append(self)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("uav_tracking_mpc.simulation.closed_loop.Controller", Observed)
+        configuration = load_configuration("small_uav", told, "crosswind")
+        simulate(configuration)
+    (controller,) = flown
+    assert controller.response.delay(0) == pytest.approx(0.47, abs=0.05)
+    assert controller.response.delay(1) == pytest.approx(0.33, abs=0.05)
+    assert controller.parameters.rate_lag == (0.15, 0.06, 0.08)  # what was told
+    controller.reset()
+    assert controller.response.delay(0) == pytest.approx(0.23)

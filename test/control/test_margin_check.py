@@ -1,0 +1,66 @@
+"""Small margins are told in words, in a thread that does not hold up anything."""
+
+import threading
+
+import small_uav
+
+from uav_tracking_mpc.control.loop_margins import UNSTABLE
+from uav_tracking_mpc.control.margin_check import MarginWatch, margin_warning, shortfalls
+
+HASTY = ("input_weights=[0.04, 0.04, 0.2]", "rate_weights=[0.0, 0.0, 0.0]")
+
+
+def test_small_uav_is_not_warned_of():
+    assert margin_warning(small_uav.parameters()) == ""
+
+
+def test_a_small_margin_is_named_with_what_is_asked():
+    words = margin_warning(small_uav.parameters(*HASTY))
+    assert "turn bears 0." in words
+    assert "delay_margin_min is 0.3 s" in words
+
+
+def test_what_is_asked_is_a_parameter():
+    words = margin_warning(small_uav.parameters("gain_margin_min=60.0"))
+    assert "gain_margin_min is 60 dB" in words
+    assert "delay" not in words
+    lax = small_uav.parameters(*HASTY, "delay_margin_min=0.1", "gain_margin_min=3.0")
+    assert margin_warning(lax) == ""
+
+
+def test_nothing_asked_nothing_computed(monkeypatch):
+    monkeypatch.setattr("uav_tracking_mpc.control.margin_check.OrbitLoop", None)
+    assert margin_warning(small_uav.parameters("delay_margin_min=0.0", "gain_margin_min=0.0")) == ""
+
+
+def test_an_unstable_loop_lacks_everything():
+    assert len(shortfalls(UNSTABLE, small_uav.parameters())) == 6
+
+
+def test_an_orbit_without_an_answer_is_told(monkeypatch):
+    def fails(self, frozen, plant=None):
+        raise ArithmeticError("the plan on the orbit: infeasible")
+
+    monkeypatch.setattr("uav_tracking_mpc.control.orbit_loop.OrbitLoop.margins", fails)
+    assert "not known: the plan on the orbit" in margin_warning(small_uav.parameters())
+
+
+def test_changes_are_judged_in_a_thread_and_the_latest_wins():
+    told, begun = [], threading.Event()
+
+    def report(words):
+        told.append((threading.current_thread(), words))
+        begun.wait(30.0)  # as long as the first is not taken note of
+
+    watch = MarginWatch(report)
+    watch.judge(small_uav.parameters(*HASTY))
+    for gain in (20.0, 40.0, 60.0):
+        watch.judge(small_uav.parameters(*HASTY, f"gain_margin_min={gain}"))
+    begun.set()
+    watch.wait()
+    assert threading.main_thread() not in [thread for thread, _ in told]
+    assert 1 <= len(told) <= 3
+    assert "gain_margin_min is 60 dB" in told[-1][1]
+    watch.judge(small_uav.parameters())
+    watch.wait()
+    assert "gain_margin_min is 60 dB" in told[-1][1]  # nothing new

@@ -1,0 +1,65 @@
+"""The candidates' responses are those of the plant's channels, at any time and dead time."""
+
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.estimation.response_candidates import (
+    ACCELERATION,
+    CAPACITY,
+    DEAD_TIMES,
+    LAGS,
+    ResponseCandidates,
+)
+from uav_tracking_mpc.simulation.inner_loop import InnerLoop
+
+
+def simulated(commands, lag, dead_time, until):
+    """Rates at a time of channels that begin at rest at 0 s, and what was gained."""
+    loop, gained = InnerLoop([lag] * 3, [dead_time] * 3), 0.0
+    ends = [*[time for time, _ in commands[1:]], until]
+    for (begin, inputs), end in zip(commands, ends, strict=True):
+        loop.command(begin, inputs)
+        now = begin
+        while now < end:
+            step = max(min(loop.unchanged_until(now), end) - now, 1e-9)
+            gained += loop.channels[ACCELERATION].integral(step)
+            for channel in loop.channels:
+                channel.rate = channel.rate_after(step)
+            now += step
+    return np.array([channel.rate for channel in loop.channels]), gained
+
+
+def test_they_are_the_response_of_first_order_channels_with_dead_time():
+    rng = np.random.default_rng(0)
+    times = np.cumsum(rng.uniform(0.02, 0.3, 30))
+    commands = [(float(t), rng.uniform(-1.0, 1.0, 3)) for t in times]
+    candidates = ResponseCandidates()
+    for time, inputs in commands:
+        candidates.commanded(time, time, inputs[np.newaxis], 1.0)
+    now = times[-1] + 0.137
+    responses = candidates.at(now)
+    for row, column in ((0, 3), (3, 5), (7, 1), (20, 8), (14, 11)):
+        rates, gained = simulated(commands, LAGS[column], DEAD_TIMES[row], now)
+        np.testing.assert_allclose(responses[:2, row, column], rates[:2], atol=1e-6)
+        assert responses[ACCELERATION, row, column] == pytest.approx(gained, abs=1e-6)
+
+
+def test_the_segments_of_a_plan_follow_each_other_until_another_is_sent():
+    plan = np.outer([1.0, 2.0, 3.0], np.ones(3))
+    candidates = ResponseCandidates()
+    candidates.commanded(10.1, 10.0, plan, 0.5)
+    assert candidates.end == 11.5
+    np.testing.assert_allclose(candidates.at(10.3)[0, 0, 0], 1.0)
+    np.testing.assert_allclose(candidates.at(10.6)[0, 0, 0], 2.0)
+    candidates.commanded(10.8, 10.7, 7.0 * plan, 0.5)
+    np.testing.assert_allclose(candidates.at(11.1)[0, :, 0][DEAD_TIMES <= 0.25], 7.0)
+    np.testing.assert_allclose(candidates.at(11.1)[0, 7, 0], 2.0)  # of 0.35 s before
+
+
+def test_it_never_runs_out_of_memory():
+    candidates = ResponseCandidates()
+    for tick in range(3 * CAPACITY):
+        time = 0.01 * tick
+        candidates.commanded(time, time, np.full((1, 3), float(tick)), 1.0)
+    steady = candidates.at(time)[0, :, 0]
+    np.testing.assert_allclose(steady, np.floor(tick - DEAD_TIMES / 0.01 + 1e-6), atol=1.01)

@@ -1,0 +1,192 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import multivariate_normal
+
+from uav_tracking_mpc.estimation.singer_motion import singer_motion
+from uav_tracking_mpc.estimation.target_track import (
+    AGILITIES,
+    OUTLIER_VARIANCE,
+    OUTLIER_WEIGHT,
+    QUIET,
+    QUIET_LEAST,
+    RATES,
+    TURN,
+    TURN_SPEED,
+    TargetTrack,
+)
+
+MODES = range(len(AGILITIES))
+
+
+class Textbook:
+    """Interacting multiple models mode by mode, from the track's own beginning."""
+
+    def __init__(self, track):
+        self.probabilities = track.probabilities.copy()
+        self.states, self.covariances = track._states.copy(), track._covariances.copy()
+
+    def mixture(self, shares):
+        mean = sum(share * state for share, state in zip(shares, self.states, strict=True))
+        covariance = np.zeros((3, 3))
+        for share, state, own in zip(shares, self.states, self.covariances, strict=True):
+            covariance += share * (own + (state - mean) @ (state - mean).T / 3.0)
+        return mean, covariance
+
+    def update(self, elapsed, position, variance, velocity=None):
+        total = RATES.sum(axis=1)
+        changes = RATES / total[:, None] * -np.expm1(-total * elapsed)[:, None]
+        changes += np.diag(np.exp(-total * elapsed))
+        speed = np.linalg.norm(self.mixture(self.probabilities)[0][1])
+        F, Q = singer_motion(elapsed)
+        predicted = self.probabilities @ changes
+        states, covariances = [], []
+        for mode in MODES:
+            shares = changes[:, mode] * self.probabilities / predicted[mode]
+            if mode == QUIET and self.probabilities[QUIET] > QUIET_LEAST:
+                shares = np.eye(len(AGILITIES))[QUIET]
+            x, P = self.mixture(shares)
+            x, P = F @ x, F @ P @ F.T + AGILITIES[mode] ** 2 * Q
+            if mode == TURN:  # at a moment of the interval, each as likely as the other
+                turned = np.array([[elapsed**2 / 3.0, elapsed / 2.0], [elapsed / 2.0, 1.0]])
+                P[:2, :2] += max(speed, TURN_SPEED) ** 2 * turned
+            states.append(x)
+            covariances.append(P)
+        self.states, self.covariances, self.probabilities = states, covariances, predicted
+        self.correct(np.eye(3)[:1], position, variance)
+        if velocity is not None:
+            self.correct(np.eye(3)[1:2], *velocity)
+
+    def correct(self, H, measured, variance):
+        likelihoods = []
+        for mode in MODES:
+            x, P = self.states[mode], self.covariances[mode]
+            innovation = measured - H @ x
+            chances = []
+            for chance, times in ((1.0, 1.0), (np.exp(OUTLIER_WEIGHT), OUTLIER_VARIANCE)):
+                density = multivariate_normal(cov=(H @ P @ H.T)[0, 0] + times * variance)
+                chances.append(chance * np.prod(density.pdf(innovation[0])))
+            likelihoods.append(sum(chances))
+            information = (chances[0] + chances[1] / OUTLIER_VARIANCE) / sum(chances) / variance
+            K = P @ H.T / ((H @ P @ H.T)[0, 0] + 1.0 / information)
+            self.states[mode] = x + K @ innovation
+            self.covariances[mode] = P - K @ H @ P
+        self.probabilities = self.probabilities * likelihoods
+        self.probabilities /= self.probabilities.sum()
+
+
+@pytest.mark.parametrize("run", [0.0, 5.0])
+@pytest.mark.parametrize("sees_velocity", [False, True])
+def test_the_textbook_agrees(run, sees_velocity):
+    """A target that stands or turns back half-way, and an outlier now and then."""
+    random, time = np.random.default_rng(1), 0.0
+    track = TargetTrack(0.0, np.zeros(3), 1.0, 0.5, 5.0)
+    plain = Textbook(track)
+    for elapsed in random.uniform(0.05, 0.6, 60):
+        time += elapsed
+        direction = 1.0 if time < 10.0 else -1.0
+        place = np.array([run * min(time, 20.0 - time), -2.0 * time, 0.0])
+        position, velocity = place + random.choice([1.0, 4.0]) * random.standard_normal(3), None
+        if sees_velocity:
+            velocity = np.array([run * direction, -2.0, 0.0]) + 0.2 * random.standard_normal(3), 0.1
+        assert track.update(time, position, 1.0, np.inf, velocity)
+        plain.update(elapsed, position, 1.0, velocity)
+        np.testing.assert_allclose(track.probabilities, plain.probabilities, atol=1e-9)
+        state, covariance = plain.mixture(plain.probabilities)
+        np.testing.assert_allclose(track.state, state, rtol=1e-6, atol=1e-7)
+        np.testing.assert_allclose(track.covariance, covariance, rtol=1e-6, atol=1e-7)
+
+
+def flown(path, noise, seconds, rate=5.0, seed=0):
+    random = np.random.default_rng(seed)
+    track = TargetTrack(0.0, path(0.0), noise, 0.5, 5.0)
+    for time in np.arange(1.0, seconds * rate) / rate:
+        track.update(time, path(time) + noise * random.standard_normal(3), noise**2, 16.27)
+    return track
+
+
+def straight(time):
+    return np.array([4.0 * time, 3.0 * time, 0.0])
+
+
+def test_a_quiet_run_is_averaged_over_tens_of_seconds():
+    """Over 100 s the best straight line errs by 2 sigma / sqrt(n) = 0.45 m on each axis."""
+    tracks = [flown(straight, 5.0, 100.0, seed=seed) for seed in range(5)]
+    last = straight(99.8)
+    assert np.std([track.state[0] - last for track in tracks]) < 1.0
+    assert np.std([track.state[1] - [4.0, 3.0, 0.0] for track in tracks]) < 0.15
+    assert all(track.probabilities[QUIET] > 0.9 for track in tracks)
+    assert all(track.agility < 0.1 for track in tracks)
+
+
+def test_a_turn_on_the_spot_is_followed_at_once():
+    def zigzag(time):
+        return np.array([5.0 * min(time, 60.0), 5.0 * max(0.0, time - 60.0), 0.0])
+
+    for noise, after, error in ((0.01, 0.4, 0.3), (0.5, 2.0, 1.0)):
+        track = flown(zigzag, noise, 60.0 + after + 0.2)
+        assert track.time == pytest.approx(60.0 + after)
+        np.testing.assert_allclose(track.state[1], [0.0, 5.0, 0.0], atol=error)
+
+
+def test_the_agility_is_that_of_the_target():
+    def weaving(time):
+        """Twice its standard deviation of 1 m/s^2 at most, in 6 s."""
+        return np.array([5.0 * time, 1.4 * np.sin(time), 0.0])
+
+    assert flown(weaving, 0.1, 60.0).agility > 0.5
+    assert flown(straight, 0.1, 60.0).agility < 0.05
+
+
+def test_the_modes_begin_with_the_agility_that_is_told():
+    begun = [TargetTrack(0.0, np.zeros(3), 1.0, agility, 5.0) for agility in (1e-3, 0.1, 1.0, 1e2)]
+    assert np.all(np.diff([track.agility for track in begun]) >= 0.0)
+    assert begun[0].probabilities[QUIET] > 0.9
+    assert all(track.probabilities[TURN] < 1e-9 for track in begun)
+
+
+def test_a_doubted_variance_lets_no_noise_become_speed():
+    sure, doubting = (TargetTrack(0.0, np.zeros(3), 0.1, 0.5, 5.0) for _ in range(2))
+    position = np.array([3.0, 0.0, 0.0])
+    sure.update(0.2, position, 0.01, np.inf)
+    doubting.update(0.2, position, 0.01, np.inf, doubted=True)
+    assert np.linalg.norm(sure.state[1]) > 10.0
+    assert np.linalg.norm(doubting.state[1]) < 3.0
+
+
+def test_what_no_mode_explains_is_left_out_and_changes_nothing():
+    track, other = flown(straight, 1.0, 10.0), flown(straight, 1.0, 10.0)
+    assert not track.update(10.0, np.array([1e3, 0.0, 0.0]), 1.0, 16.27)
+    np.testing.assert_array_equal(track.state, other.state)
+    assert track.time == other.time
+
+
+def test_a_velocity_that_no_mode_explains_is_left_out():
+    track, other = flown(straight, 1.0, 10.0), flown(straight, 1.0, 10.0)
+    track.update(10.0, straight(10.0), 1.0, 16.27, (np.array([1e3, 0.0, 0.0]), 0.04))
+    other.update(10.0, straight(10.0), 1.0, 16.27)
+    np.testing.assert_array_equal(track.state, other.state)
+
+
+@settings(deadline=None)
+@given(
+    st.lists(
+        st.tuples(st.floats(1e-9, 300.0), st.lists(st.floats(-1e6, 1e6), min_size=3, max_size=3)),
+        max_size=40,
+    ),
+    st.sampled_from([1e-3, 0.1, 3.0, 1e3]),
+    st.sampled_from([1e-3, 0.5, 100.0]),
+)
+def test_the_covariance_stays_positive_definite(steps, noise, agility):
+    track, time = TargetTrack(0.0, np.zeros(3), noise, agility, 5.0), 0.0
+    for elapsed, position in steps:
+        time += elapsed
+        track.update(time, np.array(position), noise**2, gate=np.inf)
+        for covariance in (track.covariance, *track._covariances):
+            scale = np.sqrt(np.diag(covariance))
+            assert np.all(scale > 0.0)
+            assert np.linalg.eigvalsh(covariance / np.outer(scale, scale))[0] > 0.0
+        assert np.all(np.isfinite(track.state)) and np.isfinite(track.turn_rate)
+        assert track.probabilities.sum() == pytest.approx(1.0)
+        assert np.isfinite(track.position_std(10.0))

@@ -1,0 +1,79 @@
+"""What is said of a flight, and pasted from it."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from excited_channel import record
+
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.studies.identification.channel_record import CHANNELS
+from uav_tracking_mpc.studies.identification.identification import identify
+from uav_tracking_mpc.studies.identification.identification_text import (
+    identification_table,
+    parameters_to_paste,
+)
+from uav_tracking_mpc.studies.identification.response_figure import response_figure
+from uav_tracking_mpc.studies.identification.saturation import Limits
+
+
+@pytest.fixture(scope="module")
+def found():
+    return identify([record(0.3, 0.1, 0.9, name=name, seed=k) for k, name in enumerate(CHANNELS)])
+
+
+def pasted(found):
+    return yaml.safe_load(parameters_to_paste(found))
+
+
+def test_what_is_pasted_is_a_configuration(found, tmp_path):
+    sections = pasted(found)
+    controller = sections["/**/nmpc_controller"]["ros__parameters"]
+    simulator = sections["/**/uav_simulator"]["ros__parameters"]
+    assert controller["rate_lag"] == simulator["rate_lag"]
+    assert controller["rate_lag"] == pytest.approx([0.3] * 3, abs=0.06)
+    assert simulator["command_gain"] == pytest.approx([0.9] * 3, abs=0.05)
+    text = parameters_to_paste(found)
+    assert "&" not in text and "*id" not in text and "#" not in text
+    overlay = tmp_path / "identified.yaml"
+    overlay.write_text(text + "/**/scenario:\n  ros__parameters: {title: identified}\n")
+    loaded = load_configuration("small_uav", scenario=str(overlay))
+    assert list(loaded.controller.dead_time) == controller["dead_time"]
+
+
+def test_limits_are_pasted_where_they_showed(found):
+    turn, path, speed = found
+    limited = [
+        replace(turn, limits=Limits(-1.0, 2.0)),
+        path,
+        replace(speed, limits=Limits(upper=1.5)),
+    ]
+    controller = pasted(limited)["/**/nmpc_controller"]["ros__parameters"]
+    gains = [channel.estimates.gain.value for channel in found]
+    assert controller["bank_max"] == pytest.approx(math.atan(gains[0]), abs=1e-3)
+    assert controller["acceleration_max"] == pytest.approx(1.5 * gains[2], abs=1e-3)
+    assert "acceleration_min" not in controller and "pitch_rate_max" not in controller
+
+
+def test_what_is_not_known_is_said(found):
+    _, path, _ = found
+    vague = path.estimates._replace(total=path.estimates.total._replace(lower=0.0, upper=1.0))
+    text = parameters_to_paste([found[0], replace(path, estimates=vague)])
+    assert "# path: not sure, excite it more" in text
+    assert "# speed: not measured" in text
+
+
+def test_the_table_has_a_row_a_channel(found):
+    table = identification_table(found)
+    assert [row[0] for row in table.rows] == list(CHANNELS)
+    assert "bank" in table.rows[0][5]
+
+
+def test_plain_values_are_finite_and_the_figure_shows_every_channel(found):
+    figures = found[2].as_json()
+    assert figures["lag_s"]["lower"] <= figures["lag_s"]["value"] <= figures["lag_s"]["upper"]
+    assert figures["limits_observed"] == [None, None]
+    assert np.isfinite([*figures["largest"], figures["noise"]]).all()
+    assert len(response_figure(found).axes) == 2 * len(CHANNELS)

@@ -1,0 +1,18 @@
+"""A limit is found where the answer shows one, and else not."""
+
+import pytest
+from excited_channel import record
+
+from uav_tracking_mpc.studies.identification.saturation import Limits, limited_fit
+
+
+def test_a_limit_is_found_and_does_not_disturb_the_rest():
+    fit, limits = limited_fit(record(0.3, 0.1, gain=0.8, noise=0.05, limit=1.1, slow=0.8))
+    assert 0.8 * limits.upper == pytest.approx(1.1, abs=0.03)
+    assert 0.8 * limits.lower == pytest.approx(-1.1, abs=0.03)
+    assert fit.lag == pytest.approx(0.3, abs=0.03)
+
+
+def test_without_a_limit_none_is_found():
+    _, limits = limited_fit(record(0.3, 0.1, slow=0.8))
+    assert limits == Limits()

@@ -1,0 +1,64 @@
+"""Simulated flights with lags drawn at random, and what is found of them."""
+
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.studies.identification.channel_record import CHANNELS
+from uav_tracking_mpc.studies.identification.validation import (
+    DEAD_TIME,
+    GAIN,
+    LAG,
+    NEAR,
+    TOLD,
+    Flight,
+    drawn,
+    validate,
+    validation_table,
+)
+
+QUICK = ("nmpc_controller.law=l1",)  # needs no solver
+
+
+def test_what_is_drawn_depends_on_the_seed_alone():
+    one, other = drawn(Flight("small_uav", (), 3)), drawn(Flight("small_uav", (), 3))
+    assert one[1] == other[1] and one[0].controller == other[0].controller
+    assert drawn(Flight("small_uav", (), 4))[1] != one[1]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_is_drawn_is_flown_and_told_wrong(seed):
+    configuration, truth = drawn(Flight("small_uav", (), seed))
+    simulator, controller = configuration.simulator, configuration.controller
+    assert (simulator.rate_lag, simulator.dead_time) == (truth.lag, truth.dead_time)
+    for values, (least, most) in (
+        (truth.lag, LAG),
+        (truth.dead_time, DEAD_TIME),
+        (truth.gain, GAIN),
+    ):
+        assert least <= min(values) and max(values) <= most
+    wrong = np.array(controller.rate_lag) / truth.lag
+    assert np.all((wrong >= 1.0 / TOLD) & (wrong <= TOLD)) and not np.allclose(wrong, 1.0)
+    assert any(controller.excitation)
+
+
+def test_flights_are_counted():
+    content = validate("small_uav", QUICK, count=1, seed=1, workers=1)
+    assert list(content["channels"]) == list(CHANNELS)
+    for channel in content["channels"].values():
+        (errors,) = channel["errors"]
+        for figure, (least, share) in NEAR.items():
+            truth, value = errors[figure]["truth"], errors[figure]["value"]
+            near = abs(value - truth) <= max(least, share * truth)
+            assert channel["near"][figure] == near
+            held = errors[figure]["lower"] <= truth <= errors[figure]["upper"]
+            assert channel["covered"][figure] == held
+    assert len(validation_table(content).rows) == len(CHANNELS)
+
+
+@pytest.mark.long
+def test_most_flights_are_identified():
+    """Of 8 flights at 95 %, fewer than 6 are a chance of 1 in 175."""
+    content = validate("small_uav", count=8)
+    for channel in content["channels"].values():
+        assert min(channel["near"].values()) >= 0.75
+        assert min(channel["covered"].values()) >= 0.75

@@ -1,0 +1,91 @@
+"""What flies, beside the model; and flights on both sides of the margins."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.control.loop_margins import loop_margins
+from uav_tracking_mpc.control.orbit_loop import OrbitLoop
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.simulation.closed_loop import simulate
+from uav_tracking_mpc.studies.margins import flown_loop
+from uav_tracking_mpc.studies.margins.flown_loop import Impulse, flown_loops, in_still_air
+from uav_tracking_mpc.studies.margins.margin_study import sensitivities
+
+
+@pytest.fixture(autouse=True)
+def short(monkeypatch):
+    """A still target in still air needs no time to settle."""
+    monkeypatch.setattr(flown_loop, "SETTLED", 10.0)
+    monkeypatch.setattr(flown_loop, "OBSERVED", 40.0)
+
+
+@pytest.fixture(scope="module")
+def configuration():
+    return load_configuration("small_uav", scenario="gusts")
+
+
+@pytest.fixture(scope="module")
+def near(configuration):
+    return OrbitLoop(configuration.controller)
+
+
+@pytest.fixture(scope="module")
+def margins(near):
+    return near.margins(near.orbit_in(np.zeros(3)))
+
+
+def test_an_impulse_lasts_for_one_period():
+    impulse = Impulse(np.array([0.1, 0.0, 0.0]), 0.05)
+    ticks = [tick / 20.0 for tick in range(190, 212)]
+    assert [time for time in ticks if np.any(impulse(time))] == [10.0]
+
+
+def test_still_air_takes_away_what_is_no_error_of_the_aircraft(configuration):
+    still = in_still_air(configuration)
+    assert still.simulator.gust_intensity == 0.0
+    assert not np.any(still.simulator.wind)
+    assert still.simulator.rate_lag == configuration.simulator.rate_lag
+    log = simulate(replace(still, mission=replace(still.mission, duration=2.0)))
+    assert np.abs(log.error[:, 0]).max() < 1.0  # it begins on the orbit
+
+
+def test_model_and_flight_agree(configuration, near):
+    by_model = near.loop(near.orbit_in(np.zeros(3)))
+    frequency = by_model.frequencies(200)
+    (flown,) = flown_loops(configuration, frequency, workers=1, show=False)
+    assert flown.settled
+    expected = sensitivities(by_model.response(frequency))
+    np.testing.assert_allclose(sensitivities(flown.loop), expected, atol=0.01)
+    found = loop_margins(frequency, flown.loop)
+    told = loop_margins(frequency, by_model.response(frequency))
+    assert found.disk == pytest.approx(told.disk, rel=0.02)
+    for name, channel in found.channels.items():
+        assert channel.delay_s == pytest.approx(told.channels[name].delay_s, rel=0.02)
+        assert channel.gain_db == pytest.approx(told.channels[name].gain_db, rel=0.02)
+
+
+def left_of_an_answer(configuration, axis, **simulator):
+    """Greatest command in the last 10 s over that in the 10 s after an impulse."""
+    still = in_still_air(configuration)
+    still = replace(still, simulator=replace(still.simulator, **simulator))
+    log = simulate(still, disturbance=Impulse(0.3 * np.diag(flown_loop.IMPULSES)[axis], 0.05))
+    answer = np.abs(log.inputs[:, axis] - np.median(log.inputs[:, axis]))
+    first = (log.command_time > 10.0) & (log.command_time < 20.0)
+    return answer[log.command_time > 40.0].max() / answer[first].max()
+
+
+@pytest.mark.parametrize(("share", "stable"), [(0.85, True), (1.15, False)])
+def test_a_flight_bears_the_delay_that_is_told_and_no_more(configuration, margins, share, stable):
+    dead_time = list(configuration.simulator.dead_time)
+    dead_time[1] += share * margins.channels["path"].delay_s
+    left = left_of_an_answer(configuration, 1, dead_time=tuple(dead_time))
+    assert left < 0.5 if stable else left > 1.5
+
+
+@pytest.mark.parametrize(("share", "stable"), [(0.85, True), (1.15, False)])
+def test_a_flight_bears_the_gain_that_is_told_and_no_more(configuration, margins, share, stable):
+    gain = 10.0 ** (share * margins.channels["turn"].gain_increase_db / 20.0)
+    left = left_of_an_answer(configuration, 0, command_gain=(gain, 1.0, 1.0))
+    assert left < 0.01 if stable else left > 0.5

@@ -1,0 +1,128 @@
+"""The search finds the least cost among weights with the margins, which are formulas here."""
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+import yaml
+
+from uav_tracking_mpc.control.loop_margins import CHANNELS, ChannelMargins
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.studies.comparison.measures import Measures
+from uav_tracking_mpc.studies.margins import weight_search as module
+from uav_tracking_mpc.studies.margins.weight_search import as_json, search_table, search_weights
+
+
+class Loop:
+    """Delay margins grow with the input weights, the gain margin is always the same."""
+
+    def __init__(self, parameters):
+        self.change(parameters)
+
+    def change(self, parameters):
+        self.input_weights = parameters.input_weights
+
+    def orbit_in(self, drift, azimuth=0.0):
+        return azimuth
+
+    def margins(self, frozen):
+        less = 0.99 if frozen else 1.0  # in wind
+        channels = {
+            name: ChannelMargins(8.0, 8.0, math.inf, 40.0, less * 0.3 * weight, 1.0, 0.8)
+            for name, weight in zip(CHANNELS, self.input_weights, strict=True)
+        }
+        return SimpleNamespace(channels=channels)
+
+
+@pytest.fixture(autouse=True)
+def formulas(monkeypatch):
+    monkeypatch.setattr(module, "OrbitLoop", Loop)
+
+
+SEARCHED = ("input_weights", "rate_weights")
+# What the formulas here begin with, whatever the configuration has.
+START = (
+    "nmpc_controller.input_weights=[10.0, 2.0, 1.0]",
+    "nmpc_controller.rate_weights=[10.0, 2.0, 1.0]",
+)
+FLIGHT = Measures(0.0, 0.0, 0.0, 20.0, 0.0, 0.0, 0.0, 0, {})
+
+
+def flights(cost):
+    """Flights of which weights make the range RMS."""
+
+    def parallel_map(function, tasks, workers, label, show):
+        found = []
+        for _, name, overrides in tasks:
+            told = dict(override.split("=") for override in overrides)
+            parts = [yaml.safe_load(told[f"nmpc_controller.{each}"]) for each in SEARCHED]
+            range_rms, _ = module.FLIGHTS[name]
+            value = cost([*parts[0], *parts[1]]) * range_rms
+            found.append(replace(FLIGHT, range_rms_m=value))
+        return found
+
+    return parallel_map
+
+
+def quadratic(weights):
+    """Least at an input weight of the turn rate of 30 and a rate weight of the path angle of 1."""
+    return 1.0 + math.log10(weights[0] / 30.0) ** 2 + math.log10(weights[4] / 1.0) ** 2
+
+
+def test_it_goes_where_the_cost_is_least(monkeypatch):
+    monkeypatch.setattr(module, "parallel_map", flights(quadratic))
+    search = search_weights("small_uav", START, flights=["lag_2"], show=False)
+    assert search.best.by_name["input_weights"][0] == pytest.approx(30.0, rel=0.3)
+    assert search.best.by_name["rate_weights"][1] == pytest.approx(1.0, rel=0.3)
+    assert search.best.delay_s >= 0.3
+    assert search.best.cost == min(each.cost for each in search.candidates)
+    pasted = yaml.safe_load(search.yaml)["/**/nmpc_controller"]["ros__parameters"]
+    assert [weight for values in pasted.values() for weight in values] == list(search.best.weights)
+    assert as_json(search)["best"]["input_weights"] == pasted["input_weights"]
+    assert len(search_table(search).rows) == len(search.candidates)
+
+
+def test_weights_without_margins_are_not_flown(monkeypatch):
+    """The cost would have them smaller and smaller."""
+    monkeypatch.setattr(module, "parallel_map", flights(lambda weights: weights[1]))
+    search = search_weights("small_uav", START, flights=["lag_2"], show=False)
+    assert 1.0 / 0.99 <= search.best.by_name["input_weights"][1] < 2.0
+    assert search.best.delay_s >= 0.3
+    small = [each for each in search.candidates if each.shortfalls]
+    assert all(not each.flights and math.isinf(each.cost) for each in small)
+
+
+def test_from_weights_without_margins_it_finds_some(monkeypatch):
+    monkeypatch.setattr(module, "parallel_map", flights(quadratic))
+    start = ["nmpc_controller.input_weights=[0.5, 0.3, 0.2]", START[1]]
+    search = search_weights("small_uav", start, flights=["lag_2"], show=False)
+    assert search.candidates[0].shortfalls
+    assert not search.best.shortfalls
+
+
+def test_no_weights_have_such_margins(monkeypatch):
+    monkeypatch.setattr(module, "parallel_map", flights(quadratic))
+    asked = [*START, "nmpc_controller.gain_margin_min=9.0"]
+    with pytest.raises(ArithmeticError, match="none of 15 weights"):
+        search_weights("small_uav", asked, flights=["lag_2"], rounds=1, show=False)
+
+
+def test_the_papers_problem_is_not_searched():
+    with pytest.raises(ParameterError, match="terminal_constraint"):
+        search_weights("paper", flights=["lag_2"], show=False)
+
+
+def test_the_range_is_weighted_with_its_orbit(monkeypatch):
+    monkeypatch.setattr(module, "parallel_map", flights(lambda weights: 1.0))
+    search = search_weights("small_uav", START, flights=["lag_2"], rounds=1, show=False)
+    begin = search.candidates[0].by_name
+    ratios = {
+        tuple(
+            round(each.by_name[name][0] / begin[name][0], 1)
+            for name in ("state_weights", "offset_weights")
+        )
+        for each in search.candidates
+    }
+    assert len(ratios) == 3
+    assert all(one == pytest.approx(other, rel=0.1) for one, other in ratios)

@@ -1,0 +1,116 @@
+"""``uav_tracking campaign``: many flights of what is uncertain, and how many of them fail."""
+
+from __future__ import annotations
+
+import argparse
+from contextlib import closing
+from pathlib import Path
+
+from uav_tracking_mpc.cli.answer import answer
+from uav_tracking_mpc.cli.arguments import number
+
+HELP = "Monte-Carlo over what is uncertain, on all cores or on a Dask cluster"
+DESCRIPTION = (
+    "Fly what a campaign's file draws; print and plot how often flights fail, with exact bounds, "
+    "and what those that fail have in common. A campaign that was stopped goes on where it was: "
+    "what its folder holds is not flown again. Exit code 0: flown; how many failed is said in the "
+    "table."
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options.
+
+    Args:
+        parser: Of this command.
+    """
+    from uav_tracking_mpc.settings.configuration import campaign_names
+    from uav_tracking_mpc.studies.comparison.law_names import law_names
+
+    names = ", ".join(campaign_names())
+    parser.add_argument("campaign", metavar="NAME|FILE", help=f"{names}, or a YAML file")
+    parser.add_argument(
+        "--laws",
+        nargs="+",
+        default=(),
+        metavar="LAW",
+        help=f"laws that fly the same draws: {', '.join(law_names())} or FILE.py:CLASS (default: "
+        "the campaign's)",
+    )
+    parser.add_argument(
+        "--flights",
+        type=number(int, 1),
+        metavar="N",
+        help="draws of each combination of swept values (default: the campaign's)",
+    )
+    parser.add_argument(
+        "--set",
+        dest="overrides",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="a value or distribution instead of what is drawn for every flight, e.g. "
+        "'wind.speed={uniform: [0, 5]}' or mission.duration=120; may be repeated",
+    )
+    places = parser.add_mutually_exclusive_group()
+    places.add_argument(
+        "--workers", type=number(int, 1), metavar="N", help="processes (default: one for each core)"
+    )
+    places.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="fly on a Dask cluster instead, e.g. tcp://host:8786 (needs the extra [dask])",
+    )
+    parser.add_argument(
+        "--output",
+        type=Path,
+        metavar="DIR",
+        help="folder for flights.parquet, campaign.json, campaign.html and the worst flights "
+        "(default: output/campaigns/NAME)",
+    )
+    parser.add_argument(
+        "--json", action="store_true", help="print one JSON object and nothing else"
+    )
+    parser.add_argument(
+        "--page", type=Path, metavar="FILE", help="put the tables into a page of the documentation"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Fly the campaign.
+
+    Args:
+        arguments: As parsed.
+
+    Returns:
+        Exit code.
+    """
+    from uav_tracking_mpc.studies.campaign.campaign_file import load_campaign
+    from uav_tracking_mpc.studies.campaign.campaign_page import tables, write_campaign, write_into
+    from uav_tracking_mpc.studies.campaign.campaign_results import as_json
+    from uav_tracking_mpc.studies.campaign.campaign_run import run_campaign
+    from uav_tracking_mpc.studies.campaign.executors import DaskExecutor, Executor, LocalExecutor
+
+    campaign = load_campaign(
+        arguments.campaign, tuple(arguments.overrides), tuple(arguments.laws), arguments.flights
+    )
+    executor: Executor = (
+        LocalExecutor(arguments.workers)
+        if arguments.scheduler is None
+        else DaskExecutor(arguments.scheduler)
+    )
+    folder = arguments.output or Path("output") / "campaigns" / campaign.name
+    with closing(executor):
+        results = run_campaign(campaign, executor, folder)
+    content = as_json(results)
+    write_campaign(content, results)
+    if arguments.page is not None:
+        write_into(arguments.page, results)
+    words = [table.as_rich() for table in tables(results).values()]
+    if results.flown:
+        rate = 60.0 * results.flown / results.seconds / results.workers
+        words.append(
+            f"{results.flown} flights in {results.seconds:.0f} s: {rate:.0f} a minute and worker"
+        )
+    answer(content, [*words, f"report: {folder / 'campaign.html'}"], arguments.json)
+    return 0

@@ -1,0 +1,115 @@
+"""``uav_tracking identify``: how an aircraft answers commands, from a recorded flight."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from uav_tracking_mpc.cli.answer import answer
+from uav_tracking_mpc.cli.arguments import add_configuration_arguments, add_output_arguments, number
+
+HELP = "lag, dead time, gain and limits of an aircraft, from a recorded flight"
+DESCRIPTION = (
+    "Fit first-order lag, dead time and gain of turn, path angle and speed to a flight that "
+    "`fly --excite` or `simulate --excite` flew, or to any record with the same topics or columns "
+    "(docs/identification.md). Prints 95 % confidence intervals and the YAML to paste. Exit code "
+    "0: every channel was identified; 1: at least one was not."
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options.
+
+    Args:
+        parser: Of this command.
+    """
+    parser.add_argument(
+        "record",
+        nargs="?",
+        type=Path,
+        metavar="BAG|CSV",
+        help="mission.mcap, the folder of a rosbag2 bag, or a CSV file",
+    )
+    add_output_arguments(parser, "identification.json, identified.yaml and response.png")
+    parser.add_argument(
+        "--validate",
+        type=number(int, 1),
+        metavar="N",
+        help="instead of a record: fly N simulated flights with lags drawn at random, and count "
+        "how often they are found",
+    )
+    parser.add_argument(
+        "--workers", type=number(int, 1), metavar="N", help="processes (default: one a core)"
+    )
+    parser.add_argument("--seed", type=number(int, 0), default=0, help="of the flights' draws")
+    parser.add_argument(
+        "--page", type=Path, metavar="FILE", help="put the counts into a page of the documentation"
+    )
+    add_configuration_arguments(parser, default="small_uav")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Identify, or validate identification.
+
+    Args:
+        arguments: As parsed.
+
+    Returns:
+        Exit code.
+
+    Raises:
+        ParameterError: Neither a record nor a validation is asked for, or the record is none.
+    """
+    from uav_tracking_mpc.parameters.specification import ParameterError
+
+    if (arguments.record is None) == (arguments.validate is None):
+        raise ParameterError("identify needs either a bag or CSV file, or --validate N")
+    return _identify(arguments) if arguments.validate is None else _validate(arguments)
+
+
+def _identify(arguments: argparse.Namespace) -> int:
+    from rich.console import Console
+
+    from uav_tracking_mpc.studies.identification.identification import (
+        identification,
+        identify_flight,
+    )
+    from uav_tracking_mpc.studies.identification.identification_text import (
+        identification_table,
+        parameters_to_paste,
+    )
+
+    with Console(stderr=True).status(f"identifying {arguments.record}"):
+        found = identify_flight(arguments.record)
+    yaml = parameters_to_paste(found)
+    content = {**identification(arguments.record, found), "yaml": yaml}
+    words = [identification_table(found).as_rich(), yaml]
+    if arguments.output is not None:
+        from uav_tracking_mpc.studies.identification.response_figure import write_identification
+
+        write_identification(content, found, arguments.output)
+        words.append(f"figure: {arguments.output / 'response.png'}")
+    answer(content, words, arguments.json)
+    return 0 if all(channel.sure for channel in found) else 1
+
+
+def _validate(arguments: argparse.Namespace) -> int:
+    from uav_tracking_mpc.studies.identification.validation import validate, validation_table
+
+    content = validate(
+        arguments.config,
+        arguments.overrides,
+        count=arguments.validate,
+        seed=arguments.seed,
+        workers=arguments.workers,
+    )
+    if arguments.output is not None:
+        from uav_tracking_mpc.report.atomic_write import write_json
+
+        arguments.output.mkdir(parents=True, exist_ok=True)
+        write_json(arguments.output / "validation.json", content)
+    table = validation_table(content)
+    if arguments.page is not None:
+        table.write_into(arguments.page, "identification")
+    answer(content, [table.as_rich()], arguments.json)
+    return 0

@@ -1,0 +1,97 @@
+r"""How noisy measured positions are, from the positions alone.
+
+The second difference of three positions z at intervals h_0 and h_1,
+
+.. math:: d = z_2 - z_1 - \rho (z_1 - z_0), \quad \rho = h_1 / h_0
+
+does not depend on where the target is and how fast. Its variance on each axis is
+R_2 + (1 + rho)^2 R_1 + rho^2 R_0, and as long as the target hardly accelerates in h_0 + h_1 nothing
+else is in it. With R = s R_told the factor s is a quantile of many squared second differences over
+the variance that is told, divided by that of chi-square: turns on the spot, jumps and outliers are
+rare and leave a quantile alone, and no filter that has lost the target misleads it.
+
+Many of them make the factor accurate, few of them make it quick: the last few hundred count as long
+as the newest agree with them, and the newest alone where they do not, for the noise has changed.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left, insort
+from collections import deque
+
+import numpy as np
+from numpy.typing import NDArray
+
+WINDOW = 240  # second differences that count
+NEWEST = 24  # of them, which notice that the noise has changed
+CHANGED = 3.0  # ratio of the quantiles of newest and all: not by chance but once in a thousand
+PRIOR = 1  # as many as what is told weighs at the beginning
+KNOWN = 3  # second differences after which the noise is known, with what is told
+SPAN = 5.0  # s, within which the target's acceleration is taken as small
+RATIO_MAX = 100.0  # of the intervals: an extrapolation any longer says little
+QUANTILE = 0.4  # that is compared: with 20 % outliers half of the differences are wrong
+CHI_SQUARE = 1.8691684  # that quantile, of 3 degrees of freedom
+SCALE_MIN, SCALE_MAX = 1e-12, 1e12  # of what is believed of a variance
+
+
+class MeasurementNoise:
+    """Factor between the variance of measured positions that is told and the true one.
+
+    Attributes:
+        scale: The factor, 1 before anything is known, [-].
+        known: Whether enough has been measured for the factor to be more than a guess.
+    """
+
+    def __init__(self) -> None:
+        self.reset()
+
+    def reset(self) -> None:
+        """Believe again what is told."""
+        self._recent: deque[tuple[float, NDArray[np.float64], float]] = deque(maxlen=2)
+        self._begin([CHI_SQUARE] * PRIOR)
+        self.scale, self.known = 1.0, False
+
+    def _begin(self, squares: list[float]) -> None:
+        self._window, self._ranked = deque(squares), sorted(squares)
+
+    def see(self, time: float, position: NDArray[np.float64], variance: float) -> None:
+        """Take in a position, whether or not a filter believes it.
+
+        Args:
+            time: When it was measured, after the one before, in [s].
+            position: Shape (3,), in [m].
+            variance: On each axis as it is told in [m^2].
+        """
+        recent = self._recent
+        if len(recent) == 2:
+            (t0, z0, r0), (t1, z1, r1) = recent
+            if time - t0 <= SPAN and time - t1 <= RATIO_MAX * (t1 - t0):
+                ratio = (time - t1) / (t1 - t0)
+                difference = position - z1 - ratio * (z1 - z0)
+                told = variance + (1.0 + ratio) ** 2 * r1 + ratio * ratio * r0
+                self._add(float(difference @ difference) / told)
+        recent.append((time, position, variance))
+
+    def _add(self, square: float) -> None:
+        window, ranked = self._window, self._ranked
+        window.append(square)
+        insort(ranked, square)
+        if len(window) > WINDOW:
+            del ranked[bisect_left(ranked, window.popleft())]
+        level = _quantile(ranked)
+        if len(window) >= 2 * NEWEST:
+            newest = list(window)[-NEWEST:]
+            recent = _quantile(sorted(newest))
+            if not level <= CHANGED * recent <= CHANGED**2 * level:
+                self._begin(newest)
+                level = recent
+        self.scale = min(max(level / CHI_SQUARE, SCALE_MIN), SCALE_MAX)
+        self.known = len(window) >= KNOWN
+
+
+def _quantile(ranked: list[float]) -> float:
+    """The quantile of a list in ascending order, between its neighbours."""
+    place = QUANTILE * (len(ranked) - 1)
+    below = int(place)
+    above = min(below + 1, len(ranked) - 1)
+    return ranked[below] + (place - below) * (ranked[above] - ranked[below])

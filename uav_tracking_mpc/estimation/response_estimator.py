@@ -1,0 +1,306 @@
+r"""Lag, dead time and gain of each channel, from commands as they were sent and what was measured.
+
+For each lag and dead time of a grid (:mod:`response_candidates`) the least-lags gain g between
+the candidate's response x and the measured one y is known at any time from three sums, which
+forget exponentially:
+
+.. math::
+
+    J(\tau, D) = \min_g \sum_k e^{-(t - t_k)/T_m} (y_k - g\, x_k(\tau, D))^2 .
+
+Both pass the same high pass before, which takes biases of the sensors and slow disturbances out.
+J is refined between the points of the grid by parabolas, first over D for each tau, then along the
+valley so found over tau; with the variance of the residual the parabolas' curvatures give the
+standard deviations (e.g. Ljung, System Identification, 1999, chapter 9). Residuals that follow each
+other are worth less than as many independent ones: the variance is that of an AR(1) process at low
+frequencies.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.estimation.channel_response import ChannelResponse
+from uav_tracking_mpc.estimation.response_candidates import DEAD_TIMES, LAGS, ResponseCandidates
+
+MEMORY = 60.0  # s, T_m
+WASHOUT = 10.0  # s, time constant of the high pass: shorter than an orbit, longer than any lag
+GAIN_LIMITS = 0.5, 1.6
+# What is measured is never believed to be better than this, sample by sample [rad/s, rad/s, m/s]:
+# a response that is lost in it is none.
+NOISE_FLOOR = np.array([0.003, 0.003, 0.05])
+CORRELATION_LIMIT = 0.98  # of successive residuals
+PLAUSIBLE = np.array([10.0, 10.0, 1000.0])  # rad/s, rad/s, m/s: beyond them a sensor is broken
+SHORTEST_PERIOD = 0.015  # s between measurements that are used: faster ones tell no more
+LONGEST_GAP = 1.0  # s without measurements, after which begins another flight
+# Near its bank limit an aircraft turns no faster, whatever is commanded, for as long as it takes to
+# lag away afterwards: share of the limit that is measured, share that is asked for, time in [s].
+SATURATION, TOO_MUCH, RECOVERY = 0.9, 1.02, 1.0
+# What the parabolas are off by between the points of the grid: lag [s], sum [s] and gain [-].
+ROUNDING = 0.015, 0.008, 0.005
+BEGIN = 1.5  # s after the first command, in which what was flown before it still counts
+EVERY = np.arange(3)  # channels
+REFINED_EVERY = 4  # measurements between refinements, one channel each
+
+
+class ResponseEstimator:
+    """Commands and measurements in, :class:`ChannelResponse` of three channels out.
+
+    Attributes:
+        channels: Estimates of turn rate, path-angle rate and acceleration.
+    """
+
+    def __init__(self) -> None:
+        self._candidates = ResponseCandidates()
+        shape = 3, len(DEAD_TIMES) * len(LAGS)
+        self._before, self._passed = np.zeros(shape), np.zeros(shape)
+        self._work = np.zeros(shape)
+        # Of x x, of x y, and of x with that of the next dead time.
+        self._power, self._product = np.zeros(shape), np.zeros(shape)
+        self._next = np.zeros((3, shape[1] - len(LAGS)))
+        self._next_work = np.zeros_like(self._next)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all: another aircraft."""
+        for sums in (self._power, self._product, self._next, self._passed):
+            sums[:] = 0.0
+        # Of 1, y y, the products of successive residuals, and their lags.
+        self._sums = np.zeros((4, 3))
+        self._residual, self._measured_passed = np.zeros(3), np.zeros(3)
+        self._nearest, self._gains = np.zeros(3, dtype=int), np.ones(3)  # the best candidate
+        self.channels = [ChannelResponse()] * 3
+        self._turn = 0
+        self.interrupt()
+
+    def interrupt(self) -> None:
+        """Forget commands and times, keep what has been learnt."""
+        self._time: float | None = None
+        self._commanded = False
+        self._used = np.zeros(3, dtype=bool)
+        self._measured = np.zeros(3)
+        self._saturated, self._begun, self._turn_rate_max = -math.inf, 0.0, math.inf
+
+    def commanded(
+        self, sent: float, begin: float, inputs: NDArray[np.float64], step: float
+    ) -> None:
+        """Record a plan: see :meth:`CommandHistory.add`.
+
+        Args:
+            sent: From when on it is flown in [s].
+            begin: When its first segment begins in [s], at or before ``sent``.
+            inputs: (u_psi, u_chi, u_v) at begin, begin + step, ..., shape (n, 3), held in between.
+            step: Length of a segment in [s].
+        """
+        if self._time is not None:
+            self._candidates.commanded(sent, begin, inputs, step)
+            self._commanded = True
+            turn, (u_psi, _, _) = self.channels[0], inputs[0].tolist()
+            if abs(u_psi) * turn.gain > TOO_MUCH * self._turn_rate_max:
+                self._saturated = max(self._saturated, sent + turn.delay)
+
+    def see(
+        self,
+        time: float,
+        turn_rate: float,
+        path_angle_rate: float,
+        airspeed: float | None,
+        turn_rate_max: float,
+    ) -> None:
+        """Take in a measurement.
+
+        Args:
+            time: Stamp of the measurement in [s].
+            turn_rate: psi' in [rad/s].
+            path_angle_rate: chi' in [rad/s].
+            airspeed: v in [m/s]; None where none is measured.
+            turn_rate_max: What the bank limit allows in [rad/s].
+        """
+        elapsed = math.inf if self._time is None else time - self._time
+        if 0.0 <= elapsed < SHORTEST_PERIOD:
+            return
+        measured = np.array([turn_rate, path_angle_rate, airspeed or 0.0])
+        if (np.abs(measured) > PLAUSIBLE).any():
+            self.interrupt()
+            return
+        if not 0.0 <= elapsed <= LONGEST_GAP or time > self._candidates.end:
+            self.interrupt()
+        self._time, self._turn_rate_max = time, turn_rate_max
+        if not self._commanded:  # nobody knows what is flown: as if it had been for long
+            self._candidates.reset(time, np.array([turn_rate, path_angle_rate, 0.0]))
+            self._candidates.end, self._begun = math.inf, time
+            return
+        if abs(turn_rate) >= SATURATION * turn_rate_max:
+            self._saturated = time
+        usable = np.array([time - self._saturated > RECOVERY, True, airspeed is not None])
+        usable &= time - self._begun > BEGIN
+        self._add(time, elapsed, measured, usable)
+        self._turn = (self._turn + 1) % (3 * REFINED_EVERY)
+        if self._turn % REFINED_EVERY == 0:
+            axis = self._turn // REFINED_EVERY
+            found = self._refined(axis)
+            self.channels[axis] = found.judged(self.channels[axis])
+
+    def _add(
+        self, time: float, elapsed: float, measured: NDArray[np.float64], usable: NDArray[np.bool_]
+    ) -> None:
+        """High pass and sums; where a sample or the one before is of no use, the step is none."""
+        work, passed = self._work, self._passed
+        responses = self._candidates.at(time).reshape(work.shape)
+        weights = usable & self._used
+        every = bool(weights.all())
+        column = weights[:, np.newaxis]
+        kept, forgotten = math.exp(-elapsed / WASHOUT), math.exp(-elapsed / MEMORY)
+        np.subtract(responses, self._before, out=work)
+        np.copyto(self._before, responses)
+        if not every:
+            work *= column
+        passed += work
+        passed *= kept
+        self._measured_passed += weights * (measured - self._measured)
+        self._measured_passed *= kept
+        self._measured, self._used = measured, usable
+
+        y = self._measured_passed
+        weighted = y * weights
+        np.multiply(passed, passed, out=work)
+        if not every:
+            work *= column
+        self._power *= forgotten
+        self._power += work
+        np.multiply(passed[:, : -len(LAGS)], passed[:, len(LAGS) :], out=self._next_work)
+        if not every:
+            self._next_work *= column
+        self._next *= forgotten
+        self._next += self._next_work
+        np.multiply(passed, weighted[:, np.newaxis], out=work)
+        self._product *= forgotten
+        self._product += work
+        residual = y - self._gains * passed[EVERY, self._nearest]
+        self._sums *= forgotten
+        self._sums += weights * (np.ones(3), y * y, residual * self._residual, residual * residual)
+        self._residual = residual
+
+    def _refined(self, axis: int) -> ChannelResponse:
+        """Minimum of J and its curvature."""
+        columns = (-1, len(LAGS))
+        power = self._power[axis].reshape(columns)
+        product = self._product[axis].reshape(columns)
+        weight, squared_response, successive, squared = self._sums[:, axis].tolist()
+        if not np.any(power > 0.0):
+            return ChannelResponse()
+        found = _between(power, product, self._next[axis].reshape(columns))
+        dead_times, gains, bends = found.dead_time, found.gain, found.bend
+        valley = squared_response - found.explained
+        # Along the valley, over the lag.
+        best = min(max(int(np.argmin(valley)), 1), len(LAGS) - 2)
+        three = slice(best - 1, best + 2)
+        lags = LAGS[three]
+        lag, least, bend = (float(v) for v in _minimum(lags, valley[three]))
+        delay = _parabola(lags, LAGS[three] + dead_times[three], lag)
+        gain = min(max(_parabola(lags, gains[three], lag), GAIN_LIMITS[0]), GAIN_LIMITS[1])
+        nearest = int(np.argmin(np.abs(DEAD_TIMES - dead_times[best])))
+        self._nearest[axis], self._gains[axis] = nearest * len(LAGS) + best, gain
+
+        correlation = successive / squared if squared > 0.0 else 0.0
+        correlation = min(max(correlation, 0.0), CORRELATION_LIMIT)
+        variance = max(least, 0.0) / max(weight - 4.0, 1.0)
+        # as if a residual was independent of the one before
+        variance *= (1.0 + correlation) / (1.0 - correlation)
+        variance += float(NOISE_FLOOR[axis]) ** 2
+        of_lag = 2.0 * variance / max(bend, 1e-300)
+        along = math.sqrt(of_lag)
+        lag_rounding, delay_rounding, gain_rounding = ROUNDING
+        lag_deviation = math.hypot(along, lag_rounding)
+        sway = abs(_slope(lags, LAGS[three] + dead_times[three], lag)) * along
+        of_dead_time = 2.0 * variance / max(float(bends[best]), 1e-300)
+        gain_sway = abs(_slope(lags, gains[three], lag)) * along
+        of_gain = variance / max(float(power[nearest, best]), 1e-300)
+        return ChannelResponse(
+            lag=lag,
+            dead_time=max(delay - lag, 0.0),
+            gain=gain,
+            lag_deviation=lag_deviation,
+            dead_time_deviation=math.hypot(lag_deviation, math.sqrt(of_dead_time)),
+            delay_deviation=math.hypot(sway, math.sqrt(of_dead_time), delay_rounding),
+            gain_deviation=math.hypot(gain_sway, math.sqrt(of_gain), gain_rounding),
+        )
+
+
+class _Best(NamedTuple):
+    """For each lag the best dead time, the gain there, what of y y it explains, and J'' over D."""
+
+    dead_time: NDArray[np.float64]
+    gain: NDArray[np.float64]
+    explained: NDArray[np.float64]
+    bend: NDArray[np.float64]
+
+
+def _between(
+    power: NDArray[np.float64], product: NDArray[np.float64], following: NDArray[np.float64]
+) -> _Best:
+    """Best dead times between those of the grid, for each lag.
+
+    Between two dead times a response is taken as linear: least squares with both of them.
+
+    Args:
+        power: Sums of x x, shape (dead times, lags).
+        product: Of x y, shape (dead times, lags).
+        following: Of x with that of the next dead time, shape (dead times - 1, lags).
+    """
+    p, q, a = power[:-1], power[1:], following
+    y, z = product[:-1], product[1:]
+    apart = np.maximum(p + q - 2.0 * a, 1e-12 * (p + q) + 1e-300)  # (x_i+1 - x_i)^2
+    determinant = np.maximum(p * q - a * a, 1e-300)
+    first, second = (q * y - a * z) / determinant, (p * z - a * y) / determinant
+    share = second / np.where(first + second > 0.0, first + second, math.inf)
+    share = np.clip(share, 0.0, 1.0)
+    share = np.where((first > 0.0) | (second > 0.0), share, 0.0)
+    mixed = y + share * (z - y)
+    mixed_power = (1.0 - share) ** 2 * p + 2.0 * share * (1.0 - share) * a + share**2 * q
+    gain = np.clip(mixed / np.maximum(mixed_power, 1e-300), *GAIN_LIMITS)
+    explained = gain * (2.0 * mixed - gain * mixed_power)
+    best = explained.argmax(axis=0), np.arange(power.shape[1])
+    apart_in_time = np.diff(DEAD_TIMES)[best[0]]
+    return _Best(
+        DEAD_TIMES[best[0]] + share[best] * apart_in_time,
+        gain[best],
+        explained[best],
+        2.0 * gain[best] ** 2 * apart[best] / apart_in_time**2,
+    )
+
+
+def _minimum(points: Any, values: Any) -> tuple[Any, Any, Any]:
+    """Of the parabola through three points, inside of them: where, how much, second derivative."""
+    (left, middle, right), (first, second, third) = points, values
+    rise, fall = (third - second) / (right - middle), (second - first) / (middle - left)
+    bend = 2.0 * (rise - fall) / (right - left)
+    slope = fall + 0.5 * bend * (middle - left)  # at the middle
+    where = middle - slope / np.where(bend > 0.0, bend, math.inf)
+    where = np.clip(where, left, right)
+    off = where - middle
+    # At the edge of the grid the cost may bend the other way.
+    least = 2.0 * np.abs(third - first) / (right - left) ** 2
+    return where, second + off * (slope + 0.5 * bend * off), np.maximum(bend, least)
+
+
+def _parabola(points: Any, values: Any, where: float) -> float:
+    """The parabola through three points at a place."""
+    (left, middle, right), (first, second, third) = points, values
+    return float(
+        first * (where - middle) * (where - right) / ((left - middle) * (left - right))
+        + second * (where - left) * (where - right) / ((middle - left) * (middle - right))
+        + third * (where - left) * (where - middle) / ((right - left) * (right - middle))
+    )
+
+
+def _slope(points: Any, values: Any, where: float) -> float:
+    """Slope of the parabola through three points at a place."""
+    (left, middle, right), (first, second, third) = points, values
+    rise, fall = (third - second) / (right - middle), (second - first) / (middle - left)
+    bend = 2.0 * (rise - fall) / (right - left)
+    return float(fall + 0.5 * bend * (2.0 * where - left - middle))

@@ -1,0 +1,253 @@
+r"""Position, velocity and acceleration of one target by several models side by side.
+
+H. A. P. Blom, Y. Bar-Shalom, "The Interacting Multiple Model Algorithm for Systems with Markovian
+Switching Coefficients", IEEE Trans. Automatic Control 33(8), 1988. Kalman filters on Singer's model
+run in parallel, a mode each. They differ in how hard the target accelerates, from hardly at all,
+which averages over tens of seconds, to a turn on the spot. How well each one predicts what is
+measured says which of them holds, with mu_i the probability of mode i and pi_ij that of a change
+from i to j:
+
+.. math:: \mu_j \leftarrow N(\nu_j; 0, S_j) \sum_i \pi_{ij} \mu_i
+
+Where an innovation is large, the measurement may be an outlier: its likelihood is that of a mixture
+of two normal distributions, and its information the mean of theirs.
+
+One more thing differs from the publication. There each mode starts from a mixture of all of them,
+and what little the quiet mode takes over from the others each time would end its memory after a few
+seconds. Here the quiet mode goes on alone while its probability is above :data:`QUIET_LEAST`, and
+starts anew from the mixture below.
+
+The axes share their covariances, which makes a mode's covariance of shape (3, 3).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.estimation.singer_motion import BRIDGE_TIME, bridged, singer_motion
+
+QUIET, TURN = 0, 3  # of the modes: quiet, gentle, hard, turn
+AGILITIES = np.array([1e-3, 0.1, 1.0, 1.0])  # sigma_a of each in [m/s^2]
+TURN_SPEED = 5.0  # m/s, least standard deviation on each axis by which a turn changes the velocity
+# How often the mode of a row changes to that of a column [1/s]. A turn is over at once.
+RATES = np.array(
+    [[0.0, 3e-4, 3e-4, 3e-4], [0.05, 0.0, 0.05, 0.02], [0.0, 0.2, 0.0, 0.05], [0.0, 0.0, 1e3, 0.0]]
+)
+QUIET_LEAST = 0.02  # probability of the quiet mode above which it goes on alone
+PROBABILITY_MIN = 1e-12
+OUTLIER_WEIGHT = math.log(0.03)  # of measurements that are outliers, which are
+OUTLIER_VARIANCE = 25.0  # times as uncertain as the others
+ROUNDING = 1e-13  # of a variance, before it is corrected
+TURN_MEMORY = 2.0  # s over which the turn rate is averaged
+Motion = tuple[NDArray[np.float64], float]  # velocity, shape (3,), and its variance [m^2/s^2]
+
+_LEAVING = -RATES.sum(axis=1)
+_CHANGES = RATES / RATES.sum(axis=1, keepdims=True) - np.eye(len(RATES))
+_SQUARES = AGILITIES[:, np.newaxis, np.newaxis] ** 2
+_TURN_POWERS = np.array([[2.0, 1.0], [1.0, 0.0]])
+_TURN_SHARES = np.array([[1.0 / 3.0, 0.5], [0.5, 1.0]])
+_IDENTITY = np.eye(3)
+_SELECT = np.eye(2, 3)[:, np.newaxis, :]  # H of the position and of the velocity
+
+
+class TargetTrack:
+    """A target that has been seen at least once.
+
+    Args:
+        time: When it was first seen in [s].
+        position: Where, shape (3,), in [m].
+        noise: Standard deviation of that position in [m].
+        agility: Standard deviation of the acceleration with which the modes begin in [m/s^2].
+        speed: Standard deviation of the velocity before it is known in [m/s].
+
+    Attributes:
+        time: Of the newest position taken in, in [s].
+        state: Position, velocity and acceleration at that time, rows of shape (3, 3).
+        covariance: Of (p, v, a) on each axis at that time, shape (3, 3).
+        turn_rate: Of the horizontal velocity, averaged over a few seconds, in [rad/s].
+        probabilities: Of the modes, shape (4,), [-].
+    """
+
+    def __init__(
+        self, time: float, position: NDArray[np.float64], noise: float, agility: float, speed: float
+    ) -> None:
+        count = len(AGILITIES)
+        self.time = time
+        self.turn_rate = 0.0
+        self._states = np.zeros((count, 3, 3))
+        self._states[:, 0] = position
+        self._covariances = np.zeros((count, 3, 3))
+        self._covariances[:, 0, 0] = noise**2
+        self._covariances[:, 1, 1] = speed**2
+        self._covariances[:, 2, 2] = AGILITIES**2
+        # The modes whose agility is nearest, by its logarithm; none begins with a turn.
+        nearness = -0.5 * np.log(AGILITIES / agility) ** 2
+        nearness[TURN] = -math.inf
+        self._weigh(nearness)
+        self._merge()
+
+    @property
+    def agility(self) -> float:
+        """Standard deviation of the target's acceleration, over the modes, in [m/s^2]."""
+        return math.sqrt(float(self.probabilities @ AGILITIES**2))
+
+    def position_std(self, age: float) -> float:
+        """Standard deviation of the position on each axis in [m].
+
+        Args:
+            age: Of the track, at least 0, in [s].
+        """
+        transition, noise = singer_motion(age)
+        row = transition[0]
+        return math.sqrt(row @ self.covariance @ row + self.agility**2 * noise[0, 0])
+
+    def update(
+        self,
+        time: float,
+        position: NDArray[np.float64],
+        variance: float,
+        gate: float,
+        motion: Motion | None = None,
+        doubted: bool = False,
+    ) -> bool:
+        """Take in a position unless its squared normalised innovation exceeds the gate.
+
+        Args:
+            time: When it was measured, after that of the track, in [s].
+            position: Shape (3,), in [m].
+            variance: Of the position on each axis in [m^2].
+            gate: Greatest squared normalised innovation of the mode that explains it best,
+                chi-square of 3 degrees of freedom, [-].
+            motion: Velocity, shape (3,), in [m/s] and its variance in [m^2/s^2], or None; it is
+                left out by itself where it exceeds the gate.
+            doubted: Whether the variance is little more than a guess: the innovation then counts
+                as noise of this position and of the one before, not as motion.
+        """
+        elapsed = time - self.time
+        predicted, states, covariances = self._predicted(elapsed)
+        innovations = position - states[:, 0]
+        squares = (innovations * innovations).sum(axis=1)
+        if not (squares <= gate * (covariances[:, 0, 0] + variance)).any():
+            return False
+        if doubted:
+            variance = max(variance, float(squares[QUIET]) / 3.0)
+            covariances[:, 0, 0] = np.maximum(covariances[:, 0, 0], variance)
+        self._states, self._covariances = states, covariances
+        self._weigh(np.log(predicted) + self._correct(0, innovations, squares, variance))
+        self._merge()
+        self.time = time
+        if motion is not None:
+            self.see_velocity(*motion, gate)
+        self._average_turn(elapsed)
+        return True
+
+    def see_velocity(self, velocity: NDArray[np.float64], variance: float, gate: float) -> None:
+        """Take in a velocity of the track's time unless its innovation exceeds the gate.
+
+        Args:
+            velocity: Shape (3,), in [m/s].
+            variance: On each axis in [m^2/s^2].
+            gate: Greatest squared normalised innovation of the mode that explains it best, [-].
+        """
+        innovations = velocity - self._states[:, 1]
+        squares = (innovations * innovations).sum(axis=1)
+        if (squares <= gate * (self._covariances[:, 1, 1] + variance)).any():
+            weights = self._correct(1, innovations, squares, variance)
+            self._weigh(np.log(self.probabilities) + weights)
+            self._merge()
+
+    def _predicted(
+        self, elapsed: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Probability, state and covariance of each mode after a time, before it is corrected."""
+        leaving = np.array([-math.expm1(rate * elapsed) for rate in _LEAVING.tolist()])
+        changes = _CHANGES * (leaving * self.probabilities)[:, np.newaxis]
+        changes.ravel()[:: len(leaving) + 1] += self.probabilities
+        predicted = changes.sum(axis=0)
+        shares = (changes / predicted).T
+        if self.probabilities[QUIET] > QUIET_LEAST:
+            shares[QUIET], shares[QUIET, QUIET] = 0.0, 1.0
+        states, covariances = _mixtures(shares, self._states - self.state, self._covariances)
+        states += self.state
+
+        transition, noise = singer_motion(elapsed)
+        covariances = transition @ covariances @ transition.T + _SQUARES * noise
+        # The velocity becomes another one at a moment of the interval that is not known.
+        (vx, vy, vz) = self.state[1].tolist()
+        square = max(TURN_SPEED**2, vx * vx + vy * vy + vz * vz)
+        covariances[TURN, :2, :2] += square * _TURN_SHARES * elapsed**_TURN_POWERS
+        if elapsed <= BRIDGE_TIME:
+            return predicted, transition @ states, covariances
+        travelled, left = bridged(elapsed)
+        states = singer_motion(travelled)[0] @ states
+        states[:, 1:] *= left
+        return predicted, states, covariances
+
+    def _correct(
+        self,
+        order: int,
+        innovations: NDArray[np.float64],
+        squares: NDArray[np.float64],
+        variance: float,
+    ) -> NDArray[np.float64]:
+        """Kalman correction by a measured derivative of order 0 or 1; log-likelihoods."""
+        covariances = self._covariances
+        own = covariances[:, order, order]
+        usual = -1.5 * np.log(own + variance) - 0.5 * squares / (own + variance)
+        wide = own + OUTLIER_VARIANCE * variance
+        unusual = OUTLIER_WEIGHT - 1.5 * np.log(wide) - 0.5 * squares / wide
+        likelihoods = np.logaddexp(usual, unusual)
+        # The information of a measurement that may be an outlier is the mean of both.
+        outlier = np.exp(unusual - likelihoods)
+        noise = variance / (1.0 - outlier * (1.0 - 1.0 / OUTLIER_VARIANCE))
+        gains = covariances[:, :, order] / (own + noise)[:, np.newaxis]
+        columns = gains[:, :, np.newaxis]
+        self._states = self._states + columns * innovations[:, np.newaxis, :]
+        # Joseph's form, and what was rounded off where a correction takes nearly all away.
+        remaining = _IDENTITY - columns * _SELECT[order]
+        corrected = remaining @ covariances @ remaining.transpose(0, 2, 1)
+        corrected += (noise[:, np.newaxis, np.newaxis] * columns) * gains[:, np.newaxis, :]
+        corrected += ROUNDING * _IDENTITY * covariances
+        self._covariances = 0.5 * (corrected + corrected.transpose(0, 2, 1))
+        return likelihoods
+
+    def _weigh(self, logarithms: NDArray[np.float64]) -> None:
+        """Probabilities from their logarithms, up to a common term."""
+        weights = np.maximum(np.exp(logarithms - logarithms.max()), PROBABILITY_MIN)
+        self.probabilities = weights / weights.sum()
+
+    def _merge(self) -> None:
+        """State and covariance of the mixture of all modes."""
+        origin = self._states[QUIET]
+        shares = self.probabilities[np.newaxis]
+        states, covariances = _mixtures(shares, self._states - origin, self._covariances)
+        self.state, self.covariance = states[0] + origin, covariances[0]
+
+    def _average_turn(self, elapsed: float) -> None:
+        (_, (vx, vy, _), (ax, ay, _)) = self.state.tolist()
+        # A velocity within its own uncertainty has no direction to turn.
+        square = max(vx * vx + vy * vy, 9.0 * float(self.covariance[1, 1]))
+        share = 1.0 - math.exp(-elapsed / TURN_MEMORY)
+        self.turn_rate += share * ((vx * ay - vy * ax) / square - self.turn_rate)
+
+
+def _mixtures(
+    shares: NDArray[np.float64], states: NDArray[np.float64], covariances: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Mean and covariance of mixtures, the latter averaged over the axes.
+
+    Args:
+        shares: Of each mode in each mixture, shape (n, 4).
+        states: Of the modes, shape (4, 3, 3).
+        covariances: Of the modes, shape (4, 3, 3).
+    """
+    count = len(shares)
+    means = (shares @ states.reshape(-1, 9)).reshape(count, 3, 3)
+    # sum_i w_i (x_i - m) (x_i - m)' as one product: the columns are modes and axes.
+    apart = (states - means[:, np.newaxis]) * np.sqrt(shares / 3.0)[:, :, np.newaxis, np.newaxis]
+    apart = apart.transpose(0, 2, 1, 3).reshape(count, 3, -1)
+    spread = (shares @ covariances.reshape(-1, 9)).reshape(count, 3, 3)
+    return means, spread + apart @ apart.transpose(0, 2, 1)

@@ -1,0 +1,37 @@
+"""How the aircraft answers commands, as values for /diagnostics."""
+
+from __future__ import annotations
+
+from uav_tracking_mpc.control.adaptation import ResponseAdaptation
+from uav_tracking_mpc.estimation.channel_response import CHANNELS
+
+
+def response_values(response: ResponseAdaptation) -> dict[str, object]:
+    """Keys, with units, and values: estimates with standard deviations, and what is flown by.
+
+    Args:
+        response: Of the controller.
+    """
+    values: dict[str, object] = {}
+    for axis, (name, channel) in enumerate(zip(CHANNELS, response.channels, strict=True)):
+        if response.enabled:
+            values |= {
+                f"{name} lag estimated [s]": channel.lag,
+                f"{name} lag deviation [s]": channel.lag_deviation,
+                f"{name} dead time estimated [s]": channel.dead_time,
+                f"{name} dead time deviation [s]": channel.dead_time_deviation,
+                f"{name} lag and dead time estimated [s]": channel.delay,
+                f"{name} lag and dead time deviation [s]": channel.delay_deviation,
+                f"{name} gain estimated": channel.gain,
+                f"{name} gain deviation": channel.gain_deviation,
+                f"{name} response trusted": channel.trusted,
+                f"{name} gain trusted": channel.gain_trusted,
+            }
+        values |= {
+            f"{name} lag flown by [s]": float(response.lag[axis]),
+            f"{name} dead time flown by [s]": float(response.dead_time[axis]),
+            f"{name} gain flown by": float(response.gain[axis]),
+        }
+    for axis in range(2):
+        values[f"limit cycle of the {CHANNELS[axis]}"] = response.oscillation.words(axis)
+    return values

@@ -1,0 +1,83 @@
+"""Limits of the answer, where it shows them: what is demanded beyond is not flown.
+
+A turn is limited by the bank that it needs, the other channels by the rate itself. On each side the
+limit is sought that explains the record best; it counts where it explains it much better than none.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.studies.identification.channel_fit import ChannelFit
+from uav_tracking_mpc.studies.identification.channel_record import ChannelRecord
+
+SHARES = np.linspace(0.3, 0.98, 35)  # of the greatest demand, tried as its limit
+NEARBY = np.linspace(0.92, 1.08, 17)  # of a limit that was found, tried in its place
+ROUNDS = 3  # in which limits and the rest are made to agree
+CONVINCING = 30.0  # by which the misfit must fall [-]; by chance it falls by a few
+
+
+class Limits(NamedTuple):
+    """Limits of what is demanded, times its leverage; infinite where none shows.
+
+    Attributes:
+        lower: In [rad/s], [m/s^2] or, in a turn, tan(bank) [-].
+        upper: In the same unit, [rad/s], [m/s^2] or [-].
+    """
+
+    lower: float = -np.inf
+    upper: float = np.inf
+
+    def kept(self, record: ChannelRecord) -> NDArray[np.float64]:
+        """The demand inside the limits, shape (m,), in [rad/s] or [m/s^2].
+
+        Args:
+            record: With the demand.
+        """
+        lever = record.leverage
+        return np.clip(record.demand.value * lever, self.lower, self.upper) / lever
+
+
+def limited_fit(record: ChannelRecord) -> tuple[ChannelFit, Limits]:
+    """The fit of a channel, and the limits that it shows.
+
+    Args:
+        record: Of the channel.
+    """
+    limits = Limits()
+    fit = ChannelFit(record, record.demand.value).run()
+    for _ in range(ROUNDS):
+        found = _better(fit, limits)
+        if found == limits:
+            break
+        limits = found
+        fit = ChannelFit(record, limits.kept(record)).run()
+    return fit, limits
+
+
+def _better(fit: ChannelFit, limits: Limits) -> Limits:
+    """Limits that explain the record much better than those before, else these."""
+    record = fit.record
+    levered = record.demand.value * record.leverage
+    for side, extreme in (("upper", np.max(levered)), ("lower", np.min(levered))):
+        inward = 1.0 if side == "upper" else -1.0
+        if inward * extreme <= 0.0:
+            continue
+        known = getattr(limits, side)
+        places = NEARBY * known if np.isfinite(known) else SHARES * extreme
+        tried = [limits._replace(**{side: float(place)}) for place in places]
+        misfits = [_misfit(fit, candidate) for candidate in tried]
+        needed = 0.0 if np.isfinite(known) else CONVINCING
+        if min(misfits) < _misfit(fit, limits) - needed:
+            limits = tried[int(np.argmin(misfits))]
+    return limits
+
+
+def _misfit(fit: ChannelFit, limits: Limits) -> float:
+    """Of the same lag, dead time and noise with other limits."""
+    other = ChannelFit(fit.record, limits.kept(fit.record))
+    other.describe(fit.noise)
+    return other.solve(fit.lag, fit.dead_time).misfit
