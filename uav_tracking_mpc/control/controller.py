@@ -149,9 +149,10 @@ class Controller:
         self._pace, self.rate.rate = Pace(parameters.control_rate), parameters.control_rate
         self.parameters = parameters
         self._choose()
-        p = parameters
-        words = f"{p.range:g} m at {p.altitude:g} m and {p.airspeed:g} m/s, {p.direction}"
-        self.events.add(Level.INFO, f"from now on {words}")
+        words = (
+            "from now on {0.range:g} m at {0.altitude:g} m and {0.airspeed:g} m/s, {0.direction}"
+        )
+        self.events.add(Level.INFO, words.format(parameters))
 
     def _fly_by(self, parameters: TrackingParameters | None) -> None:
         """Predict with other parameters from now on; with None as before."""
@@ -238,8 +239,8 @@ class Controller:
         command = self._answer(measurement)
         taken = self._stopwatch() - begin
         if taken > self.parameters.state_timeout:
-            late = f"vehicle state: answered only after {taken:.3f} s, the command is not sent"
-            self.events.add(Level.REFUSAL, late)
+            late = f"answered only after {taken:.3f} s, the command is not sent"
+            self.events.add(Level.REFUSAL, f"vehicle state: {late}")
             return None
         delay = max(0.0, now - stamp) + taken
         flown = self.response.commanded(stamp, delay, command.inputs, command.step)

@@ -6,8 +6,15 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from uav_tracking_mpc.limits import Bound, Limit, Motion
 from uav_tracking_mpc.parameters.specification import parameter
+
+# Kept back in plans, in rad, but no more than this share of the span: an aircraft that lags more
+# than was told comes out of a climb later than planned.
+PLANNED_MARGIN, PLANNED_SHARE = 0.03, 0.1
 
 
 @dataclass(frozen=True)
@@ -19,6 +26,20 @@ class PathAngle(Limit):
     path_angle_min: float = parameter(-1.2, "Steepest descent.", "rad", -1.5, -0.01)
     path_angle_max: float = parameter(1.2, "Steepest climb.", "rad", 0.01, 1.5)
 
+    def numbers(self, targets: NDArray[np.float64]) -> NDArray[np.float64]:
+        """See :meth:`Limit.numbers`.
+
+        Returns:
+            Steepest planned descent and climb in [rad], shape (n, 2).
+        """
+        least, most = self.path_angle_min, self.path_angle_max
+        margin = min(PLANNED_MARGIN, PLANNED_SHARE * (most - least))
+        return np.tile([least + margin, most - margin], (len(targets), 1))
+
     def stage(self, motion: Motion, numbers: Any, xp: ModuleType) -> Bound:
         """See :meth:`Limit.stage`."""
         return Bound(motion.path_angle, numbers[0], numbers[1], scale=0.1)
+
+    def flown(self, motion: Motion, numbers: Any) -> Bound:
+        """See :meth:`Limit.flown`: without the margin of plans."""
+        return Bound(motion.path_angle, self.path_angle_min, self.path_angle_max)
