@@ -185,7 +185,11 @@ def test_near_the_orbit_its_inputs_are_those_of_the_paper():
     """
     weights = {"state_weights": (0.05, 1.0, 0.3, 0.5, 0.5), "input_weights": (0.04, 0.04, 0.2)}
     parameters = replace(
-        STILL, **weights, offset_weights=(1e4, 1e4, 1e4), terminal_constraint="none"
+        STILL,
+        **weights,
+        offset_weights=(1e4, 1e4, 1e4),
+        terminal_constraint="none",
+        response_estimation=False,
     )
     paper = CasadiSolver(problem_of(parameters), "ipopt")
     flight = FlightFormulation(
@@ -287,7 +291,7 @@ def test_no_answer_is_worse_than_ipopts(plans):
     soft = sum(h.expression.numel() for h in problem.stage_inequalities) * problem.horizon
     relaxed = 1e-8 * FLIGHT.limit_penalty * soft
     compared = 0
-    for _, x_0, p, plan in plans[:6]:
+    for _, x_0, p, plan in plans[:14]:  # it gives up where the start is far from any orbit
         ipopt.reset()
         expected = ipopt.solve(x_0, p, guess=lambda plan=plan: guess_of(plan))
         if expected.converged:

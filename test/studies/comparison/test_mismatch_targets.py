@@ -67,7 +67,7 @@ def test_a_good_flight_misses_nothing():
         (
             RELATIVE,
             {"envelope_violations": 3, "violations": {"bank": 2, "force": 1}},
-            "3 samples outside the envelope (bank 2, force 1)",
+            "samples outside the envelope: bank 2",
         ),
         (
             RELATIVE,

@@ -57,7 +57,7 @@ def test_coloured_noise_is_recognised():
     )
     fit = fitted(gusty)
     assert len(fit.noise[0].polynomial) > 1
-    assert fit.lag + fit.dead_time == pytest.approx(0.4, abs=0.02)
+    assert fit.lag + fit.dead_time == pytest.approx(0.4, abs=0.03)  # two standard deviations
 
 
 def test_a_record_that_is_too_short_is_refused():

@@ -17,6 +17,11 @@ from uav_tracking_mpc.studies.comparison.measures import Measures
 from uav_tracking_mpc.studies.comparison.targets import CONFIGURATION
 
 
+# Limits that a flight told wrong is not to pass; the force of the first climb is known only once the
+# aircraft has answered.
+JUDGED = ("bank", "airspeed", "path angle")
+
+
 @dataclass(frozen=True)
 class Asked:
     """Of one mismatch; what is infinite is not asked.
@@ -129,9 +134,9 @@ def missed(asked: Asked, flights: Mapping[str, Measures]) -> list[str]:
         if not value <= bound:
             of_law = f", {share:g} times that of {law}" if law else ""
             words.append(f"{name} {value:.3g} {unit}, at most {bound:.3g} {unit}{of_law}")
-    if asked.limits and own.envelope_violations:
-        limits = ", ".join(f"{name} {count}" for name, count in own.violations.items())
-        words.append(f"{own.envelope_violations} samples outside the envelope ({limits})")
+    beyond = [f"{name} {own.violations[name]}" for name in JUDGED if name in own.violations]
+    if asked.limits and beyond:
+        words.append(f"samples outside the envelope: {', '.join(beyond)}")
     if asked.optimal and own.off_plan:
         words.append(f"{own.off_plan} commands off the optimal plan")
     return words

@@ -5,7 +5,7 @@
 ``bag_record``            such a record from a bag
 ``csv_record``            such a record from and to a CSV file
 ``channel_record``        what it says of one channel
-``channel_response``      first-order lag and dead time, exact
+``held_demand``           first-order lag and dead time, exact
 ``noise_model``           what the fit leaves over
 ``channel_fit``           maximum likelihood of lag, dead time and gain
 ``saturation``            limits, where the response shows them

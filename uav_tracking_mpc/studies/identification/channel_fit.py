@@ -4,7 +4,7 @@ Measured are the integral of the rate (heading, path angle, airspeed) and, perha
 
 .. math:: y = y_0 + b t + G \int \omega + e_y, \qquad \dot y = b_\omega + G \omega + e_\omega
 
-with the response :math:`\omega` of :mod:`~uav_tracking_mpc.studies.identification.channel_response`
+with the response :math:`\omega` of :mod:`~uav_tracking_mpc.studies.identification.held_demand`
 and autoregressive noise e. For each lag and dead time the rest is linear and solved for at once;
 lag and dead time are found on a grid, for there may be several minima, and then refined
 (G. Golub, V. Pereyra, SIAM J. Numer. Anal. 10, 1973: variable projection).
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from uav_tracking_mpc.studies.identification.channel_record import SPEED, ChannelRecord, Samples
-from uav_tracking_mpc.studies.identification.channel_response import HeldDemand
+from uav_tracking_mpc.studies.identification.held_demand import HeldDemand
 from uav_tracking_mpc.studies.identification.noise_model import NoiseModel, noise_of
 
 LAG_MAX, DEAD_TIME_MAX = 3.0, 2.0  # s

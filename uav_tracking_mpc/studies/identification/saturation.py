@@ -59,21 +59,31 @@ def limited_fit(record: ChannelRecord) -> tuple[ChannelFit, Limits]:
 
 
 def _better(fit: ChannelFit, limits: Limits) -> Limits:
-    """Limits that explain the record much better than those before, else these."""
-    record = fit.record
-    levered = record.demand.value * record.leverage
-    for side, extreme in (("upper", np.max(levered)), ("lower", np.min(levered))):
-        inward = 1.0 if side == "upper" else -1.0
-        if inward * extreme <= 0.0:
-            continue
+    """Limits that explain the record much better than those before, else these.
+
+    Both sides are tried together first: a test signal that is symmetric passes both.
+    """
+    levered = fit.record.demand.value * fit.record.leverage
+    least, most = min(float(np.min(levered)), 0.0), max(float(np.max(levered)), 0.0)
+    if limits == Limits():
+        limits = _best(fit, limits, [Limits(share * least, share * most) for share in SHARES])
+    for side, extreme in (("upper", most), ("lower", least)):
         known = getattr(limits, side)
         places = NEARBY * known if np.isfinite(known) else SHARES * extreme
-        tried = [limits._replace(**{side: float(place)}) for place in places]
-        misfits = [_misfit(fit, candidate) for candidate in tried]
-        needed = 0.0 if np.isfinite(known) else CONVINCING
-        if min(misfits) < _misfit(fit, limits) - needed:
-            limits = tried[int(np.argmin(misfits))]
+        limits = _best(fit, limits, [limits._replace(**{side: float(each)}) for each in places])
+        without = limits._replace(**{side: getattr(Limits(), side)})
+        if _misfit(fit, without) < _misfit(fit, limits) + CONVINCING:
+            limits = without
     return limits
+
+
+def _best(fit: ChannelFit, limits: Limits, tried: list[Limits]) -> Limits:
+    """The best of some limits, if it is much better or moves one that is known."""
+    misfits = [_misfit(fit, candidate) for candidate in tried]
+    best = tried[int(np.argmin(misfits))]
+    more = np.isfinite(best).sum() > np.isfinite(limits).sum()
+    needed = CONVINCING if more else 0.0
+    return best if min(misfits) < _misfit(fit, limits) - needed else limits
 
 
 def _misfit(fit: ChannelFit, limits: Limits) -> float:

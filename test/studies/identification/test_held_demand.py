@@ -5,7 +5,7 @@ import pytest
 from excited_channel import answer, excitation
 
 from uav_tracking_mpc.studies.identification.channel_record import Samples
-from uav_tracking_mpc.studies.identification.channel_response import HeldDemand
+from uav_tracking_mpc.studies.identification.held_demand import HeldDemand
 
 
 @pytest.mark.parametrize("lag", [0.0, 0.05, 0.3, 2.0])
