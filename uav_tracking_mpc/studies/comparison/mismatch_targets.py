@@ -16,9 +16,8 @@ from uav_tracking_mpc.settings.tracking import PREDICTIVE
 from uav_tracking_mpc.studies.comparison.measures import Measures
 from uav_tracking_mpc.studies.comparison.targets import CONFIGURATION
 
-
-# Limits that a flight told wrong is not to pass; the force of the first climb is known only once the
-# aircraft has answered.
+# Limits that a flight told wrong is not to pass; the force of the first climb is known only once
+# the aircraft has answered.
 JUDGED = ("bank", "airspeed", "path angle")
 
 
