@@ -179,7 +179,7 @@ def test_an_orbit_that_cannot_be_flown_is_not_configured(flight):
     assert "needs a turn rate" in refused.reason
     flight.controller.parameters = dataclasses.replace(
         flight.controller.parameters, certificate="/nowhere.json", terminal_constraint="none",
-        rate_lag=(0.0,) * 3, dead_time=(0.0,) * 3,
+        rate_lag=(0.0,) * 3, dead_time=(0.0,) * 3, response_estimation=False,
     )  # fmt: skip
     assert not flight.change(Transition.TRANSITION_CONFIGURE)
     assert flight.state() == State.PRIMARY_STATE_UNCONFIGURED

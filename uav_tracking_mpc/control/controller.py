@@ -233,6 +233,8 @@ class Controller:
             return None
         if not self._pace.due(stamp):
             return None
+        if not self.flying:  # an average of nothing would take seconds to become the latency
+            self.navigator.latency = max(0.0, now - stamp)
         self._fly_by(self.response.follow(stamp))
         command = self._answer(measurement)
         taken = self._stopwatch() - begin

@@ -15,6 +15,9 @@ from uav_tracking_mpc.parameters.specification import parameter
 # Kept back in plans, in rad, but no more than this share of the span: an aircraft that lags more
 # than was told comes out of a climb later than planned.
 PLANNED_MARGIN, PLANNED_SHARE = 0.03, 0.1
+# s, the least time constant with which plans approach a limit: an aircraft whose state is known too
+# late does not pass it then.
+APPROACH_TIME = 1.0
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,15 @@ class PathAngle(Limit):
     def stage(self, motion: Motion, numbers: Any, xp: ModuleType) -> Bound:
         """See :meth:`Limit.stage`."""
         return Bound(motion.path_angle, numbers[0], numbers[1], scale=0.1)
+
+    def inputs(self, motion: Motion, numbers: Any, xp: ModuleType) -> dict[str, tuple[Any, Any]]:
+        """See :meth:`Limit.inputs`: the nearer to a limit, the slower towards it."""
+        return {
+            "path_angle_rate": (
+                (numbers[0] - motion.path_angle) / APPROACH_TIME,
+                (numbers[1] - motion.path_angle) / APPROACH_TIME,
+            )
+        }
 
     def flown(self, motion: Motion, numbers: Any) -> Bound:
         """See :meth:`Limit.flown`: without the margin of plans."""

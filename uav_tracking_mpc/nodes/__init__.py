@@ -5,6 +5,7 @@
 ``target_publisher``     where the target is
 ``nmpc_controller``      messages to the controller, its commands to the vehicle
 ``controller_report``    what it has done, as numbers for /diagnostics
+``air_values``           what is known of the air, as values of diagnostics
 ``response_values``      how the aircraft answers commands, as values of these
 ``controller_views``     what it shows to people: tracking errors, path, markers
 ``view_messages``        the messages of path and markers

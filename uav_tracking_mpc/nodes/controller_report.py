@@ -10,6 +10,7 @@ from uav_tracking_mpc.control.event import Level
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.estimation.channel_response import CHANNELS
 from uav_tracking_mpc.nodes import diagnostics
+from uav_tracking_mpc.nodes.air_values import air_values
 from uav_tracking_mpc.nodes.peers import Peers
 from uav_tracking_mpc.nodes.response_values import response_values
 from uav_tracking_mpc.nodes.sample_window import SampleWindow
@@ -172,6 +173,8 @@ class ControllerReport:
             **response_values(controller.response),
             **self.peers.values(),
         }
+        if controller.parameters.air_estimation:
+            values |= air_values(navigator.air_filter)
         decrease = None if formulation is None else formulation.decrease
         if decrease is not None:
             values["cost decrease (54) checked"] = decrease.checked
