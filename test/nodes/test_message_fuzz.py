@@ -42,8 +42,17 @@ def controller():
         CONFIGURATION.controller,
         refusals=lambda node: node.report.refused,
         # The solver's workspace is overwritten by every solve; a doubtful state is remembered, to
-        # judge the next ones; the first stamp, whatever it is, is where times are counted from.
-        may_change=("formulation", "_outlier", "_agreeing", "reason", "events", "_origin"),
+        # judge the next ones; the first stamp, whatever it is, is where times are counted from; the
+        # margins are judged beside the flight.
+        may_change=(
+            "formulation",
+            "_outlier",
+            "_agreeing",
+            "reason",
+            "events",
+            "_origin",
+            "_margins",
+        ),  # fmt: skip
         use_sim_time=True,
     )
     yield ControllerFlight
