@@ -29,6 +29,8 @@ def _feed(thing, leaving_out, feed):
         feed(repr(thing).encode())
     elif kind is np.ndarray:
         feed(thing.tobytes())
+    elif kind in (list, tuple, deque) and all(type(item) in PLAIN for item in thing):
+        feed(repr(thing).encode())
     elif kind in (list, tuple, deque):
         feed(b"[%d" % len(thing))
         for item in thing:

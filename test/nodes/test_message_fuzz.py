@@ -42,18 +42,11 @@ def controller():
         CONFIGURATION.controller,
         refusals=lambda node: node.report.refused,
         # The solver's workspace is overwritten by every solve; a doubtful state is remembered, to
-        # judge the next ones; the first stamp, whatever it is, is where times are counted from; the
-        # margins are judged beside the flight.
-        may_change=(
-            "formulation",
-            "_outlier",
-            "_agreeing",
-            "reason",
-            "events",
-            "_origin",
-            "_margins",
-        ),  # fmt: skip
+        # judge the next ones; the first stamp, whatever it is, is where times are counted from.
+        may_change=("formulation", "_outlier", "_agreeing", "reason", "events", "_origin"),
         use_sim_time=True,
+        delay_margin_min=0.0,  # judged beside the flight, at times of its own
+        gain_margin_min=0.0,
     )
     yield ControllerFlight
     ControllerFlight.harness.node.destroy_node()

@@ -124,8 +124,7 @@ class Controller:
             ParameterError: A fixed one differs, or the orbit cannot be flown in the present drift.
         """
         refuse_fixed(self.parameters, parameters)
-        refusal = parameters.envelope.refusal(parameters.orbit, self.drift)
-        if refusal:
+        if refusal := parameters.envelope.refusal(parameters.orbit, self.drift):
             raise ParameterError(f"parameters 'range', 'altitude', 'airspeed': {refusal}")
 
     def change(self, **values: Any) -> None:
@@ -266,8 +265,7 @@ class Controller:
         if verdict is Verdict.RESTART:
             self.events.add(Level.WARNING, f"{reason}, starting anew")
             self._forget()
-        believed = verdict in (Verdict.USE, Verdict.RESTART)
-        if believed:
+        if believed := verdict in (Verdict.USE, Verdict.RESTART):
             vehicle = self.navigator.vehicle_state(measurement)
             self.response.see(measurement, vehicle, not self.navigator.air.missing)
         return believed
@@ -313,7 +311,8 @@ class Controller:
             if by_law is None:
                 by_law, _ = law_inputs(self._loiter, estimate.effect)
             inputs, step = np.zeros((1, 3)) if by_law is None else by_law, LEVELLING_TIME
-        return self._command(stamp, inputs, step, estimate.effect.airspeed, plan, estimate.present)
+        airspeed = max(estimate.effect.airspeed, self.navigator.airspeed)  # estimates are smooth
+        return self._command(stamp, inputs, step, airspeed, plan, estimate.present)
 
     def _hold(self, stamp: float, vehicle: NDArray[np.float64], trouble: str) -> Command:
         """Wings level at the present speed: there is no target to fly about."""
@@ -346,7 +345,6 @@ class Controller:
 
     def _select(self, available: Available) -> FallbackMode:
         """Choose the mode and report its change."""
-        change = self.modes.select(available)
-        if change is not None:
+        if (change := self.modes.select(available)) is not None:
             self.events.add(Level.INFO if change.after.nominal else Level.WARNING, str(change))
         return self.modes.mode

@@ -72,6 +72,7 @@ class Navigator:
         target: The filter of the target's positions.
         air_filter: Of mean wind, gusts and biases.
         wind: At the latest estimate, gust included, shape (3,), in [m/s].
+        airspeed: As it was measured last in [m/s], before noise and bias are taken out.
         latency: Time from a measurement to the command that answers it, averaged, in [s].
     """
 
@@ -82,7 +83,7 @@ class Navigator:
         self._path_angle = RateAidedFilter(1e-3, 0.05, 1e-3, circular=True)
         self._airspeed = RateAidedFilter(0.1, 0.5, 0.05, circular=False)
         self.target = TargetFilter(parameters.target_noise, parameters.target_agility)
-        self.latency = 0.0
+        self.latency = self.airspeed = 0.0
         self._history = CommandHistory(0.0)
         self.change(parameters)
         self.reset()
@@ -176,6 +177,7 @@ class Navigator:
             ValueError: No target position is known.
         """
         time, vehicle = measurement.stamp, self.vehicle_state(measurement)
+        self.airspeed = float(vehicle[5])
         delay = max(self._dead_time) + min(max(self.latency, 0.0), LATENCY_LIMIT)
         self._times[0] = time
         self._times[1:] = time + delay + self._stages
