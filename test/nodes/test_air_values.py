@@ -9,11 +9,12 @@ from uav_tracking_mpc.nodes.air_values import air_values
 
 def test_every_value_has_its_unit_and_is_the_filters():
     air = WindFilter()
+    wind = np.array([3.0, 4.0, 0.0])
     for k in range(200):
         time = 0.05 * k
         heading = 0.07 * time
         velocity = 22.0 * np.array([np.cos(heading), np.sin(heading), 0.0])
-        air.update(time, np.zeros(3), [*velocity, 3.0, 4.0, 0.0], velocity, 120.0)
+        air.update(time, np.zeros(3), velocity + wind, velocity, 120.0)
     values = air_values(air)
     assert all(key.endswith("]") for key in values)
     assert values["mean wind north [m/s]"] == air.mean_wind[1]

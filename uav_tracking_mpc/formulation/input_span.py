@@ -14,7 +14,8 @@ from uav_tracking_mpc.limits import Limit, Motion
 
 # [rad/s], [rad/s], [m/s^2] over which limits merge
 BLENDS = {"turn_rate": 0.02, "path_angle_rate": 0.02, "acceleration": 0.2}
-LEAST_SPAN = 0.1  # of an input, where limits contradict each other: that which is named first wins
+# Of a blend, that an input can span where limits contradict each other: that named first wins.
+LEAST_SPAN = 0.5
 
 
 def input_span(
@@ -41,8 +42,8 @@ def input_span(
             half.append(upper)
             continue
         negative = [span[1] if span[0] is None else -span[0] for span in spans]
-        lower = xp.fmin(-_merged(negative, blend, xp), spans[0][1] - LEAST_SPAN)
-        upper = xp.fmax(upper, lower + LEAST_SPAN)
+        lower = xp.fmin(-_merged(negative, blend, xp), spans[0][1] - LEAST_SPAN * blend)
+        upper = xp.fmax(upper, lower + LEAST_SPAN * blend)
         middle.append(0.5 * (lower + upper))
         half.append(0.5 * (upper - lower))
     return middle, half
