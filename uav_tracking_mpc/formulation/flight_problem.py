@@ -80,8 +80,8 @@ class FlightProblem:
         layout: Of the parameter p of a stage: the parts of :data:`OWN_SIZES`, ``model``, and a part
             for each limit by :func:`part_of`.
         problem: For a solver.
-        turn_acceleration: CasADi function (x, p, a) to how quickly the turn rate of the orbit changes
-            there, in [rad/s^2].
+        turn_acceleration: CasADi function of (x, p, a): how quickly the turn rate of the orbit
+            changes there, in [rad/s^2].
     """
 
     def __init__(
