@@ -91,7 +91,7 @@ class Controller:
         self._choose()
 
     def reset(self) -> None:
-        """Forget aircraft, air, target, plans and commands; counts and latency stay."""
+        """Forget aircraft, air, target, plans and commands; counts stay."""
         self._gate.reset()
         self.flying = False
         self._fly_by(self.response.reset())
@@ -232,8 +232,8 @@ class Controller:
             return None
         if not self._pace.due(stamp):
             return None
-        if not self.flying:  # an average of nothing would take seconds to become the latency
-            self.navigator.latency = max(0.0, now - stamp)
+        if not self.flying:
+            self.navigator.begin(now - stamp)
         self._fly_by(self.response.follow(stamp))
         command = self._answer(measurement)
         taken = self._stopwatch() - begin
@@ -311,7 +311,7 @@ class Controller:
             if by_law is None:
                 by_law, _ = law_inputs(self._loiter, estimate.effect)
             inputs, step = np.zeros((1, 3)) if by_law is None else by_law, LEVELLING_TIME
-        airspeed = max(estimate.effect.airspeed, self.navigator.airspeed)  # estimates are smooth
+        airspeed = max(estimate.effect.airspeed, self.navigator.airspeed)  # that lags behind
         return self._command(stamp, inputs, step, airspeed, plan, estimate.present)
 
     def _hold(self, stamp: float, vehicle: NDArray[np.float64], trouble: str) -> Command:

@@ -28,6 +28,10 @@ LATENCY_SHARE = 0.05  # of a new measurement in the latency that the prediction 
 # A measurement corrects the target's track by steps. They are faded in with this time constant
 # [s], or those of a noisy track would go straight into the bank angle.
 FADE_TIME = 0.8
+# What the filters begin with: noise of a rate per root of Hz and standard deviation of its bias, in
+# [rad/s] as measured and in [m/s^2] as computed from the commands; least noise of what is measured.
+GYRO, ACCELERATION_MODEL = (1e-3, 0.05), (0.1, 0.5)
+ATTITUDE_NOISE, AIRSPEED_NOISE = 1e-3, 0.05  # rad, m/s
 ACCELERATION = 2  # axis of u_v among the inputs
 
 
@@ -79,9 +83,9 @@ class Navigator:
     def __init__(self, parameters: TrackingParameters) -> None:
         self.air = AirData(parameters.state_timeout)
         self.air_filter = WindFilter()
-        self._heading = RateAidedFilter(1e-3, 0.05, 1e-3, circular=True)
-        self._path_angle = RateAidedFilter(1e-3, 0.05, 1e-3, circular=True)
-        self._airspeed = RateAidedFilter(0.1, 0.5, 0.05, circular=False)
+        self._heading = RateAidedFilter(*GYRO, ATTITUDE_NOISE, circular=True)
+        self._path_angle = RateAidedFilter(*GYRO, ATTITUDE_NOISE, circular=True)
+        self._airspeed = RateAidedFilter(*ACCELERATION_MODEL, AIRSPEED_NOISE, circular=False)
         self.target = TargetFilter(parameters.target_noise, parameters.target_agility)
         self.latency = self.airspeed = 0.0
         self._history = CommandHistory(0.0)
@@ -146,6 +150,14 @@ class Navigator:
     def _fading(self, time: float) -> NDArray[np.float64]:
         """What is not yet corrected of position and velocity at a time, shape (2, 3)."""
         return self._faded * math.exp(-max(0.0, time - self._fade_begin) / FADE_TIME)
+
+    def begin(self, delay: float) -> None:
+        """Count with a latency at once: an average of nothing would take seconds to get there.
+
+        Args:
+            delay: From the stamp of the first measurement to now in [s].
+        """
+        self.latency = min(max(0.0, delay), LATENCY_LIMIT)  # in this order 0 for what is no number
 
     def commanded(self, stamp: float, delay: float, plan: NDArray[np.float64], step: float) -> None:
         """Record a plan that has been sent.

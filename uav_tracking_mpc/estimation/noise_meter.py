@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 SAMPLES = 16  # of the longer difference
+MEMORY = 40.0  # s, of the noise of an aircraft's sensors and of gusts
 PRIOR_TIME = 1.0  # s of samples that what is taken at first counts for
 LONGEST_GAP = 1.0  # s between samples beyond which the signal begins anew
 

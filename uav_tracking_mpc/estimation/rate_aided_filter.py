@@ -11,9 +11,9 @@ import math
 
 import numpy as np
 
-from uav_tracking_mpc.estimation.noise_meter import NoiseMeter
+from uav_tracking_mpc.estimation.noise_meter import MEMORY, NoiseMeter
 
-NOISE_MEMORY = 40.0  # s
+BIAS_WALK = 1e-3  # of the bias, variance per s as a share of that of the rate's noise
 LONGEST_GAP = 1.0  # s without a measurement, after which x begins anew
 
 
@@ -34,7 +34,7 @@ class RateAidedFilter:
     def __init__(self, rate_noise: float, bias: float, noise: float, circular: bool) -> None:
         self._rate_noise, self._prior, self._noise = rate_noise, bias, noise
         self._circular = circular
-        self._meter = NoiseMeter(noise, NOISE_MEMORY)
+        self._meter = NoiseMeter(noise, MEMORY)
         self.reset()
 
     def reset(self) -> None:
@@ -65,7 +65,7 @@ class RateAidedFilter:
         spread = self._rate_noise**2 * elapsed
         self._p_xx += elapsed * (elapsed * self._p_bb - 2.0 * self._p_xb) + spread
         self._p_xb -= elapsed * self._p_bb
-        self._p_bb += 1e-3 * spread  # the bias wanders a thousandth as much, per s
+        self._p_bb += BIAS_WALK * spread
         innovation = measured - self.value
         if self._circular:
             innovation = math.remainder(innovation, 2.0 * math.pi)

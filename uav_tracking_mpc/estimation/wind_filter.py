@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.dryden import gust_scales
-from uav_tracking_mpc.estimation.noise_meter import NoiseMeter
+from uav_tracking_mpc.estimation.noise_meter import MEMORY, NoiseMeter
 
 # Standard deviations before anything is measured
 WIND, GUST, GROUND_BIAS = 10.0, 2.5, 2.0  # m/s
@@ -33,7 +33,6 @@ AIRSPEED_SHARE, HEADING_BIAS = 0.02, 0.02  # -, rad
 # How much what is constant may wander, in its unit per root of s
 WIND_WALK, GROUND_WALK, SHARE_WALK, HEADING_WALK = 0.03, 0.01, 2e-4, 2e-4
 POSITION_NOISE, VELOCITY_NOISE = 0.1, 0.05  # m, m/s: least standard deviations believed
-NOISE_MEMORY = 40.0  # s
 GUST_WALK = 1.0  # m^2/s^3, that of moderate gusts, until it is seen how strong they are
 LONGEST_GAP = 2.0  # s without a measurement, after which the position begins anew
 
@@ -45,9 +44,9 @@ class WindFilter:
     """The filter of the module's docstring; its state is (p, w, g, b, alpha, beta)."""
 
     def __init__(self) -> None:
-        self._position_meter = NoiseMeter(POSITION_NOISE, NOISE_MEMORY)
-        self._level_meter = NoiseMeter(VELOCITY_NOISE, NOISE_MEMORY, GUST_WALK)
-        self._vertical_meter = NoiseMeter(VELOCITY_NOISE, NOISE_MEMORY, GUST_WALK)
+        self._position_meter = NoiseMeter(POSITION_NOISE, MEMORY)
+        self._level_meter = NoiseMeter(VELOCITY_NOISE, MEMORY, GUST_WALK)
+        self._vertical_meter = NoiseMeter(VELOCITY_NOISE, MEMORY, GUST_WALK)
         self._transition = np.eye(SIZE)
         self._sensed = np.zeros((6, SIZE))  # of position and ground velocity
         axes = np.arange(3)
@@ -125,7 +124,7 @@ class WindFilter:
         else:
             self._predict(elapsed, air_velocity, height)
         self._air = air_velocity
-        self._meet_noise(time, position, ground_velocity)
+        self._see_noise(time, position, ground_velocity)
         self._correct(position, ground_velocity)
 
     def _predict(self, elapsed: float, air_velocity: NDArray[np.float64], height: float) -> None:
@@ -150,7 +149,7 @@ class WindFilter:
         self._covariance = transition @ self._covariance @ transition.T
         self._covariance.flat[:: SIZE + 1] += self._spread
 
-    def _meet_noise(
+    def _see_noise(
         self, time: float, position: NDArray[np.float64], ground_velocity: NDArray[np.float64]
     ) -> None:
         air, alpha, beta = self._air, self._state[ALPHA], self._state[BETA]

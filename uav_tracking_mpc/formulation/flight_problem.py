@@ -10,8 +10,9 @@ cost is that of (14).
 
 Beside the paper's terms the cost pays for how quickly turn rate, path-angle rate and acceleration
 change, the orbit's own change being fed forward: bandwidth that a wrong lag, a dead time or noise
-would turn into oscillation costs more than it brings. Airspeeds far from the wanted one are
-penalised as the limits are, so that they are flown only where one of these forces them.
+would turn into oscillation costs more than it brings. Roll rates beyond their limit and airspeeds
+outside of a band about the wanted one are paid for by squares, so much that limits and drift alone
+make a plan fly them.
 
 The inputs are shares, from -1 to 1, of what the aircraft can do in its present state
 (:mod:`~uav_tracking_mpc.formulation.input_span`), so that their coupled limits are a box, which
