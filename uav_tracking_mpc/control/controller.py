@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.control.adaptation import ResponseAdaptation
-from uav_tracking_mpc.control.command import Command
+from uav_tracking_mpc.control.command import Command, orbit_from
 from uav_tracking_mpc.control.command_shaping import CommandShaper
 from uav_tracking_mpc.control.direction import nearest_direction
 from uav_tracking_mpc.control.event import EventLog, Level
@@ -74,14 +74,12 @@ class Controller:
         formulation: Formulation | None = None,
         stopwatch: Callable[[], float] = time.perf_counter,
     ) -> None:
-        self.parameters = parameters
+        self.parameters, self._stopwatch = parameters, stopwatch
         self._law_class = law_of(parameters)
         self.formulation = formulation or formulation_of(parameters)
-        self._stopwatch = stopwatch
         self.navigator, self.modes = Navigator(parameters), ModeSelector()
         self.rate = RateKeeper(parameters.control_rate)
-        self.drift = np.zeros(3)
-        self.events = EventLog()
+        self.drift, self.events = np.zeros(3), EventLog()
         self.response = ResponseAdaptation(parameters, self.events)
         self._shortfall = OrbitShortfall(self.events)
         self._gate = StateGate(parameters.state_timeout)
@@ -341,7 +339,9 @@ class Controller:
         mode, reason = self.modes.mode, self.modes.reason
         inputs = self._shaper.shape(stamp, inputs / self.response.gain, step, airspeed, mode)
         inputs = self._shaper.excitation.added(stamp, inputs, mode, self.orbit, present)
-        return Command(stamp, inputs, step, mode, reason, self.orbit, plan, present)
+        shape = self._plan.orbit if mode.planned else None
+        flown = orbit_from(present, self.navigator.wind, self.orbit, shape)
+        return Command(stamp, inputs, step, mode, reason, self.orbit, plan, present, flown)
 
     def _select(self, available: Available) -> FallbackMode:
         """Choose the mode and report its change."""
