@@ -18,6 +18,7 @@ Altitude and airspeed, once told, hold in that loiter too, until the mode change
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,6 +108,9 @@ class ArduPilotLink(MavlinkLink):
             refusals.append("neither ROLL_LIMIT_DEG nor LIM_ROLL_CD can be read")
         flown = self.telemetry.airspeed if self.in_air else None
         airspeed = envelope.cruise or flown or 15.0
+        values = envelope.values(airspeed)
+        if (fence := envelope.fence()) is not None:
+            values.update(self._fence(*fence))
         found = {
             "firmware": f"ArduPlane {firmware(self.version)}",
             "system": str(self.requests.system),
@@ -119,10 +123,23 @@ class ArduPilotLink(MavlinkLink):
             found["cruise airspeed, true"] = f"{envelope.cruise:.1f} m/s"
         return Inspection(
             found,
-            envelope.values(airspeed),
+            values,
             tuple(envelope.warnings(self.parameters.telemetry_rate)),
             tuple(filter(None, refusals)),
         )
+
+    def _fence(self, lowest: float, highest: float, radius: float) -> dict[str, Any]:
+        """The autopilot's fence as parameters of the controller."""
+        home, frame = self.telemetry.home, self.telemetry.frame
+        if home is None or frame is None:
+            return {}
+        east, north, up = frame.position(home.latitude, home.longitude, home.altitude).tolist()
+        values: dict[str, Any] = {}
+        if math.isfinite(radius):
+            values.update(fence_radius=radius, fence_centre=(east, north))
+        if math.isfinite(lowest):
+            values["height_min"] = up + lowest
+        return values
 
     def refusal(self, orbit: FlownOrbit) -> str:
         """See :meth:`MavlinkLink.refusal`: what its fence and its limits of airspeed say."""

@@ -3,8 +3,8 @@
 Nothing is commanded unless somebody engaged. From then on the autopilot's mode says who flies: its
 mode of external commands, and it is us; any other, and our commands end with the message that tells
 so, until somebody engages again. One thing is told apart: an autopilot that lost us goes into a
-failsafe of its own and says so (MAV_STATE_CRITICAL); if nothing was heard of it before, the link was
-dead, and when it takes external commands up again by itself, ours go on.
+failsafe of its own and says so (MAV_STATE_CRITICAL). If nothing was heard of it before, the link
+was dead, and when it takes external commands up again by itself, ours go on.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What all links to autopilots on MAVLink do alike; one file each says how its autopilot differs."""
+"""What all links to autopilots on MAVLink do alike; a file each says how its autopilot differs."""
 
 from __future__ import annotations
 
@@ -195,7 +195,7 @@ class MavlinkLink(VehicleLink):
 
     def _find(self, end: float, timeout: float) -> None:
         """Wait for the heartbeat of an autopilot that this link can fly."""
-        others = set()
+        others: set[str] = set()
         while self.heartbeat is None:
             if self.now() > end:
                 words = f"no autopilot answers at {self.connection.address!r} within {timeout:g} s"

@@ -46,21 +46,18 @@ class Requests:
         self._pending: dict[int, _Request] = {}
         self._results: dict[int, str] = {}
 
-    def ask(
-        self, now: float, command: int, words: str, *parameters: float, quiet: bool = False
-    ) -> None:
+    def ask(self, now: float, command: int, words: str, *parameters: float) -> None:
         """Send a COMMAND_LONG.
 
         Args:
             now: Our time in [s].
             command: Of MAV_CMD.
             words: What it asks for, for people.
-            parameters: Its parameters, up to seven, in the units of the command [SI]; the rest is 0.
-            quiet: Whether only a refusal is reported.
+            parameters: Its parameters, up to seven, in the command's units [SI]; the rest is 0.
         """
         values = (*parameters, *[0.0] * (7 - len(parameters)))
         message = mavlink.MAVLink_command_long_message(self.system, 1, command, 0, *values)
-        self._send(now, command, message, words, quiet)
+        self._send(now, command, message, words, quiet=False)
 
     def ask_there(
         self,

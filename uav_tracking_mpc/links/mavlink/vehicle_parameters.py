@@ -55,7 +55,8 @@ def read_parameters(
     Returns:
         Finite values by name, in the parameters' own units.
     """
-    wanted, found = list(names), {}
+    wanted = list(names)
+    found: dict[str, float] = {}
     for _ in range(ROUNDS):
         missing = [name for name in wanted if name not in found]
         if not missing:
