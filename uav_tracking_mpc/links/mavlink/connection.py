@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from uav_tracking_mpc.links import LinkError
+from uav_tracking_mpc.links import LinkError, LinkRefusedError
 from uav_tracking_mpc.links.mavlink.dialect import mavlink, mavutil
 
 USUAL = "udpin:127.0.0.1:14550"
@@ -39,7 +39,8 @@ class Connection:
         watched: System whose losses count; 0 for none.
 
     Raises:
-        LinkError: The address has another form or cannot be opened, or there is no such key.
+        LinkRefusedError: The address has another form, or there is no such key.
+        LinkError: It cannot be opened.
     """
 
     def __init__(self, address: str = "", component: int = 191, key: str = "") -> None:
@@ -169,9 +170,9 @@ def _parsed(address: str) -> tuple[str, str]:
     kind, _, place = address.partition(":")
     host, _, number = place.rpartition(":")
     if kind not in (*DATAGRAM, *STREAM, *SERIAL) or not host or not number.isdecimal():
-        raise LinkError(f"connection is {address!r}, must be {FORMS}")
+        raise LinkRefusedError(f"connection is {address!r}, must be {FORMS}")
     if kind not in SERIAL and not 0 < int(number) < 65536:
-        raise LinkError(f"connection is {address!r}: port {number} must be from 1 to 65535")
+        raise LinkRefusedError(f"connection is {address!r}: port {number} must be from 1 to 65535")
     return kind, place
 
 
@@ -182,12 +183,12 @@ def _key(file: str) -> bytes:
     try:
         content = Path(file).read_bytes()
     except OSError as error:
-        raise LinkError(f"signing key {file!r} cannot be read: {error.strerror}") from error
+        raise LinkRefusedError(f"signing key {file!r} cannot be read: {error.strerror}") from error
     if len(content) != KEY_LENGTH:
         with contextlib.suppress(ValueError):  # is told below
             content = bytes.fromhex(content.decode("ascii", "replace").strip())
     if len(content) != KEY_LENGTH:
-        raise LinkError(
+        raise LinkRefusedError(
             f"signing key {file!r} must hold {KEY_LENGTH} bytes, or as many hexadecimal pairs"
         )
     return content
