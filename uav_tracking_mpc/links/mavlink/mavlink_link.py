@@ -16,7 +16,7 @@ from uav_tracking_mpc.control.event import Level
 from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.links import Inspection, LinkError, Sighting, VehicleLink
+from uav_tracking_mpc.links import Inspection, LinkError, LinkRefusedError, Sighting, VehicleLink
 from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
 from uav_tracking_mpc.links.mavlink.connection import Connection
 from uav_tracking_mpc.links.mavlink.dialect import mavlink, name_of
@@ -91,6 +91,11 @@ class MavlinkLink(VehicleLink):
         self._asked_at, self._told_lost = 0, False
         self.heartbeat: Any = None
         self._due = {"heartbeat": -math.inf, "sync": -math.inf, "slow": -math.inf}
+
+    @classmethod
+    def of(cls, parameters: LinkParameters) -> VehicleLink:
+        """See :meth:`VehicleLink.of`."""
+        return cls(parameters=parameters)
 
     # What an autopilot says of itself -----------------------------------------------------------
 
@@ -220,12 +225,12 @@ class MavlinkLink(VehicleLink):
         firmware = name_of("MAV_AUTOPILOT", message.autopilot)
         kind = name_of("MAV_TYPE", message.type)
         if message.autopilot != self.autopilot:
-            raise LinkError(
+            raise LinkRefusedError(
                 f"system {system} at {self.connection.address!r} is {firmware}, must be "
                 f"{name_of('MAV_AUTOPILOT', self.autopilot)} for link '{self.name}'"
             )
         if message.type not in FIXED_WING:
-            raise LinkError(
+            raise LinkRefusedError(
                 f"system {system} at {self.connection.address!r} is a {kind}, must be a fixed wing"
             )
         self.requests.system = self.connection.watched = system
