@@ -18,10 +18,12 @@ specific energy rate between the latter and the first may go into speed
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from types import ModuleType
 from typing import Any, NamedTuple
 
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.parameters.specification import parameter
 
 SPEED_SHARE = 0.5  # of the specific energy rate, that may go into speed
 SLOWEST = 1.0  # [m/s] at which v cos(chi) is held, so that no iterate divides by nothing
@@ -45,6 +47,37 @@ class HoldConstants(NamedTuple):
     climb_max: Any
     sink_max: Any
     sink_idle: Any
+
+
+@dataclass(frozen=True)
+class HoldParameters:
+    """The constants as parameters; the defaults are those of ArduPlane."""
+
+    hold_time: tuple[float, ...] = parameter(
+        (5.0, 1.0, 5.0),
+        "Where the autopilot holds altitude and airspeed: time constants with which it takes "
+        "errors of height, climb rate and airspeed out.",
+        "s",
+        0.1,
+        60.0,
+        size=3,
+    )
+    hold_climb_max: float = parameter(
+        5.0, "Greatest climb rate of an autopilot that holds the altitude.", "m/s", 0.1, 50.0
+    )
+    hold_sink_max: float = parameter(
+        5.0, "Greatest sink rate of an autopilot that holds the altitude.", "m/s", 0.1, 50.0
+    )
+    hold_sink_idle: float = parameter(
+        2.0, "Sink rate at constant airspeed with the engine idle.", "m/s", 0.05, 50.0
+    )
+
+    @property
+    def hold_constants(self) -> HoldConstants:
+        """What :func:`hold` is told."""
+        height, climb, airspeed = self.hold_time
+        limits = self.hold_climb_max, self.hold_sink_max, self.hold_sink_idle
+        return HoldConstants(height, climb, airspeed, *limits)
 
 
 def hold(

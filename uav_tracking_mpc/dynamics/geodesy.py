@@ -1,9 +1,9 @@
 r"""Latitude, longitude and altitude to the axes of ``map`` about a stated origin, and back.
 
 The ellipsoid is WGS 84 (NIMA TR8350.2, Table 3.1). ``map`` is the tangent plane at the origin:
-East, North, Up in true metres. Autopilots have local coordinates of their own on a sphere (ArduPilot
-of 6378.1 km, PX4 of 6371 km), in which a circle of 300 m is up to 1 m out of round; what they tell
-in latitude and longitude is free of that.
+East, North, Up in true metres. Autopilots have local coordinates of their own on a sphere
+(ArduPilot of 6378.1 km, PX4 of 6371 km), in which a circle of 300 m is up to 1 m out of round; what
+they tell in latitude and longitude is free of that.
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 ==============  ==================================================================
 ``simulated``   a plant, as if it were behind a radio
+``mavlink``     what autopilots on MAVLink share
 ==============  ==================================================================
 
 A link is a subclass of :class:`VehicleLink` in a file of its own name. It is found by that name,
@@ -163,7 +164,7 @@ class VehicleLink(ABC):
         """
         return ""
 
-    def disengage(self) -> None:
+    def disengage(self) -> None:  # noqa: B027
         """Command nothing any more; the aircraft then does as :attr:`when_silent` says."""
 
     def sighting(self) -> Sighting | None:

@@ -1,10 +1,10 @@
-r"""The autopilot's clock by ours, from round trips of TIMESYNC (MAVLink guide, Time Synchronization).
+r"""The autopilot's clock by ours, from round trips of TIMESYNC (MAVLink guide, Timesync).
 
 We send our time :math:`t_1`, the autopilot answers with its own :math:`t_a`, the answer arrives at
-:math:`t_2`. Its clock is then ours plus :math:`t_a - (t_1 + t_2)/2`, wrong by at most half the round
-trip. The quickest of the last round trips counts: queues only ever add to them (Mills, RFC 5905,
-Section 10). Until the first answer the least delay of telemetry counts: the stamp of a message is
-at most now.
+:math:`t_2`. Its clock is then ours plus :math:`t_a - (t_1 + t_2)/2`, wrong by at most half the
+round trip. The quickest of the last round trips counts: queues only ever add to them (Mills, RFC
+5905, Section 10). Until the first answer the least delay of telemetry counts: the stamp of a
+message is at most now.
 """
 
 from __future__ import annotations
@@ -107,4 +107,3 @@ class AutopilotClock:
         if self.offset is None:
             raise ValueError("nothing is known of the autopilot's clock")
         return stamp - self.offset
-

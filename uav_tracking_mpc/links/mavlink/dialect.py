@@ -1,4 +1,4 @@
-"""pymavlink, asked for in one place: MAVLink 2, with ArduPilot's messages beside the common ones."""
+"""pymavlink, in one place: MAVLink 2, with ArduPilot's messages beside the common ones."""
 
 from __future__ import annotations
 
@@ -12,9 +12,7 @@ try:
     from pymavlink import mavutil
     from pymavlink.dialects.v20 import ardupilotmega
 except ImportError as error:
-    raise LinkError(
-        'MAVLink needs pymavlink: pip install "uav_tracking_mpc[mavlink]"'
-    ) from error
+    raise LinkError('MAVLink needs pymavlink: pip install "uav_tracking_mpc[mavlink]"') from error
 
 mavutil.set_dialect("ardupilotmega")
 mavlink: Any = ardupilotmega

@@ -120,9 +120,7 @@ class Telemetry:
         # ArduPilot tells where the wind comes from, clockwise from North, and its part down.
         azimuth = math.radians(message.direction)
         north, east = -math.cos(azimuth), -math.sin(azimuth)
-        self._set_wind(
-            [message.speed * east, message.speed * north, -message.speed_z], arrival
-        )
+        self._set_wind([message.speed * east, message.speed * north, -message.speed_z], arrival)
 
     def _see_wind_covariance(self, message: Any, arrival: float) -> None:
         self._set_wind([message.wind_y, message.wind_x, -message.wind_z], arrival)
