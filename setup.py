@@ -67,15 +67,20 @@ setup(
         # Results of campaigns as Parquet; a Dask cluster to fly them on.
         "campaign": ["pyarrow>=14.0"],
         "dask": ["distributed>=2024.1"],
+        # Links to autopilots, and the simulated one; a plant with six degrees of freedom.
+        "mavlink": ["pymavlink>=2.4.41"],
+        "jsbsim": ["jsbsim>=1.2"],
         "test": [
             "colcon-common-extensions",
             "control>=0.10.2",
             "distributed>=2024.1",
             "duckdb>=0.10",
             "hypothesis",
+            "jsbsim>=1.2",
             "mypy",
             "pandas>=2.0",
             "pyarrow>=14.0",
+            "pymavlink>=2.4.41",
             "pytest",
             "pytest-timeout",
             "pytest-xdist",

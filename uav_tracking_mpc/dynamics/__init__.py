@@ -9,6 +9,8 @@
 ``energy_hold``       an autopilot that holds altitude and airspeed by its energy
 ``flown_orbit``       the orbit that is flown, as an autopilot is told
 ``gravity``           standard gravity
+``atmosphere``        density of the standard atmosphere, true over equivalent airspeed
+``geodesy``           latitude and longitude to the axes of ``map``, and back
 ``prediction_model``  what every prediction model says
 ``vehicle_models``    models of the aircraft for the prediction, one file each
 ``relative_models``   (9), (11) and the exact rates of (r, theta, z, chi, v), one file each
