@@ -26,7 +26,8 @@ ROUNDING = 1e-4  # s, to which what is flown follows
 class ResponseAdaptation:
     """Lag, dead time and gain of each channel as they are flown by.
 
-    Without ``response_estimation``, and where a guidance law is flown, what was told stays.
+    Without ``response_estimation``, and where a guidance law is flown, what was told stays; so it
+    does for channels that are not commanded.
 
     Args:
         parameters: What was told.
@@ -43,7 +44,8 @@ class ResponseAdaptation:
     def __init__(self, parameters: TrackingParameters, events: EventLog) -> None:
         self.oscillation = OscillationReport(events)
         self._airspeed = 0.0
-        self.estimator = ResponseEstimator()
+        self._commanded = parameters.vehicle.commanded
+        self.estimator = ResponseEstimator(self._commanded)
         self._told = parameters
         self._begin()
 
@@ -150,9 +152,9 @@ class ResponseAdaptation:
         """
         if self.enabled:
             self.estimator.commanded(stamp + delay, stamp, plan, step)
-        u_psi, u_chi, _ = plan[0].tolist()
+        rates = plan[0, : min(self._commanded, 2)].tolist()
         delays = (self.lag + self.dead_time).tolist()
-        self.oscillation.see(stamp, (u_psi, u_chi), self._airspeed, self.channels, delays)
+        self.oscillation.see(stamp, rates, self._airspeed, self.channels, delays)
         return plan * self.gain
 
     def follow(self, time: float) -> TrackingParameters | None:

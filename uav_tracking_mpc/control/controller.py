@@ -27,7 +27,7 @@ from uav_tracking_mpc.control.command_shaping import CommandShaper
 from uav_tracking_mpc.control.direction import nearest_direction
 from uav_tracking_mpc.control.event import EventLog, Level
 from uav_tracking_mpc.control.fallback import Available, FallbackMode, ModeSelector
-from uav_tracking_mpc.control.guidance import formulation_of, law_inputs, law_of, planned
+from uav_tracking_mpc.control.guidance import formulation_of, law_about, law_inputs, law_of, planned
 from uav_tracking_mpc.control.orbit_shortfall import OrbitShortfall
 from uav_tracking_mpc.control.pace import Pace
 from uav_tracking_mpc.control.plan_memory import PlanMemory
@@ -158,10 +158,10 @@ class Controller:
 
     def _choose(self) -> None:
         """Fly the orbit that is asked for, in the nearest direction once that is chosen."""
-        orbit, envelope = self.parameters.orbit, self.parameters.envelope
+        orbit, law = self.parameters.orbit, self._law_class
         self.orbit = dataclasses.replace(orbit, direction=self._direction or orbit.direction)
-        self._loiter = VectorField(self.orbit, envelope)
-        self._law = None if self._law_class is None else self._law_class(self.orbit, envelope)
+        self._loiter = law_about(VectorField, self.orbit, self.parameters)
+        self._law = None if law is None else law_about(law, self.orbit, self.parameters)
 
     def see_air(self, stamp: float, airspeed: float) -> None:
         """Take in an airspeed that comes beside the measurements: see :meth:`AirData.see`.

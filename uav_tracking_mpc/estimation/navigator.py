@@ -101,7 +101,7 @@ class Navigator:
         self._model = parameters.vehicle
         self._estimating = parameters.air_estimation
         self._lag = float(self._model.lags[ACCELERATION])
-        self._dead_time = parameters.dead_time
+        self._dead_time = parameters.commanded_dead_time.tolist()
         self._stages = parameters.horizon_step * np.arange(parameters.horizon + 1)
         self._times = np.zeros(len(self._stages) + 1)
         self._shares = np.exp(-self._stages / FADE_TIME)[:, np.newaxis]
