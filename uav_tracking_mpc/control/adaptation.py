@@ -45,12 +45,13 @@ class ResponseAdaptation:
         self._airspeed = 0.0
         self.estimator = ResponseEstimator()
         self._told = parameters
+        self._engaged = True
         self._begin()
 
     @property
     def enabled(self) -> bool:
-        """Whether the response is estimated."""
-        return self._told.response_estimation
+        """Whether the response is estimated: while the aircraft flies the commands."""
+        return self._told.response_estimation and self._engaged
 
     @property
     def channels(self) -> list[ChannelResponse]:
@@ -81,6 +82,16 @@ class ResponseAdaptation:
         self.estimator.interrupt()
         self.oscillation.reset()
         self._time = None
+
+    def engage(self, engaged: bool) -> None:
+        """Say whether the aircraft flies the commands; what was learnt stays.
+
+        Args:
+            engaged: Whether it does; so at the start.
+        """
+        if engaged != self._engaged:
+            self._engaged = engaged
+            self.interrupt()
 
     def tell(self, parameters: TrackingParameters) -> TrackingParameters:
         """Take other parameters; what was learnt stays unless they tell another response.
@@ -150,6 +161,8 @@ class ResponseAdaptation:
         """
         if self.enabled:
             self.estimator.commanded(stamp + delay, stamp, plan, step)
+        if not self._engaged:
+            return plan * self.gain
         u_psi, u_chi, _ = plan[0].tolist()
         delays = (self.lag + self.dead_time).tolist()
         self.oscillation.see(stamp, (u_psi, u_chi), self._airspeed, self.channels, delays)
