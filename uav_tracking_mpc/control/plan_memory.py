@@ -30,7 +30,7 @@ class PlanMemory:
 
     @property
     def orbit(self) -> NDArray[np.float64] | None:
-        """Orbit that the plan ends on: see :class:`Plan`; None without a plan."""
+        """Orbit that the plan ends on, shape (3,): see :class:`Plan`; None without a plan."""
         return None if self._plan is None else self._plan.orbit
 
     def remaining(self, time: float, age_max: float) -> tuple[NDArray[np.float64], float] | None:

@@ -1,6 +1,7 @@
 """Links to what flies, one autopilot a file: measurements in, commands out.
 
 ==============  ==================================================================
+``ardupilot``   ArduPlane in GUIDED, over MAVLink
 ``simulated``   a plant, as if it were behind a radio
 ``mavlink``     what autopilots on MAVLink share
 ==============  ==================================================================
