@@ -142,7 +142,9 @@ class Controller:
         self._pace, self.rate.rate = Pace(parameters.control_rate), parameters.control_rate
         self.parameters = parameters
         self._choose()
-        self.events.add(Level.INFO, f"from now on {parameters.in_short}")
+        self.events.add(
+            Level.INFO, f"from now on {parameters.orbit.in_short}, {parameters.direction}"
+        )
 
     def _fly_by(self, parameters: TrackingParameters | None) -> None:
         """Predict with other parameters from now on; with None as before."""
@@ -230,8 +232,7 @@ class Controller:
         command = self._answer(measurement)
         taken = self._stopwatch() - begin
         if taken > self.parameters.state_timeout:
-            late = f"vehicle state: answered only after {taken:.3f} s, the command is not sent"
-            self.events.add(Level.REFUSAL, late)
+            self.events.add(Level.REFUSAL, f"vehicle state: answered only after {taken:.3f} s")
             return None
         delay = max(0.0, now - stamp) + taken
         flown = self.response.commanded(stamp, delay, command.inputs, command.step)
@@ -284,7 +285,8 @@ class Controller:
             self._air_missing = True
             self.events.add(Level.WARNING, "no airspeed is measured: the air is taken as still")
         self.drift = estimate.present.drift
-        return self._fly(stamp, estimate, stamp - seen <= self.parameters.target_timeout)
+        fresh = seen is not None and stamp - seen <= self.parameters.target_timeout
+        return self._fly(stamp, estimate, fresh)
 
     def _fly(self, stamp: float, estimate: Estimate, target_fresh: bool = True) -> Command:
         """Command for an estimate; values that are not finite are survived."""

@@ -89,10 +89,10 @@ ORBIT = Topic(
     JointState,
     LATEST,
     "nmpc_controller",
-    "What the command leads to, for autopilots that hold altitude and airspeed themselves or loiter "
-    "when commands end. Names east, north, up, radius, airspeed: centre of the circle in `map` (up: "
-    "altitude of the circle itself), horizontal radius (negative clockwise), airspeed; velocity: "
-    "that of the centre.",
+    "What the command leads to, for autopilots that hold altitude and airspeed themselves or "
+    "loiter when commands end. Names east, north, up, radius, airspeed: centre of the circle in "
+    "`map` (up: altitude of the circle itself), horizontal radius (negative clockwise), airspeed; "
+    "velocity: that of the centre.",
 )
 ENGAGED = Topic(
     "uav/engaged",

@@ -270,12 +270,6 @@ class TrackingParameters(Gathered):
             )
 
     @property
-    def in_short(self) -> str:
-        """The orbit in words."""
-        orbit = f"{self.range:g} m at {self.altitude:g} m and {self.airspeed:g} m/s"
-        return f"{orbit}, {self.direction}"
-
-    @property
     def orbit(self) -> Orbit:
         """The reference; clockwise where the nearest direction is to be chosen."""
         direction = CLOCKWISE if self.direction == NEAREST else self.direction
