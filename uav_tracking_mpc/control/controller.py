@@ -142,9 +142,7 @@ class Controller:
         self._pace, self.rate.rate = Pace(parameters.control_rate), parameters.control_rate
         self.parameters = parameters
         self._choose()
-        self.events.add(
-            Level.INFO, f"from now on {parameters.orbit.in_short}, {parameters.direction}"
-        )
+        self.events.add(Level.INFO, f"from now on {self.orbit.in_short}, {parameters.direction}")
 
     def _fly_by(self, parameters: TrackingParameters | None) -> None:
         """Predict with other parameters from now on; with None as before."""
