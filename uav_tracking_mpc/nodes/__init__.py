@@ -18,6 +18,7 @@
 ``monitor``              a live table in the terminal
 ``flight_recorder``      every topic of a flight
 ``flight_bag``           an MCAP bag: written, and read back as a flight log
+``flown_target``         where the target of a recorded flight was
 ``peers``                whether anybody is at the other end, and what rate is promised
 ``topics``               names, types and qualities of service
 ``conversions``          messages to arrays and back, the only module that knows both
