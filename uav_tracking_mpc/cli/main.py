@@ -13,8 +13,8 @@ from uav_tracking_mpc.cli.arguments import HelpFormatter
 from uav_tracking_mpc.cli.ending import explained
 
 COMMANDS = (
-    "fly", "link", "simulate", "compare", "campaign", "margins", "identify", "stability",
-    "benchmark", "torture", "monitor",
+    "fly", "autopilot", "link", "simulate", "compare", "campaign", "margins", "identify",
+    "stability", "benchmark", "torture", "monitor",
 )  # fmt: skip
 EPILOG = """\
 examples:
@@ -39,6 +39,7 @@ examples:
   uav_tracking torture --minutes 10             faults injected into real nodes
   uav_tracking torture --soak 2                 hours of flight, watched for growth
   uav_tracking monitor --domain-id 7            watch a flight from another terminal
+  uav_tracking autopilot --dialect ardupilot    a simulated ArduPlane behind MAVLink
 """
 
 

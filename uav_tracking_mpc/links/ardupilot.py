@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.dynamics.atmosphere import true_over_equivalent
 from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate, quaternion_from_euler
+from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import Inspection
 from uav_tracking_mpc.links.mavlink.arduplane_envelope import NAMES, ArduPlaneEnvelope
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
@@ -74,7 +75,6 @@ class ArduPilotLink(MavlinkLink):
         super()._forget()
         self._told: dict[str, tuple[float, float]] = {}  # value and time of each set-point
         self._loiter: tuple[FlownOrbit, float] | None = None
-        self._bank_limit: float | None = None
 
     def mode_name(self, custom_mode: int) -> str:
         """See :meth:`MavlinkLink.mode_name`."""
@@ -85,38 +85,37 @@ class ArduPilotLink(MavlinkLink):
         return custom_mode == GUIDED
 
     def _envelope(self) -> ArduPlaneEnvelope:
-        altitude = self.telemetry.altitude
+        altitude = self.heard.telemetry.altitude
         return ArduPlaneEnvelope(self.vehicle, true_over_equivalent(altitude or 0.0))
 
     def describe(self) -> Inspection:
         """See :meth:`MavlinkLink.describe`."""
-        heartbeat, envelope = self.heartbeat, self._envelope()
-        mode = self.mode_name(heartbeat.custom_mode)
-        armed = bool(heartbeat.base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED)
+        heard, envelope = self.heard, self._envelope()
+        mode = self.mode_name(heard.heartbeat.custom_mode)
         refusals = [
-            position_refusal(self.telemetry, self.status),
-            airspeed_refusal(self.telemetry, self.sensors, self.in_air),
+            position_refusal(heard.telemetry, heard.status),
+            airspeed_refusal(heard.telemetry, heard.sensors, heard.in_air),
         ]
-        if not armed:
+        if not heard.armed:
             refusals.append("disarmed: arm and take off first, this program does neither")
-        elif not self.in_air:
+        elif not heard.in_air:
             refusals.append("on the ground: take off first, this program does not")
         elif mode not in HANDED_OVER:
             allowed = ", ".join(HANDED_OVER)
             refusals.append(f"mode is {mode}, must be one of {allowed} to take command from")
         if envelope.bank_max(1.0) is None:
             refusals.append("neither ROLL_LIMIT_DEG nor LIM_ROLL_CD can be read")
-        flown = self.telemetry.airspeed if self.in_air else None
+        flown = heard.telemetry.airspeed if heard.in_air else None
         airspeed = envelope.cruise or flown or 15.0
         values = envelope.values(airspeed)
         if (fence := envelope.fence()) is not None:
             values.update(self._fence(*fence))
         found = {
-            "firmware": f"ArduPlane {firmware(self.version)}",
-            "system": str(self.requests.system),
+            "firmware": f"ArduPlane {firmware(heard.version)}",
+            "system": str(heard.system),
             "mode": mode,
-            "armed": "yes" if armed else "no",
-            "in the air": "yes" if self.in_air else "no",
+            "armed": "yes" if heard.armed else "no",
+            "in the air": "yes" if heard.in_air else "no",
             **{name: f"{value:g}" for name, value in self.vehicle.items()},
         }
         if envelope.cruise is not None:
@@ -130,7 +129,7 @@ class ArduPilotLink(MavlinkLink):
 
     def _fence(self, lowest: float, highest: float, radius: float) -> dict[str, Any]:
         """The autopilot's fence as parameters of the controller."""
-        home, frame = self.telemetry.home, self.telemetry.frame
+        home, frame = self.heard.telemetry.home, self.heard.telemetry.frame
         if home is None or frame is None:
             return {}
         east, north, up = frame.position(home.latitude, home.longitude, home.altitude).tolist()
@@ -143,8 +142,8 @@ class ArduPilotLink(MavlinkLink):
 
     def refusal(self, orbit: FlownOrbit) -> str:
         """See :meth:`MavlinkLink.refusal`: what its fence and its limits of airspeed say."""
-        fence, home = self._envelope().fence(), self.telemetry.home
-        frame = self.telemetry.frame
+        fence, telemetry = self._envelope().fence(), self.heard.telemetry
+        home, frame = telemetry.home, telemetry.frame
         if fence is None or home is None or frame is None:
             return ""
         lowest, highest, radius = fence
@@ -174,8 +173,9 @@ class ArduPilotLink(MavlinkLink):
 
     def accompany(self, now: float) -> None:
         """See :meth:`MavlinkLink.accompany`."""
-        orbit, frame = self.orbit, self.telemetry.frame
-        if orbit is None or frame is None or self.telemetry.altitude is None:
+        heard, orbit = self.heard, self.orbit
+        frame = heard.telemetry.frame
+        if orbit is None or frame is None:
             return
         if refusal := self.refusal(orbit):
             self.engagement.give_up(refusal)
@@ -185,7 +185,7 @@ class ArduPilotLink(MavlinkLink):
         _, _, altitude = frame.place(orbit.centre)
         if self._changed("altitude", altitude, ALTITUDE_STEP, now):
             # A rate would be taken for a fraction of itself: ModeGuided::update_target_altitude.
-            self.requests.ask_there(
+            heard.requests.ask_there(
                 now,
                 mavlink.MAV_CMD_GUIDED_CHANGE_ALTITUDE,
                 f"the altitude of {altitude:.1f} m above sea level",
@@ -195,7 +195,7 @@ class ArduPilotLink(MavlinkLink):
             )
         equivalent = orbit.airspeed / true_over_equivalent(altitude)
         if self._changed("airspeed", equivalent, AIRSPEED_STEP, now):
-            self.requests.ask_there(
+            heard.requests.ask_there(
                 now,
                 mavlink.MAV_CMD_GUIDED_CHANGE_SPEED,
                 f"the airspeed of {equivalent:.1f} m/s",
@@ -204,28 +204,18 @@ class ArduPilotLink(MavlinkLink):
                 quiet=True,
             )
 
-    def fly(self, inputs: NDArray[np.float64], now: float) -> None:
+    def fly(self, inputs: NDArray[np.float64], measured: Measurement, now: float) -> None:
         """See :meth:`MavlinkLink.fly`."""
-        newest = self.telemetry.newest
-        if newest is None or newest.airspeed is None:
+        if measured.airspeed is None:
             return
-        limit = self.bank_limit
-        bank = max(-limit, min(limit, bank_from_turn_rate(float(inputs[0]), newest.airspeed)))
-        self.connection.send(
+        limit = self._envelope().bank_max(measured.airspeed) or 0.0
+        bank = max(-limit, min(limit, bank_from_turn_rate(float(inputs[0]), measured.airspeed)))
+        self.heard.connection.send(
             mavlink.MAVLink_set_attitude_target_message(
-                int(self.connection.time * 1e3) & 0xFFFFFFFF, self.requests.system, 1,
+                self.heard.connection.boot_time, self.heard.system, 1,
                 ROLL_ALONE, quaternion_from_euler(bank, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0,
             )
         )  # fmt: skip
-
-    @property
-    def bank_limit(self) -> float:
-        """Greatest bank in [rad] that is ever commanded."""
-        if self._bank_limit is None:
-            newest = self.telemetry.newest
-            speed = None if newest is None else newest.airspeed
-            self._bank_limit = self._envelope().bank_max(speed or 15.0) or 0.0
-        return self._bank_limit
 
     def _changed(self, name: str, value: float, step: float, now: float) -> bool:
         """Whether a set-point is to be told; it then counts as told."""
@@ -248,12 +238,13 @@ class ArduPilotLink(MavlinkLink):
 
     def _reposition(self, orbit: FlownOrbit, now: float, flag: float, words: str) -> None:
         """Loiter about the orbit's centre, as soon as nothing else is commanded."""
-        frame = self.telemetry.frame
+        heard = self.heard
+        frame = heard.telemetry.frame
         if frame is None:
             return
         latitude, longitude, altitude = frame.place(orbit.centre)
         direction = COUNTER_CLOCKWISE if orbit.radius > 0.0 else CLOCKWISE
-        self.requests.ask_there(
+        heard.requests.ask_there(
             now,
             mavlink.MAV_CMD_DO_REPOSITION,
             words,

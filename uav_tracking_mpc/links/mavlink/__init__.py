@@ -2,6 +2,7 @@
 
 ======================  ==================================================================
 ``mavlink_link``        what all of them do alike
+``listener``            everything that is heard of one autopilot
 ``dialect``             pymavlink and its messages
 ``connection``          bytes to messages and back
 ``autopilot_clock``     the autopilot's clock by ours

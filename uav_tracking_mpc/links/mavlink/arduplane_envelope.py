@@ -32,7 +32,7 @@ class ArduPlaneEnvelope:
     """Limits that ArduPlane keeps, as the controller is to know them.
 
     Args:
-        vehicle: Its parameters by name, in their own units.
+        vehicle: Its parameters by name, in their own units [SI or deg].
         true_over_equivalent: True over equivalent airspeed where it flies [-].
 
     Attributes:

@@ -62,6 +62,7 @@ class Connection:
             LinkError: It cannot be opened.
         """
         self.close()
+        self._closed = False
         words = f"connection {self.address!r} cannot be opened"
         try:
             with contextlib.redirect_stdout(io.StringIO()):  # pymavlink tells of its attempts
@@ -81,10 +82,19 @@ class Connection:
 
     def close(self) -> None:
         """Let go of the wire."""
+        self._closed = True
+        self._drop()
+
+    def _drop(self) -> None:
         if self._wire is not None:
             with contextlib.suppress(Exception):  # it may be lost already
                 self._wire.close()
             self._wire = None
+
+    @property
+    def closed(self) -> bool:
+        """Whether it was closed on purpose."""
+        return self._closed
 
     def speak_as(self, system: int) -> None:
         """Send as a component of that system from now on: the companion of its autopilot.
@@ -93,12 +103,24 @@ class Connection:
             system: MAVLink system.
         """
         self._system = system
-        self._wire.mav.srcSystem = system
+        if self._wire is not None:
+            self._wire.mav.srcSystem = system
 
     @property
-    def time(self) -> float:
-        """Since this end exists, in [s]; what is told to the autopilot as our time of boot."""
-        return time.monotonic() - self._begin
+    def boot_time(self) -> int:
+        """Since this end exists, in [ms]: what the autopilot is told as the time of a message."""
+        return int((time.monotonic() - self._begin) * 1e3) & 0xFFFFFFFF
+
+    def wait(self, timeout: float) -> bool:
+        """Whether there is something to read, or to be told of a lost wire.
+
+        Args:
+            timeout: How long to wait for it in [s].
+        """
+        if self._wire is None:
+            time.sleep(max(timeout, 0.0))
+            return True
+        return bool(self._wire.select(max(timeout, 0.0)))
 
     def receive(self, timeout: float) -> list[Any]:
         """Messages that have come, at least one unless none comes in time.
@@ -107,19 +129,21 @@ class Connection:
             timeout: How long to wait in [s].
 
         Raises:
-            LinkError: The wire is lost.
+            LinkError: The wire is closed or lost.
         """
         if self._wire is None:
             raise LinkError(f"connection {self.address!r} is closed")
-        if not self._wire.select(max(timeout, 0.0)):
+        if not self.wait(timeout):
             return []
         try:
             data = self._wire.recv(CHUNK)
         except Exception as error:  # of sockets and serial ports
+            self._drop()
             raise LinkError(f"connection {self.address!r} is lost: {error}") from error
         if not data:
             # Nothing to read where there was something: the end of a stream, told as no bytes.
             if self._kind in STREAM and isinstance(data, bytes):
+                self._drop()
                 raise LinkError(f"connection {self.address!r} is lost: the other end closed it")
             return []
         return self._messages(data)

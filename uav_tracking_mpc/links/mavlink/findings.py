@@ -74,7 +74,7 @@ def first_of(parameters: Mapping[str, float], *names: str) -> float | None:
     """The first of some parameters that the autopilot has, in its own unit.
 
     Args:
-        parameters: Of the autopilot, by name.
+        parameters: Of the autopilot, by name, in their own units [SI or deg].
         names: One meaning, as different versions call it.
     """
     return next((parameters[name] for name in names if name in parameters), None)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
+import time
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -65,8 +66,8 @@ def read_parameters(
             connection.send(
                 mavlink.MAVLink_param_request_read_message(system, 1, name.encode("ascii"), -1)
             )
-        end = connection.time + ROUND
-        while (left := end - connection.time) > 0.0 and len(found) < len(wanted):
+        end = time.monotonic() + ROUND
+        while (left := end - time.monotonic()) > 0.0 and len(found) < len(wanted):
             for message in receive(left):
                 if message.get_type() != "PARAM_VALUE" or message.param_id not in wanted:
                     continue

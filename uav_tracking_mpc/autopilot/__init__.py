@@ -1,0 +1,20 @@
+"""A simulated autopilot: the product's plant behind a MAVLink server.
+
+=======================  =========================================================================
+``airframe``             the plant, with attitude, ground and take-off run
+``thrust``               throttle to specific force and back
+``loiter``               a circle that the autopilot flies by itself, and the bank onto it
+``numbers``              numbers of MAVLink that the core speaks
+``onboard_parameters``   parameters as an autopilot keeps them
+``autopilot_core``       an aircraft with modes and failsafes, stepped, without a wire
+``dialects``             ArduPlane and PX4, one a file
+-----------------------  -------------------------------------------------------------------------
+``message_builders``     telemetry from the state of the core
+``message_rates``        which messages are due
+``vehicle_protocol``     what is answered to messages: commands, parameters, time
+``radio``                the wire, on which faults act
+``simulated_autopilot``  all of it in real time, in a thread
+=======================  =========================================================================
+
+The files above the line know nothing of pymavlink.
+"""

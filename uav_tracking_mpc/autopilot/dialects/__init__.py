@@ -1,0 +1,6 @@
+"""Autopilots that can be simulated, one a file.
+
+=============  ==================================================================
+``ardupilot``  ArduPlane: GUIDED, with altitude and airspeed held by itself
+=============  ==================================================================
+"""
