@@ -13,6 +13,7 @@
 ``identify``         lag, dead time and gain from a recorded flight
 ``torture``          faults injected into real nodes
 ``monitor``          a live table of a flight
+``autopilot``        a simulated ArduPlane or PX4 behind MAVLink
 ``launch_tracking``  entry point of the executable that only starts the nodes
 ``arguments``        options that several commands have
 ``link_arguments``   options that say which autopilot flies, and what was found there
