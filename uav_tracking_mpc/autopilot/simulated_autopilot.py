@@ -8,8 +8,9 @@ import threading
 import time
 from collections.abc import Sequence
 
-from uav_tracking_mpc.autopilot.autopilot_core import TICK, AutopilotCore
+from uav_tracking_mpc.autopilot.autopilot_core import AutopilotCore
 from uav_tracking_mpc.autopilot.dialects.ardupilot import ArduPlane
+from uav_tracking_mpc.autopilot.flight_loops import TICK
 from uav_tracking_mpc.autopilot.radio import Radio
 from uav_tracking_mpc.autopilot.vehicle_protocol import COMPONENT, VehicleProtocol
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame

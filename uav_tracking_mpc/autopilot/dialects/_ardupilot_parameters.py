@@ -1,14 +1,37 @@
-"""Parameters of ArduPlane that matter to a companion, with its names and units of 4.6."""
+"""What ArduPlane is told and how it speaks: parameters that matter to a companion, as of 4.6."""
 
 from __future__ import annotations
 
 import math
 
+from uav_tracking_mpc.autopilot.numbers import Result
+from uav_tracking_mpc.autopilot.wire_traits import WireTraits
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
 from uav_tracking_mpc.settings.configuration import Configuration
 
 LOITER_RADIUS = 60  # m, WP_LOITER_RAD where the aircraft is slow enough for it
 LOITER_BANK = math.radians(30.0)  # with which another one is flown round its loiter
+
+# SRx_POSITION, _EXTRA1 to _EXTRA3, _EXT_STAT as ground stations set them, in Hz
+STREAM_RATES = {
+    "GLOBAL_POSITION_INT": 4.0, "LOCAL_POSITION_NED": 4.0, "ATTITUDE": 10.0, "VFR_HUD": 10.0,
+    "WIND": 4.0, "SYSTEM_TIME": 4.0, "EKF_STATUS_REPORT": 4.0, "SYS_STATUS": 4.0,
+    "GPS_RAW_INT": 4.0, "NAV_CONTROLLER_OUTPUT": 4.0,
+}  # fmt: skip
+ARDUPILOT_TRAITS = WireTraits(
+    maker=3,  # MAV_AUTOPILOT_ARDUPILOTMEGA
+    version=(4, 6, 0),
+    # MISSION_FLOAT, PARAM_FLOAT, MISSION_INT, COMMAND_INT, SET_ATTITUDE_TARGET,
+    # SET_POSITION_TARGET_GLOBAL_INT, MAVLINK2: P/GCS_MAVLink_Plane.cpp, ``capabilities``
+    capabilities=1 | 2 | 4 | 8 | 64 | 256 | 8192,
+    stream_rates=STREAM_RATES,
+    mode_messages=("HEARTBEAT",),  # P/system.cpp, Plane::set_mode
+    sync_period=10.0,
+    unknown_message=Result.FAILED,
+    hears_all=True,
+    bytewise=False,
+    set_mode_acknowledged=11,  # MAVLINK_MSG_ID_SET_MODE
+)
 
 
 def loiter_radius(airspeed: float, usual: int) -> int:
