@@ -45,6 +45,7 @@ LIFT_ANGLE = 0.08  # rad, A: angle of attack at cruise above that of no lift
 STALL = 0.25  # rad, the most that angles of attack are learnt to
 PATH_WINDOW, SPEED_WINDOW = 0.15, 3.0  # rad, m/s, that the reference may be from what is measured
 GIVING_WAY = 0.3  # rad, by which the path gives way to the airspeed at most
+SLOW = 2.0  # m/s below the least airspeed, where thrust is full in any case
 LONGEST_STEP = 0.2  # s; after a longer pause the reference begins anew
 LOAD_LIMIT = 2.0  # of the load factor in feed-forwards [-]
 
@@ -186,13 +187,15 @@ class EnergyLaw:
         low, high = flown.path_angle - PATH_WINDOW, flown.path_angle + PATH_WINDOW
         self.path_angle = _clip(self.path_angle, low, high)
         low, high = flown.airspeed - SPEED_WINDOW, flown.airspeed + SPEED_WINDOW
-        self.airspeed = self._allowed(_clip(self.airspeed, low, high), flown)
+        asked = _clip(self.airspeed, low, high)
+        self.airspeed = self._allowed(asked, flown)
+        if (asked - self.airspeed) * self._gain > 0.0:
+            self._gain = 0.0
         return (path_rate - self._path_rate) / PATH_LAG
 
     def _pitched(self, jerk: float, flown: FlownPath, duration: float) -> float:
         limits = self._limits
-        least, most = self._airspeeds(flown)
-        lacking = max(least - flown.airspeed, 0.0) - max(flown.airspeed - most, 0.0)
+        lacking = self._lacking(flown)
         giving_way = _clip(lacking / (GRAVITY * SPEED_TIME), -GIVING_WAY, GIVING_WAY)
         error = self.path_angle - giving_way - flown.path_angle
         lead = (limits.pitch_time + LIFT_TIME) * self._path_rate
@@ -219,6 +222,7 @@ class EnergyLaw:
             asked = trim + up * energy / (GRAVITY * limits.climb_max)
         else:
             asked = trim + down * energy / (GRAVITY * limits.sink_idle)
+        asked += (limits.thrust_max - asked) * _clip(self._lacking(flown) / SLOW, 0.0, 1.0)
         self._thrust_full = (asked > limits.thrust_max) - (asked < limits.thrust_min)
         if error * self._thrust_full <= 0.0:
             most = GRAVITY * limits.climb_max / max(flown.airspeed, limits.airspeed_min)
@@ -255,6 +259,11 @@ class EnergyLaw:
         limits, ratio = self._limits, flown.true_over_equivalent
         most = limits.airspeed_max * ratio
         return min(limits.airspeed_min * ratio * math.sqrt(_load(flown)), most), most
+
+    def _lacking(self, flown: FlownPath) -> float:
+        """Airspeed below its least, positive, or above its greatest, negative, in [m/s]."""
+        least, most = self._airspeeds(flown)
+        return max(least - flown.airspeed, 0.0) - max(flown.airspeed - most, 0.0)
 
     def _allowed(self, airspeed: float, flown: FlownPath) -> float:
         return _clip(airspeed, *self._airspeeds(flown))
