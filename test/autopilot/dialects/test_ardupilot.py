@@ -168,8 +168,7 @@ def test_a_reposition_stops_no_forced_bank_and_yields_to_the_guided_altitude():
 
 
 @pytest.mark.parametrize(
-    "change",
-    [{"x": 91.0}, {"y": 181.0}, {"x": 0.0, "y": 0.0}, {"x": math.nan}, {"frame": 10}],
+    "change", [{"x": 91.0}, {"y": 181.0}, {"x": 0.0, "y": 0.0}, {"x": math.nan}, {"frame": 10}]
 )
 def test_a_place_that_is_none_is_denied(change):
     order = Order(REPOSITION, 0.0, 1.0, 150.0, 0.0, *place(0.0, 0.0), 100.0)
