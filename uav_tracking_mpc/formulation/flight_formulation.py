@@ -53,8 +53,9 @@ class FlightFormulation:
             self._buffer.set_arg(k, memoryview(argument))  # type: ignore
         self._buffer.set_res(0, memoryview(self._turn_acceleration))  # type: ignore
         self._data = np.zeros((self._stages + 1, self.flight.layout.size))
-        # Altitude above the target [m] and airspeed [m/s] that the last plan has decided on.
-        self._held: tuple[float, float] | None = None
+        # Altitude above the target [m] and airspeed [m/s] that the last plan has decided on, and
+        # the height above the target with which it ends [m].
+        self._held: tuple[float, float, float] | None = None
         self.change(parameters)
 
     def change(self, parameters: TrackingParameters) -> None:
@@ -133,7 +134,7 @@ class FlightFormulation:
         if self.flight.holds:
             height = float(self.model.State(*solution.states[-1]).z)
             if solution.converged:
-                self._held = altitude, airspeed
+                self._held = altitude, airspeed, height
         held = np.array([math.hypot(radius, height), altitude, airspeed])
         return Plan(inputs, self.step, self.error(situation, orbit), solution, held)
 
@@ -171,7 +172,8 @@ class FlightFormulation:
         data[:, where["orbit"]] = orbit.range, orbit.altitude, orbit.speed
         data[:, where["sense"]] = 1.0 if orbit.direction == COUNTER_CLOCKWISE else -1.0
         if self.flight.holds:
-            data[:, where["held"]] = self._held or (orbit.altitude, orbit.speed)
+            held = self._held or (orbit.altitude, orbit.speed, orbit.altitude)
+            data[:, where["held"]], data[:, where["end_height"]] = held[:2], held[2]
         for part, limit in self._on_ground:
             data[:, part] = limit.numbers(forecast.target)
         return data

@@ -71,7 +71,10 @@ OWN_SIZES = {
     "offset_reach": 3,  # distance at which that cost turns from quadratic to linear
     "lead": 1,  # s by which the orbit's turn rate is fed forward
 }
-HELD_SIZES = {"held": 2}  # altitude above the target and airspeed that the autopilot holds
+HELD_SIZES = {
+    "held": 2,  # altitude above the target [m] and airspeed [m/s] that the autopilot holds
+    "end_height": 1,  # above the target at the end of the plan [m]: the bank has no say in it
+}
 # Of the tracking error and of what must settle, those that the bank brings about: range, bearing.
 BANKED_ERRORS = 2
 
@@ -133,7 +136,7 @@ class FlightProblem:
         if self.holds:
             level = state.airspeed * ca.cos(state.path_angle)
             speed = ca.sqrt(level**2 + told["drift"][2] ** 2)
-            r_a = ca.sqrt(d_a**2 + state.z**2)
+            r_a = ca.sqrt(d_a**2 + told["end_height"] ** 2)
         orbit = orbit_motion(
             (state.x / d, state.y / d), told["sense"], d_a, speed, told["drift"], told["drift_rate"]
         )

@@ -1,6 +1,7 @@
 """Links to what flies, one autopilot a file: measurements in, commands out.
 
 ==============  ==================================================================
+``ardupilot``   ArduPlane in GUIDED, over MAVLink
 ``simulated``   a plant, as if it were behind a radio
 ``mavlink``     what autopilots on MAVLink share
 ==============  ==================================================================
@@ -24,10 +25,15 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.control.event import EventLog
 from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.settings.link import LinkParameters
 
 
 class LinkError(RuntimeError):
     """There is no aircraft at the other end, or it is lost; the message says which and why."""
+
+
+class LinkRefusedError(LinkError):
+    """Waiting does not help: the address has another form, or what answers is flown by no link."""
 
 
 class Sighting(NamedTuple):
@@ -88,6 +94,18 @@ class VehicleLink(ABC):
         self.address = address
         self.events = EventLog()
 
+    @classmethod
+    def of(cls, parameters: LinkParameters) -> VehicleLink:
+        """The link that parameters describe; one that heeds more of them than the address says so.
+
+        Args:
+            parameters: Of section ``autopilot_link``.
+
+        Raises:
+            LinkError: They describe none.
+        """
+        return cls(parameters.connection)
+
     @abstractmethod
     def connect(self, timeout: float) -> None:
         """Reach the aircraft.
@@ -96,7 +114,8 @@ class VehicleLink(ABC):
             timeout: How long to try in [s].
 
         Raises:
-            LinkError: There is none, or not one that can be flown by this link.
+            LinkError: There is none.
+            LinkRefusedError: There is one, but not one that can be flown by this link.
         """
 
     @abstractmethod

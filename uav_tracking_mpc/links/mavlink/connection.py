@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from uav_tracking_mpc.links import LinkError
+from uav_tracking_mpc.links import LinkError, LinkRefusedError
 from uav_tracking_mpc.links.mavlink.dialect import mavlink, mavutil
 
 USUAL = "udpin:127.0.0.1:14550"
@@ -39,7 +39,8 @@ class Connection:
         watched: System whose losses count; 0 for none.
 
     Raises:
-        LinkError: The address has another form or cannot be opened, or there is no such key.
+        LinkRefusedError: The address has another form, or there is no such key.
+        LinkError: It cannot be opened.
     """
 
     def __init__(self, address: str = "", component: int = 191, key: str = "") -> None:
@@ -61,6 +62,7 @@ class Connection:
             LinkError: It cannot be opened.
         """
         self.close()
+        self._closed = False
         words = f"connection {self.address!r} cannot be opened"
         try:
             with contextlib.redirect_stdout(io.StringIO()):  # pymavlink tells of its attempts
@@ -80,10 +82,19 @@ class Connection:
 
     def close(self) -> None:
         """Let go of the wire."""
+        self._closed = True
+        self._drop()
+
+    def _drop(self) -> None:
         if self._wire is not None:
             with contextlib.suppress(Exception):  # it may be lost already
                 self._wire.close()
             self._wire = None
+
+    @property
+    def closed(self) -> bool:
+        """Whether it was closed on purpose."""
+        return self._closed
 
     def speak_as(self, system: int) -> None:
         """Send as a component of that system from now on: the companion of its autopilot.
@@ -92,12 +103,24 @@ class Connection:
             system: MAVLink system.
         """
         self._system = system
-        self._wire.mav.srcSystem = system
+        if self._wire is not None:
+            self._wire.mav.srcSystem = system
 
     @property
-    def time(self) -> float:
-        """Since this end exists, in [s]; what is told to the autopilot as our time of boot."""
-        return time.monotonic() - self._begin
+    def boot_time(self) -> int:
+        """Since this end exists, in [ms]: what the autopilot is told as the time of a message."""
+        return int((time.monotonic() - self._begin) * 1e3) & 0xFFFFFFFF
+
+    def wait(self, timeout: float) -> bool:
+        """Whether there is something to read, or to be told of a lost wire.
+
+        Args:
+            timeout: How long to wait for it in [s].
+        """
+        if self._wire is None:
+            time.sleep(max(timeout, 0.0))
+            return True
+        return bool(self._wire.select(max(timeout, 0.0)))
 
     def receive(self, timeout: float) -> list[Any]:
         """Messages that have come, at least one unless none comes in time.
@@ -106,19 +129,21 @@ class Connection:
             timeout: How long to wait in [s].
 
         Raises:
-            LinkError: The wire is lost.
+            LinkError: The wire is closed or lost.
         """
         if self._wire is None:
             raise LinkError(f"connection {self.address!r} is closed")
-        if not self._wire.select(max(timeout, 0.0)):
+        if not self.wait(timeout):
             return []
         try:
             data = self._wire.recv(CHUNK)
         except Exception as error:  # of sockets and serial ports
+            self._drop()
             raise LinkError(f"connection {self.address!r} is lost: {error}") from error
         if not data:
             # Nothing to read where there was something: the end of a stream, told as no bytes.
             if self._kind in STREAM and isinstance(data, bytes):
+                self._drop()
                 raise LinkError(f"connection {self.address!r} is lost: the other end closed it")
             return []
         return self._messages(data)
@@ -169,9 +194,9 @@ def _parsed(address: str) -> tuple[str, str]:
     kind, _, place = address.partition(":")
     host, _, number = place.rpartition(":")
     if kind not in (*DATAGRAM, *STREAM, *SERIAL) or not host or not number.isdecimal():
-        raise LinkError(f"connection is {address!r}, must be {FORMS}")
+        raise LinkRefusedError(f"connection is {address!r}, must be {FORMS}")
     if kind not in SERIAL and not 0 < int(number) < 65536:
-        raise LinkError(f"connection is {address!r}: port {number} must be from 1 to 65535")
+        raise LinkRefusedError(f"connection is {address!r}: port {number} must be from 1 to 65535")
     return kind, place
 
 
@@ -182,12 +207,12 @@ def _key(file: str) -> bytes:
     try:
         content = Path(file).read_bytes()
     except OSError as error:
-        raise LinkError(f"signing key {file!r} cannot be read: {error.strerror}") from error
+        raise LinkRefusedError(f"signing key {file!r} cannot be read: {error.strerror}") from error
     if len(content) != KEY_LENGTH:
         with contextlib.suppress(ValueError):  # is told below
             content = bytes.fromhex(content.decode("ascii", "replace").strip())
     if len(content) != KEY_LENGTH:
-        raise LinkError(
+        raise LinkRefusedError(
             f"signing key {file!r} must hold {KEY_LENGTH} bytes, or as many hexadecimal pairs"
         )
     return content

@@ -87,7 +87,7 @@ class Plant(ABC):
         Args:
             orbit: At the present time.
         """
-        return None
+        return
 
     @abstractmethod
     def advance(self, duration: float) -> None:
