@@ -94,6 +94,7 @@ setup(
             f"uav_simulator = {NAME}.nodes.uav_simulator:main",
             f"target_publisher = {NAME}.nodes.target_publisher:main",
             f"nmpc_controller = {NAME}.nodes.nmpc_controller:main",
+            f"autopilot_link = {NAME}.nodes.autopilot_link:main",
             f"monitor = {NAME}.nodes.monitor:main",
             f"launch_tracking = {NAME}.cli.launch_tracking:main",
             f"uav_tracking = {NAME}.cli.main:main",

@@ -4,7 +4,9 @@
 ``airframe``             the plant, with attitude, ground and take-off run
 ``thrust``               throttle to specific force and back
 ``loiter``               a circle that the autopilot flies by itself, and the bank onto it
+``flight_loops``         bank, climb and airspeed to the plant's inputs
 ``numbers``              numbers of MAVLink that the core speaks
+``wire_traits``          how dialects differ on the wire
 ``onboard_parameters``   parameters as an autopilot keeps them
 ``autopilot_core``       an aircraft with modes and failsafes, stepped, without a wire
 ``dialects``             ArduPlane and PX4, one a file

@@ -19,7 +19,6 @@ import dataclasses
 import math
 from typing import NamedTuple
 
-
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate, heading_from_yaw
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.settings.configuration import Configuration

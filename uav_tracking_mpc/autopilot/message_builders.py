@@ -53,7 +53,7 @@ def _degrees(core: AutopilotCore) -> tuple[int, int, int]:
 def _heartbeat(core: AutopilotCore) -> Any:
     return mavlink.MAVLink_heartbeat_message(
         mavlink.MAV_TYPE_FIXED_WING,
-        core.maker,
+        core.traits.maker,
         int(core.base_mode),
         core.custom_mode,
         int(core.system_state),
@@ -112,7 +112,7 @@ def _hud(core: AutopilotCore) -> Any:
         core.calibrated,
         state.groundspeed,
         round(math.degrees(state.yaw)) % 360,
-        round(100.0 * core.throttle),
+        round(100.0 * core.loops.throttle),
         core.origin.altitude + state.up,
         state.up_rate,
     )
@@ -169,9 +169,9 @@ def _global_origin(core: AutopilotCore) -> Any:
 
 
 def _version(core: AutopilotCore) -> Any:
-    major, minor, patch = core.version
+    major, minor, patch = core.traits.version
     return mavlink.MAVLink_autopilot_version_message(
-        core.capabilities,
+        core.traits.capabilities,
         major << 24 | minor << 16 | patch << 8 | mavlink.FIRMWARE_VERSION_TYPE_OFFICIAL,
         0,
         0,
@@ -194,7 +194,7 @@ def _navigation(core: AutopilotCore) -> Any:
     state = core.airframe.measured
     yaw = round(math.degrees(state.yaw))
     return mavlink.MAVLink_nav_controller_output_message(
-        math.degrees(core.roll_wanted), math.degrees(state.pitch), yaw, yaw, 0, 0.0, 0.0, 0.0
+        math.degrees(core.loops.roll_wanted), math.degrees(state.pitch), yaw, yaw, 0, 0.0, 0.0, 0.0
     )
 
 

@@ -8,8 +8,10 @@ import threading
 import time
 from collections.abc import Sequence
 
-from uav_tracking_mpc.autopilot.autopilot_core import TICK, AutopilotCore
+from uav_tracking_mpc.autopilot.autopilot_core import AutopilotCore
 from uav_tracking_mpc.autopilot.dialects.ardupilot import ArduPlane
+from uav_tracking_mpc.autopilot.dialects.px4 import Px4
+from uav_tracking_mpc.autopilot.flight_loops import TICK
 from uav_tracking_mpc.autopilot.radio import Radio
 from uav_tracking_mpc.autopilot.vehicle_protocol import COMPONENT, VehicleProtocol
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
@@ -19,7 +21,7 @@ from uav_tracking_mpc.settings.configuration import Configuration
 
 logger = logging.getLogger(__name__)
 
-DIALECTS: dict[str, type[AutopilotCore]] = {"ardupilot": ArduPlane}
+DIALECTS: dict[str, type[AutopilotCore]] = {"ardupilot": ArduPlane, "px4": Px4}
 CONNECTION = "udpout:127.0.0.1:14550"
 ORIGIN = (47.3977, 8.5456, 488.0)  # deg, deg, m above sea level
 BEHIND = 1.0  # s by which the simulation may lag behind the clock before time stands still

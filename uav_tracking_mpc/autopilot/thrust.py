@@ -52,7 +52,7 @@ class Engine(NamedTuple):
         return GRAVITY / self.cruise * (climb - self._drag(airspeed))
 
     def throttle(self, force: float, airspeed: float) -> float:
-        """delta from 0 to 1 [-] that gives a force, as nearly as it can.
+        """Throttle from 0 to 1 [-] that gives a force, as nearly as it can.
 
         Args:
             force: u_v + g sin(chi) in [m/s^2].

@@ -7,7 +7,8 @@ import struct
 from collections.abc import Callable
 from typing import Any
 
-from uav_tracking_mpc.autopilot.autopilot_core import TICK, AutopilotCore
+from uav_tracking_mpc.autopilot.autopilot_core import AutopilotCore
+from uav_tracking_mpc.autopilot.flight_loops import TICK
 from uav_tracking_mpc.autopilot.message_builders import BUILDERS, IDS
 from uav_tracking_mpc.autopilot.message_rates import MessageRates
 from uav_tracking_mpc.autopilot.numbers import AttitudeTarget, Cmd, Order, Result, Severity
@@ -33,7 +34,7 @@ class VehicleProtocol:
 
     def __init__(self, core: AutopilotCore, system: int = 1) -> None:
         self.core, self.system = core, system
-        self.rates = MessageRates({"HEARTBEAT": 1.0, **core.stream_rates})
+        self.rates = MessageRates({"HEARTBEAT": 1.0, **core.traits.stream_rates})
         self._outgoing: list[Any] = []
         self._mode = core.mode
         self._next_sync = 0.0
@@ -46,7 +47,7 @@ class VehicleProtocol:
     def restart(self) -> None:
         """Boot anew in flight: clock, parameters, mode and rates are those of the start."""
         self.core.restart()
-        self.rates = MessageRates({"HEARTBEAT": 1.0, **self.core.stream_rates})
+        self.rates = MessageRates({"HEARTBEAT": 1.0, **self.core.traits.stream_rates})
         self._outgoing.clear()
         self._mode = self.core.mode
 
@@ -63,7 +64,7 @@ class VehicleProtocol:
                 self._send(BUILDERS[name](core))
             self._tell_changes()
             if core.time >= self._next_sync:
-                self._next_sync = core.time + core.sync_period
+                self._next_sync = core.time + core.traits.sync_period
                 self._send(mavlink.MAVLink_timesync_message(0, self._nanoseconds(core.time)))
 
     def take(self, message: Any, now: float) -> None:
@@ -83,7 +84,7 @@ class VehicleProtocol:
     def _tell_changes(self) -> None:
         if self.core.mode != self._mode:
             self._mode = self.core.mode
-            for name in self.core.mode_messages:
+            for name in self.core.traits.mode_messages:
                 self._send(BUILDERS[name](self.core))
         for severity, words in self.core.texts:
             self._send(mavlink.MAVLink_statustext_message(int(severity), words.encode("ascii")))
@@ -91,7 +92,7 @@ class VehicleProtocol:
 
     def _for_us(self, message: Any) -> bool:
         system, component = (getattr(message, name, 0) for name in TARGETED)
-        if message.get_type() in ("COMMAND_LONG", "COMMAND_INT") and not self.core.hears_all:
+        if message.get_type() in ("COMMAND_LONG", "COMMAND_INT") and not self.core.traits.hears_all:
             return system == self.system and component in (0, COMPONENT)
         return system in (0, self.system) and component in (0, COMPONENT)
 
@@ -148,14 +149,14 @@ class VehicleProtocol:
     def _request(self, order: Order) -> Result:
         name = IDS.get(int(order.param1))
         if name is None:
-            return self.core.unknown_message
+            return self.core.traits.unknown_message
         self._send(BUILDERS[name](self.core))
         return Result.ACCEPTED
 
     def _take_mode(self, message: Any, now: float) -> None:
         """SET_MODE, the older message."""
         order = self.core.mode_order(message.base_mode, message.custom_mode)
-        self._acknowledge(message, self.core.set_mode_acknowledged, self.core.command(order))
+        self._acknowledge(message, self.core.traits.set_mode_acknowledged, self.core.command(order))
 
     def _take_attitude(self, message: Any, now: float) -> None:
         w, x, y, z = message.q
@@ -185,7 +186,7 @@ class VehicleProtocol:
         known = self.core.parameters
         if name not in known:
             return
-        if self.core.bytewise and known.integer(name):
+        if self.core.traits.bytewise and known.integer(name):
             (value,) = struct.unpack("<i", struct.pack("<f", value))
         if known.set(name, value):
             self._send_parameter(name)
@@ -198,7 +199,7 @@ class VehicleProtocol:
         value, kind = float(known[name]), mavlink.MAV_PARAM_TYPE_REAL32
         if known.integer(name):
             kind = mavlink.MAV_PARAM_TYPE_INT32
-            if self.core.bytewise:
+            if self.core.traits.bytewise:
                 (value,) = struct.unpack("<f", struct.pack("<i", int(known[name])))
         names = known.names
         self._send(

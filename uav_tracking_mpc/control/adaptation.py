@@ -47,12 +47,13 @@ class ResponseAdaptation:
         self._commanded = parameters.vehicle.commanded
         self.estimator = ResponseEstimator(self._commanded)
         self._told = parameters
+        self._engaged = True
         self._begin()
 
     @property
     def enabled(self) -> bool:
-        """Whether the response is estimated."""
-        return self._told.response_estimation
+        """Whether the response is estimated: while the aircraft flies the commands."""
+        return self._told.response_estimation and self._engaged
 
     @property
     def channels(self) -> list[ChannelResponse]:
@@ -83,6 +84,16 @@ class ResponseAdaptation:
         self.estimator.interrupt()
         self.oscillation.reset()
         self._time = None
+
+    def engage(self, engaged: bool) -> None:
+        """Say whether the aircraft flies the commands; what was learnt stays.
+
+        Args:
+            engaged: Whether it does; so at the start.
+        """
+        if engaged != self._engaged:
+            self._engaged = engaged
+            self.interrupt()
 
     def tell(self, parameters: TrackingParameters) -> TrackingParameters:
         """Take other parameters; what was learnt stays unless they tell another response.
@@ -152,6 +163,8 @@ class ResponseAdaptation:
         """
         if self.enabled:
             self.estimator.commanded(stamp + delay, stamp, plan, step)
+        if not self._engaged:
+            return plan * self.gain
         rates = plan[0, : min(self._commanded, 2)].tolist()
         delays = (self.lag + self.dead_time).tolist()
         self.oscillation.see(stamp, rates, self._airspeed, self.channels, delays)

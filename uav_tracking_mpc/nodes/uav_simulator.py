@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from typing import Any
 
-import numpy as np
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
@@ -17,7 +15,7 @@ from uav_tracking_mpc.nodes.conversions import (
     nanoseconds,
     plan_from_command,
     set_air_velocity,
-    set_odometry,
+    set_measurement,
     set_stamp,
 )
 from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
@@ -113,10 +111,8 @@ class UavSimulator(Node):
             self._publish(self._plant.measured())
 
     def _publish(self, seen: Measurement) -> None:
-        rates = np.array([seen.turn_rate, seen.path_angle_rate, 0.0])
-        state = seen.state(math.nan if seen.airspeed is None else seen.airspeed)
         stamp = self._start + round(seen.stamp * 1e9)
-        set_odometry(self._odometry, stamp, state, rates, seen.ground_velocity)
+        set_measurement(self._odometry, stamp, seen)
         self._odometry_publisher.publish(self._odometry)
         if seen.airspeed is not None:
             set_air_velocity(self._air_velocity, stamp, seen.airspeed)
