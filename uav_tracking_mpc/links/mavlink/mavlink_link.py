@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import Inspection, LinkError, Sighting, VehicleLink
+from uav_tracking_mpc.links.mavlink.connection import Connection
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.links.mavlink.engagement import Engagement, State
 from uav_tracking_mpc.links.mavlink.latency import Latency
@@ -34,6 +35,7 @@ class MavlinkLink(VehicleLink):
     Args:
         address: See :class:`~uav_tracking_mpc.links.mavlink.connection.Connection`.
         parameters: What may be asked of it; its connection counts where the address is empty.
+        connection: Class of the wire.
 
     Attributes:
         parameters: As above.
@@ -50,7 +52,13 @@ class MavlinkLink(VehicleLink):
     quick_messages: ClassVar[tuple[int, ...]] = ()
     stream_period: ClassVar[float] = 0.04  # s after which a set-point is repeated
 
-    def __init__(self, address: str = "", parameters: LinkParameters | None = None) -> None:
+    def __init__(
+        self,
+        address: str = "",
+        parameters: LinkParameters | None = None,
+        connection: type[Connection] = Connection,
+    ) -> None:
+        self._connection_class = connection
         self.parameters = parameters or LinkParameters()
         super().__init__(address or self.parameters.connection)
         self._lock = threading.RLock()
@@ -187,8 +195,8 @@ class MavlinkLink(VehicleLink):
             self._heard = None
 
     def now(self) -> float:
-        """See :meth:`VehicleLink.now`: the machine's monotonic clock."""
-        return time.monotonic()
+        """See :meth:`VehicleLink.now`: the machine's monotonic clock, unless the wire has one."""
+        return self.heard.connection.now() if self._heard is not None else time.monotonic()
 
     def inspect(self) -> Inspection:
         """See :meth:`VehicleLink.inspect`."""
