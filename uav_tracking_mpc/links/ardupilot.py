@@ -18,7 +18,6 @@ Altitude and airspeed, once told, hold in that loiter too, until the mode change
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +29,12 @@ from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import Inspection
 from uav_tracking_mpc.links.mavlink.arduplane_envelope import NAMES, ArduPlaneEnvelope
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
-from uav_tracking_mpc.links.mavlink.findings import airspeed_refusal, firmware, position_refusal
+from uav_tracking_mpc.links.mavlink.findings import (
+    airspeed_refusal,
+    firmware,
+    position_refusal,
+    state_refusal,
+)
 from uav_tracking_mpc.links.mavlink.mavlink_link import MavlinkLink
 
 GUIDED = 15
@@ -95,21 +99,15 @@ class ArduPilotLink(MavlinkLink):
         refusals = [
             position_refusal(heard.telemetry, heard.status),
             airspeed_refusal(heard.telemetry, heard.sensors, heard.in_air),
+            state_refusal(heard, mode, HANDED_OVER),
         ]
-        if not heard.armed:
-            refusals.append("disarmed: arm and take off first, this program does neither")
-        elif not heard.in_air:
-            refusals.append("on the ground: take off first, this program does not")
-        elif mode not in HANDED_OVER:
-            allowed = ", ".join(HANDED_OVER)
-            refusals.append(f"mode is {mode}, must be one of {allowed} to take command from")
         if envelope.bank_max(1.0) is None:
             refusals.append("neither ROLL_LIMIT_DEG nor LIM_ROLL_CD can be read")
         flown = heard.telemetry.airspeed if heard.in_air else None
         airspeed = envelope.cruise or flown or 15.0
         values = envelope.values(airspeed)
         if (fence := envelope.fence()) is not None:
-            values.update(self._fence(*fence))
+            values.update(fence.values(heard.telemetry))
         found = {
             "firmware": f"ArduPlane {firmware(heard.version)}",
             "system": str(heard.system),
@@ -127,39 +125,10 @@ class ArduPilotLink(MavlinkLink):
             tuple(filter(None, refusals)),
         )
 
-    def _fence(self, lowest: float, highest: float, radius: float) -> dict[str, Any]:
-        """The autopilot's fence as parameters of the controller."""
-        home, frame = self.heard.telemetry.home, self.heard.telemetry.frame
-        if home is None or frame is None:
-            return {}
-        east, north, up = frame.position(home.latitude, home.longitude, home.altitude).tolist()
-        values: dict[str, Any] = {}
-        if math.isfinite(radius):
-            values.update(fence_radius=radius, fence_centre=(east, north))
-        if math.isfinite(lowest):
-            values["height_min"] = up + lowest
-        return values
-
     def refusal(self, orbit: FlownOrbit) -> str:
-        """See :meth:`MavlinkLink.refusal`: what its fence and its limits of airspeed say."""
-        fence, telemetry = self._envelope().fence(), self.heard.telemetry
-        home, frame = telemetry.home, telemetry.frame
-        if fence is None or home is None or frame is None:
-            return ""
-        lowest, highest, radius = fence
-        centre = home.position(*frame.place(orbit.centre))
-        up = float(centre[2])
-        farthest = math.hypot(*centre[:2].tolist()) + abs(orbit.radius)
-        if not lowest <= up <= highest:
-            return (
-                f"the orbit's height of {up:.0f} m above home is not inside the autopilot's fence, "
-                f"{lowest:.0f} to {highest:.0f} m"
-            )
-        if farthest > radius:
-            return (
-                f"the orbit leaves the autopilot's fence: {farthest:.0f} m from home, {radius:.0f}"
-            )
-        return ""
+        """See :meth:`MavlinkLink.refusal`: what its fence says."""
+        fence = self._envelope().fence()
+        return "" if fence is None else fence.refusal(orbit, self.heard.telemetry)
 
     def ask_for_command(self, now: float) -> None:
         """See :meth:`MavlinkLink.ask_for_command`."""

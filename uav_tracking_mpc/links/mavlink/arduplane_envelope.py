@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from uav_tracking_mpc.links.mavlink.findings import climb_angle, first_of
+from uav_tracking_mpc.links.mavlink.home_fence import HomeFence
 
 NAMES = (
     "ROLL_LIMIT_DEG", "LIM_ROLL_CD", "AIRSPEED_MIN", "ARSPD_FBW_MIN", "AIRSPEED_MAX",
@@ -98,8 +99,8 @@ class ArduPlaneEnvelope:
             bank = min(bank, max(math.acos(1.0 / load), LEAST_STALL_BANK))
         return bank
 
-    def fence(self) -> tuple[float, float, float] | None:
-        """Least and greatest height above home and radius about it in [m]; None without a fence."""
+    def fence(self) -> HomeFence | None:
+        """The fence, with a margin; None without one."""
         vehicle = self._vehicle
         if not vehicle.get("FENCE_ENABLE"):
             return None
@@ -107,7 +108,7 @@ class ArduPlaneEnvelope:
         lowest = vehicle.get("FENCE_ALT_MIN") if kinds & FENCE_ALTITUDE_MIN else None
         highest = vehicle.get("FENCE_ALT_MAX") if kinds & FENCE_ALTITUDE_MAX else None
         radius = vehicle.get("FENCE_RADIUS") if kinds & FENCE_CIRCLE else None
-        return (
+        return HomeFence(
             -math.inf if lowest is None else lowest + FENCE_MARGIN,
             math.inf if highest is None else highest - FENCE_MARGIN,
             math.inf if radius is None else radius - FENCE_MARGIN,

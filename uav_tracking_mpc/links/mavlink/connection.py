@@ -161,10 +161,13 @@ class Connection:
             self.bad += 1
             parser.buf, parser.buf_index = bytearray(), 0
             return []
-        good = [message for message in messages if message.get_type() != "BAD_DATA"]
-        self.bad += len(messages) - len(good)
-        for message in good:
-            self._count(message)
+        good = []
+        for message in messages:
+            if message.get_type() == "BAD_DATA":
+                self.bad += 1
+            elif message.get_msgId() in mavlink.mavlink_map:  # others have no checksum to be known
+                self._count(message)
+                good.append(message)
         return good
 
     def _count(self, message: Any) -> None:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
+from uav_tracking_mpc.links.mavlink.listener import Listener
 from uav_tracking_mpc.links.mavlink.telemetry import LEAST_AIRSPEED, Telemetry
 
 FIRMWARE_TYPES = {0: "dev", 64: "alpha", 128: "beta", 192: "rc", 255: "official"}
@@ -49,6 +50,24 @@ def position_refusal(telemetry: Telemetry, status: Any) -> str:
     if telemetry.newest is None:
         missing = "attitude" if telemetry.attitude is None else "position"
         return f"no {missing}: GLOBAL_POSITION_INT and ATTITUDE must both come, close together"
+    return ""
+
+
+def state_refusal(heard: Listener, mode: str, handed_over: Iterable[str]) -> str:
+    """Why command cannot be taken as the aircraft is, in words; empty if it can.
+
+    Args:
+        heard: Of the autopilot.
+        mode: Name of its mode.
+        handed_over: Modes from which command may be taken.
+    """
+    if not heard.armed:
+        return "disarmed: arm and take off first, this program does neither"
+    if not heard.in_air:
+        return "on the ground: take off first, this program does not"
+    allowed = tuple(handed_over)
+    if mode not in allowed:
+        return f"mode is {mode}, must be one of {', '.join(allowed)} to take command from"
     return ""
 
 

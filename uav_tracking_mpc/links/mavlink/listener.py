@@ -35,7 +35,7 @@ NOW_AND_THEN = (
     mavlink.MAVLINK_MSG_ID_HOME_POSITION,
 )
 HEARTBEAT_PERIOD, SYNC_PERIOD, ASKING_PERIOD = 1.0, 0.5, 1.0  # s
-SLOW_RATE = 2.0  # Hz, of what changes slowly
+SLOW_RATE, QUICK_RATE = 2.0, 10.0  # Hz
 REOPEN_PERIOD = 1.0  # s between attempts to open a lost wire
 LOST = 5.0  # s without a heartbeat
 SEVERE = 4  # MAV_SEVERITY up to which the autopilot's words are warnings
@@ -49,6 +49,7 @@ class Listener:
         parameters: Of the link.
         events: Where what happens is reported.
         slow_messages: Asked for now and then, beside those of every autopilot.
+        quick_messages: Asked for often, so that what they tell is not missed.
 
     Attributes:
         connection: The wire.
@@ -76,6 +77,7 @@ class Listener:
         parameters: LinkParameters,
         events: EventLog,
         slow_messages: Iterable[int] = (),
+        quick_messages: Iterable[int] = (),
     ) -> None:
         self._parameters, self._events = parameters, events
         component = mavlink.MAV_COMP_ID_ONBOARD_COMPUTER
@@ -101,6 +103,7 @@ class Listener:
         self.on_restart: Callable[[], None] = nothing
         self._rates = dict.fromkeys(ALWAYS, parameters.telemetry_rate)
         self._rates.update(dict.fromkeys((*NOW_AND_THEN, *slow_messages), SLOW_RATE))
+        self._rates.update(dict.fromkeys(quick_messages, QUICK_RATE))
         self._asked_at, self._told_lost = 0, False
         self._heartbeat_at = self._reopened_at = -math.inf
         self._due: dict[str, float] = {}

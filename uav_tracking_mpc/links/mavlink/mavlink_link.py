@@ -23,7 +23,6 @@ from uav_tracking_mpc.settings.link import LinkParameters
 from uav_tracking_mpc.simulation.plan_follower import PlanFollower
 
 PERIOD = 0.02  # s between looks at what is due
-STREAM_PERIOD = 0.04  # s after which a set-point is repeated
 ASKING_PERIOD = 1.0  # s between requests for the mode of external commands
 
 
@@ -48,6 +47,8 @@ class MavlinkLink(VehicleLink):
     asked_parameters: ClassVar[tuple[str, ...]]
     by_bits: ClassVar[bool] = False  # see value_of
     slow_messages: ClassVar[tuple[int, ...]] = ()
+    quick_messages: ClassVar[tuple[int, ...]] = ()
+    stream_period: ClassVar[float] = 0.04  # s after which a set-point is repeated
 
     def __init__(self, address: str = "", parameters: LinkParameters | None = None) -> None:
         self.parameters = parameters or LinkParameters()
@@ -155,11 +156,13 @@ class MavlinkLink(VehicleLink):
         self.close()
         self._forget()
         end = self.now() + timeout
-        heard = Listener(self.address, self.parameters, self.events, self.slow_messages)
+        heard = Listener(
+            self.address, self.parameters, self.events, self.slow_messages, self.quick_messages
+        )
         self._heard = heard
         heard.on_heartbeat = self._see_heartbeat
         heard.on_measurement = lambda measured, at: self._latency.arrived(measured.stamp, at)
-        heard.on_message = lambda message, at: self.engagement.heard(at)
+        heard.on_message = self._see
         heard.on_restart = lambda: self.engagement.give_up("the autopilot has restarted")
         try:
             heard.find(self.autopilot, timeout)
@@ -288,6 +291,15 @@ class MavlinkLink(VehicleLink):
 
     # What comes in and goes out -----------------------------------------------------------------
 
+    @property
+    def _streams(self) -> bool:
+        """Whether set-points are sent."""
+        return self.engagement.state is not State.IDLE
+
+    def _see(self, message: Any, arrival: float) -> None:
+        """Take in any message of the autopilot."""
+        self.engagement.heard(arrival)
+
     def _see_heartbeat(self, message: Any, arrival: float) -> None:
         was, mode = self.engagement.commanding, message.custom_mode
         self.engagement.see_mode(
@@ -307,7 +319,7 @@ class MavlinkLink(VehicleLink):
             heard.tend(now)
             if state is State.ASKING and heard.is_due("command", now, ASKING_PERIOD):
                 self.ask_for_command(now)
-            if state is not State.IDLE and now - self._sent_at >= STREAM_PERIOD:
+            if self._streams and now - self._sent_at >= self.stream_period:
                 self._fly(now)
             if state is State.ENGAGED:
                 self.accompany(now)

@@ -67,6 +67,7 @@ class Telemetry:
         airspeed: True airspeed in [m/s]; None where it is unknown or old.
         wind: Velocity of the air in ``map`` by the autopilot, shape (3,), in [m/s]; None where it
             tells nothing.
+        throttle: From 0 to 1 [-]; None until it is known.
         newest: The newest measurement.
     """
 
@@ -82,6 +83,7 @@ class Telemetry:
         self.altitude: float | None = None
         self.wind: NDArray[np.float64] | None = None
         self.newest: Measurement | None = None
+        self.throttle: float | None = None
         self._calibrated: float | None = None
         self._calibrated_at = self._wind_at = self._position_at = -math.inf
 
@@ -113,6 +115,7 @@ class Telemetry:
             self.attitude = Attitude(time, message.roll, message.pitch, message.yaw, rates)
 
     def _see_airspeed(self, message: Any, arrival: float) -> None:
+        self.throttle = min(message.throttle * 1e-2, 1.0)
         if math.isfinite(message.airspeed):
             self._calibrated, self._calibrated_at = message.airspeed, arrival
 
