@@ -15,6 +15,7 @@
 ``message_rates``        which messages are due
 ``vehicle_protocol``     what is answered to messages: commands, parameters, time
 ``radio``                the wire, on which faults act
+``wire_faults``          the faults, by name
 ``simulated_autopilot``  all of it in real time, in a thread
 =======================  =========================================================================
 

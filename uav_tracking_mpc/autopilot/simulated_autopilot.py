@@ -14,6 +14,7 @@ from uav_tracking_mpc.autopilot.dialects.px4 import Px4
 from uav_tracking_mpc.autopilot.flight_loops import TICK
 from uav_tracking_mpc.autopilot.radio import Radio
 from uav_tracking_mpc.autopilot.vehicle_protocol import COMPONENT, VehicleProtocol
+from uav_tracking_mpc.autopilot.wire_faults import WireFault, wire_fault
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.links import LinkError
 from uav_tracking_mpc.parameters.specification import ParameterError
@@ -103,6 +104,33 @@ class SimulatedAutopilot:
         """
         with self._lock:
             self.core.clock_offset += seconds
+
+    def begin_fault(self, name: str, seed: int = 0) -> WireFault:
+        """Begin a fault on the wire.
+
+        Args:
+            name: One of :data:`~uav_tracking_mpc.autopilot.wire_faults.WIRE_FAULTS`.
+            seed: Of everything random in it.
+
+        Returns:
+            The fault, which :meth:`end_fault` ends.
+
+        Raises:
+            ParameterError: There is none of that name.
+        """
+        fault = wire_fault(name, seed)
+        fault.begin(self)
+        self.radio.strike(fault)
+        return fault
+
+    def end_fault(self, fault: WireFault) -> None:
+        """End a fault.
+
+        Args:
+            fault: As it was begun.
+        """
+        self.radio.release(fault)
+        fault.end(self)
 
     def start(self) -> None:
         """Fly in a thread."""
