@@ -76,6 +76,9 @@ class Connection:
             self._wire.setup_signing(self._key, allow_unsigned_callback=_unsigned)
 
     def _opened(self) -> Any:
+        return self._socket()
+
+    def _socket(self) -> Any:
         """A wire as those of pymavlink's mavutil are."""
         who = {"source_system": self._system, "source_component": self._component}
         if self._kind == "serial":

@@ -6,6 +6,7 @@ import math
 import threading
 import time
 from abc import abstractmethod
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
@@ -35,7 +36,7 @@ class MavlinkLink(VehicleLink):
     Args:
         address: See :class:`~uav_tracking_mpc.links.mavlink.connection.Connection`.
         parameters: What may be asked of it; its connection counts where the address is empty.
-        connection: Class of the wire.
+        connection: Makes the wire from address, component and key.
 
     Attributes:
         parameters: As above.
@@ -56,9 +57,9 @@ class MavlinkLink(VehicleLink):
         self,
         address: str = "",
         parameters: LinkParameters | None = None,
-        connection: type[Connection] = Connection,
+        connection: Callable[[str, int, str], Connection] = Connection,
     ) -> None:
-        self._connection_class = connection
+        self._connected = connection
         self.parameters = parameters or LinkParameters()
         super().__init__(address or self.parameters.connection)
         self._lock = threading.RLock()
@@ -163,9 +164,12 @@ class MavlinkLink(VehicleLink):
         """See :meth:`VehicleLink.connect`."""
         self.close()
         self._forget()
-        end = self.now() + timeout
+        connection = self._connected(
+            self.address, mavlink.MAV_COMP_ID_ONBOARD_COMPUTER, self.parameters.signing_key
+        )
+        end = connection.now() + timeout
         heard = Listener(
-            self.address, self.parameters, self.events, self.slow_messages, self.quick_messages
+            connection, self.parameters, self.events, self.slow_messages, self.quick_messages
         )
         self._heard = heard
         heard.on_heartbeat = self._see_heartbeat
