@@ -4,9 +4,9 @@ A plant turns by (u_psi, u_chi, u_v). In a coordinated turn that is a bank to th
 
 .. math:: \tan\phi = -\frac{V u_\psi}{g}
 
-and the nose is above the path by the angle of attack that the lift asks for,
+and the nose is above the path by the vertical part of the angle of attack that the lift asks for,
 
-.. math:: \alpha = \frac{C_L - C_{L0}}{C_{L\alpha}},\qquad
+.. math:: \theta - \chi = \alpha \cos\phi,\qquad \alpha = \frac{C_L - C_{L0}}{C_{L\alpha}},\qquad
           C_L = \frac{C_{L,c}}{\cos\phi} \left(\frac{V_c}{V}\right)^2
 
 with the coefficients of the Aerosonde (R. W. Beard, T. W. McLain, "Small Unmanned Aircraft",
@@ -186,7 +186,7 @@ class Airframe:
             self.plant = None
             self.stand(0.0)
 
-    def angle_of_attack(self, airspeed: float, roll: float) -> float:
+    def incidence(self, airspeed: float, roll: float) -> float:
         """By how much the nose is above the path in [rad].
 
         Args:
@@ -194,7 +194,7 @@ class Airframe:
             roll: phi in [rad].
         """
         lift = CRUISE_LIFT / max(math.cos(roll), 0.2) * (self._cruise / max(airspeed, 0.1)) ** 2
-        return min(max((lift - LIFT_AT_ZERO) / LIFT_SLOPE, -STALL), STALL)
+        return min(max((lift - LIFT_AT_ZERO) / LIFT_SLOPE, -STALL), STALL) * math.cos(roll)
 
     def _standing(self) -> FlightState:
         east, north, _ = self.wind
@@ -224,7 +224,7 @@ class Airframe:
         east_rate, north_rate, up_rate = measured.ground_velocity.tolist()
         airspeed = 0.0 if measured.airspeed is None else measured.airspeed
         roll = bank_from_turn_rate(measured.turn_rate, airspeed)
-        pitch = measured.path_angle + self.angle_of_attack(airspeed, roll)
+        pitch = measured.path_angle + self.incidence(airspeed, roll)
         state = FlightState(
             time=self._began + measured.stamp,
             east=east,

@@ -93,7 +93,7 @@ class FlightLoops:
         # A coordinated turn; to the left u_psi is positive.
         turn = -GRAVITY * math.tan(self._bank) / max(state.airspeed, 1.0)
         force = demand.acceleration + GRAVITY * math.sin(state.path_angle)
-        self.throttle = engine.throttle(force, state.airspeed)
+        self.throttle = engine.throttle(force, state.airspeed, state.roll)
         self._airframe.fly((turn, climb, demand.acceleration), TICK)
 
     def hold(self, up: float, airspeed: float, constants: HoldConstants) -> tuple[float, float]:
@@ -123,7 +123,7 @@ class FlightLoops:
             lag: Of the path angle behind the pitch in [s].
         """
         state = self._airframe.state
-        incidence = self._airframe.angle_of_attack(state.airspeed, state.roll)
+        incidence = self._airframe.incidence(state.airspeed, state.roll)
         return (pitch - incidence - state.path_angle) / lag
 
     def by_throttle(self, throttle: float, engine: Engine) -> float:
@@ -134,7 +134,8 @@ class FlightLoops:
             engine: What it drives.
         """
         state = self._airframe.state
-        return engine.force(throttle, state.airspeed) - GRAVITY * math.sin(state.path_angle)
+        force = engine.force(throttle, state.airspeed, state.roll)
+        return force - GRAVITY * math.sin(state.path_angle)
 
     def bank_to(self, loiter: Loiter, period: float, damping: float) -> float:
         """Bank in [rad] that leads onto a circle.
