@@ -94,7 +94,6 @@ class Airframe:
         time: Since the start in [s].
         flying: Whether it is in the air.
         state: As loops and failsafes see it.
-        measured: As telemetry tells it: with the noise, the biases and the delay of the sensors.
         wind: East, north and up of the wind as it is estimated, in [m/s].
     """
 
@@ -113,14 +112,27 @@ class Airframe:
         self._rotation = min(ROTATION * max(slowest, 1.0), simulator.speed_max)
         if not on_runway:
             self.plant = plant_named(simulator.plant).of(configuration)
-        self.state = self.measured = self._standing()
+        self._measured: FlightState | None
+        self.state = self._measured = self._standing()
         if self.plant is not None:
-            self.state = self.measured = self._seen(self.plant.truth, None, 1.0)
+            self.state = self._measured = self._seen(self.plant.truth, None, 1.0)
 
     @property
     def flying(self) -> bool:
         """Whether it is in the air."""
         return self.plant is not None
+
+    @property
+    def measured(self) -> FlightState:
+        """State as telemetry tells it: with noise, biases and delay of the sensors."""
+        if self._measured is None:
+            assert self.plant is not None, "on the ground there are no errors"
+            self._measured = self._seen(self.plant.measured(), None, 0.0)._replace(
+                roll_rate=self.state.roll_rate,
+                pitch_rate=self.state.pitch_rate,
+                yaw_rate=self.state.yaw_rate,
+            )
+        return self._measured
 
     def stand(self, duration: float) -> None:
         """Let time go on on the ground.
@@ -130,7 +142,7 @@ class Airframe:
         """
         self.time += duration
         self._run = 0.0
-        self.state = self.measured = self._standing()
+        self.state = self._measured = self._standing()
 
     def run(self, duration: float) -> None:
         """Run along the runway under full power; it flies where its airspeed is enough.
@@ -142,7 +154,7 @@ class Airframe:
         self._run += RUN_ACCELERATION * duration
         self._east += self._run * duration * math.cos(self._heading)
         self._north += self._run * duration * math.sin(self._heading)
-        self.state = self.measured = self._standing()
+        self.state = self._measured = self._standing()
         if self.state.airspeed >= self._rotation:
             simulator = dataclasses.replace(
                 self._configuration.simulator,
@@ -166,11 +178,7 @@ class Airframe:
         self.plant.advance(duration)
         self.time += duration
         self.state = self._seen(self.plant.truth, self.state, duration)
-        self.measured = self._seen(self.plant.measured(), None, duration)._replace(
-            roll_rate=self.state.roll_rate,
-            pitch_rate=self.state.pitch_rate,
-            yaw_rate=self.state.yaw_rate,
-        )
+        self._measured = None
         share = duration / WIND_MEMORY
         east, north, up = self.wind
         blows_east, blows_north, blows_up = self.plant.wind.tolist()
