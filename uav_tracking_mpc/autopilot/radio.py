@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import heapq
 import itertools
-import time
 from typing import Any
 
 from uav_tracking_mpc.autopilot.wire_faults import WireFault
@@ -66,16 +65,16 @@ class Radio(Connection):
 
     def _received(self, _size: int | None = None) -> bytes:
         """One piece: a cut one must not swallow the next."""
-        if self._inward and self._inward[0][0] <= time.monotonic():
+        if self._inward and self._inward[0][0] <= self.now():
             return heapq.heappop(self._inward)[2]
         return b""
 
     def _ready(self, timeout: float) -> bool:
         """Whether there is something to receive, or the other end has closed."""
-        deadline = time.monotonic() + timeout
+        deadline = self.now() + timeout
         while True:
             self._flush()
-            now = time.monotonic()
+            now = self.now()
             if self._ended or (self._inward and self._inward[0][0] <= now):
                 return True
             if now > deadline:
@@ -89,7 +88,7 @@ class Radio(Connection):
                 elif isinstance(data, bytes):  # an end, where pymavlink has nothing it is text
                     self._other_end_closed()
             elif timeout <= 0.0:
-                return bool(self._inward and self._inward[0][0] <= time.monotonic())
+                return bool(self._inward and self._inward[0][0] <= self.now())
 
     def _other_end_closed(self) -> None:
         if self._kind == "tcp":
@@ -99,18 +98,18 @@ class Radio(Connection):
             self._wire.port, self._wire.fd = None, self._wire.listen.fileno()
 
     def _queue(self, queue: Queue, data: bytes, outward: bool) -> None:
-        now = time.monotonic()
+        now = self.now()
         pieces = [(0.0, data)]
         for fault in self._faults:
             pieces = [
                 (delay + more, changed)
                 for delay, piece in pieces
-                for more, changed in fault.deliver(piece, outward)
+                for more, changed in fault.deliver(piece, outward, now)
             ]
         for delay, piece in pieces:
             heapq.heappush(queue, (now + delay, next(self._order), piece))
 
     def _flush(self) -> None:
-        now = time.monotonic()
+        now = self.now()
         while self._outward and self._outward[0][0] <= now:
             self._write(heapq.heappop(self._outward)[2])

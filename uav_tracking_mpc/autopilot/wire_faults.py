@@ -6,8 +6,8 @@ begins and ends them. All that is random in one comes from a seed.
 
 from __future__ import annotations
 
+import math
 import random
-import time
 from abc import ABC
 from collections import deque
 from collections.abc import Sequence
@@ -68,12 +68,13 @@ class WireFault(ABC):
             autopilot: Behind the wire.
         """
 
-    def deliver(self, piece: bytes, outward: bool) -> Sequence[Delivery]:
+    def deliver(self, piece: bytes, outward: bool, now: float) -> Sequence[Delivery]:
         """What arrives of a piece, and how much later.
 
         Args:
             piece: A frame, or what came at once of a stream.
             outward: Whether the autopilot sends it.
+            now: In [s].
         """
         return [(0.0, piece)]
 
@@ -87,7 +88,7 @@ class Loss(WireFault):
 
     name = "loss"
 
-    def deliver(self, piece: bytes, outward: bool) -> Sequence[Delivery]:
+    def deliver(self, piece: bytes, outward: bool, now: float) -> Sequence[Delivery]:
         """See :meth:`WireFault.deliver`."""
         return [] if self.strikes() else [(0.0, piece)]
 
@@ -98,7 +99,7 @@ class Silence(WireFault):
     name = "silence"
     duration = (3.0, 8.0)
 
-    def deliver(self, piece: bytes, outward: bool) -> Sequence[Delivery]:
+    def deliver(self, piece: bytes, outward: bool, now: float) -> Sequence[Delivery]:
         """See :meth:`WireFault.deliver`."""
         return []
 
@@ -108,7 +109,7 @@ class Mute(WireFault):
 
     name = "mute"
 
-    def deliver(self, piece: bytes, outward: bool) -> Sequence[Delivery]:
+    def deliver(self, piece: bytes, outward: bool, now: float) -> Sequence[Delivery]:
         """See :meth:`WireFault.deliver`."""
         return [] if outward else [(0.0, piece)]
 
@@ -118,7 +119,7 @@ class Deaf(WireFault):
 
     name = "deaf"
 
-    def deliver(self, piece: bytes, outward: bool) -> Sequence[Delivery]:
+    def deliver(self, piece: bytes, outward: bool, now: float) -> Sequence[Delivery]:
         """See :meth:`WireFault.deliver`."""
         return [(0.0, piece)] if outward else []
 
@@ -130,13 +131,12 @@ class Bursts(WireFault):
 
     def __init__(self, seed: int) -> None:
         super().__init__(seed)
-        self._change, self._silent = time.monotonic(), False
+        self._change, self._silent = -math.inf, False
 
-    def deliver(self, piece: bytes, outward: bool) -> Sequence[Delivery]:
+    def deliver(self, piece: bytes, outward: bool, now: float) -> Sequence[Delivery]:
         """See :meth:`WireFault.deliver`."""
-        now = time.monotonic()
         while now >= self._change:
-            self._change += self.random.uniform(0.2, 1.0)
+            self._change = max(self._change, now) + self.random.uniform(0.2, 1.0)
             self._silent = not self._silent
         return [] if self._silent else [(0.0, piece)]
 
@@ -146,7 +146,7 @@ class Latency(WireFault):
 
     name = "latency"
 
-    def deliver(self, piece: bytes, outward: bool) -> Sequence[Delivery]:
+    def deliver(self, piece: bytes, outward: bool, now: float) -> Sequence[Delivery]:
         """See :meth:`WireFault.deliver`."""
         return [(0.4, piece)]
 
@@ -156,7 +156,7 @@ class Jitter(WireFault):
 
     name = "jitter"
 
-    def deliver(self, piece: bytes, outward: bool) -> Sequence[Delivery]:
+    def deliver(self, piece: bytes, outward: bool, now: float) -> Sequence[Delivery]:
         """See :meth:`WireFault.deliver`."""
         return [(self.random.uniform(0.0, 0.2), piece)]
 
@@ -166,7 +166,7 @@ class Reordered(WireFault):
 
     name = "reordered"
 
-    def deliver(self, piece: bytes, outward: bool) -> Sequence[Delivery]:
+    def deliver(self, piece: bytes, outward: bool, now: float) -> Sequence[Delivery]:
         """See :meth:`WireFault.deliver`."""
         return [(0.3 if self.strikes() else 0.0, piece)]
 
@@ -176,7 +176,7 @@ class Duplicated(WireFault):
 
     name = "duplicated"
 
-    def deliver(self, piece: bytes, outward: bool) -> Sequence[Delivery]:
+    def deliver(self, piece: bytes, outward: bool, now: float) -> Sequence[Delivery]:
         """See :meth:`WireFault.deliver`."""
         return [(0.0, piece), (0.0, piece), (self.random.uniform(0.0, 0.3), piece)]
 
@@ -190,9 +190,8 @@ class Stale(WireFault):
         super().__init__(seed)
         self._kept: deque[tuple[float, bytes, bool]] = deque(maxlen=2000)
 
-    def deliver(self, piece: bytes, outward: bool) -> Sequence[Delivery]:
+    def deliver(self, piece: bytes, outward: bool, now: float) -> Sequence[Delivery]:
         """See :meth:`WireFault.deliver`."""
-        now = time.monotonic()
         self._kept.append((now, piece, outward))
         delivered = [(0.0, piece)]
         since, old, direction = self._kept[0]
@@ -208,7 +207,7 @@ class Garbage(WireFault):
 
     name = "garbage"
 
-    def deliver(self, piece: bytes, outward: bool) -> Sequence[Delivery]:
+    def deliver(self, piece: bytes, outward: bool, now: float) -> Sequence[Delivery]:
         """See :meth:`WireFault.deliver`."""
         if not self.strikes():
             return [(0.0, piece)]
@@ -222,7 +221,7 @@ class Truncated(WireFault):
 
     name = "truncated"
 
-    def deliver(self, piece: bytes, outward: bool) -> Sequence[Delivery]:
+    def deliver(self, piece: bytes, outward: bool, now: float) -> Sequence[Delivery]:
         """See :meth:`WireFault.deliver`."""
         cut = self.random.randrange(len(piece)) if self.strikes() else len(piece)
         return [(0.0, piece[:cut])] if cut else []
@@ -233,7 +232,7 @@ class BitFlips(WireFault):
 
     name = "bit_flips"
 
-    def deliver(self, piece: bytes, outward: bool) -> Sequence[Delivery]:
+    def deliver(self, piece: bytes, outward: bool, now: float) -> Sequence[Delivery]:
         """See :meth:`WireFault.deliver`."""
         changed = bytearray(piece)
         if self.strikes():
@@ -251,7 +250,7 @@ class Stranger(WireFault):
         super().__init__(seed)
         self._voice = mavlink.MAVLink(None, STRANGER, 1)
 
-    def deliver(self, piece: bytes, outward: bool) -> Sequence[Delivery]:
+    def deliver(self, piece: bytes, outward: bool, now: float) -> Sequence[Delivery]:
         """See :meth:`WireFault.deliver`."""
         if not outward or not self.strikes():
             return [(0.0, piece)]
