@@ -15,6 +15,9 @@ from uav_tracking_mpc.settings.simulator import SimulatorParameters
 TICK = 0.01  # s: 100 Hz, above the 50 Hz at which ArduPlane runs its main loop by default
 
 
+STEEPEST = math.radians(80.0)  # bank that no parameter may allow
+
+
 class Demand(NamedTuple):
     """What a mode asks of the inner loops.
 
@@ -86,6 +89,7 @@ class FlightLoops:
         """
         state = self._airframe.state
         limit, lag, rate = response
+        limit = min(max(limit, 0.0), STEEPEST)
         self.roll_wanted = min(max(demand.roll, -limit), limit)
         change = (self.roll_wanted - self._bank) / max(lag - self._plant_lag, TICK)
         self._bank += TICK * min(max(change, -rate), rate)
