@@ -15,6 +15,9 @@ from uav_tracking_mpc.settings.simulator import SimulatorParameters
 TICK = 0.01  # s: 100 Hz, above the 50 Hz at which ArduPlane runs its main loop by default
 
 
+STEEPEST = math.radians(80.0)  # bank that no parameter may allow
+
+
 class Demand(NamedTuple):
     """What a mode asks of the inner loops.
 
@@ -86,6 +89,7 @@ class FlightLoops:
         """
         state = self._airframe.state
         limit, lag, rate = response
+        limit = min(max(limit, 0.0), STEEPEST)
         self.roll_wanted = min(max(demand.roll, -limit), limit)
         change = (self.roll_wanted - self._bank) / max(lag - self._plant_lag, TICK)
         self._bank += TICK * min(max(change, -rate), rate)
@@ -93,7 +97,7 @@ class FlightLoops:
         # A coordinated turn; to the left u_psi is positive.
         turn = -GRAVITY * math.tan(self._bank) / max(state.airspeed, 1.0)
         force = demand.acceleration + GRAVITY * math.sin(state.path_angle)
-        self.throttle = engine.throttle(force, state.airspeed)
+        self.throttle = engine.throttle(force, state.airspeed, state.roll)
         self._airframe.fly((turn, climb, demand.acceleration), TICK)
 
     def hold(self, up: float, airspeed: float, constants: HoldConstants) -> tuple[float, float]:
@@ -123,7 +127,7 @@ class FlightLoops:
             lag: Of the path angle behind the pitch in [s].
         """
         state = self._airframe.state
-        incidence = self._airframe.angle_of_attack(state.airspeed, state.roll)
+        incidence = self._airframe.incidence(state.airspeed, state.roll)
         return (pitch - incidence - state.path_angle) / lag
 
     def by_throttle(self, throttle: float, engine: Engine) -> float:
@@ -134,7 +138,8 @@ class FlightLoops:
             engine: What it drives.
         """
         state = self._airframe.state
-        return engine.force(throttle, state.airspeed) - GRAVITY * math.sin(state.path_angle)
+        force = engine.force(throttle, state.airspeed, state.roll)
+        return force - GRAVITY * math.sin(state.path_angle)
 
     def bank_to(self, loiter: Loiter, period: float, damping: float) -> float:
         """Bank in [rad] that leads onto a circle.
