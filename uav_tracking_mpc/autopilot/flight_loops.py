@@ -95,7 +95,7 @@ class FlightLoops:
         # A coordinated turn; to the left u_psi is positive.
         turn = -GRAVITY * math.tan(self._bank) / max(state.airspeed, 1.0)
         force = demand.acceleration + GRAVITY * math.sin(state.path_angle)
-        self.throttle = engine.throttle(force, state.airspeed)
+        self.throttle = engine.throttle(force, state.airspeed, state.roll)
         self._airframe.fly((turn, climb, demand.acceleration), TICK)
 
     def hold(self, up: float, airspeed: float, constants: HoldConstants) -> tuple[float, float]:
@@ -128,7 +128,7 @@ class FlightLoops:
         if state.time - self._pitched_at > 1.5 * TICK:
             self._path = state.path_angle
         self._pitched_at = state.time
-        incidence = self._airframe.angle_of_attack(state.airspeed, state.roll)
+        incidence = self._airframe.incidence(state.airspeed, state.roll)
         # As with the bank: attitude loops of their own quickness, of which the plant is a part.
         rate = (pitch - incidence - self._path) / max(lag - self._path_lag, TICK)
         rate = min(max(rate, -self._steepest), self._steepest)
@@ -143,7 +143,8 @@ class FlightLoops:
             engine: What it drives.
         """
         state = self._airframe.state
-        return engine.force(throttle, state.airspeed) - GRAVITY * math.sin(state.path_angle)
+        force = engine.force(throttle, state.airspeed, state.roll)
+        return force - GRAVITY * math.sin(state.path_angle)
 
     def bank_to(self, loiter: Loiter, period: float, damping: float) -> float:
         """Bank in [rad] that leads onto a circle.

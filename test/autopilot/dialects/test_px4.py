@@ -23,7 +23,7 @@ def distances(states, east=0.0, north=0.0):
 
 def level(core, roll=0.0, mask=RATES_IGNORED):
     """Set-point of level flight at cruise."""
-    pitch = core.airframe.angle_of_attack(core.state.airspeed, math.radians(roll))
+    pitch = core.airframe.incidence(core.state.airspeed, math.radians(roll))
     return bank(roll, mask, pitch, core.engine.trim)
 
 
@@ -102,7 +102,7 @@ def test_no_limit_of_bank_is_kept_in_offboard():
 def test_full_throttle_climbs_as_it_is_told_and_idle_sinks():
     core = offboard()
     engine = core.engine
-    climb, sink = engine.force(1.0, 22.0), engine.force(0.0, 22.0)
+    climb, sink = engine.force(1.0, 22.0, 0.0), engine.force(0.0, 22.0, 0.0)
     assert climb * 22.0 / 9.80665 == pytest.approx(core.parameters["FW_T_CLMB_MAX"])
     assert sink * 22.0 / 9.80665 == pytest.approx(-core.parameters["FW_T_SINK_MIN"])
 

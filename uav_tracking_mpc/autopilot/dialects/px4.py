@@ -93,6 +93,7 @@ class Px4(AutopilotCore):
             trim=min(max(known["FW_THR_TRIM"] * self.density_factor, 0.05), 0.95),
             climb_max=max(known["FW_T_CLMB_MAX"], 0.1),
             sink_idle=max(known["FW_T_SINK_MIN"], 0.1),
+            load_energy=known["FW_T_RLL2THR"],
         )
 
     @property
@@ -141,7 +142,7 @@ class Px4(AutopilotCore):
     def may_enter(self, mode: str) -> bool:
         """See :meth:`AutopilotCore.may_enter`: a mode that cannot run, only while disarmed."""
         if mode == "OFFBOARD" and self.armed and not self._streaming:
-            self.say(Severity.CRITICAL, "Switching to mode Offboard is currently not possible")
+            self.say(Severity.CRITICAL, "Switching to Offboard is currently not possible")
             return False
         return True
 
@@ -192,7 +193,7 @@ class Px4(AutopilotCore):
         """What the present mode asks for."""
         known, loops, target = self.parameters, self.loops, self._target
         if self.mode in ("MANUAL", "STABILIZED"):
-            level = self.airframe.angle_of_attack(self.state.airspeed, self.state.roll)
+            level = self.airframe.incidence(self.state.airspeed, self.state.roll)
             trim = loops.by_throttle(self.engine.trim, self.engine)
             return Demand(0.0, loops.by_pitch(level, known["FW_P_TC"]), trim)
         if self.mode == "OFFBOARD" and target is not None:
