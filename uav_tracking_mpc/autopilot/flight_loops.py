@@ -12,6 +12,7 @@ from uav_tracking_mpc.dynamics.energy_hold import HoldConstants, hold
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 
+DRIFT_TIME = 5.0  # s, in which the path angle comes back to that of the pitch
 TICK = 0.01  # s: 100 Hz, above the 50 Hz at which ArduPlane runs its main loop by default
 
 
@@ -61,7 +62,8 @@ class FlightLoops:
     def __init__(self, airframe: Airframe, simulator: SimulatorParameters) -> None:
         self._airframe = airframe
         self._steepest = simulator.pitch_rate_max
-        self._plant_lag, *_ = simulator.rate_lag
+        self._plant_lag, self._path_lag, _ = simulator.rate_lag
+        self._path, self._pitched_at = 0.0, -math.inf  # what by_pitch holds, and since when not
         self._law = LoiterLaw()
         self.throttle = 0.0
         self._bank = self.roll_wanted = airframe.state.roll
@@ -127,8 +129,15 @@ class FlightLoops:
             lag: Of the path angle behind the pitch in [s].
         """
         state = self._airframe.state
+        if state.time - self._pitched_at > 1.5 * TICK:
+            self._path = state.path_angle
+        self._pitched_at = state.time
         incidence = self._airframe.incidence(state.airspeed, state.roll)
-        return (pitch - incidence - state.path_angle) / lag
+        # As with the bank: attitude loops of their own quickness, of which the plant is a part.
+        rate = (pitch - incidence - self._path) / max(lag - self._path_lag, TICK)
+        rate = min(max(rate, -self._steepest), self._steepest)
+        self._path += TICK * rate
+        return rate + (self._path - state.path_angle) / DRIFT_TIME
 
     def by_throttle(self, throttle: float, engine: Engine) -> float:
         """u_v in [m/s^2] of a throttle that is held instead of an airspeed.

@@ -229,8 +229,8 @@ def _estimator(core: AutopilotCore) -> Any:
 
 
 def _current_mode(core: AutopilotCore) -> Any:
-    number = core.custom_mode
-    return mavlink.mavlink_map[CURRENT_MODE](0, number, number)
+    """streams/CURRENT_MODE.hpp: the mode, and that which the pilot wants."""
+    return mavlink.mavlink_map[CURRENT_MODE](0, core.custom_mode, core.intended_custom_mode)
 
 
 BUILDERS: dict[str, Builder] = {

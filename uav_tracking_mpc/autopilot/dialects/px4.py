@@ -85,6 +85,11 @@ class Px4(AutopilotCore):
         return mode | BaseMode.ARMED if self.armed else mode
 
     @property
+    def intended_custom_mode(self) -> int:
+        """See :attr:`AutopilotCore.intended_custom_mode`."""
+        return self.modes[self._intended]
+
+    @property
     def engine(self) -> Engine:
         """PerformanceModel.cpp, ``getTrimThrottle``: in thinner air it takes more of it."""
         known = self.parameters
