@@ -19,9 +19,10 @@ from uav_tracking_mpc.nodes.conversions import (
     set_stamp,
 )
 from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
+from uav_tracking_mpc.nodes.orbit_message import orbit_from_message
 from uav_tracking_mpc.nodes.peers import Peers, Promise
 from uav_tracking_mpc.nodes.run import run
-from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY
+from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY, ORBIT
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.plants import Plant, SimulationError, plant_named
@@ -74,6 +75,7 @@ class UavSimulator(Node):
             COMMAND.qos,
             event_callbacks=self._peers.listening(COMMAND),
         )
+        self.create_subscription(ORBIT.type, ORBIT.name, self._on_orbit, ORBIT.qos)
         self._diagnostics = diagnostics.Diagnostics(self, self._values)
         period = self._tick * 1e-9
         if self.parameters.publish_clock:
@@ -94,6 +96,14 @@ class UavSimulator(Node):
             self._rejected += 1
             self.get_logger().warning(
                 f"command refused: {error}", throttle_duration_sec=WARNING_PERIOD
+            )
+
+    def _on_orbit(self, message: Any) -> None:
+        try:
+            self._plant.see_orbit(orbit_from_message(message))
+        except MessageError as error:
+            self.get_logger().warning(
+                f"orbit refused: {error}", throttle_duration_sec=WARNING_PERIOD
             )
 
     def _step(self) -> None:

@@ -42,7 +42,7 @@ def px4_parameters(configuration: Configuration, density_factor: float) -> dict[
     return {
         "COM_DL_LOSS_T": 10,
         "COM_FAIL_ACT_T": 5.0,
-        "COM_OBL_RC_ACT": 0,
+        "COM_OBL_RC_ACT": 5,  # Hold: as it is to be set; PX4's own default 0 is refused by the link
         "COM_OF_LOSS_T": 1.0,
         "COM_RCL_EXCEPT": 0,
         "COM_RC_IN_MODE": 3,
