@@ -57,7 +57,8 @@ def test_the_orbit_follows_the_command_with_its_stamp(controller):
     message = dict(sent)[ORBIT.name]
     orbit, wanted = orbit_from_message(message), node.controller.orbit
     assert nanoseconds(message.header.stamp) == stamp
-    np.testing.assert_allclose(orbit.centre, ABOUT + [0.0, 0.0, wanted.altitude], atol=1e-6)
+    above = ABOUT + np.array([0.0, 0.0, wanted.altitude])
+    np.testing.assert_allclose(orbit.centre, above, atol=1e-6)
     assert abs(orbit.radius) == pytest.approx(wanted.radius)
     assert orbit.airspeed == wanted.speed
 
