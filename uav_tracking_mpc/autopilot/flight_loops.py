@@ -16,6 +16,9 @@ DRIFT_TIME = 5.0  # s, in which the path angle comes back to that of the pitch
 TICK = 0.01  # s: 100 Hz, above the 50 Hz at which ArduPlane runs its main loop by default
 
 
+STEEPEST = math.radians(80.0)  # bank that no parameter may allow
+
+
 class Demand(NamedTuple):
     """What a mode asks of the inner loops.
 
@@ -88,6 +91,7 @@ class FlightLoops:
         """
         state = self._airframe.state
         limit, lag, rate = response
+        limit = min(max(limit, 0.0), STEEPEST)
         self.roll_wanted = min(max(demand.roll, -limit), limit)
         change = (self.roll_wanted - self._bank) / max(lag - self._plant_lag, TICK)
         self._bank += TICK * min(max(change, -rate), rate)

@@ -17,6 +17,7 @@ from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import LinkError, VehicleLink
 from uav_tracking_mpc.nodes import diagnostics
+from uav_tracking_mpc.nodes.clock_offset import ClockOffset
 from uav_tracking_mpc.nodes.conversions import (
     MessageError,
     nanoseconds,
@@ -63,6 +64,7 @@ class AutopilotLink(Node):
         super().__init__("autopilot_link", **options)
         self.parameters = declare_parameters(self, LinkParameters)
         self._link = _link(self.parameters)
+        self._clocks = ClockOffset(lambda: self.get_clock().now().nanoseconds, self._link.now)
         self._wanted = self.parameters.engage
         self._engaged, self._told = False, -math.inf
         self._orbit: tuple[FlownOrbit, int] | None = None
@@ -102,17 +104,9 @@ class AutopilotLink(Node):
         """See the class."""
         return self._reader.refusal
 
-    def _stamp(self, time: float) -> int:
-        """ROS time of a time of the link in [ns]."""
-        return self.get_clock().now().nanoseconds - round((self._link.now() - time) * 1e9)
-
-    def _time(self, stamp: int) -> float:
-        """The link's time of a ROS time in [s]."""
-        return self._link.now() - (self.get_clock().now().nanoseconds - stamp) * 1e-9
-
     def _on_measured(self, seen: Measurement) -> None:
         """Publish a measurement at once, in the thread that received it."""
-        stamp = self._stamp(seen.stamp)
+        stamp = self._clocks.ros(seen.stamp)
         set_measurement(self._odometry, stamp, seen)
         self._odometry_publisher.publish(self._odometry)
         if seen.airspeed is not None:
@@ -122,7 +116,7 @@ class AutopilotLink(Node):
         self._state_time = time.monotonic()
         sighting = None if self._sightings is None else self._link.sighting()
         if self._sightings is not None and sighting is not None:
-            self._sightings.publish(self._stamp(sighting.stamp), sighting)
+            self._sightings.publish(self._clocks.ros(sighting.stamp), sighting)
 
     def _on_command(self, message: Any) -> None:
         try:
@@ -134,7 +128,9 @@ class AutopilotLink(Node):
                 return
             stamp = nanoseconds(message.header.stamp)
             step = float(steps[0]) if len(steps) else SINGLE_SEGMENT
-            refusal = self._link.command(self._time(stamp), plan, step, self._orbit_at(stamp))
+            refusal = self._link.command(
+                self._clocks.other(stamp), plan, step, self._orbit_at(stamp)
+            )
         except MessageError as error:
             refusal = str(error)
         except Exception as error:  # whatever a user's link raises, the node goes on

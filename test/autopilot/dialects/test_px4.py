@@ -51,10 +51,10 @@ def test_numbers_of_modes_are_those_of_the_real_one():
 
 def test_it_begins_in_hold_about_its_start():
     core = autopilot(Px4)
-    start, states = core.state, fly(core, 50.0)
+    start, states = core.state, fly(core, 35.0)
     assert (core.mode, core.armed) == ("LOITER", True)
     radius = core.parameters["NAV_LOITER_RAD"]
-    assert np.max(np.abs(distances(states[-2000:], start.east, start.north) - radius)) < 1.0
+    assert np.max(np.abs(distances(states[-1000:], start.east, start.north) - radius)) < 1.0
 
 
 def test_offboard_is_taken_only_while_setpoints_stream():
@@ -177,7 +177,7 @@ def test_a_reposition_must_ask_for_the_change_of_mode_and_tells_altitude_above_s
     assert core.mode == "OFFBOARD"
     assert core.command(order._replace(param2=1.0)) == Result.ACCEPTED
     assert core.mode == "LOITER"
-    states = fly(core, 60.0)
+    states = fly(core, 45.0)
     assert np.max(np.abs(distances(states[-1000:]) - 150.0)) < 2.0
     assert np.all(banks(states[-1000:]) < -10.0)  # a negative radius is counter-clockwise
     assert states[-1].up == pytest.approx(100.0, abs=0.5)
@@ -186,7 +186,7 @@ def test_a_reposition_must_ask_for_the_change_of_mode_and_tells_altitude_above_s
 def test_return_climbs_to_its_altitude_and_circles_home():
     core = autopilot(Px4, "uav_simulator.initial_position=[300.0, 0.0, 40.0]")
     assert core.command(Order(Cmd.NAV_RETURN_TO_LAUNCH)) == Result.ACCEPTED
-    states = fly(core, 50.0)
+    states = fly(core, 40.0)
     assert states[-1].up == pytest.approx(core.parameters["RTL_RETURN_ALT"], abs=0.5)
     radius = core.parameters["RTL_LOITER_RAD"]
     assert np.max(np.abs(distances(states[-1000:]) - radius)) < 3.0
