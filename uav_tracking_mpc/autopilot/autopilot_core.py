@@ -114,6 +114,11 @@ class AutopilotCore(ABC):
         return self.modes[self.mode]
 
     @property
+    def intended_custom_mode(self) -> int:
+        """Number of the mode that the pilot wants, also while a failsafe flies in another."""
+        return self.custom_mode
+
+    @property
     def system_state(self) -> SystemState:
         """As HEARTBEAT has it."""
         if self.failsafe:
