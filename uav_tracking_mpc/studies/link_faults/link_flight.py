@@ -102,6 +102,7 @@ class LinkFlight:
         for stamp, position in self._sensor.delivered(now):
             with contextlib.suppress(MeasurementError):  # ahead of stamps of a clock that jumped
                 self.controller.see_target(stamp, position)
+        self.controller.engage(self.link.engaged)
         if measured is None:
             return
         command = self.controller.step(measured, now)
