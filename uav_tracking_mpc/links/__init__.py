@@ -2,6 +2,7 @@
 
 ==============  ==================================================================
 ``ardupilot``   ArduPlane in GUIDED, over MAVLink
+``px4``         PX4 with a fixed wing in OFFBOARD, over MAVLink
 ``simulated``   a plant, as if it were behind a radio
 ``mavlink``     what autopilots on MAVLink share
 ``px4``         PX4 fixed wing in OFFBOARD, over MAVLink
