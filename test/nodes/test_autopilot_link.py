@@ -158,9 +158,12 @@ def test_engaging_can_be_refused(node):
 
 def test_asked_to_engage_it_does_so_once_there_is_something_to_fly(node):
     made = flying(node, engage=True)
+    now = made.get_clock().now().nanoseconds
+    made._on_command(command(now))  # without an orbit there is nothing to loiter about
     made._look()
     assert not made._link.engaged
-    made._on_command(command(made.get_clock().now().nanoseconds))
+    made._on_orbit(orbit(now))
+    made._on_command(command(now))
     made._look()
     assert made._link.engaged
     made._link.disengage()  # the pilot took over

@@ -1,9 +1,9 @@
 r"""Throttle to specific force and back, for an engine of which a pilot knows a few numbers.
 
 At cruise V_c the trimmed throttle holds the airspeed in level flight, full throttle in a climb of
-w_+, and no throttle in a sink of w_0; both autopilots are told these numbers. The drag grows with
-the square of the airspeed, and with the load factor n = 1 / cos(phi) of a turn by the number R of
-TECS_RLL2THR and FW_T_RLL2THR:
+``w_+``, and no throttle in a sink of ``w_0``; both autopilots are told these numbers. The drag
+grows with the square of the airspeed, and with the load factor n = 1 / cos(phi) of a turn by the
+number R of TECS_RLL2THR and FW_T_RLL2THR:
 
 .. math::
 
@@ -31,8 +31,8 @@ class Engine(NamedTuple):
     Attributes:
         cruise: V_c, true, in [m/s].
         trim: Throttle at cruise, from 0 to 1 [-].
-        climb_max: w_+ in [m/s].
-        sink_idle: w_0 in [m/s].
+        climb_max: ``w_+`` in [m/s].
+        sink_idle: ``w_0`` in [m/s].
         load_energy: R in [m^2/s^3].
     """
 

@@ -64,6 +64,7 @@ class AutopilotLink(Node):
         self._clocks = ClockOffset(lambda: self.get_clock().now().nanoseconds, self._link.now)
         self._wanted = self.parameters.engage
         self._engaged, self._told = False, -math.inf
+        self._ready = False  # whether the link has something to fly
         self._wire = CommandWire()
         self._orbit: tuple[FlownOrbit, int] | None = None
         self._states = self._received = self._refused = 0
@@ -107,7 +108,8 @@ class AutopilotLink(Node):
         """Publish a measurement at once, in the thread that received it."""
         stamp = self._clocks.ros(seen.stamp)
         set_measurement(self._odometry, stamp, seen)
-        self._odometry_publisher.publish(self._odometry)
+        if self._states or seen.airspeed is None:  # the first airspeed goes before the first state
+            self._odometry_publisher.publish(self._odometry)
         if seen.airspeed is not None:
             set_air_velocity(self._air_velocity, stamp, seen.airspeed)
             self._air_publisher.publish(self._air_velocity)
@@ -124,6 +126,7 @@ class AutopilotLink(Node):
                 return
             begin, orbit = self._clocks.other(stamp), self._orbit_at(stamp)
             refusal = self._link.command(begin, plan, step, orbit)
+            self._ready = not refusal and orbit is not None
         except MessageError as error:
             refusal = str(error)
         except Exception as error:  # whatever a user's link raises, the node goes on
@@ -189,7 +192,7 @@ class AutopilotLink(Node):
                 logger.warning(words)
         self._tell(now)
         self._diagnostics.report(*self._status(now))
-        if self._wanted and self._received and now - self._state_time < SILENCE:
+        if self._wanted and self._ready and now - self._state_time < SILENCE:
             words = self._engage()
             self._wanted = bool(words)  # asked for once: it does not argue with the pilot
             if words:
