@@ -1,4 +1,4 @@
-"""PX4 over ROS 2 as a link, on a wire in memory; without px4_msgs it says so."""
+"""PX4 over ROS 2 as a link, on a wire in memory."""
 
 import math
 from types import SimpleNamespace
@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from uav_tracking_mpc.dynamics.frames import quaternion_from_euler
-from uav_tracking_mpc.links import LinkRefusedError
-from uav_tracking_mpc.nodes.px4_ros_link import ARMED, OFFBOARD, Px4RosLink, RosWire
+from uav_tracking_mpc.nodes.px4_ros_link import ARMED, OFFBOARD, Px4RosLink
 
 HOLD = 4
 STEP = 0.02  # s
@@ -75,11 +74,6 @@ def fly(link, duration, turn_rate=-0.1):
     while link.now() < end:
         if link.measured(0.1) is not None:
             link.command(link.now(), np.array([[turn_rate, 0.01, 0.0]] * 3), 0.4)
-
-
-def test_without_px4_msgs_it_says_what_is_missing():
-    with pytest.raises(LinkRefusedError, match="px4_msgs"):
-        RosWire()
 
 
 def test_nothing_is_sent_until_it_is_engaged(link):
