@@ -15,7 +15,10 @@
 ``message_rates``        which messages are due
 ``vehicle_protocol``     what is answered to messages: commands, parameters, time
 ``radio``                the wire, on which faults act
+``wire_faults``          the faults, by name
+``wired_autopilot``      an autopilot and its wire
 ``simulated_autopilot``  all of it in real time, in a thread
+``stepped_autopilot``    all of it in simulated time, step by step
 =======================  =========================================================================
 
 The files above the line know nothing of pymavlink.

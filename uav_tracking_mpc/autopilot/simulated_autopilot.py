@@ -3,46 +3,34 @@
 from __future__ import annotations
 
 import logging
-import math
 import threading
 import time
 from collections.abc import Sequence
 
-from uav_tracking_mpc.autopilot.autopilot_core import AutopilotCore
-from uav_tracking_mpc.autopilot.dialects.ardupilot import ArduPlane
-from uav_tracking_mpc.autopilot.dialects.px4 import Px4
 from uav_tracking_mpc.autopilot.flight_loops import TICK
 from uav_tracking_mpc.autopilot.radio import Radio
-from uav_tracking_mpc.autopilot.vehicle_protocol import COMPONENT, VehicleProtocol
-from uav_tracking_mpc.dynamics.geodesy import LocalFrame
+from uav_tracking_mpc.autopilot.vehicle_protocol import COMPONENT
+from uav_tracking_mpc.autopilot.wired_autopilot import ORIGIN, WiredAutopilot
 from uav_tracking_mpc.links import LinkError
-from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import Configuration
 
 logger = logging.getLogger(__name__)
 
-DIALECTS: dict[str, type[AutopilotCore]] = {"ardupilot": ArduPlane, "px4": Px4}
 CONNECTION = "udpout:127.0.0.1:14550"
-ORIGIN = (47.3977, 8.5456, 488.0)  # deg, deg, m above sea level
 BEHIND = 1.0  # s by which the simulation may lag behind the clock before time stands still
 RETRY = 0.2  # s between attempts to open a lost wire
 
 
-class SimulatedAutopilot:
+class SimulatedAutopilot(WiredAutopilot):
     """Flies in a thread of its own from :meth:`start` to :meth:`stop`; also a context manager.
 
     Args:
-        dialect: ``ardupilot`` or ``px4``.
-        configuration: Plant, air, start and what the aircraft can fly.
+        dialect: See :class:`WiredAutopilot`, as for the others.
+        configuration: Of the mission.
         connection: As :class:`~uav_tracking_mpc.links.mavlink.connection.Connection` has it.
-        origin: Latitude [deg], longitude [deg] and altitude above sea level [m] of the origin of
-            ``map``, which is its home.
+        origin: Latitude [deg], longitude [deg] and altitude [m] of the origin of ``map``.
         system: Its MAVLink system.
-        on_runway: It stands on the ground, disarmed, rather than loiters in the air.
-
-    Attributes:
-        protocol: What speaks for it.
-        radio: Its wire, which faults strike.
+        on_runway: It stands on the ground.
 
     Raises:
         ParameterError: There is no such dialect, or no such place on the earth.
@@ -58,51 +46,10 @@ class SimulatedAutopilot:
         system: int = 1,
         on_runway: bool = False,
     ) -> None:
-        if dialect not in DIALECTS:
-            raise ParameterError(f"dialect is {dialect!r}, must be one of {', '.join(DIALECTS)}")
-        latitude, longitude, altitude = origin
-        try:
-            frame = LocalFrame(math.radians(latitude), math.radians(longitude), altitude)
-        except ValueError as error:
-            raise ParameterError(str(error)) from error
-        core = DIALECTS[dialect](configuration, frame, on_runway)
-        self.protocol = VehicleProtocol(core, system)
-        self.radio = Radio(connection, COMPONENT)
-        self.radio.speak_as(system)
-        self._lock = threading.Lock()
+        wire = lambda: Radio(connection, COMPONENT)  # noqa: E731
+        super().__init__(dialect, configuration, wire, origin, system, on_runway)
         self._ending = threading.Event()
         self._thread: threading.Thread | None = None
-
-    @property
-    def core(self) -> AutopilotCore:
-        """The autopilot itself."""
-        return self.protocol.core
-
-    def pilot_mode(self, mode: str) -> bool:
-        """Change the mode as a pilot does by a switch.
-
-        Args:
-            mode: Its name.
-
-        Returns:
-            Whether it is the mode now.
-        """
-        with self._lock:
-            return self.core.set_mode(mode)
-
-    def restart(self) -> None:
-        """Boot the autopilot anew in flight."""
-        with self._lock:
-            self.protocol.restart()
-
-    def jump_clock(self, seconds: float) -> None:
-        """Set the autopilot's clock.
-
-        Args:
-            seconds: By how much it goes forward in [s].
-        """
-        with self._lock:
-            self.core.clock_offset += seconds
 
     def start(self) -> None:
         """Fly in a thread."""
@@ -133,28 +80,16 @@ class SimulatedAutopilot:
             if now - self.core.time > BEHIND:  # the machine was busy: its time is lost
                 begin += now - self.core.time - TICK
                 now = self.core.time + TICK
-            with self._lock:
-                self.protocol.advance(now)
-                ready = self.protocol.outgoing()
-            for message in ready:
-                self.radio.send(message)
+            self.go_on(now)
             self._listen(begin)
 
     def _listen(self, begin: float) -> None:
         wait = self.core.time + TICK - (time.monotonic() - begin)
         try:
-            messages = self.radio.receive(max(wait, 0.0))
+            self.listen(max(wait, 0.0), lambda: time.monotonic() - begin)
         except LinkError as error:
             logger.info("%s", error)
             self._reopen()
-            return
-        now = time.monotonic() - begin
-        with self._lock:
-            for message in messages:
-                self.protocol.take(message, now)
-            ready = self.protocol.outgoing()
-        for message in ready:
-            self.radio.send(message)
 
     def _reopen(self) -> None:
         try:

@@ -141,7 +141,7 @@ class Px4(AutopilotCore):
     def may_enter(self, mode: str) -> bool:
         """See :meth:`AutopilotCore.may_enter`: a mode that cannot run, only while disarmed."""
         if mode == "OFFBOARD" and self.armed and not self._streaming:
-            self.say(Severity.CRITICAL, "Switching to mode Offboard is currently not possible")
+            self.say(Severity.CRITICAL, "Switching to Offboard is currently not possible")
             return False
         return True
 

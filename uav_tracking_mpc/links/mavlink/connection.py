@@ -27,6 +27,8 @@ SEQUENCE = 256  # numbers of messages of one sender wrap there
 class Connection:
     """Messages of everybody at the other end; one thread receives, any may send.
 
+    Sockets and serial ports are pymavlink's. A subclass may bring another wire, and another clock.
+
     Args:
         address: In the forms of :data:`FORMS`; empty for :data:`USUAL`.
         component: MAVLink component that we are.
@@ -50,7 +52,7 @@ class Connection:
         self._system = 255
         self._sending = threading.Lock()
         self._last: dict[tuple[int, int], int] = {}
-        self._begin = time.monotonic()
+        self._begin = self.now()
         self._wire: Any = None
         self._kind, self._place = _parsed(self.address)
         self.open()
@@ -74,6 +76,10 @@ class Connection:
             self._wire.setup_signing(self._key, allow_unsigned_callback=_unsigned)
 
     def _opened(self) -> Any:
+        return self._socket()
+
+    def _socket(self) -> Any:
+        """A wire as those of pymavlink's mavutil are."""
         who = {"source_system": self._system, "source_component": self._component}
         if self._kind == "serial":
             device, _, baud = self._place.rpartition(":")
@@ -109,7 +115,11 @@ class Connection:
     @property
     def boot_time(self) -> int:
         """Since this end exists, in [ms]: what the autopilot is told as the time of a message."""
-        return int((time.monotonic() - self._begin) * 1e3) & 0xFFFFFFFF
+        return int((self.now() - self._begin) * 1e3) & 0xFFFFFFFF
+
+    def now(self) -> float:
+        """Our time in [s]."""
+        return time.monotonic()
 
     def wait(self, timeout: float) -> bool:
         """Whether there is something to read, or to be told of a lost wire.

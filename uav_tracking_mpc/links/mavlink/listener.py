@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections import deque
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -45,7 +44,7 @@ class Listener:
     """One end of a connection to one autopilot.
 
     Args:
-        address: See :class:`Connection`.
+        connection: To where it is.
         parameters: Of the link.
         events: Where what happens is reported.
         slow_messages: Asked for now and then, beside those of every autopilot.
@@ -66,23 +65,19 @@ class Listener:
         on_message: Called with each of its other messages and our time in [s].
         on_measurement: Called with each measurement and our time in [s].
         on_restart: Called when it has booted anew.
-
-    Raises:
-        LinkError: The address cannot be opened.
     """
 
     def __init__(
         self,
-        address: str,
+        connection: Connection,
         parameters: LinkParameters,
         events: EventLog,
         slow_messages: Iterable[int] = (),
         quick_messages: Iterable[int] = (),
     ) -> None:
         self._parameters, self._events = parameters, events
-        component = mavlink.MAV_COMP_ID_ONBOARD_COMPUTER
-        self.connection = Connection(address, component, parameters.signing_key)
-        self.requests = Requests(self.connection, events)
+        self.connection = connection
+        self.requests = Requests(connection, events)
         self.clock = AutopilotClock()
         origin = None
         if parameters.origin:
@@ -136,17 +131,17 @@ class Listener:
             LinkError: There is none.
             LinkRefusedError: There is one of another kind, or of another vehicle.
         """
-        end = time.monotonic() + timeout
+        end = self.connection.now() + timeout
         others: set[str] = set()
         while self.heartbeat is None:
-            if time.monotonic() > end:
+            if self.connection.now() > end:
                 words = f"no autopilot answers at {self.connection.address!r} within {timeout:g} s"
                 if others:
                     words += f"; heard there: {', '.join(sorted(others))}"
                 if self.connection.bad:
                     words += f"; {self.connection.bad} frames were garbled or wrongly signed"
                 raise LinkError(words)
-            self.tend(time.monotonic())
+            self.tend(self.connection.now())
             for message in self.connection.receive(0.1):
                 if message.get_type() != "HEARTBEAT":
                     continue
@@ -170,7 +165,7 @@ class Listener:
             raise LinkRefusedError(f"{where} is a {kind}, must be a fixed wing")
         self.requests.system = self.connection.watched = system
         self.connection.speak_as(system)
-        self.heartbeat, self._heartbeat_at = message, time.monotonic()
+        self.heartbeat, self._heartbeat_at = message, self.connection.now()
 
     def ask_for_telemetry(self) -> None:
         """Ask for all messages; an autopilot that has restarted has forgotten them."""
@@ -202,7 +197,7 @@ class Listener:
         except LinkError as error:
             self._reopen(error)
             return []
-        arrival, own = time.monotonic(), []
+        arrival, own = self.connection.now(), []
         for message in messages:
             system, component = message.get_srcSystem(), message.get_srcComponent()
             if system == self.system and component == 1:
@@ -215,7 +210,7 @@ class Listener:
     def _reopen(self, error: LinkError) -> None:
         if self.connection.closed:
             raise error
-        now = time.monotonic()
+        now = self.connection.now()
         if now - self._reopened_at < REOPEN_PERIOD:
             return
         if self._reopened_at == -math.inf:

@@ -6,6 +6,7 @@ import math
 import threading
 import time
 from abc import abstractmethod
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import Inspection, LinkError, Sighting, VehicleLink
+from uav_tracking_mpc.links.mavlink.connection import Connection
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.links.mavlink.engagement import Engagement, State
 from uav_tracking_mpc.links.mavlink.latency import Latency
@@ -34,6 +36,7 @@ class MavlinkLink(VehicleLink):
     Args:
         address: See :class:`~uav_tracking_mpc.links.mavlink.connection.Connection`.
         parameters: What may be asked of it; its connection counts where the address is empty.
+        connection: Makes the wire from address, component and key.
 
     Attributes:
         parameters: As above.
@@ -50,7 +53,13 @@ class MavlinkLink(VehicleLink):
     quick_messages: ClassVar[tuple[int, ...]] = ()
     stream_period: ClassVar[float] = 0.04  # s after which a set-point is repeated
 
-    def __init__(self, address: str = "", parameters: LinkParameters | None = None) -> None:
+    def __init__(
+        self,
+        address: str = "",
+        parameters: LinkParameters | None = None,
+        connection: Callable[[str, int, str], Connection] = Connection,
+    ) -> None:
+        self._connected = connection
         self.parameters = parameters or LinkParameters()
         super().__init__(address or self.parameters.connection)
         self._lock = threading.RLock()
@@ -155,9 +164,12 @@ class MavlinkLink(VehicleLink):
         """See :meth:`VehicleLink.connect`."""
         self.close()
         self._forget()
-        end = self.now() + timeout
+        connection = self._connected(
+            self.address, mavlink.MAV_COMP_ID_ONBOARD_COMPUTER, self.parameters.signing_key
+        )
+        end = connection.now() + timeout
         heard = Listener(
-            self.address, self.parameters, self.events, self.slow_messages, self.quick_messages
+            connection, self.parameters, self.events, self.slow_messages, self.quick_messages
         )
         self._heard = heard
         heard.on_heartbeat = self._see_heartbeat
@@ -187,8 +199,8 @@ class MavlinkLink(VehicleLink):
             self._heard = None
 
     def now(self) -> float:
-        """See :meth:`VehicleLink.now`: the machine's monotonic clock."""
-        return time.monotonic()
+        """See :meth:`VehicleLink.now`: the machine's monotonic clock, unless the wire has one."""
+        return self.heard.connection.now() if self._heard is not None else time.monotonic()
 
     def inspect(self) -> Inspection:
         """See :meth:`VehicleLink.inspect`."""

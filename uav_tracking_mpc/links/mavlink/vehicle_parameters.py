@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import struct
-import time
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -66,8 +65,8 @@ def read_parameters(
             connection.send(
                 mavlink.MAVLink_param_request_read_message(system, 1, name.encode("ascii"), -1)
             )
-        end = time.monotonic() + ROUND
-        while (left := end - time.monotonic()) > 0.0 and len(found) < len(wanted):
+        end = connection.now() + ROUND
+        while (left := end - connection.now()) > 0.0 and len(found) < len(wanted):
             for message in receive(left):
                 if message.get_type() != "PARAM_VALUE" or message.param_id not in wanted:
                     continue
