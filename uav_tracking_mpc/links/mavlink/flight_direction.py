@@ -8,13 +8,13 @@ Trans. Automatic Control 53(5), 2008):
 
 .. math::
 
-    \dot\beta = r_n - k r_b - b - 2 \omega \beta, \quad \dot b = \omega^2 \beta, \quad
-    \psi = \psi_n - \beta, \quad \dot\psi = k r_b + b + 2 \omega \beta
+    \dot\beta = r_n - r_b - b - 2 \omega \beta, \quad \dot b = \omega^2 \beta, \quad
+    \psi = \psi_n - \beta, \quad \dot\psi = r_b + b + 2 \omega \beta
 
 with the nose at :math:`\psi_n`, its rate :math:`r_n`, the rate :math:`r_b = -g \tan\phi / v` of a
-coordinated turn, the swing :math:`\beta` and a bias b. An aircraft that slips turns by another
-share k of that rate; k is the least-squares ratio of both rates, smoothed and forgotten
-exponentially, and b takes up its changes so that :math:`\dot\psi` has no steps.
+coordinated turn, and the swing :math:`\beta`. An aircraft that slips in a steady turn turns at
+another rate than that of its bank, by b; this shows slowly, and is to be taken out as slowly: in a
+quick roll the bank still counts in full.
 """
 
 from __future__ import annotations
@@ -23,9 +23,7 @@ import math
 
 FREQUENCY = 0.3  # rad/s, omega: well below the swing's, which is some rad/s
 LONGEST_STEP = 0.5  # s between attitudes, after which the filter begins anew
-SMOOTHING, MEMORY = 1.0, 20.0  # s, of the rates that k is the ratio of, and of k
-PRIOR = 0.01**2  # rad^2/s^2, mean square of the turn rate that counts as much as k = 1
-SHARES = 0.6, 1.3  # k, at least and at most
+SURPLUS_LIMIT = 0.15  # rad/s
 
 
 class FlightDirection:
@@ -34,19 +32,13 @@ class FlightDirection:
     Attributes:
         heading: psi, counter-clockwise from East, in [rad].
         rate: psi' in [rad/s].
-        share: k, turn rate over that of a coordinated turn at the same bank [-].
+        surplus: b, what the turn rate exceeds that of a coordinated turn by, in [rad/s].
     """
 
     def __init__(self) -> None:
-        self.heading = self.rate = 0.0
-        self.share = 1.0
-        self.reset()
-
-    def reset(self) -> None:
-        """Begin anew: at first the nose points where the aircraft flies."""
+        self.heading = self.rate = self.surplus = 0.0
+        self._swing = 0.0
         self._time: float | None = None
-        self._swing = self._bias = self._nose_rate = self._bank_rate = 0.0
-        self._product, self._power = PRIOR * MEMORY, PRIOR * MEMORY
 
     def see(self, time: float, nose: float, nose_rate: float, bank_rate: float | None) -> None:
         """Take in an attitude.
@@ -59,30 +51,20 @@ class FlightDirection:
                 airspeed is unknown, and the nose counts.
         """
         if bank_rate is None:
-            self._time = None
+            self._time, self.surplus = None, 0.0
             self.heading, self.rate = nose, nose_rate
             return
         step = math.inf if self._time is None else time - self._time
         self._time = time
         if 0.0 < step <= LONGEST_STEP:
-            self._learn(step, nose_rate, bank_rate)
-            by_bank = self.share * bank_rate + self._bias + 2.0 * FREQUENCY * self._swing
-            self._bias += step * FREQUENCY**2 * self._swing
-            self._swing += step * (nose_rate - by_bank)
+            turn_rate = bank_rate + self.surplus + 2.0 * FREQUENCY * self._swing
+            self._surpass(self.surplus + step * FREQUENCY**2 * self._swing)
+            self._swing += step * (nose_rate - turn_rate)
         elif step != 0.0:
-            self._swing, self._bias = 0.0, nose_rate - self.share * bank_rate
-            self._nose_rate, self._bank_rate = nose_rate, bank_rate
+            self._swing = 0.0
+            self._surpass(nose_rate - bank_rate)
         self.heading = nose - self._swing
-        self.rate = self.share * bank_rate + self._bias + 2.0 * FREQUENCY * self._swing
+        self.rate = bank_rate + self.surplus + 2.0 * FREQUENCY * self._swing
 
-    def _learn(self, step: float, nose_rate: float, bank_rate: float) -> None:
-        """Follow k."""
-        new, kept = 1.0 - math.exp(-step / SMOOTHING), math.exp(-step / MEMORY)
-        self._nose_rate += new * (nose_rate - self._nose_rate)
-        self._bank_rate += new * (bank_rate - self._bank_rate)
-        prior = PRIOR * MEMORY * (1.0 - kept)
-        self._product = kept * self._product + step * self._nose_rate * self._bank_rate + prior
-        self._power = kept * self._power + step * self._bank_rate**2 + prior
-        least, most = SHARES
-        before, self.share = self.share, min(max(self._product / self._power, least), most)
-        self._bias += (before - self.share) * bank_rate
+    def _surpass(self, surplus: float) -> None:
+        self.surplus = min(max(surplus, -SURPLUS_LIMIT), SURPLUS_LIMIT)
