@@ -39,6 +39,7 @@ REOPEN_PERIOD = 1.0  # s between attempts to open a lost wire
 LOST = 5.0  # s without a heartbeat
 STALL = 2.0  # s in which nobody read, after which what waits is too old for its arrival to count
 BACKLOG = 10000  # reads in a row of what waits
+HISTORY = 1.0  # s of age from which on a measurement is none: it waited while we were stopped
 SEVERE = 4  # MAV_SEVERITY up to which the autopilot's words are warnings
 
 
@@ -265,7 +266,7 @@ class Listener:
             self._events.add(level, f"autopilot: {message.text}")
         else:
             measurement = self.telemetry.see(message, arrival)
-            if measurement is not None:
+            if measurement is not None and arrival - measurement.stamp <= HISTORY:
                 self.measurements.append(measurement)
                 self.on_measurement(measurement, arrival)
         self.on_message(message, arrival)
