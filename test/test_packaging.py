@@ -152,8 +152,9 @@ def test_versions_agree():
 
 
 def test_package_xml_names_every_import():
-    """By rosdep key; what only proofs and campaigns need is an extra and has none."""
+    """By rosdep key; what only some commands need is an extra and has none."""
     extras = {"flint", "control", "pyarrow", "distributed", "pandas", "duckdb", "dask"}
+    extras |= {"pymavlink", "jsbsim", "px4_msgs"}
     keys = {
         "casadi": "casadi-pip",
         "hypothesis": "python3-hypothesis",

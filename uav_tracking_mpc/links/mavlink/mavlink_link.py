@@ -148,8 +148,6 @@ class MavlinkLink(VehicleLink):
             now: In [s].
         """
 
-    # VehicleLink --------------------------------------------------------------------------------
-
     @property
     def heard(self) -> Listener:
         """What is heard of the autopilot.
@@ -304,8 +302,6 @@ class MavlinkLink(VehicleLink):
             "clock jitter [ms]": 1e3 * heard.clock.jitter,
             "restarts": heard.clock.restarts,
         }
-
-    # What comes in and goes out -----------------------------------------------------------------
 
     @property
     def _streams(self) -> bool:
