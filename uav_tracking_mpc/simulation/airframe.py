@@ -193,14 +193,9 @@ class Airframe:
         return FOOT * np.array([east, north, -down])
 
     @property
-    def heading(self) -> float:
-        """Yaw of the body, counter-clockwise from East, in [rad]."""
+    def yaw(self) -> float:
+        """Of the nose, counter-clockwise from East, in [rad]."""
         return math.remainder(0.5 * math.pi - self._fdm["attitude/psi-rad"], 2.0 * math.pi)
-
-    @property
-    def rates(self) -> tuple[float, float]:
-        """Rates of heading and pitch, counter-clockwise and upwards, in [rad/s]."""
-        return -self._fdm["velocities/psidot-rad_sec"], self._fdm["velocities/thetadot-rad_sec"]
 
     def _command(self, surfaces: Surfaces) -> None:
         fdm = self._fdm
