@@ -67,15 +67,20 @@ setup(
         # Results of campaigns as Parquet; a Dask cluster to fly them on.
         "campaign": ["pyarrow>=14.0"],
         "dask": ["distributed>=2024.1"],
+        # Links to autopilots, and the simulated one; a plant with six degrees of freedom.
+        "mavlink": ["pymavlink>=2.4.41"],
+        "jsbsim": ["jsbsim>=1.2"],
         "test": [
             "colcon-common-extensions",
             "control>=0.10.2",
             "distributed>=2024.1",
             "duckdb>=0.10",
             "hypothesis",
+            "jsbsim>=1.2",
             "mypy",
             "pandas>=2.0",
             "pyarrow>=14.0",
+            "pymavlink>=2.4.41",
             "pytest",
             "pytest-timeout",
             "pytest-xdist",
@@ -89,6 +94,7 @@ setup(
             f"uav_simulator = {NAME}.nodes.uav_simulator:main",
             f"target_publisher = {NAME}.nodes.target_publisher:main",
             f"nmpc_controller = {NAME}.nodes.nmpc_controller:main",
+            f"autopilot_link = {NAME}.nodes.autopilot_link:main",
             f"monitor = {NAME}.nodes.monitor:main",
             f"launch_tracking = {NAME}.cli.launch_tracking:main",
             f"uav_tracking = {NAME}.cli.main:main",

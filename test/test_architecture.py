@@ -26,6 +26,7 @@ LAYERS = (
     "simulation",
     "report",
     "links",
+    "autopilot",
     "nodes",
     "launch",
     "view",

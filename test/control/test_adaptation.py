@@ -14,6 +14,7 @@ from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.closed_loop import simulate
+from uav_tracking_mpc.simulation.plants import plant_of
 
 TOLD = small_uav.parameters()
 DEVIATIONS = ("lag_deviation", "dead_time_deviation", "delay_deviation", "gain_deviation")
@@ -131,3 +132,35 @@ def test_a_flight_that_was_told_half_of_it_finds_the_truth():
     assert controller.parameters.rate_lag == (0.15, 0.06, 0.08)  # what was told
     controller.reset()
     assert controller.response.delay(0) == pytest.approx(0.23)
+
+
+def test_what_the_autopilot_holds_is_not_learnt():
+    told = small_uav.parameters("autopilot_holds=true")
+    found = ResponseAdaptation(told, EventLog())
+    configuration = load_configuration("small_uav")
+    measurement = plant_of(configuration).measured()
+    rng = np.random.default_rng(3)
+    for tick in range(1200):
+        rates = 0.1 * rng.standard_normal(2)
+        now = dataclasses.replace(
+            measurement, stamp=0.05 * tick, turn_rate=rates[0], path_angle_rate=rates[1]
+        )
+        found.see(now, now.state(22.0 + rng.standard_normal()), True)
+        plan = 0.1 * rng.standard_normal((1, 3))
+        found.commanded(now.stamp, 0.0, plan, 0.4)
+    turn, path, speed = found.channels
+    assert turn != ChannelResponse()
+    assert path == speed == ChannelResponse()
+
+
+def test_an_autopilot_that_swings_in_height_is_not_told_as_a_limit_cycle_of_ours():
+    for holds, told in (("false", True), ("true", False)):
+        events = EventLog()
+        found = ResponseAdaptation(small_uav.parameters(f"autopilot_holds={holds}"), events)
+        measurement = plant_of(load_configuration("small_uav")).measured()
+        for tick in range(800):
+            now = dataclasses.replace(measurement, stamp=0.05 * tick)
+            found.see(now, now.state(22.0), True)
+            plan = np.array([[0.0, 0.3 * np.sin(4.0 * now.stamp), 0.0]])
+            found.commanded(now.stamp, 0.0, plan, 0.4)
+        assert any("limit cycle" in event.words for event in events.take()) is told

@@ -187,3 +187,36 @@ def test_what_is_planned_is_flown_from_when_it_was_sent(constant):
     constant.step(measured(0.1), 0.14)
     history = constant.navigator._history
     assert [history.demanded(time, 1) for time in (0.0, 0.13, 0.15)] == [0.0, 0.0, 0.1]
+
+
+def test_a_command_says_which_orbit_is_flown_about_the_moving_target(constant):
+    velocity = np.array([3.0, -1.0, 0.5])
+    for k in range(3):
+        constant.see_target(k * TICK, np.array([10.0, 20.0, 30.0]) + k * TICK * velocity, velocity)
+        command = constant.step(measured(k * TICK, wind=np.array([2.0, 4.0, 0.0])), k * TICK)
+        if command is None:
+            continue
+        flown = command.flown_orbit
+        height = command.present.target[2] + FLIGHT.altitude
+        np.testing.assert_allclose(flown.centre[:2], command.present.target[:2])
+        assert flown.centre[2] == pytest.approx(height)
+        np.testing.assert_allclose(flown.velocity, velocity, atol=0.3)  # the track follows
+        assert flown.airspeed == FLIGHT.airspeed
+        clockwise = constant.orbit.direction == CLOCKWISE
+        assert flown.radius == pytest.approx((-1.0 if clockwise else 1.0) * FLIGHT.orbit.radius)
+
+
+def test_where_the_autopilot_holds_the_loiter_law_flies_the_bank_alone():
+    held = replace(FLIGHT, autopilot_holds=True, control_rate=10.0, dead_time=(0.0, 0.0, 0.0))
+    controller = Controller(held, Constant(np.array([-0.08, 0.0, 0.0])), stopwatch=lambda: 0.0)
+    controller.see_target(0.0, STILL)
+    command = None
+    for k in range(round(10.0 / TICK)):
+        now = measured(k * TICK, position=(300.0, 0.0, 110.0))
+        command = controller.step(now, k * TICK) or command
+    assert command.mode is FallbackMode.LOITER
+    model, present = held.vehicle, command.present
+    state = model.initial(present.vehicle, present.target, present.rates)
+    expected = model.held(state, 120.0, 22.0, model.numbers(0.4), present.drift)
+    np.testing.assert_allclose(command.inputs[0, 1:], expected)
+    assert command.flown_orbit.centre[2] == pytest.approx(120.0)

@@ -150,3 +150,15 @@ def test_a_target_elsewhere_makes_no_difference():
     flown = Flown()
     flown.added(CALM_TIME + 2.0 * FADE_TIME, situation(target=(500.0, -300.0, 10.0)))
     assert flown.words() == ["the excitation begins"]
+
+
+def test_what_the_autopilot_holds_is_not_excited():
+    added = going(autopilot_holds=True).added(20.0)
+    assert np.abs(added[:, 0]).max() == pytest.approx(AMPLITUDES[0])
+    assert not added[:, 1:].any()
+
+
+def test_a_signal_on_nothing_that_is_commanded_is_none():
+    flown = Flown(autopilot_holds=True, excitation=(0.0, 0.1, 1.0))
+    assert not flown.added(20.0).any()
+    assert flown.words() == []

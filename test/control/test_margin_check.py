@@ -64,3 +64,10 @@ def test_changes_are_judged_in_a_thread_and_the_latest_wins():
     watch.judge(small_uav.parameters())
     watch.wait()
     assert "gain_margin_min is 60 dB" in told[-1][1]  # nothing new
+
+
+def test_what_the_autopilot_holds_is_not_judged():
+    held = small_uav.parameters("autopilot_holds=true")
+    assert len(shortfalls(UNSTABLE, held)) == 2
+    assert margin_warning(held) == ""
+    assert "turn bears" in margin_warning(small_uav.parameters("autopilot_holds=true", *HASTY))

@@ -32,8 +32,8 @@ class OtherClock(SimulatedLink):
 
 
 class Careless(SimulatedLink):
-    def command(self, stamp, inputs, step):
-        super().command(stamp, inputs, step)
+    def command(self, stamp, inputs, step, orbit=None):
+        super().command(stamp, inputs, step, orbit)
         return ""
 
 

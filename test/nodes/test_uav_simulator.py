@@ -2,11 +2,14 @@
 
 import os
 
+import numpy as np
 import pytest
 import rclpy
 from rclpy.parameter import Parameter
 
+from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
 from uav_tracking_mpc.nodes.diagnostics import ERROR
+from uav_tracking_mpc.nodes.orbit_message import orbit_message, set_orbit
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.parameters.specification import ParameterError
 
@@ -63,7 +66,7 @@ def test_a_plant_of_ones_own_is_flown_until_it_fails(simulator, tmp_path):
 @pytest.mark.parametrize(
     ("parameters", "words"),
     [
-        ({"plant": "balloon"}, "'plant' is 'balloon', must be one of euler, vehicle"),
+        ({"plant": "balloon"}, "'plant' is 'balloon', must be one of euler, held, .*vehicle"),
         ({"plant": "nowhere.py:Balloon"}, "'plant': there is no file"),
         ({"plant": "euler", "initial_position": [0.0, 0.0, 9.0]}, "'plant': at 0 s the range"),
     ],
@@ -71,3 +74,15 @@ def test_a_plant_of_ones_own_is_flown_until_it_fails(simulator, tmp_path):
 def test_what_cannot_be_flown_is_refused_at_the_start(simulator, parameters, words):
     with pytest.raises(ParameterError, match=words):
         simulator(**parameters)
+
+
+def test_an_autopilot_that_holds_altitude_and_airspeed_is_told_the_orbit(simulator):
+    node = simulator(plant="held", publish_clock=True, initial_speed=8.0)
+    message = orbit_message()
+    orbit = FlownOrbit(np.array([0.0, 0.0, 40.0]), np.zeros(3), 100.0, 9.0)
+    set_orbit(message, 50_000_000, orbit)
+    node._on_orbit(message)
+    assert (node._plant.altitude, node._plant.airspeed) == (40.0, 9.0)
+    message.position[2] = float("nan")
+    node._on_orbit(message)  # refused
+    assert node._plant.altitude == 40.0

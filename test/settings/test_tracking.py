@@ -34,6 +34,8 @@ def test_defaults_are_table_1():
         ({"dead_time": (0.0, 0.1, 0.0)}, r"'dead_time' is \[0.0, 0.1, 0.0\], must be all 0 unless"),
         ({"direction": "nearest"}, "'direction' is 'nearest', must be clockwise or counter_clock"),
         ({"direction": "left"}, "'direction' is .*left.*must be one of .*nearest"),
+        ({"autopilot_holds": True}, "'autopilot_holds' is true, must be false unless terminal_con"),
+        ({"vehicle_model": "held"}, "'autopilot_holds' is false, must not be with vehicle_model"),
         ({"terminal_constraint": "orbit"}, "'terminal_constraint' is .*artificial_orbit"),
     ],
 )
@@ -47,6 +49,14 @@ def test_with_the_artificial_orbit_lag_dead_time_and_the_nearest_direction_are_a
         **ARTIFICIAL, rate_lag=(0.3, 0.1, 0.2), dead_time=(0.1, 0.2, 0.1), direction="nearest"
     )
     assert parameters.orbit.direction == "clockwise"  # until the flight has chosen
+
+
+def test_an_autopilot_that_holds_altitude_and_airspeed_leaves_the_turn_to_be_commanded():
+    held = TrackingParameters(**ARTIFICIAL, autopilot_holds=True, dead_time=(0.1, 0.2, 0.3))
+    assert (held.vehicle.name, held.vehicle.commanded) == ("held", 1)
+    assert held.commanded_dead_time.tolist() == [0.1, 0.0, 0.0]
+    law = TrackingParameters(autopilot_holds=True, law="vector_field")  # needs no problem
+    assert law.vehicle.commanded == 1
 
 
 def test_the_envelope_has_every_limit():

@@ -8,9 +8,11 @@ from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation import closed_loop
 from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.plants import SimulationError
+from uav_tracking_mpc.simulation.plants.held import HeldPlant
 from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
 
 SLOW = SimulatorParameters(initial_speed=4.0)
+BUDGET = "nmpc_controller.solve_time_max=5.0"
 
 
 @pytest.mark.parametrize(
@@ -324,3 +326,41 @@ def test_a_disturbance_reaches_the_plant_and_not_the_record():
     assert np.any(flown.inputs[~before] != disturbed.inputs[~before])
     *_, heading, _, _ = (disturbed.vehicle - flown.vehicle)[flown.time < 1.12][-1]
     assert heading == pytest.approx(0.05, rel=0.02)
+
+
+HOLDS = ("nmpc_controller.autopilot_holds=true", "mission.plant=held")
+
+
+@pytest.mark.parametrize(("scenario", "seconds"), [("still", 5.0), ("crosswind", 8.0)])
+def test_an_autopilot_that_holds_altitude_and_airspeed_is_flown_by_its_bank(scenario, seconds):
+    """Whose time constants are not those that the controller is told, 5 s."""
+    slowness = f"uav_simulator.hold_time=[{seconds}, 1.0, {seconds}]"
+    configuration = load_configuration("small_uav", [*HOLDS, slowness, BUDGET], scenario)
+    log = simulate(configuration)
+    late = log.error[log.time > 80.0]
+    assert np.abs(late[:, 0]).max() < 0.05  # m of range
+    assert np.abs(late[:, 2]).max() < 0.05  # m of altitude
+    assert metrics(log)["settling_s"]["range"] < 30.0
+    assert log.nominal.all()
+
+
+def test_no_two_loops_hold_the_altitude():
+    """What the controller expects of the autopilot is what that does."""
+    wanted = []
+
+    class Watched(HeldPlant):
+        def inputs(self):
+            flown, commanded = super().inputs(), self.plan.inputs(self.time)
+            if commanded is not None and self.time > 2.0:
+                wanted.append((flown[1] - commanded[1], flown[2] - commanded[2]))
+            return flown
+
+    configuration = load_configuration(
+        "small_uav", [*HOLDS, BUDGET, "mission.duration=20.0"], "still"
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(closed_loop, "plant_of", lambda each: Watched(each.simulator))
+        simulate(configuration)
+    difference = np.abs(wanted).max(axis=0)
+    assert difference[0] < 0.01  # rad/s
+    assert difference[1] < 0.02  # m/s^2

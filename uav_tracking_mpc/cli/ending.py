@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-EXTRAS = {"pyarrow": "campaign", "distributed": "dask"}  # that bring a module
+# That bring a module.
+EXTRAS = {"distributed": "dask", "pyarrow": "campaign", "pymavlink": "mavlink"}
 
 
 @dataclass
@@ -54,6 +55,7 @@ def explanation(error: BaseException) -> tuple[int, str] | None:
     from uav_tracking_mpc.launch.domain import DomainError
     from uav_tracking_mpc.launch.flight import FlightInterruptedError
     from uav_tracking_mpc.launch.supervisor import LaunchError
+    from uav_tracking_mpc.links import LinkError
     from uav_tracking_mpc.parameters.registry import ExtensionError
     from uav_tracking_mpc.parameters.specification import ParameterError
     from uav_tracking_mpc.simulation.closed_loop import SimulationError
@@ -61,7 +63,7 @@ def explanation(error: BaseException) -> tuple[int, str] | None:
 
     if isinstance(error, FlightInterruptedError):
         return 128 + error.signal, str(error)
-    if isinstance(error, (ParameterError, ExtensionError)):
+    if isinstance(error, (ParameterError, ExtensionError, LinkError)):
         return 2, str(error)
     if isinstance(error, (LaunchError, DomainError, SimulationError, CampaignError, OSError)):
         return 1, str(error)

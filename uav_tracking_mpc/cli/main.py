@@ -13,8 +13,8 @@ from uav_tracking_mpc.cli.arguments import HelpFormatter
 from uav_tracking_mpc.cli.ending import explained
 
 COMMANDS = (
-    "fly", "simulate", "compare", "campaign", "margins", "identify", "stability", "benchmark",
-    "torture", "monitor",
+    "fly", "autopilot", "link", "simulate", "compare", "campaign", "margins", "identify",
+    "stability", "benchmark", "torture", "monitor",
 )  # fmt: skip
 EPILOG = """\
 examples:
@@ -22,6 +22,10 @@ examples:
   uav_tracking fly --config paper               the same mission with three ROS 2 nodes
   uav_tracking fly --set nmpc_controller.model=paper
                                                 the paper's model on the true vehicle
+  uav_tracking fly --link ardupilot --simulated --engage --config small_uav
+                                                through a simulated autopilot, over MAVLink
+  uav_tracking link check --link ardupilot --connection udpin:127.0.0.1:14550 --config small_uav
+                                                what a real autopilot says before a flight
   uav_tracking stability --config paper         the paper's analysis, and a proof
   uav_tracking compare --config small_uav       NMPC beside classical laws, in wind
   uav_tracking compare --law pursuit.py:Pursuit a law of your own beside them
@@ -35,6 +39,7 @@ examples:
   uav_tracking torture --minutes 10             faults injected into real nodes
   uav_tracking torture --soak 2                 hours of flight, watched for growth
   uav_tracking monitor --domain-id 7            watch a flight from another terminal
+  uav_tracking autopilot --dialect ardupilot    a simulated ArduPlane behind MAVLink
 """
 
 

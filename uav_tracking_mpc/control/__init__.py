@@ -3,6 +3,7 @@
 ====================  ==============================================================
 ``controller``        the whole control step
 ``guidance``          what the parameters ask for: an optimal control problem, or a law
+``bank_alone``        a law where the autopilot holds altitude and airspeed
 ``fallback``          the modes from the optimal plan down to silence, and their choice
 ``command_shaping``   commands inside their limits, faded from one guidance to another
 ``excitation``        a small test signal, from which the aircraft's answer is identified

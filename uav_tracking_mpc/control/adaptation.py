@@ -26,7 +26,8 @@ ROUNDING = 1e-4  # s, to which what is flown follows
 class ResponseAdaptation:
     """Lag, dead time and gain of each channel as they are flown by.
 
-    Without ``response_estimation``, and where a guidance law is flown, what was told stays.
+    Without ``response_estimation``, and where a guidance law is flown, what was told stays; so it
+    does for channels that are not commanded.
 
     Args:
         parameters: What was told.
@@ -43,14 +44,16 @@ class ResponseAdaptation:
     def __init__(self, parameters: TrackingParameters, events: EventLog) -> None:
         self.oscillation = OscillationReport(events)
         self._airspeed = 0.0
-        self.estimator = ResponseEstimator()
+        self._commanded = parameters.vehicle.commanded
+        self.estimator = ResponseEstimator(self._commanded)
         self._told = parameters
+        self._engaged = True
         self._begin()
 
     @property
     def enabled(self) -> bool:
-        """Whether the response is estimated."""
-        return self._told.response_estimation
+        """Whether the response is estimated: while the aircraft flies the commands."""
+        return self._told.response_estimation and self._engaged
 
     @property
     def channels(self) -> list[ChannelResponse]:
@@ -81,6 +84,16 @@ class ResponseAdaptation:
         self.estimator.interrupt()
         self.oscillation.reset()
         self._time = None
+
+    def engage(self, engaged: bool) -> None:
+        """Say whether the aircraft flies the commands; what was learnt stays.
+
+        Args:
+            engaged: Whether it does; so at the start.
+        """
+        if engaged != self._engaged:
+            self._engaged = engaged
+            self.interrupt()
 
     def tell(self, parameters: TrackingParameters) -> TrackingParameters:
         """Take other parameters; what was learnt stays unless they tell another response.
@@ -150,9 +163,11 @@ class ResponseAdaptation:
         """
         if self.enabled:
             self.estimator.commanded(stamp + delay, stamp, plan, step)
-        u_psi, u_chi, _ = plan[0].tolist()
+        if not self._engaged:
+            return plan * self.gain
+        rates = plan[0, : min(self._commanded, 2)].tolist()
         delays = (self.lag + self.dead_time).tolist()
-        self.oscillation.see(stamp, (u_psi, u_chi), self._airspeed, self.channels, delays)
+        self.oscillation.see(stamp, rates, self._airspeed, self.channels, delays)
         return plan * self.gain
 
     def follow(self, time: float) -> TrackingParameters | None:

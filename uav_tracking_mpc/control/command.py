@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit, orbit_about
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.formulation import Plan
@@ -28,6 +29,8 @@ class Command:
         orbit: What is flown.
         plan: What the predictive controller answered; None if it was not asked.
         present: Situation at the stamp; None where it is not known.
+        flown_orbit: What the inputs lead to at the stamp, or go on around: what an autopilot that
+            holds altitude and airspeed itself is told; None where no target is known.
     """
 
     stamp: float
@@ -38,6 +41,7 @@ class Command:
     orbit: Orbit
     plan: Plan | None
     present: Situation | None
+    flown_orbit: FlownOrbit | None
 
     @property
     def solution(self) -> Solution | None:
@@ -48,3 +52,24 @@ class Command:
     def out_of_time(self) -> bool:
         """Whether the solver met its time budget, so that the clock had a say in the plan."""
         return self.solution is not None and self.solution.status is Status.TIME_LIMIT
+
+
+def orbit_from(
+    present: Situation | None,
+    wind: NDArray[np.float64],
+    orbit: Orbit,
+    shape: NDArray[np.float64] | None,
+) -> FlownOrbit | None:
+    """The orbit that is flown in a situation.
+
+    Args:
+        present: Situation now; None where no target is known.
+        wind: That the situation's drift is computed with, shape (3,), in [m/s].
+        orbit: What is wanted.
+        shape: Range, altitude and airspeed of the orbit that the plan ends on, shape (3,), in
+            [m, m, m/s]; None where that is the wanted one.
+    """
+    if present is None:
+        return None
+    flown = None if shape is None else tuple(shape.tolist())
+    return orbit_about(present.target, wind - present.drift, orbit, flown)

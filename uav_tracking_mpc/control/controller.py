@@ -1,14 +1,13 @@
 """The whole control step, from a measurement to a command; knows nothing of ROS.
 
 A step judges the measurement, estimates where the aircraft will be when the command takes effect,
-solves the optimal control problem from there, and falls back on something simpler if that fails::
+solves the optimal control problem from there, and falls back on something simpler if that fails.
+Times are in seconds of one clock, that of the stamps; its origin does not matter::
 
     controller = Controller(load_configuration("small_uav").controller)
     controller.see_target(stamp, position)
     command = controller.step(measurement, now=clock())  # None while there is nothing to answer
     controller.change(range=350.0)                       # as a whole, or refused in words
-
-Times are in seconds of one clock, that of the stamps. Its origin does not matter.
 """
 
 from __future__ import annotations
@@ -22,12 +21,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.control.adaptation import ResponseAdaptation
-from uav_tracking_mpc.control.command import Command
+from uav_tracking_mpc.control.command import Command, orbit_from
 from uav_tracking_mpc.control.command_shaping import CommandShaper
 from uav_tracking_mpc.control.direction import nearest_direction
 from uav_tracking_mpc.control.event import EventLog, Level
 from uav_tracking_mpc.control.fallback import Available, FallbackMode, ModeSelector
-from uav_tracking_mpc.control.guidance import formulation_of, law_inputs, law_of, planned
+from uav_tracking_mpc.control.guidance import formulation_of, law_about, law_inputs, law_of, planned
 from uav_tracking_mpc.control.orbit_shortfall import OrbitShortfall
 from uav_tracking_mpc.control.pace import Pace
 from uav_tracking_mpc.control.plan_memory import PlanMemory
@@ -53,7 +52,6 @@ class Controller:
         stopwatch: Clock in [s] with which the controller measures how long it takes.
 
     Attributes:
-        parameters: What is flown and how.
         formulation: The optimal control problem; None where a guidance law is flown.
         orbit: What is flown, with the direction chosen.
         modes: What the command comes from, with counts.
@@ -74,14 +72,12 @@ class Controller:
         formulation: Formulation | None = None,
         stopwatch: Callable[[], float] = time.perf_counter,
     ) -> None:
-        self.parameters = parameters
+        self.parameters, self._stopwatch = parameters, stopwatch
         self._law_class = law_of(parameters)
         self.formulation = formulation or formulation_of(parameters)
-        self._stopwatch = stopwatch
         self.navigator, self.modes = Navigator(parameters), ModeSelector()
         self.rate = RateKeeper(parameters.control_rate)
-        self.drift = np.zeros(3)
-        self.events = EventLog()
+        self.drift, self.events = np.zeros(3), EventLog()
         self.response = ResponseAdaptation(parameters, self.events)
         self._shortfall = OrbitShortfall(self.events)
         self._gate = StateGate(parameters.state_timeout)
@@ -146,10 +142,7 @@ class Controller:
         self._pace, self.rate.rate = Pace(parameters.control_rate), parameters.control_rate
         self.parameters = parameters
         self._choose()
-        words = (
-            "from now on {0.range:g} m at {0.altitude:g} m and {0.airspeed:g} m/s, {0.direction}"
-        )
-        self.events.add(Level.INFO, words.format(parameters))
+        self.events.add(Level.INFO, f"from now on {self.orbit.in_short}, {parameters.direction}")
 
     def _fly_by(self, parameters: TrackingParameters | None) -> None:
         """Predict with other parameters from now on; with None as before."""
@@ -160,10 +153,10 @@ class Controller:
 
     def _choose(self) -> None:
         """Fly the orbit that is asked for, in the nearest direction once that is chosen."""
-        orbit, envelope = self.parameters.orbit, self.parameters.envelope
+        orbit, law = self.parameters.orbit, self._law_class
         self.orbit = dataclasses.replace(orbit, direction=self._direction or orbit.direction)
-        self._loiter = VectorField(self.orbit, envelope)
-        self._law = None if self._law_class is None else self._law_class(self.orbit, envelope)
+        self._loiter = law_about(VectorField, self.orbit, self.parameters)
+        self._law = None if law is None else law_about(law, self.orbit, self.parameters)
 
     def see_air(self, stamp: float, airspeed: float) -> None:
         """Take in an airspeed that comes beside the measurements: see :meth:`AirData.see`.
@@ -217,8 +210,7 @@ class Controller:
             now: Time at the call in [s], by the clock of the stamps.
 
         Returns:
-            None while there is nothing to answer: no command is due yet, the measurement is
-            doubted or late, or no target has been seen.
+            None while no command is due, the measurement is doubted or late, or no target seen.
         """
         begin, stamp = self._stopwatch(), measurement.stamp
         if not self._believe(measurement):
@@ -238,8 +230,7 @@ class Controller:
         command = self._answer(measurement)
         taken = self._stopwatch() - begin
         if taken > self.parameters.state_timeout:
-            late = f"answered only after {taken:.3f} s, the command is not sent"
-            self.events.add(Level.REFUSAL, f"vehicle state: {late}")
+            self.events.add(Level.REFUSAL, f"vehicle state: answered only after {taken:.3f} s")
             return None
         delay = max(0.0, now - stamp) + taken
         flown = self.response.commanded(stamp, delay, command.inputs, command.step)
@@ -247,6 +238,15 @@ class Controller:
         self.flying = True
         self.rate.command(stamp)
         return command
+
+    def engage(self, engaged: bool) -> None:
+        """Say whether the aircraft flies the commands; while not, nothing is learnt from them.
+
+        Args:
+            engaged: Whether it does; so at the start.
+        """
+        self.navigator.engage(engaged)
+        self.response.engage(engaged)
 
     def fall_silent(self, reason: str) -> None:
         """Send nothing: the vehicle flies its plan to the end, then holds.
@@ -274,8 +274,6 @@ class Controller:
         """Command for a measurement that is believed and due."""
         stamp, seen = measurement.stamp, self.navigator.target.time
         try:
-            if seen is None:
-                raise ValueError("no target position")
             estimate = self.navigator.estimate(measurement)
         except (ArithmeticError, ValueError) as error:
             # No measurement should make the navigation fail; the aircraft is not lost over it.
@@ -285,7 +283,8 @@ class Controller:
             self._air_missing = True
             self.events.add(Level.WARNING, "no airspeed is measured: the air is taken as still")
         self.drift = estimate.present.drift
-        return self._fly(stamp, estimate, stamp - seen <= self.parameters.target_timeout)
+        fresh = seen is not None and stamp - seen <= self.parameters.target_timeout
+        return self._fly(stamp, estimate, fresh)
 
     def _fly(self, stamp: float, estimate: Estimate, target_fresh: bool = True) -> Command:
         """Command for an estimate; values that are not finite are survived."""
@@ -323,11 +322,10 @@ class Controller:
 
     def _orient(self, situation: Situation) -> None:
         """The nearest direction is chosen once, with hysteresis."""
-        if self.parameters.direction != NEAREST:
-            return
-        self._direction = nearest_direction(situation, self._direction)
-        if self._direction != self.orbit.direction:
-            self._choose()
+        if self.parameters.direction == NEAREST:
+            self._direction = nearest_direction(situation, self._direction)
+            if self._direction != self.orbit.direction:
+                self._choose()
 
     def _command(
         self,
@@ -341,7 +339,9 @@ class Controller:
         mode, reason = self.modes.mode, self.modes.reason
         inputs = self._shaper.shape(stamp, inputs / self.response.gain, step, airspeed, mode)
         inputs = self._shaper.excitation.added(stamp, inputs, mode, self.orbit, present)
-        return Command(stamp, inputs, step, mode, reason, self.orbit, plan, present)
+        shape = self._plan.orbit if mode.planned else None
+        flown = orbit_from(present, self.navigator.wind, self.orbit, shape)
+        return Command(stamp, inputs, step, mode, reason, self.orbit, plan, present, flown)
 
     def _select(self, available: Available) -> FallbackMode:
         """Choose the mode and report its change."""

@@ -46,6 +46,7 @@ class EventLog:
 
     def take(self) -> list[Event]:
         """What has happened since the last call, oldest first."""
-        events = list(self._events)
-        self._events.clear()
+        events = []
+        while self._events:  # one by one: another thread may add some meanwhile
+            events.append(self._events.popleft())
         return events

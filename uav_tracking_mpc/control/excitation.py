@@ -96,9 +96,11 @@ class Excitation:
         Args:
             parameters: The new ones.
         """
-        self._wanted = any(parameters.excitation)
+        wanted = np.array(parameters.excitation)
+        wanted[parameters.vehicle.commanded :] = 0.0
+        self._wanted = bool(wanted.any())
         if self._wanted:  # else the signal that is flown fades
-            self._amplitudes = np.array(parameters.excitation)
+            self._amplitudes = wanted
         self._envelope = parameters.envelope
 
     def reset(self) -> None:

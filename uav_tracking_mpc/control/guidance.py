@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.control.bank_alone import BankAlone
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.navigator import Estimate
 from uav_tracking_mpc.estimation.situation import Situation
@@ -53,6 +54,18 @@ def law_of(parameters: TrackingParameters) -> type[GuidanceLaw] | None:
         return GUIDANCE_LAW.find(parameters.law)
     except ExtensionError as error:
         raise ParameterError(f"parameter 'law': {error}") from error
+
+
+def law_about(law: type[GuidanceLaw], orbit: Orbit, parameters: TrackingParameters) -> GuidanceLaw:
+    """A law about an orbit; its turn rate alone where the autopilot holds the rest.
+
+    Args:
+        law: Its class.
+        orbit: What is flown.
+        parameters: The envelope, and the model of the aircraft.
+    """
+    found, model = law(orbit, parameters.envelope), parameters.vehicle
+    return found if model.commanded == 3 else BankAlone(found, model)
 
 
 def law_inputs(law: GuidanceLaw, situation: Situation) -> tuple[NDArray[np.float64] | None, str]:

@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from uav_tracking_mpc.control.loop_margins import LoopMargins
+from uav_tracking_mpc.control.loop_margins import CHANNELS, LoopMargins
 from uav_tracking_mpc.control.orbit_loop import OrbitLoop
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
@@ -26,15 +26,16 @@ def margin_warning(parameters: TrackingParameters) -> str:
 
 
 def shortfalls(margins: LoopMargins, parameters: TrackingParameters) -> list[str]:
-    """Which margins are smaller than the parameters ask, in words.
+    """Which margins of what is commanded are smaller than the parameters ask, in words.
 
     Args:
         margins: Of the loop.
-        parameters: ``delay_margin_min`` and ``gain_margin_min``.
+        parameters: ``delay_margin_min`` and ``gain_margin_min``, and what is commanded.
     """
     wanted_s, wanted_db = parameters.delay_margin_min, parameters.gain_margin_min
     found = []
-    for name, channel in margins.channels.items():
+    for name in CHANNELS[: parameters.vehicle.commanded]:
+        channel = margins.channels[name]
         delay, gain = channel.delay_s, channel.gain_db
         if delay < wanted_s:
             found.append(f"{name} bears {delay:.2f} s of delay, delay_margin_min is {wanted_s:g} s")

@@ -43,7 +43,7 @@ class OscillationReport:
     def see(
         self,
         time: float,
-        inputs: tuple[float, float],
+        inputs: Sequence[float],
         airspeed: float,
         channels: Sequence[ChannelResponse],
         delays: Sequence[float],
@@ -52,12 +52,12 @@ class OscillationReport:
 
         Args:
             time: In [s].
-            inputs: (u_psi, u_chi) in [rad/s].
+            inputs: (u_psi, u_chi), or the first where that alone is commanded, in [rad/s].
             airspeed: v in [m/s].
             channels: What is known of the response of each channel.
             delays: Lag plus dead time that each channel is flown by, in [s].
         """
-        for axis, (watch, rate) in enumerate(zip(self._watches, inputs, strict=True)):
+        for axis, (watch, rate) in enumerate(zip(self._watches, inputs, strict=False)):
             if not watch.see(time, airspeed * rate / GRAVITY):
                 continue
             if watch.swing is None:

@@ -28,6 +28,11 @@ class PlanMemory:
         """
         self._plan, self._begin = plan, begin
 
+    @property
+    def orbit(self) -> NDArray[np.float64] | None:
+        """Orbit that the plan ends on, shape (3,): see :class:`Plan`; None without a plan."""
+        return None if self._plan is None else self._plan.orbit
+
     def remaining(self, time: float, age_max: float) -> tuple[NDArray[np.float64], float] | None:
         """What is left of the plan.
 

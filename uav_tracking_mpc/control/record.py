@@ -115,6 +115,7 @@ class RecordingController(Controller):
     see_air = _noted(Controller.see_air)
     see_target = _noted(Controller.see_target)
     see_state = _noted(Controller.see_state)
+    engage = _noted(Controller.engage)
     fall_silent = _noted(Controller.fall_silent)
 
     def step(self, measurement: Measurement, now: float) -> Command | None:

@@ -6,7 +6,11 @@
 ``vehicle``           (3): velocity of the air path, and the state under held inputs, exact
 ``paper_numbers``     Table 1, (59) and the initial state of the paper
 ``orbit``             the reference (r_d, z_d, v_d) and its direction
+``energy_hold``       an autopilot that holds altitude and airspeed by its energy
+``flown_orbit``       the orbit that is flown, as an autopilot is told
 ``gravity``           standard gravity
+``atmosphere``        density of the standard atmosphere, true over equivalent airspeed
+``geodesy``           latitude and longitude to the axes of ``map``, and back
 ``prediction_model``  what every prediction model says
 ``vehicle_models``    models of the aircraft for the prediction, one file each
 ``relative_models``   (9), (11) and the exact rates of (r, theta, z, chi, v), one file each

@@ -17,6 +17,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from uav_tracking_mpc.dynamics.gravity import GRAVITY
+
 
 def quaternion_from_course(heading: float, path_angle: float) -> tuple[float, float, float, float]:
     """Attitude of ``base_link`` in ``map``.
@@ -136,3 +138,80 @@ def course_rates(rotation: NDArray[np.float64], angular: ArrayLike) -> tuple[flo
 def pitch_rate_from_path_angle_rate(rate: float) -> float:
     """FLU pitch rate on the wire for a path-angle ``rate`` [rad/s], and back: its own inverse."""
     return -rate
+
+
+def heading_from_yaw(yaw: float) -> float:
+    """Heading psi, counter-clockwise from East, of a yaw that turns clockwise from North.
+
+    Args:
+        yaw: As autopilots tell it (North-East-Down, Forward-Right-Down) in [rad].
+
+    Returns:
+        In [rad], in (-pi, pi]; the same function leads back.
+    """
+    return math.remainder(0.5 * math.pi - yaw, 2.0 * math.pi)
+
+
+def north_east_down(vector: ArrayLike) -> NDArray[np.float64]:
+    """A vector of ``map`` in North-East-Down axes, shape (3,); the same function leads back.
+
+    Args:
+        vector: Shape (3,), in any unit [SI].
+    """
+    east, north, up = np.asarray(vector, dtype=float).tolist()
+    return np.array([north, east, -up])
+
+
+def course_rates_from_euler(
+    roll: float, pitch: float, body_rates: ArrayLike
+) -> tuple[float, float]:
+    """Rates of heading and of the nose's elevation from the rates of a Forward-Right-Down body.
+
+    Args:
+        roll: Right wing down in [rad].
+        pitch: Nose up in [rad], short of straight up or down.
+        body_rates: (p, q, r), shape (3,), in [rad/s].
+
+    Returns:
+        psi' counter-clockwise, and the elevation's rate, in [rad/s].
+    """
+    _, q, r = np.asarray(body_rates, dtype=float).tolist()
+    yaw_rate = (q * math.sin(roll) + r * math.cos(roll)) / math.cos(pitch)
+    return -yaw_rate, q * math.cos(roll) - r * math.sin(roll)
+
+
+def bank_from_turn_rate(turn_rate: float, airspeed: float) -> float:
+    """Bank of a coordinated turn, right wing down positive: tan(bank) = -v psi' / g.
+
+    Lift turns by m v cos(chi) psi' = L sin(bank) and holds the path by m g cos(chi) = L cos(bank).
+
+    Args:
+        turn_rate: psi' counter-clockwise in [rad/s].
+        airspeed: v in [m/s].
+
+    Returns:
+        In [rad], between -pi/2 and pi/2.
+    """
+    return -math.atan2(airspeed * turn_rate, GRAVITY)
+
+
+def quaternion_from_euler(roll: float, pitch: float, yaw: float) -> list[float]:
+    """Attitude of a Forward-Right-Down body in North-East-Down axes.
+
+    Args:
+        roll: Right wing down in [rad].
+        pitch: Nose up in [rad].
+        yaw: Clockwise from North in [rad].
+
+    Returns:
+        Unit quaternion (w, x, y, z), the order of MAVLink.
+    """
+    (sr, cr), (sp, cp), (sy, cy) = (
+        (math.sin(0.5 * angle), math.cos(0.5 * angle)) for angle in (roll, pitch, yaw)
+    )
+    return [
+        cr * cp * cy + sr * sp * sy,
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+    ]

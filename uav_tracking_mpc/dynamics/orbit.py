@@ -50,6 +50,11 @@ class Orbit:
             )
 
     @property
+    def in_short(self) -> str:
+        """The numbers in words."""
+        return f"{self.range:g} m at {self.altitude:g} m and {self.speed:g} m/s"
+
+    @property
     def radius(self) -> float:
         """Horizontal distance d_d = sqrt(r_d^2 - z_d^2) to the target in [m]."""
         return math.sqrt(self.range**2 - self.altitude**2)

@@ -89,6 +89,7 @@ class Navigator:
         self.target = TargetFilter(parameters.target_noise, parameters.target_agility)
         self.latency = self.airspeed = 0.0
         self._history = CommandHistory(0.0)
+        self._engaged = True
         self.change(parameters)
         self.reset()
 
@@ -101,7 +102,7 @@ class Navigator:
         self._model = parameters.vehicle
         self._estimating = parameters.air_estimation
         self._lag = float(self._model.lags[ACCELERATION])
-        self._dead_time = parameters.dead_time
+        self._dead_time = parameters.commanded_dead_time.tolist()
         self._stages = parameters.horizon_step * np.arange(parameters.horizon + 1)
         self._times = np.zeros(len(self._stages) + 1)
         self._shares = np.exp(-self._stages / FADE_TIME)[:, np.newaxis]
@@ -151,6 +152,16 @@ class Navigator:
         """What is not yet corrected of position and velocity at a time, shape (2, 3)."""
         return self._faded * math.exp(-max(0.0, time - self._fade_begin) / FADE_TIME)
 
+    def engage(self, engaged: bool) -> None:
+        """Say whether the aircraft flies what is commanded; while not, that counts for nothing.
+
+        Args:
+            engaged: Whether it does; so at the start.
+        """
+        if engaged != self._engaged:
+            self._engaged = engaged
+            self._history.reset()
+
     def begin(self, delay: float) -> None:
         """Count with a latency at once: an average of nothing would take seconds to get there.
 
@@ -168,7 +179,8 @@ class Navigator:
             plan: (u_psi, u_chi, u_v) of each segment, shape (n, 3).
             step: Length of a segment in [s].
         """
-        self._history.add(stamp + delay, stamp, plan, step)
+        if self._engaged:
+            self._history.add(stamp + delay, stamp, plan, step)
         self.latency += LATENCY_SHARE * (min(delay, LATENCY_LIMIT) - self.latency)
 
     def vehicle_state(self, measurement: Measurement) -> NDArray[np.float64]:

@@ -50,11 +50,16 @@ REFINED_EVERY = 8  # measurements between refinements, one channel each
 class ResponseEstimator:
     """Commands and measurements in, :class:`ChannelResponse` of three channels out.
 
+    Args:
+        commanded: How many of the channels, from the first on, are commanded; of the others, which
+            the autopilot flies as it finds right, nothing is learnt.
+
     Attributes:
         channels: Estimates of turn rate, path-angle rate and acceleration.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, commanded: int = 3) -> None:
+        self._followed = commanded > EVERY
         self._candidates = ResponseCandidates()
         shape = 3, len(DEAD_TIMES) * len(LAGS)
         self._before, self._passed = np.zeros(shape), np.zeros(shape)
@@ -137,7 +142,7 @@ class ResponseEstimator:
         if abs(turn_rate) >= SATURATION * turn_rate_max:
             self._saturated = time
         usable = np.array([time - self._saturated > RECOVERY, True, airspeed is not None])
-        usable &= time - self._begun > BEGIN
+        usable &= self._followed & (time - self._begun > BEGIN)
         self._add(time, elapsed, measured, usable)
         self._turn = (self._turn + 1) % (3 * REFINED_EVERY)
         if self._turn % REFINED_EVERY == 0:

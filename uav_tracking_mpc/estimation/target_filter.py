@@ -247,7 +247,7 @@ class TargetFilter:
 
     def _known(self) -> TargetTrack:
         if self._track is None:
-            raise ValueError("no target position has been received yet")
+            raise ValueError("no target position")
         return self._track
 
 

@@ -53,6 +53,9 @@ class FlightFormulation:
             self._buffer.set_arg(k, memoryview(argument))  # type: ignore
         self._buffer.set_res(0, memoryview(self._turn_acceleration))  # type: ignore
         self._data = np.zeros((self._stages + 1, self.flight.layout.size))
+        # Altitude above the target [m] and airspeed [m/s] that the last plan has decided on, and
+        # the height above the target with which it ends [m].
+        self._held: tuple[float, float, float] | None = None
         self.change(parameters)
 
     def change(self, parameters: TrackingParameters) -> None:
@@ -91,6 +94,7 @@ class FlightFormulation:
     def reset(self) -> None:
         """Forget the last plan."""
         self.solver.reset()
+        self._held = None
 
     def error(self, situation: Situation, orbit: Orbit) -> NDArray[np.float64]:
         """Tracking error of the relative motion (Section 3.1), shape (5,), angles wrapped.
@@ -123,11 +127,15 @@ class FlightFormulation:
             x_0, data, elapsed, lambda: self.guess(x_0, situation, forecast, orbit, data)
         )
         states = self.model.State(*solution.states[:-1].T)
-        middle, half = self.flight.span(states, data[:-1].T)
-        inputs = np.array(middle).T + np.array(half).T * solution.inputs
+        inputs = np.array(self.flight.inputs(solution.inputs.T, states, data[:-1].T)).T
         inputs[0, 0] -= self._lead_of_stage(x_0, data[0], solution.decision)
         radius, altitude, airspeed = (solution.decision * DECISION_SCALE).tolist()
-        held = np.array([math.hypot(radius, altitude), altitude, airspeed])
+        height = altitude
+        if self.flight.holds:
+            height = float(self.model.State(*solution.states[-1]).z)
+            if solution.converged:
+                self._held = altitude, airspeed, height
+        held = np.array([math.hypot(radius, height), altitude, airspeed])
         return Plan(inputs, self.step, self.error(situation, orbit), solution, held)
 
     def _lead_of_stage(
@@ -163,6 +171,9 @@ class FlightFormulation:
         data[:, where["drift_rate"]] = forecast.drift_rate
         data[:, where["orbit"]] = orbit.range, orbit.altitude, orbit.speed
         data[:, where["sense"]] = 1.0 if orbit.direction == COUNTER_CLOCKWISE else -1.0
+        if self.flight.holds:
+            held = self._held or (orbit.altitude, orbit.speed, orbit.altitude)
+            data[:, where["held"]], data[:, where["end_height"]] = held[:2], held[2]
         for part, limit in self._on_ground:
             data[:, part] = limit.numbers(forecast.target)
         return data
@@ -189,8 +200,8 @@ class FlightFormulation:
         """
         if not (np.all(np.isfinite(x_0)) and np.all(np.isfinite(data))):
             return None
-        law = VectorField(orbit, self.envelope)
-        state, shares = self.model.State(*x_0.tolist()), np.zeros((self._stages, 3))
+        law, free = VectorField(orbit, self.envelope), self.model.commanded
+        state, shares = self.model.State(*x_0.tolist()), np.zeros((self._stages, free))
         numbers = self.model.numbers(self.step).tolist()
         for stage in range(self._stages):
             target = forecast.target[stage]
@@ -204,9 +215,9 @@ class FlightFormulation:
                 rates=np.array(rates[:3]),
             )
             middle, half = (np.array(part) for part in self.flight.span(state, data[stage]))
-            shares[stage] = np.clip((law.inputs(now) - middle) / half, -1.0, 1.0)
+            shares[stage] = np.clip((law.inputs(now) - middle) / half, -1.0, 1.0)[:free]
             drift = Drift(now.drift.tolist(), now.drift_rate.tolist())
-            flown = (middle + half * shares[stage]).tolist()
+            flown = [float(u) for u in self.flight.inputs(shares[stage], state, data[stage])]
             state = self.model.step(state, flown, self.step, numbers, drift)
         least, most = self.envelope.airspeed_min, self.envelope.airspeed_max
         speed = float(np.clip(state.airspeed, least, most))

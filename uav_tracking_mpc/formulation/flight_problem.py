@@ -24,6 +24,12 @@ distance to the wanted one and must end on it, flying as the periodic orbit does
 which the aircraft can still turn there is such a plan, and the orbit continues every plan: feasible
 once is feasible for ever (Limon et al. 2008, 2018; Koehler, Mueller, Allgoewer 2020).
 
+Where the autopilot itself holds altitude and airspeed (a model that says so), the bank alone is an
+input, and the model flies towards the altitude and the airspeed that the autopilot was told last.
+Costs, limits and terminal equalities that the bank has no say in are left out: every plan must only
+end on a circle, at the airspeed and the height at which the aircraft then is. z_a and v_a are what
+the autopilot is to be told next: the wanted ones as far as the limits of an orbit allow.
+
 Everything that may change in flight is a parameter of one compiled problem: see
 ``FlightProblem.layout``.
 """
@@ -41,7 +47,7 @@ from uav_tracking_mpc.dynamics.drift import DRIFT_SHARE
 from uav_tracking_mpc.dynamics.drifting_orbit import OrbitMotion, orbit_motion
 from uav_tracking_mpc.dynamics.vehicle import air_velocity
 from uav_tracking_mpc.dynamics.vehicle_models import Drift, VehicleModel
-from uav_tracking_mpc.formulation.input_span import input_span
+from uav_tracking_mpc.formulation.input_span import BLENDS, input_span
 from uav_tracking_mpc.formulation.layout import Layout
 from uav_tracking_mpc.limits import Bound, Limit, Motion, OrbitShape
 from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
@@ -65,6 +71,12 @@ OWN_SIZES = {
     "offset_reach": 3,  # distance at which that cost turns from quadratic to linear
     "lead": 1,  # s by which the orbit's turn rate is fed forward
 }
+HELD_SIZES = {
+    "held": 2,  # altitude above the target [m] and airspeed [m/s] that the autopilot holds
+    "end_height": 1,  # above the target at the end of the plan [m]: the bank has no say in it
+}
+# Of the tracking error and of what must settle, those that the bank brings about: range, bearing.
+BANKED_ERRORS = 2
 
 
 class FlightProblem:
@@ -78,8 +90,10 @@ class FlightProblem:
         penalty: Of a violated soft constraint, per m/s or what a limit counts as alike [-].
 
     Attributes:
-        layout: Of the parameter p of a stage: the parts of :data:`OWN_SIZES`, ``model``, and a part
-            for each limit by :func:`part_of`.
+        layout: Of the parameter p of a stage: the parts of :data:`OWN_SIZES`, with an autopilot
+            that holds those of :data:`HELD_SIZES`, ``model``, and a part for each limit by
+            :func:`part_of`.
+        holds: Whether the autopilot itself holds altitude and airspeed.
         problem: For a solver.
         turn_acceleration: CasADi function of (x, p, a): how quickly the turn rate of the orbit
             changes there, in [rad/s^2].
@@ -97,7 +111,9 @@ class FlightProblem:
         self._of_inputs = [limit for limit in limits if type(limit).inputs is not Limit.inputs]
         nowhere = np.zeros((1, 3))
         sizes = {part_of(limit): limit.numbers(nowhere).shape[1] for limit in limits}
-        self.layout = Layout({**OWN_SIZES, "model": len(model.numbers(step)), **sizes})
+        self.holds = model.commanded < len(BLENDS)
+        own = OWN_SIZES | HELD_SIZES if self.holds else OWN_SIZES
+        self.layout = Layout({**own, "model": len(model.numbers(step)), **sizes})
         self._penalty = penalty
         self.problem = self._problem(horizon)
 
@@ -105,18 +121,25 @@ class FlightProblem:
         model, p = self.model, ca.SX.sym("p", self.layout.size)
         names = model.State._fields
         state = model.State(*(ca.SX.sym(name) for name in names))
-        shares, decision = ca.SX.sym("u", 3), ca.SX.sym("a", 3)
+        shares, decision = ca.SX.sym("u", model.commanded), ca.SX.sym("a", 3)
+        self._steered = ca.vertcat(state.x, state.y, state.heading, state.turn_rate, shares)
         told = {name: p[where] for name, where in self.layout.where.items()}
-        inputs = self._inputs(shares, state, p)
+        inputs = self._inputs(shares, state, p, ca)
         drift = Drift(ca.vertsplit(told["drift"]), ca.vertsplit(told["drift_rate"]))
         following = model.step(state, inputs, self.step, told["model"], drift)
 
         d_a, z_a, v_a = (decision[k] * DECISION_SCALE[k] for k in range(3))
         d = ca.sqrt(state.x**2 + state.y**2 + SMALL**2)
+        # The circle at the height and airspeed of the orbit, or at those that the aircraft has.
+        speed, range_a = v_a, ca.sqrt(d_a**2 + z_a**2)
+        r_a = range_a
+        if self.holds:
+            level = state.airspeed * ca.cos(state.path_angle)
+            speed = ca.sqrt(level**2 + told["drift"][2] ** 2)
+            r_a = ca.sqrt(d_a**2 + told["end_height"] ** 2)
         orbit = orbit_motion(
-            (state.x / d, state.y / d), told["sense"], d_a, v_a, told["drift"], told["drift_rate"]
+            (state.x / d, state.y / d), told["sense"], d_a, speed, told["drift"], told["drift_rate"]
         )
-        r_a = ca.sqrt(d_a**2 + z_a**2)
         error = self._error(state, orbit, told["drift"], (r_a, z_a, v_a))
         turn_rate = orbit.turn_rate + told["lead"] * orbit.turn_acceleration
         self.turn_acceleration = ca.Function(
@@ -131,23 +154,24 @@ class FlightProblem:
         motion = _motion(state)._replace(turn_acceleration=changes[0])
         offset = ca.vertcat(r_a, z_a, v_a) - told["orbit"]
         scaled = [error[0] / 10.0, error[1], error[2] / 10.0, error[3], error[4]]
+        free, errors = model.commanded, BANKED_ERRORS if self.holds else len(scaled)
         strength = ca.sqrt(told["drift"][0] ** 2 + told["drift"][1] ** 2 + SMALL**2)
-        shape = OrbitShape(d_a, z_a, v_a, r_a, strength)
+        shape = OrbitShape(d_a, z_a, v_a, range_a, strength)
         lower = np.array([RADIUS_LIMITS[0], -ALTITUDE_LIMIT, SPEED_LIMITS[0]])
         upper = np.array([RADIUS_LIMITS[1], ALTITUDE_LIMIT, SPEED_LIMITS[1]])
         return OptimalControlProblem(
             state=ca.vertcat(*state),
             inputs=shares,
             next_state=ca.vertcat(*following),
-            stage_cost=ca.dot(told["state_weights"], error**2)
-            + ca.dot(told["input_weights"], deviation**2)
-            + ca.dot(told["rate_weights"], change**2)
+            stage_cost=ca.dot(told["state_weights"][:errors], error[:errors] ** 2)
+            + ca.dot(told["input_weights"][:free], deviation[:free] ** 2)
+            + ca.dot(told["rate_weights"][:free], change[:free] ** 2)
             + self._passed(motion, p),
             terminal_cost=ca.dot(told["offset_weights"], _distance(offset, told["offset_reach"])),
             horizon=horizon,
             step=self.step,
-            input_lower=-np.ones(3),
-            input_upper=np.ones(3),
+            input_lower=-np.ones(free),
+            input_upper=np.ones(free),
             parameter=p,
             decision=decision,
             decision_lower=lower / DECISION_SCALE,
@@ -155,7 +179,7 @@ class FlightProblem:
             decision_guess=np.array([3.0, 3.0, 6.0]),
             stage_inequalities=tuple(self._stage_inequalities(motion, p)),
             terminal_inequalities=tuple(self._orbit_inequalities(shape, p)),
-            terminal_equality=ca.vertcat(*scaled, *model.settled(state, orbit)),
+            terminal_equality=ca.vertcat(*scaled[:errors], *model.settled(state, orbit)[:free]),
             continuation=self._shares([turn_rate, 0.0, 0.0], state, p),
         )
 
@@ -173,14 +197,33 @@ class FlightProblem:
             state.airspeed - v_a,
         )  # fmt: skip
 
-    def _inputs(self, shares: Any, state: Any, p: ca.SX) -> list[Any]:
-        middle, half = self._span(_motion(state), p, ca)
-        return [middle[axis] + half[axis] * shares[axis] for axis in range(3)]
+    def inputs(self, shares: Any, state: Any, p: Any) -> list[Any]:
+        """(u_psi, u_chi, u_v) of plans.
+
+        Args:
+            shares: Of what each input can be, from -1 to 1, shape (k,) or (k, n).
+            state: A ``State`` of the model, of numbers or of arrays of shape (n,).
+            p: Parameter of the stage, shape (np,), or of the stages, shape (np, n).
+
+        Returns:
+            Three values, in [rad/s, rad/s, m/s^2], scalar or of shape (n,).
+        """
+        return self._inputs(shares, state, p, np)
+
+    def _inputs(self, shares: Any, state: Any, p: Any, xp: ModuleType) -> list[Any]:
+        middle, half = self._span(_motion(state), p, xp)
+        free = range(self.model.commanded)
+        commanded = [middle[axis] + half[axis] * shares[axis] for axis in free]
+        if not self.holds:
+            return commanded
+        held, numbers, drift = (self.layout.part(p, name) for name in ("held", "model", "drift"))
+        return [*commanded, *self.model.held(state, held[0], held[1], numbers, drift)]
 
     def _shares(self, inputs: Sequence[Any], state: Any, p: ca.SX) -> ca.SX:
         """Input shares of (u_psi, u_chi, u_v) in a state."""
         middle, half = self._span(_motion(state), p, ca)
-        return ca.vertcat(*[(inputs[axis] - middle[axis]) / half[axis] for axis in range(3)])
+        free = range(self.model.commanded)
+        return ca.vertcat(*[(inputs[axis] - middle[axis]) / half[axis] for axis in free])
 
     def _span(self, motion: Motion, p: Any, xp: ModuleType) -> tuple[list[Any], list[Any]]:
         told = [self.layout.part(p, part_of(limit)) for limit in self._of_inputs]
@@ -208,7 +251,9 @@ class FlightProblem:
     def _passed(self, motion: Motion, p: ca.SX) -> ca.SX:
         """Cost of what is paid for by squares: the airspeed's band, and limits that say so."""
         band = self.layout.part(p, "airspeed_band")
-        bounds = [Bound(motion.airspeed, band[0], band[1], scale=BAND_SCALE)]
+        bounds = []
+        if not self.holds:
+            bounds.append(Bound(motion.airspeed, band[0], band[1], scale=BAND_SCALE))
         for limit, bound in self._stage_bounds(motion, p):
             if limit.by_squares:
                 bounds.append(bound)
@@ -219,8 +264,9 @@ class FlightProblem:
         found = []
         for limit in self.limits:
             bound = limit.stage(motion, self.layout.part(p, part_of(limit)), ca)
-            if bound is not None:
-                found.append((limit, bound))
+            if bound is None or (self.holds and not ca.depends_on(bound.value, self._steered)):
+                continue
+            found.append((limit, bound))
         return found
 
     def _orbit_inequalities(self, shape: OrbitShape, p: ca.SX) -> list[Inequality]:

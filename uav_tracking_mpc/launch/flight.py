@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import signal
 import time
 from collections.abc import Iterator
@@ -16,6 +17,7 @@ from rich.progress import BarColumn, Progress, TextColumn
 from uav_tracking_mpc.launch.node_process import STOP_LIMIT
 from uav_tracking_mpc.launch.supervisor import LaunchError, Supervisor, supervised
 from uav_tracking_mpc.settings.configuration import Configuration
+from uav_tracking_mpc.settings.link import LinkParameters
 
 if TYPE_CHECKING:
     from rclpy.experimental.events_executor import EventsExecutor
@@ -34,13 +36,15 @@ class FlightInterruptedError(LaunchError):
 
     Args:
         number: Number of the signal.
+        link: Whether a real autopilot was to be engaged.
 
     Attributes:
         signal: Number of the signal.
     """
 
-    def __init__(self, number: int) -> None:
-        super().__init__("interrupted before the first command")
+    def __init__(self, number: int, link: bool = False) -> None:
+        first = "the autopilot was engaged" if link else "the first command"
+        super().__init__(f"interrupted before {first}")
         self.signal = number
 
 
@@ -50,6 +54,7 @@ def launch(
     domain: int | None = None,
     bag: Path | None = None,
     console: Console | None = None,
+    link: bool = False,
 ) -> int | None:
     """Fly a configuration with real nodes until its duration is over or a signal comes.
 
@@ -58,6 +63,8 @@ def launch(
         domain: ROS_DOMAIN_ID; by default one of its own.
         bag: MCAP file to record every topic to.
         console: Where output and progress go, stderr by default.
+        link: Fly a real autopilot through the configuration's link, in wall time; the duration
+            counts from when it is engaged.
 
     Returns:
         Number of the signal that ended the flight, None if it was flown to its end.
@@ -74,7 +81,7 @@ def launch(
             highlight=False,
             soft_wrap=True,
         )
-        return _fly(configuration, supervisor, bag, received, console)
+        return _fly(configuration, supervisor, bag, received, console, link)
 
 
 def _fly(
@@ -83,6 +90,7 @@ def _fly(
     bag_path: Path | None,
     received: list[int],
     console: Console,
+    link: bool,
 ) -> int | None:
     from rclpy.experimental.events_executor import EventsExecutor
 
@@ -90,17 +98,24 @@ def _fly(
     from uav_tracking_mpc.nodes.flight_recorder import FlightRecorder
 
     bag = None if bag_path is None else FlightBag(bag_path)
-    recorder = FlightRecorder(bag)
+    recorder = FlightRecorder(bag, link)
     executor = EventsExecutor()
     executor.add_node(recorder)
     try:
         try:
-            supervisor.start_flight(configuration, configuration.mission.speed)
-            _watch(configuration, supervisor, recorder, executor, received, console)
+            limit = START_LIMIT
+            if link:
+                supervisor.start_link_flight(configuration)
+                if not configuration.link.engage:
+                    console.print(_how_to_engage(configuration.link), soft_wrap=True)
+                    limit = math.inf
+            else:
+                supervisor.start_flight(configuration, configuration.mission.speed)
+            _watch(configuration, supervisor, recorder, executor, received, console, limit)
         finally:
             supervisor.end(lambda: _drain(supervisor, executor))
         if received and recorder.progress().time is None:
-            raise FlightInterruptedError(received[0])
+            raise FlightInterruptedError(received[0], link)
     except BaseException:
         if bag is not None:
             bag.discard()
@@ -120,6 +135,7 @@ def _watch(
     executor: EventsExecutor,
     received: list[int],
     console: Console,
+    limit: float,
 ) -> None:
     """Spin the recorder and show progress until the mission ends, a signal comes or a node dies."""
     duration = configuration.mission.duration
@@ -142,8 +158,9 @@ def _watch(
             looked = now
             progress = recorder.progress()
             if progress.time is None:
-                if now - begin > START_LIMIT:
-                    raise LaunchError(f"no command within {START_LIMIT:g} s")
+                if now - begin > limit:
+                    what = "no command" if progress.engaged is None else "not engaged"
+                    raise LaunchError(f"{what} within {limit:g} s")
                 continue
             if progress.time >= duration:
                 return
@@ -157,6 +174,14 @@ def _watch(
                 bar.update(task, completed=progress.time, description=line)
                 if not console.is_terminal:
                     console.print(line, highlight=False, soft_wrap=True)
+
+
+def _how_to_engage(parameters: LinkParameters) -> str:
+    """What the pilot can do to hand over command, in words."""
+    words = "nothing is commanded until somebody engages: call the service autopilot_link/engage"
+    if parameters.engage_on_mode:
+        words += ", or switch the autopilot to its mode of external commands"
+    return words
 
 
 def _drain(supervisor: Supervisor, executor: EventsExecutor) -> None:

@@ -20,6 +20,7 @@ from uav_tracking_mpc.launch.shared_memory import SharedMemoryFiles
 from uav_tracking_mpc.settings.configuration import Configuration
 
 NODES = ("uav_simulator", "target_publisher", "nmpc_controller")
+LINK = "autopilot_link"  # in the simulator's place
 
 
 class LaunchError(RuntimeError):
@@ -64,7 +65,7 @@ class Supervisor:
         speed: float,
         remaps: Mapping[str, Sequence[str]] | None = None,
     ) -> None:
-        """Start the three nodes of a flight.
+        """Start the three nodes of a simulated flight.
 
         Args:
             configuration: What they fly.
@@ -85,6 +86,20 @@ class Supervisor:
                 assignments += ["start_on_command:=true", f"speed:={speed!r}"]
             for assignment in assignments:
                 arguments += ["-p", assignment]
+            self.start(name, f"uav_tracking_mpc.nodes.{name}", arguments)
+
+    def start_link_flight(self, configuration: Configuration) -> None:
+        """Start the nodes of a flight with a real autopilot, in wall time.
+
+        Args:
+            configuration: What they fly; its link may bring the target, too.
+        """
+        self._parameters.write_text(configuration.yaml(), encoding="utf-8")
+        names = [LINK, *NODES[1:]]
+        if configuration.link.target_system:
+            names.remove("target_publisher")
+        for name in names:
+            arguments = ["--ros-args", "--params-file", str(self._parameters)]
             self.start(name, f"uav_tracking_mpc.nodes.{name}", arguments)
 
     def restart(self, name: str) -> None:

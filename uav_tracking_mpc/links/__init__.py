@@ -1,7 +1,9 @@
 """Links to what flies, one autopilot a file: measurements in, commands out.
 
 ==============  ==================================================================
+``ardupilot``   ArduPlane in GUIDED, over MAVLink
 ``simulated``   a plant, as if it were behind a radio
+``mavlink``     what autopilots on MAVLink share
 ==============  ==================================================================
 
 A link is a subclass of :class:`VehicleLink` in a file of its own name. It is found by that name,
@@ -13,16 +15,56 @@ asks for.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import ClassVar
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.control.event import EventLog
+from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.settings.link import LinkParameters
 
 
 class LinkError(RuntimeError):
     """There is no aircraft at the other end, or it is lost; the message says which and why."""
+
+
+class LinkRefusedError(LinkError):
+    """Waiting does not help: the address has another form, or what answers is flown by no link."""
+
+
+class Sighting(NamedTuple):
+    """Where the vehicle to circle was, as it said itself.
+
+    Attributes:
+        stamp: In [s], by the link's clock.
+        position: In ``map``, shape (3,), in [m].
+        velocity: In ``map``, shape (3,), in [m/s]; None where it does not tell.
+    """
+
+    stamp: float
+    position: NDArray[np.float64]
+    velocity: NDArray[np.float64] | None
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """What was found at the other end before the flight.
+
+    Attributes:
+        found: What and how much, in words.
+        envelope: Parameters of the controller that this vehicle asks for, by name.
+        warnings: What the pilot should know.
+        refusals: Why it cannot be flown; empty if it can.
+    """
+
+    found: Mapping[str, str] = field(default_factory=dict)
+    envelope: Mapping[str, Any] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+    refusals: tuple[str, ...] = ()
 
 
 class VehicleLink(ABC):
@@ -38,14 +80,31 @@ class VehicleLink(ABC):
     Attributes:
         name: By which it is found.
         when_silent: What the aircraft does when commands stop coming, in words.
+        holds: Whether the autopilot itself holds altitude and airspeed, so that of the commands
+            only the turn rate is flown.
         address: As above.
+        events: What has happened since it was last asked.
     """
 
     name: ClassVar[str]
     when_silent: ClassVar[str]
+    holds: ClassVar[bool] = False
 
     def __init__(self, address: str = "") -> None:
         self.address = address
+        self.events = EventLog()
+
+    @classmethod
+    def of(cls, parameters: LinkParameters) -> VehicleLink:
+        """The link that parameters describe; one that heeds more of them than the address says so.
+
+        Args:
+            parameters: Of section ``autopilot_link``.
+
+        Raises:
+            LinkError: They describe none.
+        """
+        return cls(parameters.connection)
 
     @abstractmethod
     def connect(self, timeout: float) -> None:
@@ -55,7 +114,8 @@ class VehicleLink(ABC):
             timeout: How long to try in [s].
 
         Raises:
-            LinkError: There is none, or not one that can be flown by this link.
+            LinkError: There is none.
+            LinkRefusedError: There is one, but not one that can be flown by this link.
         """
 
     @abstractmethod
@@ -81,7 +141,13 @@ class VehicleLink(ABC):
         """
 
     @abstractmethod
-    def command(self, stamp: float, inputs: NDArray[np.float64], step: float) -> str:
+    def command(
+        self,
+        stamp: float,
+        inputs: NDArray[np.float64],
+        step: float,
+        orbit: FlownOrbit | None = None,
+    ) -> str:
         """Give the aircraft a plan.
 
         Args:
@@ -89,10 +155,44 @@ class VehicleLink(ABC):
             inputs: (u_psi, u_chi, u_v) at 0, step, 2 step, ... after that, held in between, shape
                 (n, 3), in [rad/s], [rad/s] and [m/s^2].
             step: In [s].
+            orbit: To which the plan leads: its altitude and airspeed for autopilots that hold
+                these themselves, its circle for those that can loiter; None where it is not known.
 
         Returns:
             Why the aircraft does not fly it, in words; empty if it does.
         """
+
+    def inspect(self) -> Inspection:
+        """What is found at the other end, to be asked before the flight.
+
+        Raises:
+            LinkError: The aircraft does not answer.
+        """
+        return Inspection()
+
+    @property
+    def engaged(self) -> bool:
+        """Whether the aircraft flies the commands."""
+        return True
+
+    def engage(self) -> str:
+        """Ask the aircraft to fly the commands from now on.
+
+        Returns:
+            Why it does not, in words; empty if it does or is about to.
+        """
+        return ""
+
+    def disengage(self) -> None:  # noqa: B027
+        """Command nothing any more; the aircraft then does as :attr:`when_silent` says."""
+
+    def sighting(self) -> Sighting | None:
+        """The newest sighting of the vehicle to circle that nobody has taken yet."""
+        return None
+
+    def values(self) -> dict[str, object]:
+        """What the link measures of itself: names with units, and values."""
+        return {}
 
     def __enter__(self) -> VehicleLink:
         """Connect, within 10 s."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import LinkError, VehicleLink
 from uav_tracking_mpc.parameters.specification import ParameterError
@@ -62,7 +63,13 @@ class SimulatedLink(VehicleLink):
             raise LinkError(f"the simulated aircraft is lost: {error}") from error
         return self.plant.measured()
 
-    def command(self, stamp: float, inputs: NDArray[np.float64], step: float) -> str:
+    def command(
+        self,
+        stamp: float,
+        inputs: NDArray[np.float64],
+        step: float,
+        orbit: FlownOrbit | None = None,
+    ) -> str:
         """See :meth:`VehicleLink.command`."""
         try:
             self.plant.accept(inputs, stamp + step * np.arange(len(inputs)))

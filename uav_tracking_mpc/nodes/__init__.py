@@ -3,17 +3,22 @@
 =======================  =============================================================
 ``uav_simulator``        the vehicle and its autopilot
 ``target_publisher``     where the target is
+``autopilot_link``       a real aircraft in the simulator's place
+``link_reader``          the thread that reads a vehicle link
+``sighting_publisher``   what a vehicle to circle says of itself, as the target
 ``nmpc_controller``      messages to the controller, its commands to the vehicle
 ``controller_report``    what it has done, as numbers for /diagnostics
 ``air_values``           what is known of the air, as values of diagnostics
 ``response_values``      how the aircraft answers commands, as values of these
 ``controller_views``     what it shows to people: tracking errors, path, markers
 ``view_messages``        the messages of path and markers
+``orbit_message``        the orbit that is flown, and back
 ``command_wire``         a command as bytes, rewritten in place
 ``stall_guard``          whether the process has been standing still
 ``monitor``              a live table in the terminal
 ``flight_recorder``      every topic of a flight
 ``flight_bag``           an MCAP bag: written, and read back as a flight log
+``flown_target``         where the target of a recorded flight was
 ``peers``                whether anybody is at the other end, and what rate is promised
 ``topics``               names, types and qualities of service
 ``conversions``          messages to arrays and back, the only module that knows both

@@ -87,6 +87,19 @@ def set_odometry(
     set_vector(message.twist.twist.angular, body_rates(path_angle, rates))
 
 
+def set_measurement(message: Odometry, stamp: int, seen: Measurement) -> None:
+    """Fill an Odometry message with what was measured.
+
+    Args:
+        message: Changed in place.
+        stamp: Time of the measurement in [ns].
+        seen: Of the aircraft.
+    """
+    rates = np.array([seen.turn_rate, seen.path_angle_rate, 0.0])
+    state = seen.state(math.nan if seen.airspeed is None else seen.airspeed)
+    set_odometry(message, stamp, state, rates, seen.ground_velocity)
+
+
 def set_air_velocity(message: TwistStamped, stamp: int, speed: float) -> None:
     """Fill the velocity through the air: along the body's x axis.
 

@@ -22,19 +22,24 @@ from uav_tracking_mpc.nodes.conversions import (
     measurement_from_odometry,
     nanoseconds,
     plan_from_command,
+    position_from_point,
 )
+from uav_tracking_mpc.nodes.flown_target import sighted_target, simulated_target
+from uav_tracking_mpc.nodes.target_odometry import target_from_odometry
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     ALL,
     COMMAND,
     DIAGNOSTICS,
+    ENGAGED,
     ODOMETRY,
+    TARGET,
+    TARGET_ODOMETRY,
     TRACKING,
     Topic,
 )
 from uav_tracking_mpc.settings.configuration import Configuration
-from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, Latency
-from uav_tracking_mpc.simulation.motions import motion_of
+from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, Latency, LinkFigures
 
 
 class FlightBag:
@@ -122,6 +127,8 @@ class _Contents:
         heard: Wall time in [ns] at which the recorder heard each state.
         sent: Wall time in [ns] at which it heard each command.
         values: Wall time in [ns] and value of the figures ``cost`` and ``solve_time``.
+        sightings: Stamp in [ns] and position of each measurement of the target.
+        engaged: Wall time in [ns] at which an autopilot first flew the commands; None if none did.
         reports: Latest diagnostics of each node.
     """
 
@@ -132,12 +139,17 @@ class _Contents:
         self.heard: list[int] = []
         self.sent: list[int] = []
         self.values: dict[str, list[tuple[int, float]]] = {"cost": [], "solve_time": []}
+        self.sightings: list[tuple[int, NDArray[np.float64]]] = []
+        self.engaged: int | None = None
         self.reports: dict[str, dict[str, str]] = {}
         figures = {TRACKING[name].name: name for name in self.values}
         topics = (
             ODOMETRY,
             AIR_VELOCITY,
             COMMAND,
+            ENGAGED,
+            TARGET,
+            TARGET_ODOMETRY,
             DIAGNOSTICS,
             *(TRACKING[name] for name in self.values),
         )
@@ -147,11 +159,28 @@ class _Contents:
             else:
                 self._take(topic, time, message)
 
+    def commands_from(
+        self, start: int, end: int
+    ) -> tuple[list[tuple[int, NDArray[np.float64]]], list[int]]:
+        """Commands of a time, and when the recorder heard each.
+
+        Args:
+            start: First stamp in [ns].
+            end: Last stamp in [ns].
+        """
+        pairs = zip(self.commands, self.sent, strict=True)
+        chosen = [(command, sent) for command, sent in pairs if start <= command[0] <= end]
+        return [command for command, _ in chosen], [sent for _, sent in chosen]
+
     def _take(self, topic: Topic, time: int, message: Any) -> None:
         if topic is DIAGNOSTICS:
             for status in message.status:
                 node = status.name.partition(":")[0].rpartition("/")[2]
                 self.reports[node] = {entry.key: entry.value for entry in status.values}
+            return
+        if topic is ENGAGED:
+            if message.data and self.engaged is None:
+                self.engaged = time
             return
         stamp = nanoseconds(message.header.stamp)
         if topic is ODOMETRY:
@@ -160,6 +189,10 @@ class _Contents:
         elif topic is AIR_VELOCITY:
             speed = float(np.linalg.norm(air_velocity_from_twist(message)))
             self.airspeeds.append((stamp, speed))
+        elif topic is TARGET:
+            self.sightings.append((stamp, position_from_point(message)))
+        elif topic is TARGET_ODOMETRY:
+            self.sightings.append((stamp, target_from_odometry(message).position))
         else:
             inputs, _ = plan_from_command(message)
             self.commands.append((stamp, inputs[0]))
@@ -169,30 +202,39 @@ class _Contents:
 def flight_log(path: Path, configuration: Configuration) -> FlightLog:
     """Record of a flight from its bag; time counts from the first command.
 
-    The vehicle's motion is as measured; the target's is the true one, a function of simulated time
-    alone. A bag without ``uav/air_velocity`` is read as flown in still air.
+    With a real autopilot it counts from when that was engaged. The vehicle's motion is as measured;
+    the target's is the true one, or what a target over MAVLink said of itself. A bag without
+    ``uav/air_velocity`` is read as flown in still air.
 
     Args:
         path: Of the bag.
         configuration: What was flown.
 
     Raises:
-        ValueError: The bag holds no command.
+        ValueError: The bag holds no command, or none was flown.
     """
     bag = _Contents(path)
     if not bag.commands:
         raise ValueError(f"bag {path} holds no command: the controller never flew")
-    start, _ = bag.commands[0]
+    start, link = bag.commands[0][0], bag.reports.get("autopilot_link")
+    if link is not None:
+        if bag.engaged is None:
+            raise ValueError(f"bag {path} holds no flown command: the autopilot was never engaged")
+        start = bag.engaged
     end = start + round(configuration.mission.duration * 1e9)
     flown = [(stamp, motion) for stamp, motion in bag.states if start <= stamp <= end]
-    commands = [(stamp, inputs) for stamp, inputs in bag.commands if stamp <= end]
-    sent = bag.sent[: len(commands)]
+    commands, sent = bag.commands_from(start, end)
     # An interrupted flight is as long as it was flown; a whole one may lack its last state.
     span = (flown[-1][0] - start) * 1e-9 if flown else 0.0
     span += 1.0 / configuration.simulator.state_rate
     controller = bag.reports.get("nmpc_controller", {})
     simulator = bag.reports.get("uav_simulator", {})
-    tracking, motion_of_target = configuration.controller, motion_of(configuration.target)
+    tracking, stamps = configuration.controller, [stamp for stamp, _ in flown]
+    if link is not None and configuration.link.target_system:
+        target = sighted_target(bag.sightings, stamps)
+    else:
+        began = int(bag.reports.get("target_publisher", {}).get("began [ns]", 0))
+        target = simulated_target(configuration.target, began, stamps)
     # With the nearest direction asked for, the controller tells which one it chose.
     direction = controller.get("direction", tracking.orbit.direction)
     orbit = replace(tracking.orbit, direction=direction)
@@ -207,13 +249,13 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
         duration=min(configuration.mission.duration, span),
         speed=configuration.mission.speed,
         model=tracking.model,
-        plant=configuration.simulator.plant,
+        plant=configuration.simulator.plant if link is None else configuration.link.link,
         orbit=orbit,
         input_lower=tracking.input_lower,
         input_upper=tracking.input_upper,
         time=np.array([(stamp - start) * 1e-9 for stamp, _ in flown]),
         vehicle=np.array(vehicle),
-        target=np.array([motion_of_target.position(stamp * 1e-9) for stamp, _ in flown]),
+        target=target.position,
         command_time=np.array([(stamp - start) * 1e-9 for stamp, _ in commands]),
         inputs=np.array([inputs for _, inputs in commands]),
         cost=_beside_commands(sent, bag.values["cost"]),
@@ -229,7 +271,20 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
         ),
         latency=_latency(bag),
         ground_velocity=np.array([motion.ground_velocity for _, motion in flown]),
-        target_velocity=np.array([motion_of_target.velocity(stamp * 1e-9) for stamp, _ in flown]),
+        target_velocity=target.velocity,
+        link=None if link is None else _figures(link),
+    )
+
+
+def _figures(link: dict[str, str]) -> LinkFigures:
+    """What the link measured, from the last values of its diagnostics."""
+    return LinkFigures(
+        dialect=link["dialect"],
+        rate=float(link.get("rate [Hz]", "nan")),
+        latency=float(link.get("latency median [ms]", "nan")),
+        latency_p99=float(link.get("latency p99 [ms]", "nan")),
+        lost=int(link.get("messages lost", 0)),
+        refused=int(link.get("commands refused", 0)) + int(link.get("plans refused", 0)),
     )
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -23,12 +24,15 @@ from uav_tracking_mpc.nodes.conversions import (
     position_from_point,
 )
 from uav_tracking_mpc.nodes.flight_bag import FlightBag
+from uav_tracking_mpc.nodes.target_odometry import target_from_odometry
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     ALL,
     COMMAND,
+    ENGAGED,
     ODOMETRY,
     TARGET,
+    TARGET_ODOMETRY,
     TRACKING,
     Topic,
 )
@@ -41,7 +45,8 @@ class Progress:
     """Where a flight stands.
 
     Attributes:
-        time: Since the first command in [s], None before it.
+        time: Since the first command, or since the autopilot was engaged, in [s]; None before it.
+        engaged: Whether a real autopilot flies the commands; None where none says so.
         range: Distance to the target in [m].
         altitude: Height above the target in [m].
         speed: Through the air, over ground where that is not known, in [m/s].
@@ -49,6 +54,7 @@ class Progress:
     """
 
     time: float | None = None
+    engaged: bool | None = None
     range: float = float("nan")
     altitude: float = float("nan")
     speed: float = float("nan")
@@ -60,12 +66,14 @@ class FlightRecorder(Node):
 
     Args:
         bag: Where to write; None only listens.
+        link: Whether a real autopilot flies: time is then the wall's, and counts from when it is
+            engaged.
         options: As those of rclpy's Node.
     """
 
-    def __init__(self, bag: FlightBag | None = None, **options: Any) -> None:
+    def __init__(self, bag: FlightBag | None = None, link: bool = False, **options: Any) -> None:
         super().__init__("flight_recorder", **options)
-        self._bag = bag
+        self._bag, self._link = bag, link
         self._latest: dict[str, bytes] = {}
         self._start: int | None = None
         # The simulator's time may wait for this node: it listens to the state, and so releases
@@ -81,26 +89,40 @@ class FlightRecorder(Node):
         return self.create_subscription(topic.type, topic.name, callback, QUEUE, raw=True)
 
     def _release(self) -> None:
-        if all(subscription.get_publisher_count() for subscription in self._needed):
+        if self._link or all(each.get_publisher_count() for each in self._needed):
             self._waiting.cancel()
             self._listen(ODOMETRY)
 
     def _on_message(self, topic: Topic, data: bytes) -> None:
         now = time.time_ns()
         self._latest[topic.name] = data
-        if topic is COMMAND and self._start is None:
-            self._start = nanoseconds(deserialize_message(data, topic.type).header.stamp)
+        if self._start is None and topic is (ENGAGED if self._link else COMMAND):
+            self._begin(deserialize_message(data, topic.type), now)
         if self._bag is not None:
             self._bag.write(topic, now, data)
 
+    def _begin(self, message: Any, now: int) -> None:
+        """Count the time from this message on, if it is the one that begins the flight."""
+        if not self._link:
+            self._start = nanoseconds(message.header.stamp)
+        elif message.data:
+            self._start = now
+
+    def _target(self) -> NDArray[np.float64]:
+        """Where the target was measured last, shape (3,), in [m]; nan if it never was."""
+        if (point := self._message(TARGET)) is not None:
+            return position_from_point(point)
+        track = self._message(TARGET_ODOMETRY)
+        return np.full(3, np.nan) if track is None else target_from_odometry(track).position
+
     def progress(self) -> Progress:
         """Where the flight stands by the latest messages."""
-        odometry, target = self._message(ODOMETRY), self._message(TARGET)
-        air = self._message(AIR_VELOCITY)
-        if odometry is None or target is None:
+        odometry, air = self._message(ODOMETRY), self._message(AIR_VELOCITY)
+        engaged = self._message(ENGAGED)
+        if odometry is None:
             return Progress()
         try:
-            motion, position = measurement_from_odometry(odometry), position_from_point(target)
+            motion, position = measurement_from_odometry(odometry), self._target()
             velocity = motion.ground_velocity if air is None else air_velocity_from_twist(air)
         except MessageError:
             return Progress()
@@ -108,6 +130,7 @@ class FlightRecorder(Node):
         stamp = nanoseconds(odometry.header.stamp)
         return Progress(
             time=None if self._start is None else (stamp - self._start) * 1e-9,
+            engaged=None if engaged is None else engaged.data,
             range=float(np.linalg.norm(motion.position - position)),
             altitude=float(motion.position[2] - position[2]),
             speed=math.hypot(*velocity),

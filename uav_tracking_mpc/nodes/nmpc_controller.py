@@ -1,4 +1,4 @@
-"""Node ``nmpc_controller``: state, air velocity and target in, command out; a managed node."""
+"""Node ``nmpc_controller``: state, air velocity and target in, command and orbit out; managed."""
 
 from __future__ import annotations
 
@@ -25,11 +25,20 @@ from uav_tracking_mpc.nodes.command_wire import CommandWire
 from uav_tracking_mpc.nodes.controller_report import ControllerReport
 from uav_tracking_mpc.nodes.controller_views import ControllerViews
 from uav_tracking_mpc.nodes.declared_parameters import declare_parameters, follow_parameters
+from uav_tracking_mpc.nodes.orbit_message import orbit_message, set_orbit
 from uav_tracking_mpc.nodes.peers import Promise
 from uav_tracking_mpc.nodes.run import run
 from uav_tracking_mpc.nodes.stall_guard import StallGuard
 from uav_tracking_mpc.nodes.target_odometry import target_from_odometry
-from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, COMMAND, ODOMETRY, TARGET, TARGET_ODOMETRY
+from uav_tracking_mpc.nodes.topics import (
+    AIR_VELOCITY,
+    COMMAND,
+    ENGAGED,
+    ODOMETRY,
+    ORBIT,
+    TARGET,
+    TARGET_ODOMETRY,
+)
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import configuration_folder
 from uav_tracking_mpc.settings.tracking import TrackingParameters
@@ -62,7 +71,8 @@ class NmpcController(LifecycleNode):
         self._origin: int | None = None  # first stamp seen [ns]; the controller's times are since
         self._tracked, self._both_told = -math.inf, False  # stamp of the newest target/odometry [s]
         self._arrival = -math.inf  # of the newest state that was believed, steady [s]
-        self._wire = CommandWire()
+        self._engaged = True  # until an autopilot's link says otherwise
+        self._wire, self._orbit = CommandWire(), orbit_message()
         self._views = ControllerViews(self)
         self.report = ControllerReport(self)
         simulated = bool(self.get_parameter("use_sim_time").value)
@@ -73,6 +83,8 @@ class NmpcController(LifecycleNode):
             self._promise.qos(COMMAND.qos),
             event_callbacks=self._promise.callbacks(self.report.late),
         )
+        self._orbits = self.create_publisher(ORBIT.type, ORBIT.name, ORBIT.qos)
+        self.create_subscription(ENGAGED.type, ENGAGED.name, self._on_engaged, ENGAGED.qos)
         for topic, callback in (
             (ODOMETRY, self._on_odometry),
             (AIR_VELOCITY, self._on_air),
@@ -109,6 +121,7 @@ class NmpcController(LifecycleNode):
             self._failure = str(error)
             self.report.unconfigured(f"cannot be configured: {error}")
             return FAILURE
+        self.controller.engage(self._engaged)
         self.report.configured(self.controller, claim)
         events = self.controller.events  # the next state reports them
         self._margins = MarginWatch(lambda words: events.add(Level.WARNING, words))
@@ -216,6 +229,11 @@ class NmpcController(LifecycleNode):
         controller.see_target(stamp, *measured)
         self._tracked = stamp
 
+    def _on_engaged(self, message: Any) -> None:
+        self._engaged = message.data
+        if self.controller is not None:
+            self.controller.engage(self._engaged)
+
     def _on_odometry(self, message: Any, controller: Controller) -> None:
         arrival, before = time.monotonic(), controller.state_time
         fresh = self._stall.alive(arrival)
@@ -237,6 +255,9 @@ class NmpcController(LifecycleNode):
             stamp = conversions.nanoseconds(message.header.stamp)
             self._commands.publish(self._wire.write(stamp, command.inputs, command.step))
             self.report.command(command, (time.monotonic() - arrival) * 1e6)
+            if command.flown_orbit is not None:
+                set_orbit(self._orbit, stamp, command.flown_orbit)
+                self._orbits.publish(self._orbit)
             self._views.publish(stamp, controller.navigator.wind, command)
         self.report.tell()
 

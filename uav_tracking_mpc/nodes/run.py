@@ -32,6 +32,8 @@ def run(name: str, create: Callable[[], Node], arguments: Sequence[str] | None =
     The signals are handled here, not by rclpy, so that the node can publish its last
     diagnostics (``node.finish()``) before the context is shut down.
 
+    A node that cannot go on says why in ``node.refusal``.
+
     Args:
         name: For messages before there is a logger.
         create: Makes the node.
@@ -69,6 +71,8 @@ def run(name: str, create: Callable[[], Node], arguments: Sequence[str] | None =
         executor.add_node(node)
         while rclpy.ok() and not stopped:
             executor.spin_once(timeout_sec=0.1)
+            if words := getattr(node, "refusal", ""):
+                return _fatal(name, words)
         finish = getattr(node, "finish", None)
         if finish is not None and rclpy.ok():
             finish()

@@ -62,7 +62,8 @@ class TargetPublisher(Node):
 
     def _values(self) -> dict[str, object]:
         x, y, z = self._position.tolist()
-        return {"x [m]": x, "y [m]": y, "z [m]": z, "rate [Hz]": self.parameters.rate}
+        rate, began = self.parameters.rate, str(self._start)
+        return {"x [m]": x, "y [m]": y, "z [m]": z, "rate [Hz]": rate, "began [ns]": began}
 
     def finish(self) -> None:
         """Publish the last diagnostics."""

@@ -9,7 +9,8 @@ from geometry_msgs.msg import PointStamped, TwistStamped
 from nav_msgs.msg import Odometry, Path
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
-from std_msgs.msg import Float64
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool, Float64
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 from visualization_msgs.msg import MarkerArray
 
@@ -48,28 +49,28 @@ ODOMETRY = Topic(
     "uav/odometry",
     Odometry,
     LATEST,
-    "uav_simulator",
+    "uav_simulator or autopilot_link",
     "Pose in `map`; twist in `base_link`: ground velocity and body rates.",
 )
 AIR_VELOCITY = Topic(
     "uav/air_velocity",
     TwistStamped,
     LATEST,
-    "uav_simulator",
+    "uav_simulator or autopilot_link",
     "Velocity through the air, in `base_link`.",
 )
 TARGET = Topic(
     "target/position",
     PointStamped,
     LATEST,
-    "target_publisher",
+    "target_publisher, or autopilot_link with `target_system`",
     "Measured position of the target in `map`, noisy, at any rate.",
 )
 TARGET_ODOMETRY = Topic(
     "target/odometry",
     Odometry,
     LATEST,
-    "a tracker",
+    "a tracker, or autopilot_link with `target_system`",
     "Instead of `target/position`: pose in `map`; twist in `child_frame_id`, which is the target's "
     "own frame by its orientation, or `map` if empty; covariances count where given.",
     optional=True,
@@ -82,6 +83,24 @@ COMMAND = Topic(
     "points[0]: the command now; the rest: the plan, time_from_start = k T_s. "
     "velocities[0].angular.z = yaw rate, .y = FLU pitch rate (minus the path-angle rate), "
     "accelerations[0].linear.x = acceleration.",
+)
+ORBIT = Topic(
+    "uav/orbit",
+    JointState,
+    LATEST,
+    "nmpc_controller",
+    "What the command leads to, for autopilots that hold altitude and airspeed themselves or "
+    "loiter when commands end. Names east, north, up, radius, airspeed: centre of the circle in "
+    "`map` (up: altitude of the circle itself), horizontal radius (negative clockwise), airspeed; "
+    "velocity: that of the centre.",
+)
+ENGAGED = Topic(
+    "uav/engaged",
+    Bool,
+    LATEST,
+    "autopilot_link",
+    "Whether the aircraft flies the commands: 1 Hz and on change. Without it they count as flown.",
+    optional=True,
 )
 PREDICTED_PATH = Topic(
     "uav/predicted_path", Path, LATEST, "nmpc_controller", "The plan in `map`, at most 5 Hz."
@@ -117,6 +136,8 @@ ALL = (
     TARGET,
     TARGET_ODOMETRY,
     COMMAND,
+    ORBIT,
+    ENGAGED,
     PREDICTED_PATH,
     MARKERS,
     *TRACKING.values(),

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from typing import Any
 
-import numpy as np
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
@@ -17,13 +15,14 @@ from uav_tracking_mpc.nodes.conversions import (
     nanoseconds,
     plan_from_command,
     set_air_velocity,
-    set_odometry,
+    set_measurement,
     set_stamp,
 )
 from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
+from uav_tracking_mpc.nodes.orbit_message import orbit_from_message
 from uav_tracking_mpc.nodes.peers import Peers, Promise
 from uav_tracking_mpc.nodes.run import run
-from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY
+from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY, ORBIT
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.plants import Plant, SimulationError, plant_named
@@ -76,6 +75,7 @@ class UavSimulator(Node):
             COMMAND.qos,
             event_callbacks=self._peers.listening(COMMAND),
         )
+        self.create_subscription(ORBIT.type, ORBIT.name, self._on_orbit, ORBIT.qos)
         self._diagnostics = diagnostics.Diagnostics(self, self._values)
         period = self._tick * 1e-9
         if self.parameters.publish_clock:
@@ -98,6 +98,14 @@ class UavSimulator(Node):
                 f"command refused: {error}", throttle_duration_sec=WARNING_PERIOD
             )
 
+    def _on_orbit(self, message: Any) -> None:
+        try:
+            self._plant.see_orbit(orbit_from_message(message))
+        except MessageError as error:
+            self.get_logger().warning(
+                f"orbit refused: {error}", throttle_duration_sec=WARNING_PERIOD
+            )
+
     def _step(self) -> None:
         if not self._started:
             listeners = self._odometry_publisher.get_subscription_count()
@@ -113,10 +121,8 @@ class UavSimulator(Node):
             self._publish(self._plant.measured())
 
     def _publish(self, seen: Measurement) -> None:
-        rates = np.array([seen.turn_rate, seen.path_angle_rate, 0.0])
-        state = seen.state(math.nan if seen.airspeed is None else seen.airspeed)
         stamp = self._start + round(seen.stamp * 1e9)
-        set_odometry(self._odometry, stamp, state, rates, seen.ground_velocity)
+        set_measurement(self._odometry, stamp, seen)
         self._odometry_publisher.publish(self._odometry)
         if seen.airspeed is not None:
             set_air_velocity(self._air_velocity, stamp, seen.airspeed)

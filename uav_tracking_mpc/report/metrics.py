@@ -40,6 +40,7 @@ def metrics(log: FlightLog) -> dict[str, Any]:
         - ``solver``: wall time of the solves, their number and how many did not converge
         - ``latency_us``: only where the flight measured it
         - ``commands``: what the command link saw
+        - ``link``: only with a real autopilot; ``latency_ms`` is the median
     """
     errors = dict(zip(COLUMNS, log.error.T, strict=True))
     steady = {name: values[_last_third(log)] for name, values in errors.items()}
@@ -72,6 +73,16 @@ def metrics(log: FlightLog) -> dict[str, Any]:
     }
     if log.latency is not None:
         numbers["latency_us"] = {name: _plain(value) for name, value in asdict(log.latency).items()}
+    if log.link is not None:
+        link = log.link
+        numbers["link"] = {
+            "dialect": link.dialect,
+            "rate_hz": _plain(link.rate),
+            "latency_ms": _plain(link.latency),
+            "latency_p99_ms": _plain(link.latency_p99),
+            "lost": link.lost,
+            "refused": link.refused,
+        }
     return numbers
 
 

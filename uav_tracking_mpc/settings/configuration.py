@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from uav_tracking_mpc.parameters.specification import ParameterError, from_mapping
+from uav_tracking_mpc.settings.link import LinkParameters
 from uav_tracking_mpc.settings.mission import MissionParameters, ScenarioParameters
 from uav_tracking_mpc.settings.parameter_file import (
     Sections,
@@ -26,6 +27,7 @@ SECTIONS: dict[str, type] = {
     "nmpc_controller": TrackingParameters,
     "uav_simulator": SimulatorParameters,
     "target_publisher": TargetParameters,
+    "autopilot_link": LinkParameters,
     "mission": MissionParameters,
 }
 SCENARIO = "scenario"  # the section that only files of scenarios have
@@ -40,6 +42,7 @@ class Configuration:
         controller: Section ``nmpc_controller``.
         simulator: Section ``uav_simulator``.
         target: Section ``target_publisher``.
+        link: Section ``autopilot_link``.
         mission: Section ``mission``.
         sections: The values as they stood in the files, with overrides, by section.
         scenario: Section ``scenario`` of the scenario, None without one.
@@ -49,6 +52,7 @@ class Configuration:
     controller: TrackingParameters
     simulator: SimulatorParameters
     target: TargetParameters
+    link: LinkParameters
     mission: MissionParameters
     sections: Sections = field(default_factory=dict)
     scenario: ScenarioParameters | None = None
@@ -135,6 +139,7 @@ def configuration_of(
         controller=built["nmpc_controller"],
         simulator=built["uav_simulator"],
         target=built["target_publisher"],
+        link=built["autopilot_link"],
         mission=built["mission"],
         sections=sections,
         scenario=scenario,

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics import paper_numbers as paper
+from uav_tracking_mpc.dynamics.energy_hold import HoldParameters
 from uav_tracking_mpc.dynamics.relative import vehicle_state
 from uav_tracking_mpc.dynamics.vehicle import VehicleState
 from uav_tracking_mpc.parameters.registry import PLANT
@@ -18,7 +19,7 @@ START = VehicleState(*vehicle_state(paper.INITIAL_STATE, 0.0, np.zeros(3)).tolis
 
 
 @dataclass(frozen=True)
-class SimulatorParameters:
+class SimulatorParameters(HoldParameters):
     """Where the simulated vehicle starts and what it can do.
 
     The default start is the paper's x_o (Section 6) about a target at the origin; the paper leaves

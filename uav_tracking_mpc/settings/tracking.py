@@ -38,6 +38,7 @@ from uav_tracking_mpc.settings.estimation_parameters import EstimationParameters
 ARTIFICIAL_ORBIT = COMPILED[1]
 NEAREST = "nearest"  # direction: the nearer one where the flight begins
 PREDICTIVE = "nmpc"  # law: none, the optimal control problem is solved
+LAGGED, HELD = "lagged", "held"  # vehicle models, all inputs commanded and the bank alone
 SOLVERS = ("newton", "ipopt")  # fatrop may never return, see CasadiSolver
 
 
@@ -183,9 +184,15 @@ class TrackingParameters(Gathered):
         fixed=True,
     )
     vehicle_model: str = parameter(
-        "lagged",
+        LAGGED,
         "Model of the aircraft, with the artificial orbit.",
         extension=VEHICLE_MODEL,
+        fixed=True,
+    )
+    autopilot_holds: bool = parameter(
+        False,
+        "The autopilot itself holds altitude and airspeed, by hold_time and so on: the controller "
+        "commands the bank alone, with the artificial orbit.",
         fixed=True,
     )
     solver: str = parameter(
@@ -227,6 +234,11 @@ class TrackingParameters(Gathered):
 
     def _check_artificial_orbit(self) -> None:
         """Refuse what only the problem with the artificial orbit knows, or does not know."""
+        if self.autopilot_holds is (self.vehicle.commanded == len(self.input_lower)):
+            raise ParameterError(
+                f"parameter 'autopilot_holds' is {str(self.autopilot_holds).lower()}, must not be "
+                f"with vehicle_model '{self.vehicle_model}'"
+            )
         if self.terminal_constraint == ARTIFICIAL_ORBIT:
             if self.model != "exact":
                 raise ParameterError(
@@ -234,6 +246,11 @@ class TrackingParameters(Gathered):
                     f"terminal_constraint '{ARTIFICIAL_ORBIT}'"
                 )
             return
+        if self.autopilot_holds and self.law == PREDICTIVE:
+            raise ParameterError(
+                "parameter 'autopilot_holds' is true, must be false unless terminal_constraint is "
+                f"'{ARTIFICIAL_ORBIT}'"
+            )
         if self.response_estimation:
             raise ParameterError(
                 "parameter 'response_estimation' is true, must be false unless "
@@ -268,7 +285,7 @@ class TrackingParameters(Gathered):
         Raises:
             ParameterError: There is no such limit or model.
         """
-        names = [str(values.get("limits", "")), str(values.get("vehicle_model", "lagged"))]
+        names = [str(values.get("limits", "")), str(values.get("vehicle_model", LAGGED))]
         try:
             owners = (*_further_limits(names[0]), VEHICLE_MODEL.find(names[1]))
         except ExtensionError as error:
@@ -291,7 +308,17 @@ class TrackingParameters(Gathered):
     @cached_property
     def vehicle(self) -> VehicleModel:
         """Model of the aircraft that plans are made with."""
-        return taken(VEHICLE_MODEL.find(self.vehicle_model), self)
+        model = self.vehicle_model
+        if self.autopilot_holds and model == LAGGED:
+            model = HELD
+        return taken(VEHICLE_MODEL.find(model), self)
+
+    @property
+    def commanded_dead_time(self) -> NDArray[np.float64]:
+        """Dead time of each input, 0 for those that the autopilot finds itself, shape (3,)."""
+        dead_time = np.array(self.dead_time)
+        dead_time[self.vehicle.commanded :] = 0.0
+        return dead_time
 
     @property
     def steady_inputs(self) -> NDArray[np.float64]:

@@ -140,6 +140,8 @@ def simulate(
             if disturbance is not None:
                 inputs = inputs + disturbance(now)
             plant.accept(inputs, starts)
+            if command.flown_orbit is not None:
+                plant.see_orbit(command.flown_orbit)
             if progress is not None:
                 progress(now)
         plant.advance(1.0 / rate)

@@ -46,6 +46,27 @@ class Latency:
 
 
 @dataclass(frozen=True)
+class LinkFigures:
+    """What the link to a real autopilot measured.
+
+    Attributes:
+        dialect: Of the autopilot.
+        rate: Of the states in [Hz].
+        latency: From telemetry in to the set-point that answers it, median, in [ms].
+        latency_p99: 99th percentile of it in [ms].
+        lost: Messages of the autopilot that never came.
+        refused: Commands that the link or the autopilot refused.
+    """
+
+    dialect: str
+    rate: float
+    latency: float
+    latency_p99: float
+    lost: int
+    refused: int
+
+
+@dataclass(frozen=True)
 class FlightLog:
     """Record of one flight.
 
@@ -74,6 +95,7 @@ class FlightLog:
             None where the air stands still.
         target_velocity: True velocity of the target at these times, shape (n, 3), in [m/s]; None
             where it stands.
+        link: Set for flights with a real autopilot only.
         nominal: Whether each command was what was asked for, an optimal plan or the answer of the
             guidance law, shape (m,); None where that is not recorded.
     """
@@ -100,6 +122,7 @@ class FlightLog:
     ground_velocity: NDArray[np.float64] | None = None
     target_velocity: NDArray[np.float64] | None = None
     nominal: NDArray[np.bool_] | None = None
+    link: LinkFigures | None = None
 
     @property
     def steady_inputs(self) -> NDArray[np.float64]:

@@ -2,6 +2,7 @@
 
 ==================  ==================================================================
 ``lagged``          the vehicle (3) behind inner loops that lag, in a drift
+``held``            the same, where the autopilot itself holds altitude and airspeed
 ==================  ==================================================================
 
 A model is a subclass of :class:`VehicleModel` in a file of its own name. Its fields are parameters
@@ -12,7 +13,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +40,13 @@ class VehicleModel(PredictionModel):
 
     The state's first nine components are x, y, z relative to the target in the axes of ``map``,
     heading, path_angle and airspeed, and their rates turn_rate, path_angle_rate and acceleration.
+
+    Attributes:
+        commanded: How many of (u_psi, u_chi, u_v), from the first on, the controller commands; the
+            autopilot finds the others itself, see :meth:`held`.
     """
+
+    commanded: ClassVar[int] = 3
 
     @abstractmethod
     def numbers(self, duration: float) -> NDArray[np.float64]:
@@ -68,6 +75,21 @@ class VehicleModel(PredictionModel):
         Returns:
             A ``State``; angles are not wrapped.
         """
+
+    def held(self, state: Any, altitude: Any, airspeed: Any, numbers: Any, drift: Any) -> list[Any]:
+        """Inputs that the autopilot finds itself: none by default.
+
+        Args:
+            state: A ``State`` of numbers, of arrays of shape (n,), or of symbols.
+            altitude: Above the target that the autopilot holds in [m], scalar.
+            airspeed: That the autopilot holds in [m/s], scalar.
+            numbers: As of :meth:`numbers`, shape (k,).
+            drift: c, three values in [m/s], each like the state's.
+
+        Returns:
+            (u_psi, u_chi, u_v) without the first :attr:`commanded`.
+        """
+        return []
 
     @abstractmethod
     def settled(self, state: Any, orbit: OrbitMotion) -> list[Any]:

@@ -2,6 +2,7 @@
 
 =============  ==================================================================
 ``vehicle``    the vehicle (3) in moving air, behind an autopilot that lags
+``held``       the same vehicle, whose autopilot itself holds altitude and airspeed
 ``euler``      the prediction model itself by Euler's method, as in Section 6
 =============  ==================================================================
 
@@ -19,6 +20,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.parameters.registry import PLANT, ExtensionError
 from uav_tracking_mpc.parameters.specification import ParameterError
@@ -78,6 +80,14 @@ class Plant(ABC):
             ValueError: The plan cannot be flown; the present one stays.
         """
         self.plan.accept(inputs, starts, self.time)
+
+    def see_orbit(self, orbit: FlownOrbit) -> None:
+        """Take over the orbit that is flown; an autopilot that holds nothing itself needs none.
+
+        Args:
+            orbit: At the present time.
+        """
+        return
 
     @abstractmethod
     def advance(self, duration: float) -> None:

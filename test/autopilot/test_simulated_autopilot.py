@@ -1,0 +1,113 @@
+"""In real time over UDP and TCP of this machine, heard by pymavlink itself."""
+
+import os
+import time
+
+import pytest
+
+from uav_tracking_mpc.autopilot.simulated_autopilot import SimulatedAutopilot
+from uav_tracking_mpc.autopilot.wire_faults import WIRE_FAULTS
+from uav_tracking_mpc.links import LinkError
+from uav_tracking_mpc.links.mavlink.dialect import mavlink, mavutil
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.configuration import load_configuration
+
+PATIENCE = 20.0  # s; a busy machine may take long
+PORT = 20000 + os.getpid() % 20000  # of this process alone, among those that test at once
+CONFIGURATION = load_configuration("small_uav")
+
+
+def client(address):
+    return mavutil.mavlink_connection(address, source_system=1, source_component=191)
+
+
+def heard(connection, name, timeout=PATIENCE):
+    return connection.recv_match(type=name, blocking=True, timeout=timeout)
+
+
+def asked(connection, command, *values):
+    numbers = [*values, *[0.0] * (7 - len(values))]
+    connection.mav.command_long_send(1, 1, command, 0, *numbers)
+    acknowledged = heard(connection, "COMMAND_ACK")
+    assert acknowledged.command == command
+    return acknowledged.result
+
+
+@pytest.mark.parametrize(
+    ("own", "other"), [("udpout", "udpin"), ("udpin", "udpout"), ("tcpin", "tcp")]
+)
+@pytest.mark.parametrize("dialect", ["ardupilot", "px4"])
+def test_a_flight_over_a_wire(dialect, own, other):
+    where = f"127.0.0.1:{PORT}"
+    listens = client(f"{other}:{where}") if other == "udpin" else None
+    with SimulatedAutopilot(dialect, CONFIGURATION, f"{own}:{where}") as autopilot:
+        connection = listens or client(f"{other}:{where}")
+        connection.mav.heartbeat_send(mavlink.MAV_TYPE_ONBOARD_CONTROLLER, 8, 0, 0, 0)
+        heartbeat = heard(connection, "HEARTBEAT")
+        assert heartbeat.autopilot == autopilot.core.traits.maker
+        assert heartbeat.custom_mode == autopilot.core.custom_mode
+        assert asked(connection, 511, mavlink.MAVLINK_MSG_ID_ATTITUDE, 20000.0) == 0
+        first, last = heard(connection, "ATTITUDE"), None
+        for _ in range(25):
+            last = heard(connection, "ATTITUDE")
+        assert last.time_boot_ms - first.time_boot_ms == pytest.approx(500, abs=60)
+        assert autopilot.pilot_mode("RTL")
+        number = type(autopilot.core).modes["RTL"]
+        deadline = time.monotonic() + PATIENCE
+        while heard(connection, "HEARTBEAT").custom_mode != number:
+            assert time.monotonic() < deadline
+    connection.close()
+
+
+def test_a_lost_tcp_connection_can_be_made_again():
+    where = f"127.0.0.1:{PORT + 1}"
+    with SimulatedAutopilot("ardupilot", CONFIGURATION, f"tcpin:{where}"):
+        for _ in range(2):
+            connection = client(f"tcp:{where}")
+            assert heard(connection, "HEARTBEAT") is not None
+            connection.close()
+
+
+def test_two_companions_hear_the_pilots_change_at_once():
+    where = f"127.0.0.1:{PORT + 2}"
+    with SimulatedAutopilot("ardupilot", CONFIGURATION, f"udpin:{where}"):
+        companion = client(f"udpout:{where}")
+        companion.mav.heartbeat_send(mavlink.MAV_TYPE_ONBOARD_CONTROLLER, 8, 0, 0, 0)
+        assert heard(companion, "HEARTBEAT") is not None
+        ground = mavutil.mavlink_connection(f"udpout:{where}", source_system=255)
+        ground.mav.command_long_send(1, 1, 176, 0, 1.0, 5.0, 0, 0, 0, 0, 0)  # FBWA
+        deadline = time.monotonic() + PATIENCE
+        while heard(companion, "HEARTBEAT").custom_mode != 5:
+            assert time.monotonic() < deadline
+        companion.close()
+        ground.close()
+
+
+def test_no_fault_ends_it():
+    where = f"127.0.0.1:{PORT + 3}"
+    connection = client(f"udpin:{where}")
+    with SimulatedAutopilot("ardupilot", CONFIGURATION, f"udpout:{where}") as autopilot:
+        assert heard(connection, "HEARTBEAT") is not None
+        for name in WIRE_FAULTS:
+            fault = autopilot.begin_fault(name, seed=1)
+            end = time.monotonic() + 0.2
+            while time.monotonic() < end:
+                connection.mav.command_long_send(1, 1, 410, 0, *[0.0] * 7)
+                connection.recv_match(blocking=True, timeout=0.02)
+            autopilot.end_fault(fault)
+        while connection.recv_match(blocking=False) is not None:
+            pass
+        assert heard(connection, "HEARTBEAT").get_srcSystem() in (1, 77)
+        deadline = time.monotonic() + PATIENCE
+        while heard(connection, "HEARTBEAT").get_srcSystem() != 1:
+            assert time.monotonic() < deadline
+    connection.close()
+
+
+def test_bad_words_are_told():
+    with pytest.raises(ParameterError, match="dialect is 'inav', must be one of ardupilot, px4"):
+        SimulatedAutopilot("inav", CONFIGURATION)
+    with pytest.raises(ParameterError, match="origin is latitude 91"):
+        SimulatedAutopilot("px4", CONFIGURATION, origin=(91.0, 0.0, 0.0))
+    with pytest.raises(LinkError, match="must be udpin:HOST:PORT"):
+        SimulatedAutopilot("px4", CONFIGURATION, "radio:7")

@@ -1,0 +1,37 @@
+"""Simulated autopilots without a wire, stepped as quickly as the machine can."""
+
+import math
+
+from uav_tracking_mpc.autopilot.flight_loops import TICK
+from uav_tracking_mpc.autopilot.numbers import AttitudeTarget
+from uav_tracking_mpc.dynamics.geodesy import LocalFrame
+from uav_tracking_mpc.settings.configuration import load_configuration
+
+ORIGIN = LocalFrame(math.radians(47.3977), math.radians(8.5456), 488.0)
+ROLL_ALONE = 0b11111110
+
+
+def autopilot(dialect, *overrides, on_runway=False):
+    configuration = load_configuration("small_uav", overrides)
+    return dialect(configuration, ORIGIN, on_runway)
+
+
+def fly(core, seconds, each_tick=None):
+    """States after every tick."""
+    states = []
+    for _ in range(round(seconds / TICK)):
+        if each_tick is not None:
+            each_tick()
+        core.step()
+        states.append(core.state)
+    return states
+
+
+def bank(degrees, mask=ROLL_ALONE, pitch=0.0, thrust=0.0):
+    return AttitudeTarget(mask, math.radians(degrees), pitch, thrust)
+
+
+def place(east, north):
+    """Latitude and longitude in degrees of a point in ``map``."""
+    latitude, longitude, _ = ORIGIN.place([east, north, 0.0])
+    return math.degrees(latitude), math.degrees(longitude)

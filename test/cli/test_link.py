@@ -1,0 +1,127 @@
+"""``uav_tracking link check``, and the options that choose a link."""
+
+import argparse
+import json
+from pathlib import Path
+
+import pytest
+
+from uav_tracking_mpc.cli.link_arguments import (
+    add_link_arguments,
+    check_link_arguments,
+    place,
+    told_names,
+    with_connection,
+)
+from uav_tracking_mpc.cli.main import main
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.configuration import load_configuration
+
+LINK = f"{Path(__file__).parents[1] / 'paced_link.py'}:PacedLink"
+
+
+def check(capsys, *arguments):
+    code = main(["link", "check", "--link", LINK, *arguments])
+    said = capsys.readouterr()
+    return code, said.out, said.err
+
+
+def test_what_was_found_is_told(capsys):
+    code, out, err = check(capsys)
+    assert (code, err) == (0, "")
+    for words in (
+        "firmware: paced 1.0",
+        "wind: ",
+        "envelope: bank_max is 0.7 by the vehicle, not 0.7854",
+        "warning: no fence",
+        "orbit: 300 m at 120 m and 22 m/s, nearest; it fits: bank up to 40 deg, airspeed 15.0 to "
+        "32.0 m/s, not below 30 m",
+    ):
+        assert words in out
+
+
+def test_the_same_as_one_object(capsys):
+    code, out, err = check(capsys, "--json")
+    assert (code, err) == (0, "")
+    content = json.loads(out)
+    assert content["found"] == {"firmware": "paced 1.0"}
+    assert content["envelope"]["bank_max"] == 0.7
+    assert content["warnings"] == ["no fence"]
+    assert content["refusals"] == []
+    assert len(content["wind_mps"]) == 3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--connection", "nobody"], "nobody answers"),
+        (["--connection", "copter"], "it is a copter"),
+        (["--connection", "disarmed"], "disarmed"),
+        (["--connection", "tight"], "needs a turn rate"),
+        (["--set", "nmpc_controller.range=1"], "orbit range is 1.0 m"),
+        (["--link", "balloon"], "parameter 'link' is 'balloon', must be one of ardupilot"),
+        (["--link", "ardupilot", "--connection", "udpin:nowhere"], "must be udpin:HOST:PORT"),
+        (["--link", "ardupilot", "--connection", "tcp:127.0.0.1:1"], "cannot be opened"),
+        (["--link", "ardupilot", "--connection", "serial:/dev/nowhere:57600"], "/dev/nowhere"),
+        (["--link", "ardupilot", "--signing-key", "/nowhere"], "signing key '/nowhere'"),
+    ],
+)
+def test_what_cannot_be_flown_is_one_line_and_code_2(capsys, arguments, words):
+    code, _, err = check(capsys, "--timeout", "0.2", *arguments)
+    assert code == 2
+    assert err.startswith("uav_tracking: ")
+    assert words in err
+    assert err.count("\n") == 1
+
+
+def parsed(*words):
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--set", dest="overrides", action="append", default=[])
+    add_link_arguments(parser, flown=True)
+    return parser.parse_args(words)
+
+
+def test_options_are_short_forms_of_settings():
+    arguments = parsed(
+        *("--link", "ardupilot", "--connection", "udpin:0.0.0.0:14550", "--engage"),
+        *("--origin=-33.9,18.4,40", "--target-system", "7", "--signing-key", "key"),
+        *("--set", "nmpc_controller.bank_max=0.5"),
+    )
+    check_link_arguments(arguments)
+    link = load_configuration("small_uav", arguments.overrides).link
+    assert (link.link, link.connection, link.engage) == ("ardupilot", "udpin:0.0.0.0:14550", True)
+    assert link.origin == (-33.9, 18.4, 40.0)
+    assert (link.target_system, link.signing_key) == (7, "key")
+    assert told_names(arguments) == {"bank_max"}
+    assert parsed().overrides == []
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (["--engage"], "--engage needs --link"),
+        (["--simulated"], "--simulated needs --link"),
+        (["--connection", "udpin:127.0.0.1:14550"], "--connection needs --link"),
+        (["--target-system", "3"], "--target-system needs --link"),
+        (
+            ["--link", "ardupilot", "--simulated", "--connection", "udpin:127.0.0.1:14550"],
+            "leave --connection out",
+        ),
+    ],
+)
+def test_options_that_contradict_each_other_are_refused(words, reason):
+    with pytest.raises(ParameterError, match=reason):
+        check_link_arguments(parsed(*words))
+
+
+@pytest.mark.parametrize("text", ["", "47", "47,8", "91,0,0", "a,b,c", "nan,0,0", "0,0,1e9"])
+def test_what_is_no_place_is_refused(text):
+    with pytest.raises(argparse.ArgumentTypeError, match="is not LAT,LON,ALT"):
+        place(text)
+    assert place("47.4,8.5,488") == (47.4, 8.5, 488.0)
+
+
+def test_a_connection_goes_into_the_parameters_of_the_node():
+    flown = with_connection(load_configuration("small_uav"), "udpin:127.0.0.1:1")
+    assert flown.link.connection == "udpin:127.0.0.1:1"
+    assert "connection: udpin:127.0.0.1:1" in flown.yaml()

@@ -1,0 +1,120 @@
+"""The flight problem where the autopilot itself holds altitude and airspeed."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+import pytest
+import small_uav
+
+from uav_tracking_mpc.dynamics.vehicle_models.lagged import LaggedState
+from uav_tracking_mpc.estimation.forecast import steady_forecast
+from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
+from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
+
+HELD = small_uav.parameters("autopilot_holds=true", "direction=counter_clockwise")
+PATIENT = float("inf")
+
+
+@lru_cache
+def solver():
+    return NewtonSolver(FlightFormulation(HELD).flight.problem)
+
+
+def formulation(parameters=HELD):
+    shared = solver()
+    shared.reset()
+    return FlightFormulation(parameters, shared)
+
+
+def plans(flight, now, orbit=HELD.orbit, count=1):
+    ahead = steady_forecast(now, HELD.horizon)
+    elapsed = [None, *[0.05] * (count - 1)]
+    return [flight.solve(now, ahead, orbit, each) for each in elapsed]
+
+
+def test_the_bank_alone_is_an_input_and_what_it_has_no_say_in_is_left_out():
+    problem, free = formulation().flight.problem, small_uav.problem()
+    assert (problem.nu, free.nu) == (1, 3)
+    assert problem.terminal_equality.numel() == 3  # range, bearing and turn rate
+    names = {inequality.name for inequality in problem.stage_inequalities}
+    assert "distance" in names
+    assert names.isdisjoint({"airspeed", "path angle", "height"})
+
+
+def test_on_the_orbit_nothing_is_paid():
+    (plan,) = plans(formulation(), small_uav.on_orbit(HELD, 0.3, 1.0))
+    assert plan.solution.converged
+    assert plan.solution.cost == pytest.approx(0.0, abs=1e-6)
+    np.testing.assert_allclose(plan.inputs[:, 0], 22.0 / HELD.orbit.radius, atol=1e-6)
+    np.testing.assert_allclose(plan.inputs[:, 1:], 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("height", [40.0, 119.0, 250.0])
+def test_from_any_height_there_is_a_plan_that_holds_the_range_in_the_climb(height):
+    radius = np.sqrt(300.0**2 - height**2)
+    start = small_uav.situation(radius, 0.0, height, np.pi / 2.0, rates=(22.0 / radius, 0.0, 0.0))
+    plan = plans(formulation(), start, count=3)[-1]
+    assert plan.solution.converged
+    x, y, z = plan.solution.states[:, :3].T
+    assert abs(z[-1] - 120.0) < 0.7 * abs(height - 120.0) + 1.0
+    assert np.abs(np.sqrt(x**2 + y**2 + z**2) - 300.0).max() < 2.0
+
+
+def test_what_is_not_commanded_is_what_the_autopilot_is_expected_to_want():
+    start = small_uav.situation(450.0, 30.0, 90.0, 2.8, 0.05, 20.0, drift=(5.0, 2.0, 0.3))
+    flight = formulation()
+    (plan,) = plans(flight, start)
+    model, states = HELD.vehicle, plan.solution.states
+    for stage in (0, 7, 21):
+        expected = model.held(
+            LaggedState(*states[stage]), 120.0, 22.0, model.numbers(0.4), [5.0, 2.0, 0.3]
+        )
+        np.testing.assert_allclose(plan.inputs[stage, 1:], expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("distance", [100.0, 350.0, 1500.0])
+def test_the_autopilot_is_told_the_wanted_altitude_and_airspeed_from_wherever(distance):
+    start = small_uav.situation(distance, 0.0, 80.0, 1.0, 0.1, 25.0)
+    plan = plans(formulation(), start, count=2)[-1]
+    _, altitude, airspeed = plan.orbit
+    assert altitude == pytest.approx(120.0, abs=1e-3)
+    assert airspeed == pytest.approx(22.0, abs=1e-3)
+
+
+def test_in_a_wind_that_leaves_no_such_orbit_it_is_told_a_higher_airspeed_and_flown_with_it():
+    start = small_uav.situation(350.0, 0.0, 120.0, 1.5, drift=(0.0, 21.5, 0.0))
+    flight = formulation()
+    plan = plans(flight, start, count=3)[-1]
+    _, _, airspeed = plan.orbit
+    assert airspeed > 22.5
+    _, u_v = HELD.vehicle.held(
+        LaggedState(*plan.solution.states[0]), 120.0, airspeed, HELD.vehicle.numbers(0.4), [0] * 3
+    )
+    assert plan.inputs[0, 2] == pytest.approx(u_v, rel=1e-3)
+
+
+def test_what_was_told_is_forgotten_with_the_plan():
+    flight = formulation()
+    start = small_uav.situation(350.0, 0.0, 120.0, 1.5, drift=(0.0, 21.5, 0.0))
+    plans(flight, start, count=2)
+    flight.reset()
+    data = flight.data(steady_forecast(start, HELD.horizon), HELD.orbit)
+    np.testing.assert_allclose(flight.flight.layout.part(data[0], "held"), [120.0, 22.0])
+
+
+def test_constants_of_the_autopilot_may_change_in_flight():
+    start = small_uav.situation(450.0, 30.0, 90.0, 2.8)
+    flight = formulation()
+    (before,) = plans(flight, start)
+    flight.change(replace(HELD, hold_time=(10.0, 1.0, 5.0)))
+    (after,) = plans(flight, start)
+    assert after.solution.states[-1, 2] < before.solution.states[-1, 2] - 2.0
+
+
+def test_the_free_problem_knows_nothing_of_it():
+    flight = small_uav.flight()
+    assert not flight.holds
+    assert "held" not in flight.layout.where
+    assert ca.depends_on(flight.problem.next_state, flight.problem.inputs)

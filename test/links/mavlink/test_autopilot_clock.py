@@ -1,0 +1,75 @@
+"""The autopilot's clock by ours: offset, jitter, restarts."""
+
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
+
+OFFSET = 1234.5  # s, autopilot's time minus ours
+
+
+def exchange(clock, sent, there, back):
+    clock.see_answer(sent, sent + there + OFFSET, sent + there + back)
+
+
+def test_nothing_is_known_at_first():
+    with pytest.raises(ValueError, match="nothing is known"):
+        AutopilotClock().ours(1.0)
+
+
+def test_until_the_first_answer_the_least_delay_counts():
+    clock = AutopilotClock()
+    for time, delay in ((1.0, 0.05), (1.02, 0.02), (1.04, 0.2)):
+        clock.see_stamp(time + OFFSET, time + delay)
+    assert clock.ours(2.0 + OFFSET) == pytest.approx(2.02)
+
+
+def test_the_quickest_round_trip_counts_and_its_half_bounds_the_error():
+    clock, random = AutopilotClock(), np.random.default_rng(1)
+    for sent in range(15):
+        exchange(clock, float(sent), *random.uniform(0.001, 0.3, 2))
+    exchange(clock, 20.0, 0.002, 0.004)
+    assert clock.delay == pytest.approx(0.003)
+    assert abs(clock.offset - OFFSET) <= clock.delay
+    assert clock.ours(30.0 + OFFSET) == pytest.approx(30.0, abs=clock.delay)
+    assert 0.01 < clock.jitter < 0.2
+
+
+def test_an_answer_from_nowhere_changes_nothing():
+    clock = AutopilotClock()
+    exchange(clock, 0.0, 0.01, 0.01)
+    before = clock.offset
+    clock.see_answer(5.0, 5.0 + OFFSET, 4.0)  # it came before it was asked
+    clock.see_answer(5.0, 5.0 + OFFSET, 9.0)  # after too long
+    clock.see_answer(5.0, float("nan"), 5.1)
+    clock.see_answer(5.0, 77.0, 5.01)  # of another boot
+    assert clock.offset == before
+
+
+def test_a_restart_is_seen_from_stamps_that_agree():
+    clock = AutopilotClock()
+    exchange(clock, 0.0, 0.01, 0.01)
+    for arrival in (1.0, 1.02, 1.04):
+        assert clock.restarts == 0
+        clock.see_stamp(arrival - 0.9, arrival)
+    assert clock.restarts == 1
+    assert clock.ours(0.14) == pytest.approx(1.04)
+
+
+@pytest.mark.parametrize(
+    "stamps", [(0.5, OFFSET + 1.0, 0.5, OFFSET + 2.0), (0.5, 70.0, 0.5, 300.0)]
+)
+def test_old_repeats_and_nonsense_do_not_restart_it(stamps):
+    clock = AutopilotClock()
+    exchange(clock, 0.0, 0.01, 0.01)
+    for arrival, stamp in enumerate(stamps):
+        clock.see_stamp(stamp, float(arrival))
+    assert clock.restarts == 0
+
+
+def test_telemetry_may_be_late():
+    clock = AutopilotClock()
+    exchange(clock, 0.0, 0.01, 0.01)
+    for arrival in np.arange(1.0, 3.0, 0.1):
+        clock.see_stamp(OFFSET + arrival - 8.0, arrival)
+    assert clock.restarts == 0

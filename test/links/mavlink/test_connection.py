@@ -1,0 +1,199 @@
+"""The wire: addresses, signing, losses, and frames that are none."""
+
+import random
+import time
+
+import pytest
+
+from uav_tracking_mpc.links import LinkError, LinkRefusedError
+from uav_tracking_mpc.links.mavlink.connection import KEY_LENGTH, Connection
+from uav_tracking_mpc.links.mavlink.dialect import mavlink, name_of
+
+FRAMES = 100_000  # mutated ones
+
+
+def heartbeat(system_status=mavlink.MAV_STATE_ACTIVE):
+    return mavlink.MAVLink_heartbeat_message(1, 3, 128, 15, system_status, 3)
+
+
+@pytest.fixture
+def ports():
+    """Ports of this machine that nobody uses."""
+    import socket
+
+    found = []
+    for kind in (socket.SOCK_DGRAM, socket.SOCK_STREAM):
+        with socket.socket(socket.AF_INET, kind) as probe:
+            probe.bind(("127.0.0.1", 0))
+            found.append(probe.getsockname()[1])
+    return found
+
+
+@pytest.fixture
+def pair(ports):
+    ours = Connection(f"udpin:127.0.0.1:{ports[0]}")
+    theirs = Connection(f"udpout:127.0.0.1:{ports[0]}", component=1)
+    theirs.speak_as(3)
+    yield ours, theirs
+    ours.close()
+    theirs.close()
+
+
+def received(connection, count=1, timeout=2.0):
+    """At least so many messages, unless they do not come."""
+    messages, end = [], time.monotonic() + timeout
+    while len(messages) < count and time.monotonic() < end:
+        messages += connection.receive(0.05)
+    return messages
+
+
+def test_messages_go_both_ways(pair):
+    ours, theirs = pair
+    theirs.send(heartbeat())
+    (message,) = received(ours)
+    assert (message.get_type(), message.get_srcSystem()) == ("HEARTBEAT", 3)
+    ours.speak_as(3)
+    ours.send(heartbeat())
+    (message,) = received(theirs)
+    assert (message.get_srcSystem(), message.get_srcComponent()) == (3, 191)
+
+
+def test_a_stream_that_ends_is_told_and_can_be_opened_anew(ports):
+    address = f"127.0.0.1:{ports[1]}"
+    server, client = Connection(f"tcpin:{address}"), Connection(f"tcp:{address}")
+    client.send(heartbeat())
+    assert len(received(server)) == 1
+    server.close()
+    with pytest.raises(LinkError, match="the other end closed it"):
+        received(client)
+    server.open()
+    client.open()
+    client.send(heartbeat())
+    assert len(received(server)) == 1
+    client.close()
+    server.close()
+
+
+@pytest.mark.parametrize(
+    ("address", "words"),
+    [
+        ("bluetooth:7", "must be udpin:HOST:PORT"),
+        ("udpin:127.0.0.1", "must be udpin:HOST:PORT"),
+        ("udpin:127.0.0.1:http", "must be udpin:HOST:PORT"),
+        ("tcp::5760", "must be udpin:HOST:PORT"),
+        ("udpin:127.0.0.1:0", "must be from 1 to 65535"),
+        ("udpout:127.0.0.1:70000", "must be from 1 to 65535"),
+    ],
+)
+def test_an_address_of_another_form_is_refused(address, words):
+    with pytest.raises(LinkRefusedError, match=words) as caught:
+        Connection(address)
+    assert repr(address) in str(caught.value)
+
+
+def test_what_cannot_be_opened_says_why(ports):
+    with pytest.raises(LinkError, match=r"cannot be opened.*refused"):
+        Connection(f"tcp:127.0.0.1:{ports[1]}")
+    with pytest.raises(LinkError, match="cannot be opened"):
+        Connection("serial:/dev/no_such_port:57600")
+
+
+def test_lost_messages_are_counted_and_late_ones_are_not(pair):
+    ours, theirs = pair
+    ours.watched = 3
+    for number in (250, 251, 254, 253, 254, 2):
+        theirs._wire.mav.seq = number
+        theirs.send(heartbeat())
+    assert len(received(ours, 6)) == 6
+    assert ours.lost == 2 + 3  # 252 and 253; 255, 0 and 1
+
+
+def test_a_closed_connection_says_so(pair):
+    ours, _ = pair
+    ours.close()
+    with pytest.raises(LinkError, match="is closed"):
+        ours.receive(0.0)
+    ours.send(heartbeat())  # to nobody
+
+
+def mutated(random_, good):
+    """A frame with some bytes changed, cut off, doubled or put in between."""
+    frame = bytearray(good)
+    kind = random_.randrange(5)
+    if kind == 0:
+        for _ in range(random_.randrange(1, 6)):
+            frame[random_.randrange(len(frame))] ^= random_.randrange(1, 256)
+    elif kind == 1:
+        del frame[random_.randrange(1, len(frame)) :]
+    elif kind == 2:
+        place = random_.randrange(len(frame))
+        frame[place:place] = random_.randbytes(random_.randrange(1, 30))
+    elif kind == 3:
+        frame = bytearray(random_.randbytes(random_.randrange(1, 300)))
+    else:
+        start = random_.randrange(len(frame))
+        del frame[start : start + random_.randrange(1, 8)]
+    return bytes(frame)
+
+
+def storm(count, pair):
+    """Mutated frames, each followed by a good one; what was taken for messages."""
+    ours, theirs = pair
+    random_, taken = random.Random(1), []
+    parser = theirs._wire.mav
+    for number in range(count):
+        good = heartbeat().pack(parser)
+        parser.seq = (parser.seq + 1) % 256
+        while (bad := mutated(random_, good)) == good:
+            pass
+        taken += ours._messages(bad)
+        after = ours._messages(good)
+        assert [message.get_type() for message in after] == ["HEARTBEAT"], number
+    return taken
+
+
+def test_bad_frames_pass_for_nothing_and_cost_no_good_one(pair):
+    taken = storm(FRAMES, pair)
+    # A frame cut to pieces may hold a whole good one. Of what was changed at random the checksum of
+    # 16 bits lets one in 65 536 pass.
+    strange = [each for each in taken if each.to_dict() != heartbeat().to_dict()]
+    assert len(strange) <= 10
+
+
+@pytest.fixture
+def key(tmp_path):
+    path = tmp_path / "key"
+    path.write_bytes(bytes(range(KEY_LENGTH)))
+    return str(path)
+
+
+def test_signed_messages_are_taken_and_others_are_not(ports, key, tmp_path):
+    address = f"127.0.0.1:{ports[0]}"
+    hexadecimal = tmp_path / "hexadecimal"
+    hexadecimal.write_text(bytes(range(KEY_LENGTH)).hex() + "\n", encoding="ascii")
+    ours = Connection(f"udpin:{address}", key=key)
+    signing = Connection(f"udpout:{address}", component=1, key=str(hexadecimal))
+    signing.send(heartbeat())
+    assert len(received(ours)) == 1
+    ours.send(heartbeat())
+    assert len(received(signing)) == 1
+    plain = Connection(f"udpout:{address}", component=1)
+    plain.send(heartbeat())
+    assert received(ours, timeout=0.3) == []
+    assert ours.bad == 1
+    for connection in (ours, signing, plain):
+        connection.close()
+
+
+def test_a_key_of_another_length_is_refused(tmp_path):
+    path = tmp_path / "key"
+    path.write_text("secret", encoding="ascii")
+    with pytest.raises(LinkRefusedError, match="must hold 32 bytes"):
+        Connection("udpin:127.0.0.1:14999", key=str(path))
+    with pytest.raises(LinkRefusedError, match="cannot be read"):
+        Connection("udpin:127.0.0.1:14999", key=str(tmp_path / "nothing"))
+
+
+def test_values_are_told_by_their_names():
+    assert name_of("MAV_TYPE", 1) == "FIXED_WING"
+    assert name_of("MAV_RESULT", 77) == "77"

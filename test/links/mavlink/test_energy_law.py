@@ -1,0 +1,187 @@
+"""Path angle and airspeed follow the inputs like the controller's model; limits always hold."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.links.mavlink.energy_law import (
+    LONGEST_STEP,
+    PATH_LAG,
+    SPEED_LAG,
+    EnergyLaw,
+    EnergyLimits,
+    FlownPath,
+)
+
+CRUISE = 22.0
+LIMITS = EnergyLimits(CRUISE, 14.0, 32.0)
+STEP = 0.005  # s of the simulation; the law is asked at 25 Hz
+LEVEL = FlownPath(0.0, 0.0, CRUISE, 0.0)
+
+
+class PointMass:
+    """Pitch, bank and thrust lag behind their commands, the path behind the pitch; drag is a polar.
+
+    Small-angle, m v chi' = L_alpha (alpha - alpha_level): T chi' = theta - alpha - chi.
+    """
+
+    def __init__(self, pitch_time=0.4, lift_time=0.25, incidence=0.05, climb=5.0, trim=0.6):
+        self.time, self.path_angle, self.airspeed, self.bank = 0.0, 0.0, CRUISE, 0.0
+        self.pitch_time, self.lift_time, self.incidence = pitch_time, lift_time, incidence
+        self.climb, self.trim, self.sink = climb, trim, 2.0
+        self.thrust, self.pitch = trim, incidence + 0.08
+        self.stuck = False
+
+    def fly(self, pitch, thrust, bank):
+        self.time += STEP
+        self.pitch += (pitch - self.pitch) * STEP / self.pitch_time
+        self.thrust += (thrust - self.thrust) * STEP / 0.15
+        self.bank += (bank - self.bank) * STEP / 0.4
+        load = 1.0 / math.cos(self.bank)
+        alpha = self.incidence + 0.08 * load * (CRUISE / self.airspeed) ** 2
+        lifted = self.pitch - alpha * math.cos(self.bank) - self.path_angle
+        self.path_angle += lifted * STEP / self.lift_time
+        above = self.thrust - self.trim
+        room = 1.0 - self.trim if above > 0.0 else self.trim
+        excess = above / room * (self.climb if above > 0.0 else self.sink)
+        parasitic = (self.airspeed / CRUISE) ** 2
+        induced = (load * CRUISE / self.airspeed) ** 2
+        drag = self.sink * (0.5 * parasitic + 0.5 * induced - 1.0)
+        force = GRAVITY * (excess - drag) / CRUISE - GRAVITY * math.sin(self.path_angle)
+        self.airspeed += force * STEP
+
+    @property
+    def flown(self):
+        return FlownPath(self.time, self.path_angle, self.airspeed, self.bank)
+
+
+def flight(plant, inputs, duration, bank=0.0, law=None):
+    """Path angle and airspeed at each step, and those of the controller's lagged model."""
+    law = law or EnergyLaw(LIMITS)
+    law.begin(plant.flown, plant.pitch, plant.thrust)
+    chi, v, omega, gain = plant.path_angle, plant.airspeed, 0.0, 0.0
+    rows, command = [], (law.pitch, law.thrust)
+    for tick in range(round(duration / STEP)):
+        u_chi, u_v = inputs(plant.time)
+        if tick % 8 == 7:
+            command = law.step(u_chi, u_v, plant.flown)
+        plant.fly(*command, bank)
+        omega += (u_chi - omega) * STEP / PATH_LAG
+        gain += (u_v - gain) * STEP / SPEED_LAG
+        chi, v = chi + omega * STEP, v + gain * STEP
+        rows.append((plant.path_angle, chi, plant.airspeed, v))
+    return np.array(rows).T
+
+
+def doublets(time):
+    climb = {2: 0.1, 8: -0.1}.get(int(time), 0.0)
+    gain = 1.0 if 15.0 <= time < 17.0 else -0.6 if 24.0 <= time < 27.0 else 0.0
+    return climb, gain
+
+
+@pytest.mark.parametrize("bank", [0.0, 0.5])
+@pytest.mark.parametrize(
+    "plant", [{}, {"pitch_time": 0.3, "lift_time": 0.4}, {"pitch_time": 0.5, "lift_time": 0.15}]
+)
+def test_path_angle_and_airspeed_follow_the_lagged_model(plant, bank):
+    path, wanted, airspeed, speed = flight(PointMass(**plant), doublets, 40.0, bank)
+    # Of a climb by 0.1 rad, and of 2 m/s: a twentieth.
+    assert np.std(path - wanted) < 0.005
+    assert np.abs(airspeed - speed).max() < 0.5
+
+
+@pytest.mark.parametrize("plant", [{"climb": 7.0, "trim": 0.5}, {"climb": 3.5, "trim": 0.7}])
+def test_a_trim_and_an_engine_that_are_not_as_told_are_learnt(plant):
+    path, _, airspeed, _ = flight(PointMass(**plant, incidence=0.1), lambda time: (0.0, 0.0), 60.0)
+    assert np.abs(path[-1000:]).max() < 1e-3
+    assert np.abs(airspeed[-1000:] - CRUISE).max() < 0.05
+
+
+def test_thin_air_takes_more_thrust():
+    """PerformanceModel::getTrimThrottle: the root of the density at sea level over that there."""
+    thrust = []
+    for ratio in (1.0, 1.1):
+        law, flown = EnergyLaw(LIMITS), LEVEL._replace(airspeed=ratio * CRUISE)
+        flown = flown._replace(true_over_equivalent=ratio)
+        law.begin(flown, 0.1, LIMITS.trim)
+        for tick in range(1, 40):
+            law.step(0.0, 0.0, flown._replace(time=0.1 * tick))
+        thrust.append(law.thrust)
+    assert thrust[1] == pytest.approx(1.1 * thrust[0], rel=1e-6)
+
+
+@pytest.mark.parametrize(("airspeed", "trim"), [(14.0, 0.4), (18.0, 0.5), (22.0, 0.6), (32.0, 0.9)])
+def test_trim_by_airspeed_is_interpolated(airspeed, trim):
+    law = EnergyLaw(LIMITS._replace(trim_slow=0.4, trim_fast=0.9))
+    flown = LEVEL._replace(airspeed=airspeed)
+    law.begin(flown, 0.1, trim)
+    law.step(0.0, 0.0, flown._replace(time=0.04))
+    assert law.thrust == pytest.approx(trim)
+
+
+def test_below_the_least_airspeed_the_nose_goes_down_and_the_thrust_up():
+    slow = LEVEL._replace(airspeed=12.0)
+    law = EnergyLaw(LIMITS)
+    law.begin(slow, 0.1, 0.6)
+    for tick in range(1, 30):
+        law.step(0.0, 0.0, slow._replace(time=0.04 * tick))
+    assert law.thrust == LIMITS.thrust_max
+    assert law.pitch < 0.1 - 0.05
+
+
+def test_in_a_turn_the_least_airspeed_is_greater():
+    """FW_AIRSPD_MIN sqrt(n): what is enough in level flight is too little at a load factor of 2."""
+    law, banked = EnergyLaw(LIMITS), LEVEL._replace(airspeed=16.0, bank=math.radians(60.0))
+    law.begin(banked, 0.1, 0.6)
+    assert law.airspeed == pytest.approx(14.0 * math.sqrt(2.0))
+
+
+def test_what_the_engine_cannot_do_is_not_stored_up():
+    """An acceleration to the greatest airspeed and on: the surplus is small, and it settles."""
+    plant = PointMass()
+    _, _, airspeed, _ = flight(plant, lambda t: (0.0, 1.5 if t < 20.0 else 0.0), 60.0)
+    assert np.abs(np.diff(airspeed)).max() < 2.0 * STEP  # m/s
+    assert airspeed.max() < LIMITS.airspeed_max + 1.0  # by what lags: 1.5 m/s^2 over 0.4 s
+    assert abs(airspeed[-1] - airspeed[-1000]) < 0.05
+
+
+def test_after_a_pause_it_begins_anew():
+    law = EnergyLaw(LIMITS)
+    law.begin(LEVEL, 0.1, 0.6)
+    law.step(0.0, 0.0, LEVEL._replace(time=0.04))
+    away = FlownPath(5.0, 0.12, 25.0, 0.0)
+    law.step(0.0, 0.0, away)
+    assert law.path_angle == pytest.approx(0.12)
+    assert law.airspeed == pytest.approx(25.0)
+
+
+ANY = st.floats(width=32) | st.floats(-1.0, 1.0)
+FLOWN = st.tuples(
+    st.floats(1e-4, 2.0 * LONGEST_STEP),
+    ANY | st.floats(-0.5, 0.5),
+    ANY | st.floats(10.0, 40.0),
+    ANY,
+    st.sampled_from([1.0, 1.05, math.nan]),
+)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.lists(st.tuples(ANY, ANY, FLOWN), min_size=1, max_size=30))
+def test_limits_and_slew_hold_whatever_comes_in(steps):
+    law = EnergyLaw(LIMITS)
+    law.begin(LEVEL, 0.1, 0.6)
+    time, given_before = 0.0, (law.pitch, law.thrust)
+    given_all = [given_before]
+    for u_chi, u_v, (duration, *flown) in steps:
+        time += duration
+        given_all.append(law.step(u_chi, u_v, FlownPath(time, *flown)))
+    for (pitch, thrust), (later, stronger) in pairwise(given_all):
+        assert LIMITS.pitch_min <= later <= LIMITS.pitch_max
+        assert LIMITS.thrust_min <= stronger <= LIMITS.thrust_max
+        assert abs(later - pitch) <= LIMITS.pitch_slew * LONGEST_STEP + 1e-9
+        assert abs(stronger - thrust) <= LIMITS.thrust_slew * LONGEST_STEP + 1e-9

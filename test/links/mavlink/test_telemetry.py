@@ -1,0 +1,142 @@
+"""Messages to measurements: units, frames, times, and what is dropped."""
+
+import math
+
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.dynamics.atmosphere import true_over_equivalent
+from uav_tracking_mpc.dynamics.geodesy import LocalFrame
+from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
+from uav_tracking_mpc.links.mavlink.dialect import mavlink
+from uav_tracking_mpc.links.mavlink.telemetry import Telemetry
+
+HOME = LocalFrame(math.radians(47.3977), math.radians(8.5456), 488.0)
+
+
+def telemetry(origin=None):
+    clock = AutopilotClock()
+    clock.see_answer(0.0, 100.0, 0.0)  # 100 s ahead of ours
+    return Telemetry(clock, origin)
+
+
+def home():
+    latitude, longitude = math.degrees(HOME.latitude), math.degrees(HOME.longitude)
+    return mavlink.MAVLink_home_position_message(
+        round(latitude * 1e7), round(longitude * 1e7), 488000, 0, 0, 0, [1, 0, 0, 0], 0, 0, 0
+    )
+
+
+def position(time, at, velocity=(0, 0, 0)):
+    latitude, longitude, altitude = HOME.place(at)
+    east, north, up = velocity
+    return mavlink.MAVLink_global_position_int_message(
+        round(time * 1e3),
+        round(math.degrees(latitude) * 1e7),
+        round(math.degrees(longitude) * 1e7),
+        round(altitude * 1e3),
+        0,
+        round(north * 1e2),
+        round(east * 1e2),
+        round(-up * 1e2),
+        0,
+    )
+
+
+def attitude(time, roll=0.0, pitch=0.0, yaw=0.0, rates=(0.0, 0.0, 0.0)):
+    return mavlink.MAVLink_attitude_message(round(time * 1e3), roll, pitch, yaw, *rates)
+
+
+def hud(airspeed):
+    return mavlink.MAVLink_vfr_hud_message(airspeed, 20.0, 0, 50, 600.0, 0.0)
+
+
+def flown(heard, *messages, arrival=1.0):
+    measured = None
+    for message in messages:
+        measured = heard.see(message, arrival) or measured
+    return measured
+
+
+def test_a_measurement_is_complete_and_in_our_axes():
+    heard, yaw, turn = telemetry(), math.radians(30.0), 0.2
+    where, velocity = (300.0, -120.0, 150.0), (11.0, 19.0, 2.0)
+    seen = flown(
+        heard,
+        home(),
+        hud(20.0),
+        attitude(101.0, 0.3, 0.1, yaw, (0.0, 0.0, 0.0)),
+        attitude(101.0, 0.0, 0.0, yaw, (0.5, 0.1, -turn)),
+        position(101.0, where, velocity),
+    )
+    true = 20.0 * true_over_equivalent(488.0 + 150.0)
+    assert seen.stamp == pytest.approx(1.0)
+    np.testing.assert_allclose(seen.position, where, atol=0.02)
+    np.testing.assert_allclose(seen.ground_velocity, velocity, atol=0.006)
+    assert seen.heading == pytest.approx(math.radians(60.0))
+    assert seen.airspeed == pytest.approx(true, rel=1e-4)
+    assert seen.path_angle == pytest.approx(math.asin(2.0 / true), abs=1e-3)
+    assert (seen.turn_rate, seen.path_angle_rate) == pytest.approx((turn, 0.1))
+
+
+def test_the_heading_is_carried_on_to_the_positions_time():
+    seen = flown(
+        telemetry(), home(), attitude(101.0, rates=(0.0, 0.0, -0.5)), position(101.1, (0, 0, 100))
+    )
+    assert seen.heading == pytest.approx(0.5 * math.pi + 0.05, abs=1e-4)
+
+
+def test_another_origin_may_be_stated():
+    origin = LocalFrame(*HOME.place((1000.0, 2000.0, 0.0)))
+    seen = flown(
+        telemetry(origin), home(), attitude(101.0), position(101.0, (1000.0, 2000.0, 50.0))
+    )
+    np.testing.assert_allclose(seen.position, (0.0, 0.0, 50.0), atol=0.02)
+
+
+def test_without_air_data_there_is_no_airspeed_but_a_path_angle():
+    seen = flown(telemetry(), home(), attitude(101.0), position(101.0, (0, 0, 100), (20, 0, 2)))
+    assert seen.airspeed is None
+    assert seen.path_angle == pytest.approx(math.atan2(2.0, 20.0))
+
+
+def test_old_air_data_does_not_count():
+    heard = telemetry()
+    flown(heard, home(), hud(20.0), arrival=1.0)
+    seen = flown(heard, attitude(103.0), position(103.0, (0, 0, 100)), arrival=3.0)
+    assert seen.airspeed is None
+
+
+@pytest.mark.parametrize(
+    "messages",
+    [
+        (attitude(101.0), position(101.0, (0, 0, 100))),  # nothing says where map is
+        (home(), position(101.0, (0, 0, 100))),
+        (home(), attitude(100.0), position(101.0, (0, 0, 100))),  # too far apart
+        (home(), attitude(101.0, math.nan), position(101.0, (0, 0, 100))),
+        (
+            home(),
+            attitude(101.0),
+            mavlink.MAVLink_global_position_int_message(101000, 0, 0, 0, 0, 0, 0, 0, 0),
+        ),
+    ],
+)
+def test_what_is_missing_or_nonsense_makes_no_measurement(messages):
+    assert flown(telemetry(), *messages) is None
+
+
+def test_a_repeated_or_overtaken_position_makes_no_measurement():
+    heard = telemetry()
+    assert flown(heard, home(), attitude(101.0), position(101.0, (0, 0, 100))) is not None
+    assert flown(heard, position(101.0, (0, 0, 100))) is None
+    assert flown(heard, position(100.9, (0, 0, 100))) is None
+
+
+def test_the_wind_is_where_it_blows_to():
+    heard = telemetry()
+    heard.see(mavlink.MAVLink_wind_message(270.0, 8.0, 0.5), 1.0)  # from the West, and down
+    np.testing.assert_allclose(heard.wind, (8.0, 0.0, -0.5), atol=1e-9)
+    heard.see(mavlink.MAVLink_wind_cov_message(0, 3.0, -4.0, 0.0, 1, 1, 0, 0, 0), 2.0)
+    np.testing.assert_allclose(heard.wind, (-4.0, 3.0, 0.0))
+    heard.see(mavlink.MAVLink_wind_message(math.nan, 8.0, 0.5), 3.0)
+    np.testing.assert_allclose(heard.wind, (-4.0, 3.0, 0.0))

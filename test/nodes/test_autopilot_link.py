@@ -1,0 +1,238 @@
+"""The node in the simulator's place, on a plant behind a link."""
+
+import os
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import rclpy
+from processes import run_node, wait_for
+from rclpy.parameter import Parameter
+
+from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
+from uav_tracking_mpc.nodes import autopilot_link
+from uav_tracking_mpc.nodes.autopilot_link import AutopilotLink
+from uav_tracking_mpc.nodes.conversions import measurement_from_odometry, nanoseconds, set_command
+from uav_tracking_mpc.nodes.diagnostics import ERROR, OK, WARN
+from uav_tracking_mpc.nodes.orbit_message import orbit_message, set_orbit
+from uav_tracking_mpc.nodes.topics import COMMAND, ENGAGED, ODOMETRY, TARGET_ODOMETRY
+from uav_tracking_mpc.parameters.specification import ParameterError
+
+pytestmark = pytest.mark.nodes
+
+LINK = f"{Path(__file__).parents[1] / 'paced_link.py'}:PacedLink"
+ORBIT = FlownOrbit(np.array([0.0, 0.0, 120.0]), np.array([5.0, 0.0, 0.0]), 275.0, 22.0)
+
+
+@pytest.fixture
+def node():
+    """Makes the node with parameters, with what it publishes by topic; no other node is there."""
+    context, nodes = rclpy.Context(), []
+    context.init(args=[], domain_id=110 + os.getpid() % 90)
+
+    class Tapped(AutopilotLink):
+        """The node, with a listener on every publisher."""
+
+        def __init__(self, **options):
+            self.sent = {}
+            super().__init__(**options)
+
+        def create_publisher(self, kind, topic, *rest, **options):
+            publisher = super().create_publisher(kind, topic, *rest, **options)
+            sent = self.sent.setdefault(topic, [])
+            publish = publisher.publish
+
+            def tapped(message):
+                publish(message)
+                sent.append((self.get_clock().now().nanoseconds, _copied(message)))
+
+            publisher.publish = tapped
+            return publisher
+
+    def make(**parameters):
+        overrides = [Parameter(name, value=v) for name, v in {"link": LINK, **parameters}.items()]
+        nodes.append(Tapped(context=context, parameter_overrides=overrides))
+        return nodes[-1]
+
+    yield make
+    for each in nodes:
+        each.finish()
+        each.destroy_node()
+    context.try_shutdown()
+
+
+def _copied(message):
+    from rclpy.serialization import deserialize_message, serialize_message
+
+    return deserialize_message(serialize_message(message), type(message))
+
+
+def command(stamp, plan=((0.05, 0.0, 0.0), (0.04, 0.0, 0.0)), step=0.4):
+    message = COMMAND.type()
+    set_command(message, stamp, np.array(plan), step)
+    return message
+
+
+def orbit(stamp):
+    message = orbit_message()
+    set_orbit(message, stamp, ORBIT)
+    return message
+
+
+def status(node):
+    return node._diagnostics._status.level, node._diagnostics._status.message
+
+
+def flying(node, **parameters):
+    """A node whose aircraft is there and told its first states."""
+    made = node(**parameters)
+    assert wait_for(lambda: made._states > 2, 10.0)
+    return made
+
+
+def test_states_are_published_with_ros_stamps_as_they_come(node):
+    made = flying(node)
+    heard = made.sent[ODOMETRY.name]
+    stamps = [nanoseconds(message.header.stamp) for _, message in heard]
+    assert stamps == sorted(stamps)
+    for at, message in heard:
+        assert 0 <= at - nanoseconds(message.header.stamp) < 5e8
+        seen = measurement_from_odometry(message)
+        assert abs(seen.position[2] - 100.0) < 5.0
+    assert made.sent["uav/air_velocity"][0][1].twist.linear.x == pytest.approx(22.0, abs=0.5)
+    made._look()
+    assert status(made) == (OK, "paced: not engaged, nothing is commanded")
+
+
+def test_a_command_reaches_the_link_in_its_time_with_the_orbit_carried_on(node):
+    made = flying(node)
+    stamp = nanoseconds(made.sent[ODOMETRY.name][-1][1].header.stamp)
+    made._on_orbit(orbit(stamp - 100_000_000))
+    made._on_command(command(stamp))
+    link = made._link
+    now = made.get_clock().now().nanoseconds
+    assert link.now() - link.stamps[-1] == pytest.approx((now - stamp) * 1e-9, abs=0.05)
+    np.testing.assert_allclose(link.orbits[-1].centre, [0.5, 0.0, 120.0], atol=1e-6)
+    made._on_command(command(stamp + 10_000_000_000))
+    assert link.orbits[-1] is None  # that orbit is too old
+    assert made._values()["commands received"] == 2
+
+
+def test_what_is_no_command_is_refused_in_words_and_never_reaches_the_link(node):
+    made = flying(node)
+    uneven = command(1, plan=np.zeros((3, 3)))
+    uneven.points[2].time_from_start.sec = 7
+    for bad in (COMMAND.type(), uneven, command(1, plan=[[np.nan, 0.0, 0.0]])):
+        made._on_command(bad)
+    made._on_orbit(orbit_message().__class__())
+    assert made._link.stamps == []
+    assert made._values()["plans refused"] == 4
+
+
+def test_it_engages_by_service_and_says_so(node):
+    made = flying(node)
+    answer = made._on_engage(SimpleNamespace(data=True), SimpleNamespace())
+    assert (answer.success, answer.message) == (True, "")
+    made._on_command(command(made.get_clock().now().nanoseconds))
+    made._look()
+    assert made.sent[ENGAGED.name][-1][1].data is True
+    assert status(made) == (OK, "paced: the commands are flown")
+    made._link.refusal = "too windy"
+    made._on_command(command(made.get_clock().now().nanoseconds))
+    made._look()
+    assert status(made) == (ERROR, "paced: the commands are refused")
+    assert made._values()["last refusal"] == "too windy"
+    answer = made._on_engage(SimpleNamespace(data=False), SimpleNamespace())
+    made._look()
+    assert answer.success
+    assert made.sent[ENGAGED.name][-1][1].data is False
+
+
+def test_engaging_can_be_refused(node):
+    made = flying(node, connection="stubborn")
+    answer = made._on_engage(SimpleNamespace(data=True), SimpleNamespace())
+    assert (answer.success, answer.message) == (False, "the pilot says no")
+    gone = node(connection="nobody")
+    answer = gone._on_engage(SimpleNamespace(data=True), SimpleNamespace())
+    assert not answer.success
+    assert "there is no aircraft" in answer.message
+
+
+def test_asked_to_engage_it_does_so_once_there_is_something_to_fly(node):
+    made = flying(node, engage=True)
+    made._look()
+    assert not made._link.engaged
+    made._on_command(command(made.get_clock().now().nanoseconds))
+    made._look()
+    assert made._link.engaged
+    made._link.disengage()  # the pilot took over
+    made._look()
+    assert not made._link.engaged
+
+
+def test_it_waits_for_an_aircraft_and_outlives_one_that_fails(node, monkeypatch):
+    made = node(connection="nobody")
+    assert wait_for(lambda: made._reader.trouble == "nobody answers", 5.0)
+    made._look()
+    assert status(made) == (WARN, "paced: no aircraft: nobody answers")
+    made._on_command(command(1))  # there is nobody to give it to
+    assert made._link.stamps == []
+    flown = flying(node)
+
+    def fail(*arguments):
+        raise RuntimeError("of a user")
+
+    for name in ("command", "values", "engage"):
+        monkeypatch.setattr(flown._link, name, fail)
+    flown._on_command(command(flown.get_clock().now().nanoseconds))
+    assert "of a user" in flown._refusal
+    assert "of a user" in flown._engage()
+    assert "of a user" in str(flown._values()["link"])
+
+
+def test_states_that_stop_are_an_error(node, monkeypatch):
+    made = flying(node)
+    monkeypatch.setattr(made._link, "measured", lambda timeout: None)
+    monkeypatch.setattr(autopilot_link, "SILENCE", 0.05)
+    assert wait_for(lambda: made._status(made._state_time + 0.1)[0] == ERROR, 5.0)
+    assert made._status(made._state_time + 0.1)[1] == "paced: connected, but no state comes"
+
+
+def test_a_target_that_tells_where_it_is_is_published(node):
+    made = flying(node, target_system=2)
+    ((_, message),) = made.sent[TARGET_ODOMETRY.name]
+    assert message.pose.pose.position.y == 2.0
+    assert message.twist.twist.linear.x == 4.0
+    assert message.header.frame_id == message.child_frame_id == "map"
+
+
+def test_it_lets_go_at_the_end(node):
+    made = flying(node)
+    made._on_engage(SimpleNamespace(data=True), SimpleNamespace())
+    link = made._link
+    made.finish()
+    assert not link.engaged
+    assert link.closed
+    assert made.sent["/diagnostics"][-1][1].status[0].values
+
+
+@pytest.mark.parametrize(
+    ("parameters", "words"),
+    [
+        ({"link": "balloon"}, "'link' is 'balloon', must be one of"),
+        ({"link": "nowhere.py:Balloon"}, "there is no file"),
+        ({"origin": [1.0, 2.0]}, "'origin'"),
+    ],
+)
+def test_what_cannot_be_is_refused_at_the_start(node, parameters, words):
+    with pytest.raises(ParameterError, match=words):
+        node(**parameters)
+
+
+def test_an_aircraft_that_cannot_be_flown_ends_the_process_with_one_line():
+    code, output = run_node(
+        "autopilot_link", "--ros-args", "-p", f"link:={LINK}", "-p", "connection:=copter"
+    )
+    fatal = [line for line in output.splitlines() if line.startswith("[FATAL]")]
+    assert (code, fatal) == (2, ["[FATAL] [autopilot_link]: it is a copter"])

@@ -1,0 +1,25 @@
+"""A simulated autopilot: the product's plant behind a MAVLink server.
+
+=======================  =========================================================================
+``airframe``             the plant, with attitude, ground and take-off run
+``thrust``               throttle to specific force and back
+``loiter``               a circle that the autopilot flies by itself, and the bank onto it
+``flight_loops``         bank, climb and airspeed to the plant's inputs
+``numbers``              numbers of MAVLink that the core speaks
+``wire_traits``          how dialects differ on the wire
+``onboard_parameters``   parameters as an autopilot keeps them
+``autopilot_core``       an aircraft with modes and failsafes, stepped, without a wire
+``dialects``             ArduPlane and PX4, one a file
+-----------------------  -------------------------------------------------------------------------
+``message_builders``     telemetry from the state of the core
+``message_rates``        which messages are due
+``vehicle_protocol``     what is answered to messages: commands, parameters, time
+``radio``                the wire, on which faults act
+``wire_faults``          the faults, by name
+``wired_autopilot``      an autopilot and its wire
+``simulated_autopilot``  all of it in real time, in a thread
+``stepped_autopilot``    all of it in simulated time, step by step
+=======================  =========================================================================
+
+The files above the line know nothing of pymavlink.
+"""

@@ -1,0 +1,254 @@
+r"""The plant, with what a point that flies leaves out: attitude, the ground, and the take-off run.
+
+A plant turns by (u_psi, u_chi, u_v). In a coordinated turn that is a bank to the right of
+
+.. math:: \tan\phi = -\frac{V u_\psi}{g}
+
+and the nose is above the path by the angle of attack that the lift asks for,
+
+.. math:: \alpha = \frac{C_L - C_{L0}}{C_{L\alpha}},\qquad
+          C_L = \frac{C_{L,c}}{\cos\phi} \left(\frac{V_c}{V}\right)^2
+
+with the coefficients of the Aerosonde (R. W. Beard, T. W. McLain, "Small Unmanned Aircraft",
+Princeton 2012, Table E.2, as the authors corrected it) at its cruise.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import NamedTuple
+
+from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate, heading_from_yaw
+from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.settings.configuration import Configuration
+from uav_tracking_mpc.simulation.plants import Plant, plant_named
+
+LIFT_AT_ZERO, LIFT_SLOPE, CRUISE_LIFT = 0.23, 5.61, 0.5  # C_L0, C_Lalpha [1/rad], C_L at cruise
+STALL = 0.25  # rad, beyond which no angle of attack is told
+WIND_MEMORY = 5.0  # s, over which the estimator averages the wind
+RUN_ACCELERATION = 4.0  # m/s^2 along the runway
+ROTATION = 1.2  # of the least airspeed: where it leaves the ground
+
+
+class FlightState(NamedTuple):
+    """What sensors and estimator of the autopilot say at one time.
+
+    Attributes:
+        time: Since the start in [s].
+        east: Position in ``map`` in [m].
+        north: Position in ``map`` in [m].
+        up: Position in ``map`` in [m].
+        east_rate: Ground velocity in [m/s].
+        north_rate: Ground velocity in [m/s].
+        up_rate: Ground velocity in [m/s].
+        airspeed: True, in [m/s].
+        heading: psi of ``map``, counter-clockwise from East, in [rad].
+        path_angle: Of the air velocity in [rad].
+        turn_rate: psi' in [rad/s].
+        roll: To the right in [rad].
+        pitch: Of the nose, up, in [rad].
+        roll_rate: About the body's forward axis in [rad/s].
+        pitch_rate: About its right axis in [rad/s].
+        yaw_rate: About its axis down in [rad/s].
+    """
+
+    time: float
+    east: float
+    north: float
+    up: float
+    east_rate: float
+    north_rate: float
+    up_rate: float
+    airspeed: float
+    heading: float
+    path_angle: float
+    turn_rate: float
+    roll: float
+    pitch: float
+    roll_rate: float = 0.0
+    pitch_rate: float = 0.0
+    yaw_rate: float = 0.0
+
+    @property
+    def groundspeed(self) -> float:
+        """Horizontal speed over ground in [m/s]."""
+        return math.hypot(self.east_rate, self.north_rate)
+
+    @property
+    def yaw(self) -> float:
+        """Heading of the nose, clockwise from North, in [rad], from -pi to pi."""
+        return heading_from_yaw(self.heading)
+
+
+class Airframe:
+    """An aircraft that stands, runs along its runway, or flies as its plant does.
+
+    Args:
+        configuration: Its section ``uav_simulator`` has the plant, the air and the start, its
+            section ``nmpc_controller`` the cruise.
+        on_runway: It stands below the start, heading as at the start.
+
+    Attributes:
+        plant: What flies; None on the ground.
+        time: Since the start in [s].
+        flying: Whether it is in the air.
+        state: As loops and failsafes see it.
+        measured: As telemetry tells it: with the noise, the biases and the delay of the sensors.
+        wind: East, north and up of the wind as it is estimated, in [m/s].
+    """
+
+    def __init__(self, configuration: Configuration, on_runway: bool = False) -> None:
+        self._configuration = configuration
+        self._cruise = configuration.controller.airspeed
+        simulator = configuration.simulator
+        self.time, self._began = 0.0, 0.0
+        self.plant: Plant | None = None
+        self._run = 0.0  # speed along the runway in m/s
+        self._east, self._north, _ = simulator.initial_position
+        self._heading = simulator.initial_heading
+        east, north, up = simulator.wind
+        self.wind = (float(east), float(north), float(up))
+        slowest = max(simulator.speed_min, configuration.controller.airspeed_min)
+        self._rotation = min(ROTATION * max(slowest, 1.0), simulator.speed_max)
+        if not on_runway:
+            self.plant = plant_named(simulator.plant).of(configuration)
+        self.state = self.measured = self._standing()
+        if self.plant is not None:
+            self.state = self.measured = self._seen(self.plant.truth, None, 1.0)
+
+    @property
+    def flying(self) -> bool:
+        """Whether it is in the air."""
+        return self.plant is not None
+
+    def stand(self, duration: float) -> None:
+        """Let time go on on the ground.
+
+        Args:
+            duration: How long in [s].
+        """
+        self.time += duration
+        self._run = 0.0
+        self.state = self.measured = self._standing()
+
+    def run(self, duration: float) -> None:
+        """Run along the runway under full power; it flies where its airspeed is enough.
+
+        Args:
+            duration: How long in [s].
+        """
+        self.time += duration
+        self._run += RUN_ACCELERATION * duration
+        self._east += self._run * duration * math.cos(self._heading)
+        self._north += self._run * duration * math.sin(self._heading)
+        self.state = self.measured = self._standing()
+        if self.state.airspeed >= self._rotation:
+            simulator = dataclasses.replace(
+                self._configuration.simulator,
+                initial_position=(self._east, self._north, 0.1),
+                initial_heading=math.remainder(self._heading, 2.0 * math.pi),
+                initial_path_angle=0.0,
+                initial_speed=self.state.airspeed,
+            )
+            changed = dataclasses.replace(self._configuration, simulator=simulator)
+            self.plant, self._began = plant_named(simulator.plant).of(changed), self.time
+
+    def fly(self, inputs: tuple[float, float, float], duration: float) -> None:
+        """Fly on in the air; where it comes to the ground it stays.
+
+        Args:
+            inputs: (u_psi, u_chi, u_v), shape (3,), in [rad/s], [rad/s] and [m/s^2].
+            duration: How long in [s].
+        """
+        assert self.plant is not None, "it stands on the ground"
+        self.plant.accept([inputs], [self.plant.time])
+        self.plant.advance(duration)
+        self.time += duration
+        self.state = self._seen(self.plant.truth, self.state, duration)
+        self.measured = self._seen(self.plant.measured(), None, duration)._replace(
+            roll_rate=self.state.roll_rate,
+            pitch_rate=self.state.pitch_rate,
+            yaw_rate=self.state.yaw_rate,
+        )
+        share = duration / WIND_MEMORY
+        east, north, up = self.wind
+        blows_east, blows_north, blows_up = self.plant.wind.tolist()
+        self.wind = (
+            east + share * (blows_east - east),
+            north + share * (blows_north - north),
+            up + share * (blows_up - up),
+        )
+        if self.state.up <= 0.0:
+            self._east, self._north, self._heading = (
+                self.state.east, self.state.north, self.state.heading
+            )  # fmt: skip
+            self.plant = None
+            self.stand(0.0)
+
+    def angle_of_attack(self, airspeed: float, roll: float) -> float:
+        """By how much the nose is above the path in [rad].
+
+        Args:
+            airspeed: V in [m/s].
+            roll: phi in [rad].
+        """
+        lift = CRUISE_LIFT / max(math.cos(roll), 0.2) * (self._cruise / max(airspeed, 0.1)) ** 2
+        return min(max((lift - LIFT_AT_ZERO) / LIFT_SLOPE, -STALL), STALL)
+
+    def _standing(self) -> FlightState:
+        east, north, _ = self.wind
+        along, across = math.cos(self._heading), math.sin(self._heading)
+        headwind = -(east * along + north * across)
+        return FlightState(
+            time=self.time,
+            east=self._east,
+            north=self._north,
+            up=0.0,
+            east_rate=self._run * along,
+            north_rate=self._run * across,
+            up_rate=0.0,
+            airspeed=max(self._run + headwind, 0.0),
+            heading=self._heading,
+            path_angle=0.0,
+            turn_rate=0.0,
+            roll=0.0,
+            pitch=0.0,
+        )
+
+    def _seen(
+        self, measured: Measurement, before: FlightState | None, duration: float
+    ) -> FlightState:
+        """State of a measurement, with the body's rates from the attitude before."""
+        east, north, up = measured.position.tolist()
+        east_rate, north_rate, up_rate = measured.ground_velocity.tolist()
+        airspeed = 0.0 if measured.airspeed is None else measured.airspeed
+        roll = bank_from_turn_rate(measured.turn_rate, airspeed)
+        pitch = measured.path_angle + self.angle_of_attack(airspeed, roll)
+        state = FlightState(
+            time=self._began + measured.stamp,
+            east=east,
+            north=north,
+            up=up,
+            east_rate=east_rate,
+            north_rate=north_rate,
+            up_rate=up_rate,
+            airspeed=airspeed,
+            heading=measured.heading,
+            path_angle=measured.path_angle,
+            turn_rate=measured.turn_rate,
+            roll=roll,
+            pitch=pitch,
+        )
+        if before is None or duration <= 0.0:
+            return state
+        # Euler angles' rates to the body's axes, forward, right, down.
+        roll_rate = (roll - before.roll) / duration
+        pitch_rate = (pitch - before.pitch) / duration
+        yaw_rate = -measured.turn_rate
+        sine, cosine = math.sin(roll), math.cos(roll)
+        return state._replace(
+            roll_rate=roll_rate - yaw_rate * math.sin(pitch),
+            pitch_rate=pitch_rate * cosine + yaw_rate * sine * math.cos(pitch),
+            yaw_rate=-pitch_rate * sine + yaw_rate * cosine * math.cos(pitch),
+        )

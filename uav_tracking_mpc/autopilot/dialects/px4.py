@@ -1,0 +1,311 @@
+"""PX4 fixed wing, as it behaves towards a companion computer.
+
+Files and functions named here are those of PX4 (PX4/PX4-Autopilot, 1.15 to main). There is no
+manual control: modes that follow sticks fly wings level, as with sticks that stay centred.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import ClassVar
+
+from uav_tracking_mpc.autopilot.autopilot_core import AutopilotCore
+from uav_tracking_mpc.autopilot.dialects._px4_parameters import PX4_TRAITS, px4_parameters
+from uav_tracking_mpc.autopilot.flight_loops import Demand, Response
+from uav_tracking_mpc.autopilot.loiter import Loiter
+from uav_tracking_mpc.autopilot.numbers import (
+    AttitudeTarget,
+    BaseMode,
+    Cmd,
+    Order,
+    Result,
+    Severity,
+)
+from uav_tracking_mpc.autopilot.thrust import Engine
+from uav_tracking_mpc.dynamics.energy_hold import HoldConstants
+from uav_tracking_mpc.settings.configuration import Configuration
+
+SPHERE = 6371000.0  # m, lib/geo: CONSTANTS_RADIUS_OF_EARTH
+SLOWEST_STREAM = 0.5  # s between set-points, 2 Hz: documentation of the mode Offboard
+CLIMB_LAG = 1.0  # s, in which the climb rate follows that of TECS
+STEEPEST = math.radians(80.0)  # fw_yaw_controller.cpp: bank that a turn is made of
+ATTITUDE_BIT, THROTTLE_BIT, RATE_BITS = 0b10000000, 0b01000000, 0b00000011  # of type_mask
+AUTO, MAIN_SHIFT, SUB_SHIFT = 4, 16, 24  # px4_custom_mode.h
+SPEED_TYPE_AIRSPEED = 0
+CUSTOM_MODE_ENABLED = 1  # MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
+BY_STICKS = ("MANUAL", "STABILIZED", "ALTCTL", "POSCTL")
+
+
+class Px4(AutopilotCore):
+    """Flies a plant as PX4 does.
+
+    The limits of speed, climb and bank come from the configuration, the other parameters have
+    PX4's own defaults.
+    """
+
+    modes: ClassVar[Mapping[str, int]] = {
+        "MANUAL": 1 << MAIN_SHIFT,
+        "ALTCTL": 2 << MAIN_SHIFT,
+        "POSCTL": 3 << MAIN_SHIFT,
+        "TAKEOFF": AUTO << MAIN_SHIFT | 2 << SUB_SHIFT,
+        "LOITER": AUTO << MAIN_SHIFT | 3 << SUB_SHIFT,
+        "RTL": AUTO << MAIN_SHIFT | 5 << SUB_SHIFT,
+        "OFFBOARD": 6 << MAIN_SHIFT,
+        "STABILIZED": 7 << MAIN_SHIFT,
+    }
+    loiter_mode, ground_mode, take_off_mode = "LOITER", "LOITER", "TAKEOFF"
+    traits = PX4_TRAITS
+    _loiter: Loiter
+    _intended: str  # user_mode_intention: goes on where a failsafe is over
+    _target: AttitudeTarget | None = None
+    _last, _before = -math.inf, -math.inf  # when the two newest set-points came, in s
+    _speed: float | None = None  # calibrated, of DO_CHANGE_SPEED, in m/s
+
+    @classmethod
+    def defaults(cls, configuration: Configuration, density_factor: float) -> dict[str, float]:
+        """See :meth:`AutopilotCore.defaults`."""
+        return px4_parameters(configuration, density_factor)
+
+    def restart(self) -> None:
+        """See :meth:`AutopilotCore.restart`; who streamed before is not known any more."""
+        self._last = self._before = -math.inf
+        super().restart()
+
+    @property
+    def base_mode(self) -> BaseMode:
+        """streams/HEARTBEAT.hpp, ``get_px4_mode``."""
+        mode = BaseMode.CUSTOM
+        if self.mode in BY_STICKS:
+            mode |= BaseMode.MANUAL_INPUT
+        elif self.mode != "OFFBOARD":
+            mode |= BaseMode.AUTO | BaseMode.GUIDED
+        if self.mode != "MANUAL":
+            mode |= BaseMode.STABILIZE
+        return mode | BaseMode.ARMED if self.armed else mode
+
+    @property
+    def engine(self) -> Engine:
+        """PerformanceModel.cpp, ``getTrimThrottle``: in thinner air it takes more of it."""
+        known = self.parameters
+        return Engine(
+            cruise=self._configuration.controller.airspeed,
+            trim=min(max(known["FW_THR_TRIM"] * self.density_factor, 0.05), 0.95),
+            climb_max=max(known["FW_T_CLMB_MAX"], 0.1),
+            sink_idle=max(known["FW_T_SINK_MIN"], 0.1),
+        )
+
+    @property
+    def roll_response(self) -> Response:
+        """FW_R_TC and FW_R_RMAX; FW_R_LIM is no limit of a set-point from outside.
+
+        It lives in the mode manager, which does not run in OFFBOARD by attitude.
+        """
+        known = self.parameters
+        limit = STEEPEST if self.mode == "OFFBOARD" else math.radians(known["FW_R_LIM"])
+        return Response(limit, max(known["FW_R_TC"], 0.1), math.radians(known["FW_R_RMAX"]))
+
+    @property
+    def least_interval(self) -> float:
+        """Streams are as quick as their data, here as the simulation."""
+        return 0.01
+
+    def local(self, latitude: float, longitude: float) -> tuple[float, float]:
+        """See :meth:`AutopilotCore.local`; lib/geo, ``MapProjection::project``."""
+        turn = longitude - self.origin.longitude
+        sine, cosine = math.sin(self.origin.latitude), math.cos(self.origin.latitude)
+        along = sine * math.sin(latitude) + cosine * math.cos(latitude) * math.cos(turn)
+        angle = math.acos(min(max(along, -1.0), 1.0))
+        scale = SPHERE * (angle / math.sin(angle) if angle > 0.0 else 1.0)
+        north = cosine * math.sin(latitude) - sine * math.cos(latitude) * math.cos(turn)
+        return scale * north, scale * math.cos(latitude) * math.sin(turn)
+
+    def mode_order(self, base_mode: int, custom_mode: int) -> Order:
+        """See :meth:`AutopilotCore.mode_order`: the packed number is taken apart."""
+        main, sub = custom_mode >> MAIN_SHIFT & 0xFF, custom_mode >> SUB_SHIFT & 0xFF
+        return Order(Cmd.DO_SET_MODE, float(base_mode), float(main), float(sub))
+
+    @property
+    def _streaming(self) -> bool:
+        """offboardCheck.cpp, ``checkAndReport``; 2 Hz and more are documented."""
+        steady = self._last - self._before < SLOWEST_STREAM
+        return steady and self.time - self._last < self.parameters["COM_OF_LOSS_T"]
+
+    def set_mode(self, mode: str) -> bool:
+        """See :meth:`AutopilotCore.set_mode`; UserModeIntention.cpp, ``change``."""
+        if not super().set_mode(mode):
+            return False
+        self._intended, self.failsafe = mode, False
+        return True
+
+    def may_enter(self, mode: str) -> bool:
+        """See :meth:`AutopilotCore.may_enter`: a mode that cannot run, only while disarmed."""
+        if mode == "OFFBOARD" and self.armed and not self._streaming:
+            self.say(Severity.CRITICAL, "Switching to Offboard is currently not possible")
+            return False
+        return True
+
+    def enter(self, mode: str) -> None:
+        """See :meth:`AutopilotCore.enter`."""
+        known = self.parameters
+        self._target = self._speed = None
+        self._loiter = self.loiter_here(known["NAV_LOITER_RAD"])
+        if not self.failsafe:
+            self._intended = mode
+        if mode == "RTL":  # rtl.cpp: home, at RTL_RETURN_ALT above it where it is lower
+            up = max(self.state.up, known["RTL_RETURN_ALT"])
+            radius = known["RTL_LOITER_RAD"]
+            self._loiter = Loiter(0.0, 0.0, up, abs(radius), radius >= 0.0)
+        elif mode == "TAKEOFF":
+            up = max(known["MIS_TAKEOFF_ALT"], self.state.up)
+            self._loiter = self._loiter._replace(up=up)
+
+    def watch(self) -> None:
+        """failsafe.cpp, ``checkStateAndMode``: set-points, then the ground station."""
+        if not self.airframe.flying:
+            return
+        known = self.parameters
+        if self._intended == "OFFBOARD":
+            if self.failsafe and self._streaming:
+                # The intention was OFFBOARD all the while: it goes on without being asked.
+                self.failsafe = False
+                self.mode = "OFFBOARD"
+                self.enter("OFFBOARD")
+            elif not self.failsafe and self.time - self._last >= known["COM_OF_LOSS_T"]:
+                self._fail("Offboard control lost", int(known["COM_OBL_RC_ACT"]) == 5)
+        heard, action = self.ground_heard, int(known["NAV_DLL_ACT"])
+        if heard is None or action == 0 or self.failsafe or self.mode == "RTL":
+            return
+        if self.time - heard > known["COM_DL_LOSS_T"]:
+            self.ground_heard = None
+            self._intended = "RTL"
+            self._fail("Connection to ground station lost", action == 1)
+
+    def _fail(self, words: str, holds: bool) -> None:
+        """Hold, or Return: what needs sticks, of which there are none, ends there too."""
+        self.failsafe = True
+        self.mode = "LOITER" if holds else "RTL"
+        self.enter(self.mode)
+        self.say(Severity.CRITICAL, f"Failsafe: {words}")
+
+    def demand(self) -> Demand:
+        """What the present mode asks for."""
+        known, loops, target = self.parameters, self.loops, self._target
+        if self.mode in ("MANUAL", "STABILIZED"):
+            level = self.airframe.angle_of_attack(self.state.airspeed, self.state.roll)
+            trim = loops.by_throttle(self.engine.trim, self.engine)
+            return Demand(0.0, loops.by_pitch(level, known["FW_P_TC"]), trim)
+        if self.mode == "OFFBOARD" and target is not None:
+            # FixedwingAttitudeControl.cpp, Run: as it comes, with no limit of the mode manager
+            lag = max(known["FW_P_TC"], 0.1)
+            steepest = math.radians(known["FW_P_RMAX_POS"])
+            climb = min(max(loops.by_pitch(target.pitch, lag), -steepest), steepest)
+            return Demand(target.roll, climb, loops.by_throttle(target.thrust, self.engine))
+        climb, acceleration = self._tecs()
+        if self.mode in (*BY_STICKS, "OFFBOARD"):
+            return Demand(0.0, climb, acceleration)
+        roll = loops.bank_to(self._loiter, known["NPFG_PERIOD"], known["NPFG_DAMPING"])
+        if self.mode == "TAKEOFF" and self.state.up < self._loiter.up - 5.0:
+            roll = 0.0  # straight on along the runway
+            self._loiter = self.loiter_here(known["NAV_LOITER_RAD"])._replace(up=self._loiter.up)
+        return Demand(roll, climb, acceleration)
+
+    def _tecs(self) -> tuple[float, float]:
+        """lib/tecs/TECS.cpp; PerformanceModel.cpp, ``getMinimumCalibratedAirspeed``."""
+        known = self.parameters
+        load = 1.0 / math.cos(min(abs(self.loops.roll_wanted), STEEPEST))
+        slowest = known["FW_AIRSPD_MIN"] * math.sqrt(load)
+        wanted = known["FW_AIRSPD_TRIM"] if self._speed is None else self._speed
+        held = min(max(wanted, slowest), known["FW_AIRSPD_MAX"]) * self.density_factor
+        constants = HoldConstants(
+            height_time=max(known["FW_T_ALT_TC"], 0.5),
+            climb_time=CLIMB_LAG,
+            airspeed_time=max(known["FW_T_TAS_TC"], 0.5),
+            climb_max=max(min(known["FW_T_CLMB_R_SP"], known["FW_T_CLMB_MAX"]), 0.1),
+            sink_max=max(min(known["FW_T_SINK_R_SP"], known["FW_T_SINK_MAX"]), 0.1),
+            sink_idle=max(known["FW_T_SINK_MIN"], 0.1),
+        )
+        return self.loops.hold(self._loiter.up, held, constants)
+
+    def attitude_target(self, target: AttitudeTarget) -> None:
+        """See :meth:`AutopilotCore.attitude_target`.
+
+        mavlink_receiver.cpp, ``handle_message_set_attitude_target``: whatever the mode, it proves
+        that somebody streams; it is flown in OFFBOARD, and no thrust is a thrust of zero.
+        """
+        attitude = not target.mask & ATTITUDE_BIT
+        if not self.parameters["MAV_FWDEXTSP"] or not (attitude or not target.mask & RATE_BITS):
+            return
+        self._before, self._last = self._last, self.time
+        if self.mode == "OFFBOARD" and attitude:
+            thrust = 0.0 if target.mask & THROTTLE_BIT else target.thrust
+            self._target = target._replace(thrust=thrust)
+
+    def command(self, order: Order) -> Result:
+        """See :meth:`AutopilotCore.command`; Commander.cpp, ``handle_command``."""
+        answer = _ANSWERS.get(order.command)
+        return Result.UNSUPPORTED if answer is None else answer(self, order)
+
+    def _set_mode(self, order: Order) -> Result:
+        main, sub = int(order.param2), int(order.param3)
+        if not int(order.param1) & CUSTOM_MODE_ENABLED:
+            return Result.TEMPORARILY_REJECTED
+        number = main << MAIN_SHIFT | (sub << SUB_SHIFT if main == AUTO else 0)
+        name = {number: name for name, number in self.modes.items()}.get(number)
+        if name is None:  # an unknown main mode changes nothing, and is acknowledged
+            return Result.TEMPORARILY_REJECTED if main == AUTO else Result.ACCEPTED
+        return _result(self.set_mode(name))
+
+    def _reposition(self, order: Order) -> Result:
+        """``handle_command``: bit 0 must be asked for; the altitude is above sea level."""
+        if order.param2 != 1.0:
+            return Result.UNSUPPORTED
+        state = self.state
+        here = self.origin.place([state.east, state.north, state.up])
+        latitude = math.radians(order.x) if math.isfinite(order.x) else here[0]
+        longitude = math.radians(order.y) if math.isfinite(order.y) else here[1]
+        altitude = order.z if math.isfinite(order.z) else here[2]
+        if abs(latitude) > 0.5 * math.pi or abs(longitude) > math.pi:
+            return Result.DENIED
+        self.set_mode("LOITER")
+        east, north, up = self.origin.position(latitude, longitude, altitude).tolist()
+        radius = order.param3
+        if not math.isfinite(radius) or radius == 0.0:
+            radius = self.parameters["NAV_LOITER_RAD"]
+        self._loiter = Loiter(east, north, up, abs(radius), radius > 0.0)
+        return Result.ACCEPTED
+
+    def _change_speed(self, order: Order) -> Result:
+        """FixedWingModeManager, ``vehicle_command_poll``: not in OFFBOARD."""
+        if self.mode != "OFFBOARD" and int(order.param1) == SPEED_TYPE_AIRSPEED:
+            self._speed = order.param2 if order.param2 > 0.0 else None
+        return Result.ACCEPTED
+
+    def _arm(self, order: Order) -> Result:
+        if order.param1 not in (0.0, 1.0):
+            return Result.UNSUPPORTED
+        if order.param1 == 0.0 and self.airframe.flying:
+            return Result.TEMPORARILY_REJECTED  # Disarming denied: not landed
+        if order.param1 == 1.0 and self.mode == "OFFBOARD" and not self._streaming:
+            return Result.TEMPORARILY_REJECTED
+        self.armed = order.param1 == 1.0
+        return Result.ACCEPTED
+
+
+def _result(changed: bool) -> Result:
+    return Result.ACCEPTED if changed else Result.TEMPORARILY_REJECTED
+
+
+def _to(mode: str) -> Callable[[Px4, Order], Result]:
+    return lambda autopilot, order: _result(autopilot.set_mode(mode))
+
+
+_ANSWERS: dict[int, Callable[[Px4, Order], Result]] = {
+    Cmd.DO_SET_MODE: Px4._set_mode,
+    Cmd.DO_REPOSITION: Px4._reposition,
+    Cmd.DO_CHANGE_SPEED: Px4._change_speed,
+    Cmd.COMPONENT_ARM_DISARM: Px4._arm,
+    Cmd.NAV_LOITER_UNLIM: _to("LOITER"),
+    Cmd.NAV_RETURN_TO_LAUNCH: _to("RTL"),
+    Cmd.NAV_TAKEOFF: _to("TAKEOFF"),
+}

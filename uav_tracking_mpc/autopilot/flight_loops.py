@@ -1,0 +1,147 @@
+"""The inner loops of the autopilot: bank, climb and airspeed to the plant's inputs."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from uav_tracking_mpc.autopilot.airframe import Airframe
+from uav_tracking_mpc.autopilot.loiter import Loiter, LoiterLaw
+from uav_tracking_mpc.autopilot.thrust import Engine
+from uav_tracking_mpc.dynamics.energy_hold import HoldConstants, hold
+from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.settings.simulator import SimulatorParameters
+
+TICK = 0.01  # s: 100 Hz, above the 50 Hz at which ArduPlane runs its main loop by default
+
+
+class Demand(NamedTuple):
+    """What a mode asks of the inner loops.
+
+    Attributes:
+        roll: To the right in [rad].
+        climb: u_chi in [rad/s].
+        acceleration: u_v in [m/s^2].
+    """
+
+    roll: float
+    climb: float
+    acceleration: float
+
+
+class Response(NamedTuple):
+    """How the bank follows.
+
+    Attributes:
+        limit: Steepest bank in [rad].
+        lag: Time constant in [s]: that of the plant's turn rate is part of it.
+        rate: Greatest roll rate in [rad/s].
+    """
+
+    limit: float
+    lag: float
+    rate: float
+
+
+class FlightLoops:
+    """Flies an airframe.
+
+    Args:
+        airframe: What flies.
+        simulator: Lags and limits of its plant.
+
+    Attributes:
+        throttle: From 0 to 1 [-].
+        roll_wanted: Bank that the mode asks for, within its limit, in [rad].
+    """
+
+    def __init__(self, airframe: Airframe, simulator: SimulatorParameters) -> None:
+        self._airframe = airframe
+        self._steepest = simulator.pitch_rate_max
+        self._plant_lag, *_ = simulator.rate_lag
+        self._law = LoiterLaw()
+        self.throttle = 0.0
+        self._bank = self.roll_wanted = airframe.state.roll
+
+    def stand(self, running: bool) -> None:
+        """Go on by one tick on the ground.
+
+        Args:
+            running: Whether it runs along its runway rather than stands.
+        """
+        self.throttle = float(running)
+        self._bank = self.roll_wanted = 0.0
+        if running:
+            self._airframe.run(TICK)
+        else:
+            self._airframe.stand(TICK)
+
+    def fly(self, demand: Demand, response: Response, engine: Engine) -> None:
+        """Go on by one tick in the air.
+
+        Args:
+            demand: Of the mode.
+            response: Of the bank.
+            engine: Tells which throttle it takes.
+        """
+        state = self._airframe.state
+        limit, lag, rate = response
+        self.roll_wanted = min(max(demand.roll, -limit), limit)
+        change = (self.roll_wanted - self._bank) / max(lag - self._plant_lag, TICK)
+        self._bank += TICK * min(max(change, -rate), rate)
+        climb = min(max(demand.climb, -self._steepest), self._steepest)
+        # A coordinated turn; to the left u_psi is positive.
+        turn = -GRAVITY * math.tan(self._bank) / max(state.airspeed, 1.0)
+        force = demand.acceleration + GRAVITY * math.sin(state.path_angle)
+        self.throttle = engine.throttle(force, state.airspeed)
+        self._airframe.fly((turn, climb, demand.acceleration), TICK)
+
+    def hold(self, up: float, airspeed: float, constants: HoldConstants) -> tuple[float, float]:
+        """u_chi in [rad/s] and u_v in [m/s^2] that lead to an altitude and an airspeed.
+
+        Args:
+            up: Altitude to hold in ``map`` in [m].
+            airspeed: To hold, true, in [m/s].
+            constants: Of the energy control.
+        """
+        state = self._airframe.state
+        return hold(
+            up - state.up,
+            state.up_rate,
+            state.path_angle,
+            state.airspeed,
+            airspeed - state.airspeed,
+            constants,
+            math,
+        )
+
+    def by_pitch(self, pitch: float, lag: float) -> float:
+        """u_chi in [rad/s] of a pitch that is held instead of an altitude.
+
+        Args:
+            pitch: Of the nose, up, in [rad].
+            lag: Of the path angle behind the pitch in [s].
+        """
+        state = self._airframe.state
+        incidence = self._airframe.angle_of_attack(state.airspeed, state.roll)
+        return (pitch - incidence - state.path_angle) / lag
+
+    def by_throttle(self, throttle: float, engine: Engine) -> float:
+        """u_v in [m/s^2] of a throttle that is held instead of an airspeed.
+
+        Args:
+            throttle: From 0 to 1 [-].
+            engine: What it drives.
+        """
+        state = self._airframe.state
+        return engine.force(throttle, state.airspeed) - GRAVITY * math.sin(state.path_angle)
+
+    def bank_to(self, loiter: Loiter, period: float, damping: float) -> float:
+        """Bank in [rad] that leads onto a circle.
+
+        Args:
+            loiter: The circle.
+            period: Of the L1 law in [s].
+            damping: Of the L1 law [-].
+        """
+        return self._law.bank(self._airframe.state, loiter, period, damping)

@@ -1,0 +1,51 @@
+"""Which messages are due, each at a rate of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+ROUNDING = 1e-6  # s
+
+
+class MessageRates:
+    """Intervals of messages by name.
+
+    Args:
+        rates: How often each is sent where nobody asks otherwise, in [Hz].
+    """
+
+    def __init__(self, rates: Mapping[str, float]) -> None:
+        self._usual = {name: 1.0 / rate for name, rate in rates.items()}
+        self._intervals = dict(self._usual)
+        self._due: dict[str, float] = dict.fromkeys(self._intervals, 0.0)
+
+    def ask(self, name: str, interval: float) -> None:
+        """MAV_CMD_SET_MESSAGE_INTERVAL.
+
+        Args:
+            name: Of the message.
+            interval: In [s]; 0 for the usual one, negative for never.
+        """
+        if interval == 0.0:
+            interval = self._usual.get(name, -1.0)
+        if interval < 0.0:
+            self._intervals.pop(name, None)
+            return
+        self._intervals[name] = interval
+        self._due[name] = 0.0
+
+    def due(self, now: float) -> list[str]:
+        """Names of the messages that are due, which then count as sent.
+
+        Args:
+            now: Time since the start in [s].
+        """
+        found = []
+        for name, interval in self._intervals.items():
+            if now + ROUNDING < self._due[name]:
+                continue
+            found.append(name)
+            late = now - self._due[name]
+            # On a grid of the interval, so that the mean rate is what was asked for.
+            self._due[name] = now + interval - (late if late < interval else 0.0)
+        return found

@@ -1,0 +1,52 @@
+"""Parameters as an autopilot keeps them: names of at most 16 letters, integers and floats."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+
+class OnboardParameters:
+    """Values by name, in a fixed order; a value keeps the type of its default.
+
+    Args:
+        defaults: Value of each at the start [-].
+    """
+
+    def __init__(self, defaults: Mapping[str, float]) -> None:
+        self._defaults = dict(defaults)
+        self._values = dict(sorted(defaults.items()))
+
+    @property
+    def names(self) -> list[str]:
+        """All names, in the order of their index."""
+        return list(self._values)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._values
+
+    def __getitem__(self, name: str) -> float:
+        return self._values[name]
+
+    def integer(self, name: str) -> bool:
+        """Whether a parameter is an integer.
+
+        Args:
+            name: One that exists.
+        """
+        return isinstance(self._defaults[name], int)
+
+    def set(self, name: str, value: float) -> bool:
+        """Change a value.
+
+        Args:
+            name: Of the parameter.
+            value: New one [-]; rounded where the parameter is an integer.
+
+        Returns:
+            Whether there is such a parameter and the value is finite.
+        """
+        if name not in self._values or not math.isfinite(value):
+            return False
+        self._values[name] = round(value) if self.integer(name) else float(value)
+        return True

@@ -1,0 +1,115 @@
+"""The wire of the simulated autopilot, on which faults act as on a radio."""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+from typing import Any
+
+from uav_tracking_mpc.autopilot.wire_faults import WireFault
+from uav_tracking_mpc.links.mavlink.connection import CHUNK, Connection
+
+Queue = list[tuple[float, int, bytes]]  # when it arrives in s, order, bytes
+
+
+class Radio(Connection):
+    """A connection whose bytes may be lost, late, doubled or changed on their way.
+
+    What is sent comes as whole frames, what is received as pieces: of a datagram a frame, of a
+    stream whatever was there.
+
+    Args:
+        address: As :class:`Connection` has it.
+        component: MAVLink component that this end is.
+    """
+
+    def __init__(self, address: str, component: int) -> None:
+        self._faults: tuple[WireFault, ...] = ()
+        self._order = itertools.count()
+        self._outward: Queue = []
+        self._inward: Queue = []
+        self._ended = False  # the other end has closed a stream
+        super().__init__(address, component)
+
+    def strike(self, fault: WireFault) -> None:
+        """Let a fault act from now on, after those that act already.
+
+        Args:
+            fault: Prepared.
+        """
+        self._faults = (*self._faults, fault)
+
+    def release(self, fault: WireFault) -> None:
+        """End a fault; what it holds back still comes.
+
+        Args:
+            fault: One that acts.
+        """
+        self._faults = tuple(other for other in self._faults if other is not fault)
+
+    def _opened(self) -> Any:
+        wire = super()._opened()
+        self._outward.clear()
+        self._inward.clear()
+        self._ended = False
+        self._write, self._read, self._wait = wire.write, wire.recv, wire.select
+        wire.write, wire.recv, wire.select = self._sent, self._received, self._ready
+        return wire
+
+    def _sent(self, frame: bytes) -> None:
+        if not self._faults and not self._outward:
+            self._write(frame)
+            return
+        self._queue(self._outward, bytes(frame), outward=True)
+        self._flush()
+
+    def _received(self, _size: int | None = None) -> bytes:
+        """One piece: a cut one must not swallow the next."""
+        if self._inward and self._inward[0][0] <= self.now():
+            return heapq.heappop(self._inward)[2]
+        return b""
+
+    def _ready(self, timeout: float) -> bool:
+        """Whether there is something to receive, or the other end has closed."""
+        deadline = self.now() + timeout
+        while True:
+            self._flush()
+            now = self.now()
+            if self._ended or (self._inward and self._inward[0][0] <= now):
+                return True
+            if now > deadline:
+                return False
+            next_due = min((queue[0][0] for queue in (self._inward, self._outward) if queue),
+                           default=deadline)  # fmt: skip
+            if self._wait(max(min(deadline, next_due) - now, 0.0)):
+                data = self._read(CHUNK)
+                if data:
+                    self._queue(self._inward, bytes(data), outward=False)
+                elif isinstance(data, bytes):  # an end, where pymavlink has nothing it is text
+                    self._other_end_closed()
+            elif timeout <= 0.0:
+                return bool(self._inward and self._inward[0][0] <= self.now())
+
+    def _other_end_closed(self) -> None:
+        if self._kind == "tcp":
+            self._ended = True
+        elif self._kind == "tcpin":  # the next may come, and may be waiting already
+            self._wire.port.close()
+            self._wire.port, self._wire.fd = None, self._wire.listen.fileno()
+
+    def _queue(self, queue: Queue, data: bytes, outward: bool) -> None:
+        now = self.now()
+        pieces = [(0.0, data)]
+        for fault in self._faults:
+            pieces = [
+                (delay + more, changed)
+                for delay, piece in pieces
+                for more, changed in fault.deliver(piece, outward, now)
+            ]
+        for delay, piece in pieces:
+            heapq.heappush(queue, (now + delay, next(self._order), piece))
+
+    def _flush(self) -> None:
+        now = self.now()
+        while self._outward and self._outward[0][0] <= now:
+            self._write(heapq.heappop(self._outward)[2])

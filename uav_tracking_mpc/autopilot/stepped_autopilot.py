@@ -1,0 +1,126 @@
+"""An autopilot behind its wire in simulated time: flights of minutes take seconds, and repeat.
+
+The wire is two queues of datagrams in memory. Whoever waits at our end of it makes time go on, so a
+link flies as it flies in real time, without threads, and the same seeds give the same flight.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from typing import Any
+
+from uav_tracking_mpc.autopilot.flight_loops import TICK
+from uav_tracking_mpc.autopilot.radio import Radio
+from uav_tracking_mpc.autopilot.vehicle_protocol import COMPONENT
+from uav_tracking_mpc.autopilot.wired_autopilot import ORIGIN, WiredAutopilot
+from uav_tracking_mpc.links.mavlink.connection import Connection
+from uav_tracking_mpc.links.mavlink.dialect import mavlink
+from uav_tracking_mpc.settings.configuration import Configuration
+
+DATAGRAMS = "udpin:127.0.0.1:1"  # the form of an address; nothing is opened there
+CAPACITY = 2000  # datagrams that wait; the oldest are dropped first, as a socket drops the newest
+
+
+class _End:
+    """One end of the wire, as pymavlink's connections are."""
+
+    def __init__(self, system: int, component: int) -> None:
+        self.mav = mavlink.MAVLink(self, system, component)
+        self.port = None
+        self.incoming: deque[bytes] = deque(maxlen=CAPACITY)
+        self.other: _End | None = None
+
+    def write(self, frame: Any) -> None:
+        if self.other is not None:
+            self.other.incoming.append(bytes(frame))
+
+    def recv(self, _size: int | None = None) -> bytes | str:
+        return self.incoming.popleft() if self.incoming else ""
+
+    def select(self, _timeout: float) -> bool:
+        return bool(self.incoming)
+
+    def close(self) -> None:
+        self.incoming.clear()
+
+
+class SteppedAutopilot(WiredAutopilot):
+    """Goes on while a link that was made with :meth:`connection` waits.
+
+    Args:
+        dialect: See :class:`WiredAutopilot`, as for the others.
+        configuration: Of the mission.
+        origin: Latitude [deg], longitude [deg] and altitude [m] of the origin of ``map``.
+        on_runway: It stands on the ground.
+
+    Attributes:
+        time: Simulated, in [s].
+
+    Raises:
+        ParameterError: There is no such dialect, or no such place on the earth.
+    """
+
+    def __init__(
+        self,
+        dialect: str,
+        configuration: Configuration,
+        origin: Sequence[float] = ORIGIN,
+        on_runway: bool = False,
+    ) -> None:
+        self.time = 0.0
+        self.ends = _End(255, 191), _End(1, COMPONENT)
+        ours, theirs = self.ends
+        ours.other, theirs.other = theirs, ours
+        super().__init__(dialect, configuration, lambda: _SteppedRadio(self), origin, 1, on_runway)
+
+    def connection(self, address: str, component: int, key: str) -> Connection:
+        """Our end of the wire.
+
+        Args:
+            address: Has no meaning here.
+            component: MAVLink component that we are.
+            key: Has no meaning here.
+        """
+        return _SteppedConnection(self, component)
+
+    def tick(self) -> None:
+        """Go on by one tick."""
+        self.time += TICK
+        self.go_on(self.time)
+        while self.radio.wait(0.0):
+            self.listen(0.0, lambda: self.time)
+
+
+class _SteppedRadio(Radio):
+    """The autopilot's end."""
+
+    def __init__(self, autopilot: SteppedAutopilot) -> None:
+        self._autopilot = autopilot
+        super().__init__(DATAGRAMS, COMPONENT)
+
+    def now(self) -> float:
+        return self._autopilot.time
+
+    def _socket(self) -> Any:
+        return self._autopilot.ends[1]
+
+
+class _SteppedConnection(Connection):
+    """Our end; waiting at it makes time go on."""
+
+    def __init__(self, autopilot: SteppedAutopilot, component: int) -> None:
+        self._autopilot = autopilot
+        super().__init__(DATAGRAMS, component)
+
+    def now(self) -> float:
+        return self._autopilot.time
+
+    def wait(self, timeout: float) -> bool:
+        end = self._autopilot.time + timeout - 1e-9
+        while not self._autopilot.ends[0].incoming and self._autopilot.time < end:
+            self._autopilot.tick()
+        return bool(self._autopilot.ends[0].incoming)
+
+    def _socket(self) -> Any:
+        return self._autopilot.ends[0]

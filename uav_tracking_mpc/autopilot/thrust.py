@@ -1,0 +1,68 @@
+r"""Throttle to specific force and back, for an engine of which a pilot knows three numbers.
+
+At cruise V_c the trimmed throttle holds the airspeed in level flight, full throttle in a climb of
+w_+, and no throttle in a sink of w_0; both autopilots are told these numbers. With the drag
+growing with the square of the airspeed:
+
+.. math::
+
+    u_v + g \sin\chi = \frac{g}{V_c}
+        \begin{cases} w_+ \frac{\delta - \delta_t}{1 - \delta_t} & \delta \ge \delta_t \\
+                      w_0 \frac{\delta - \delta_t}{\delta_t} & \delta < \delta_t \end{cases}
+        - \frac{g w_0}{V_c} \left(\frac{V^2}{V_c^2} - 1\right)
+
+the map from energy rate to throttle of PX4's TECS (``TECSControl::_calcThrottleControlOutput``).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from uav_tracking_mpc.dynamics.gravity import GRAVITY
+
+
+class Engine(NamedTuple):
+    """An engine with its airframe.
+
+    Attributes:
+        cruise: V_c, true, in [m/s].
+        trim: Throttle at cruise, from 0 to 1 [-].
+        climb_max: w_+ in [m/s].
+        sink_idle: w_0 in [m/s].
+    """
+
+    cruise: float
+    trim: float
+    climb_max: float
+    sink_idle: float
+
+    def force(self, throttle: float, airspeed: float) -> float:
+        """u_v + g sin(chi) in [m/s^2].
+
+        Args:
+            throttle: delta from 0 to 1 [-].
+            airspeed: V, true, in [m/s].
+        """
+        above = min(max(throttle, 0.0), 1.0) - self.trim
+        climb = (
+            self.climb_max * above / (1.0 - self.trim)
+            if above >= 0.0
+            else self.sink_idle * above / self.trim
+        )
+        return GRAVITY / self.cruise * (climb - self._drag(airspeed))
+
+    def throttle(self, force: float, airspeed: float) -> float:
+        """Throttle from 0 to 1 [-] that gives a force, as nearly as it can.
+
+        Args:
+            force: u_v + g sin(chi) in [m/s^2].
+            airspeed: V, true, in [m/s].
+        """
+        climb = force * self.cruise / GRAVITY + self._drag(airspeed)
+        share = climb / self.climb_max if climb >= 0.0 else climb / self.sink_idle
+        room = 1.0 - self.trim if climb >= 0.0 else self.trim
+        return min(max(self.trim + share * room, 0.0), 1.0)
+
+    def _drag(self, airspeed: float) -> float:
+        """Sink that the drag beyond that of cruise makes in [m/s]."""
+        return self.sink_idle * ((airspeed / self.cruise) ** 2 - 1.0)

@@ -1,0 +1,242 @@
+"""What an autopilot answers to MAVLink messages, and what it tells unasked; no wire yet."""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Callable
+from typing import Any
+
+from uav_tracking_mpc.autopilot.autopilot_core import AutopilotCore
+from uav_tracking_mpc.autopilot.flight_loops import TICK
+from uav_tracking_mpc.autopilot.message_builders import BUILDERS, IDS
+from uav_tracking_mpc.autopilot.message_rates import MessageRates
+from uav_tracking_mpc.autopilot.numbers import AttitudeTarget, Cmd, Order, Result, Severity
+from uav_tracking_mpc.links.mavlink.dialect import mavlink
+
+COMPONENT = 1  # MAV_COMP_ID_AUTOPILOT1
+DEGREE = 1e-7  # deg of latitude and longitude on the wire
+TARGETED = ("target_system", "target_component")
+
+
+class VehicleProtocol:
+    """Speaks for one autopilot.
+
+    Args:
+        core: The autopilot.
+        system: Its MAVLink system.
+
+    Attributes:
+        core: As above.
+        system: As above.
+        rates: Of its telemetry.
+    """
+
+    def __init__(self, core: AutopilotCore, system: int = 1) -> None:
+        self.core, self.system = core, system
+        self.rates = MessageRates({"HEARTBEAT": 1.0, **core.traits.stream_rates})
+        self._outgoing: list[Any] = []
+        self._mode = core.mode
+        self._next_sync = 0.0
+
+    def outgoing(self) -> list[Any]:
+        """Messages to send now, in order; each is told once."""
+        ready, self._outgoing = self._outgoing, []
+        return ready
+
+    def restart(self) -> None:
+        """Boot anew in flight: clock, parameters, mode and rates are those of the start."""
+        self.core.restart()
+        self.rates = MessageRates({"HEARTBEAT": 1.0, **self.core.traits.stream_rates})
+        self._outgoing.clear()
+        self._mode = self.core.mode
+
+    def advance(self, until: float) -> None:
+        """Go on by whole ticks.
+
+        Args:
+            until: Time since the start in [s] that is not passed.
+        """
+        core = self.core
+        while core.time + TICK <= until + 1e-9:
+            core.step()
+            for name in self.rates.due(core.time):
+                self._send(BUILDERS[name](core))
+            self._tell_changes()
+            if core.time >= self._next_sync:
+                self._next_sync = core.time + core.traits.sync_period
+                self._send(mavlink.MAVLink_timesync_message(0, self._nanoseconds(core.time)))
+
+    def take(self, message: Any, now: float) -> None:
+        """Answer a message; one that is for somebody else is passed by.
+
+        Args:
+            message: As pymavlink has parsed it.
+            now: When it came, since the start in [s].
+        """
+        if not self._for_us(message):
+            return
+        taker = _TAKERS.get(message.get_type())
+        if taker is not None:
+            taker(self, message, now)
+            self._tell_changes()
+
+    def _tell_changes(self) -> None:
+        if self.core.mode != self._mode:
+            self._mode = self.core.mode
+            for name in self.core.traits.mode_messages:
+                self._send(BUILDERS[name](self.core))
+        for severity, words in self.core.texts:
+            self._send(mavlink.MAVLink_statustext_message(int(severity), words.encode("ascii")))
+        self.core.texts.clear()
+
+    def _for_us(self, message: Any) -> bool:
+        system, component = (getattr(message, name, 0) for name in TARGETED)
+        if message.get_type() in ("COMMAND_LONG", "COMMAND_INT") and not self.core.traits.hears_all:
+            return system == self.system and component in (0, COMPONENT)
+        return system in (0, self.system) and component in (0, COMPONENT)
+
+    def _send(self, message: Any) -> None:
+        self._outgoing.append(message)
+
+    def _nanoseconds(self, now: float) -> int:
+        return round((now + self.core.clock_offset) * 1e9)
+
+    def _take_heartbeat(self, message: Any, now: float) -> None:
+        ground = message.type == mavlink.MAV_TYPE_GCS
+        self.core.heard_heartbeat(message.get_srcSystem(), ground)
+
+    def _take_sync(self, message: Any, now: float) -> None:
+        if message.tc1 == 0:
+            self._send(mavlink.MAVLink_timesync_message(self._nanoseconds(now), message.ts1))
+
+    def _take_long(self, message: Any, now: float) -> None:
+        numbers = (message.param1, message.param2, message.param3, message.param4)
+        place = (message.param5, message.param6, message.param7)
+        self._carry_out(message, Order(message.command, *numbers, *place))
+
+    def _take_int(self, message: Any, now: float) -> None:
+        numbers = (message.param1, message.param2, message.param3, message.param4)
+        place = (message.x * DEGREE, message.y * DEGREE, message.z)
+        self._carry_out(message, Order(message.command, *numbers, *place, message.frame))
+
+    def _carry_out(self, message: Any, order: Order) -> None:
+        try:
+            own = _COMMANDS.get(order.command)
+            result = self.core.command(order) if own is None else own(self, order)
+        except (ValueError, OverflowError):  # of int(nan): a number that means nothing
+            result = Result.DENIED
+        self._acknowledge(message, order.command, result)
+
+    def _acknowledge(self, message: Any, command: int, result: Result) -> None:
+        self._send(
+            mavlink.MAVLink_command_ack_message(
+                command, int(result), 0, 0, message.get_srcSystem(), message.get_srcComponent()
+            )
+        )
+
+    def _interval(self, order: Order) -> Result:
+        """GCS_Common.cpp ``set_message_interval``; PX4: mavlink_receiver.cpp, same name."""
+        name = IDS.get(int(order.param1))
+        if name is None or not math.isfinite(order.param2):
+            return Result.FAILED
+        if order.param2 > 0.0:
+            self.rates.ask(name, max(order.param2 * 1e-6, self.core.least_interval))
+        else:
+            self.rates.ask(name, 0.0 if order.param2 == 0.0 else -1.0)
+        return Result.ACCEPTED
+
+    def _request(self, order: Order) -> Result:
+        name = IDS.get(int(order.param1))
+        if name is None:
+            return self.core.traits.unknown_message
+        self._send(BUILDERS[name](self.core))
+        return Result.ACCEPTED
+
+    def _take_mode(self, message: Any, now: float) -> None:
+        """SET_MODE, the older message."""
+        order = self.core.mode_order(message.base_mode, message.custom_mode)
+        self._acknowledge(message, self.core.traits.set_mode_acknowledged, self.core.command(order))
+
+    def _take_attitude(self, message: Any, now: float) -> None:
+        w, x, y, z = message.q
+        if not all(map(math.isfinite, (w, x, y, z, message.thrust))):
+            return
+        # Euler angles of a Forward-Right-Down body in North-East-Down, yaw first.
+        roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+        pitch = math.asin(min(max(2.0 * (w * y - z * x), -1.0), 1.0))
+        thrust = min(max(message.thrust, 0.0), 1.0)
+        self.core.attitude_target(AttitudeTarget(message.type_mask, roll, pitch, thrust))
+
+    def _take_parameter_read(self, message: Any, now: float) -> None:
+        names = self.core.parameters.names
+        if message.param_index >= 0:
+            name = names[message.param_index] if message.param_index < len(names) else ""
+        else:
+            name = _text(message.param_id)
+        if name in self.core.parameters:  # of others neither says a word
+            self._send_parameter(name)
+
+    def _take_parameter_list(self, message: Any, now: float) -> None:
+        for name in self.core.parameters.names:
+            self._send_parameter(name)
+
+    def _take_parameter_set(self, message: Any, now: float) -> None:
+        name, value = _text(message.param_id), float(message.param_value)
+        known = self.core.parameters
+        if name not in known:
+            return
+        if self.core.traits.bytewise and known.integer(name):
+            (value,) = struct.unpack("<i", struct.pack("<f", value))
+        if known.set(name, value):
+            self._send_parameter(name)
+        else:
+            self.core.say(Severity.WARNING, f"Parameter {name} cannot be set")
+
+    def _send_parameter(self, name: str) -> None:
+        """PX4 puts the bytes of an integer into the float, ArduPilot its value."""
+        known = self.core.parameters
+        value, kind = float(known[name]), mavlink.MAV_PARAM_TYPE_REAL32
+        if known.integer(name):
+            kind = mavlink.MAV_PARAM_TYPE_INT32
+            if self.core.traits.bytewise:
+                (value,) = struct.unpack("<f", struct.pack("<i", int(known[name])))
+        names = known.names
+        self._send(
+            mavlink.MAVLink_param_value_message(
+                name.encode("ascii"), value, kind, len(names), names.index(name)
+            )
+        )
+
+
+def _text(words: str | bytes) -> str:
+    """Name of a parameter as the wire has it, up to its first zero."""
+    plain = words.decode("ascii", "replace") if isinstance(words, bytes) else words
+    return plain.split("\0")[0]
+
+
+def _telling(name: str) -> Callable[[VehicleProtocol, Order], Result]:
+    def told(protocol: VehicleProtocol, order: Order) -> Result:
+        protocol._send(BUILDERS[name](protocol.core))
+        return Result.ACCEPTED
+
+    return told
+
+
+_COMMANDS: dict[int, Callable[[VehicleProtocol, Order], Result]] = {
+    Cmd.SET_MESSAGE_INTERVAL: VehicleProtocol._interval,
+    Cmd.REQUEST_MESSAGE: VehicleProtocol._request,
+    Cmd.GET_HOME_POSITION: _telling("HOME_POSITION"),
+    Cmd.REQUEST_AUTOPILOT_CAPABILITIES: _telling("AUTOPILOT_VERSION"),
+}
+_TAKERS: dict[str, Callable[[VehicleProtocol, Any, float], None]] = {
+    "COMMAND_INT": VehicleProtocol._take_int,
+    "COMMAND_LONG": VehicleProtocol._take_long,
+    "HEARTBEAT": VehicleProtocol._take_heartbeat,
+    "PARAM_REQUEST_LIST": VehicleProtocol._take_parameter_list,
+    "PARAM_REQUEST_READ": VehicleProtocol._take_parameter_read,
+    "PARAM_SET": VehicleProtocol._take_parameter_set,
+    "SET_ATTITUDE_TARGET": VehicleProtocol._take_attitude,
+    "SET_MODE": VehicleProtocol._take_mode,
+    "TIMESYNC": VehicleProtocol._take_sync,
+}

@@ -1,0 +1,33 @@
+"""The standard atmosphere (ICAO Doc 7488, U.S. Standard Atmosphere 1976), up to 11 km."""
+
+from __future__ import annotations
+
+import math
+
+from uav_tracking_mpc.dynamics.gravity import GRAVITY
+
+SEA_LEVEL_TEMPERATURE = 288.15  # K
+LAPSE_RATE = 0.0065  # K/m
+GAS_CONSTANT = 287.05287  # J/(kg K), of dry air
+SEA_LEVEL_DENSITY = 1.225  # kg/m^3
+HIGHEST, LOWEST = 11000.0, -5000.0  # m, of the troposphere
+
+
+def density_ratio(altitude: float) -> float:
+    """Density of the air over that at sea level [-].
+
+    Args:
+        altitude: Above sea level in [m]; what lies outside of the troposphere counts as its edge.
+    """
+    height = min(max(altitude, LOWEST), HIGHEST)
+    temperature_ratio = 1.0 - LAPSE_RATE * height / SEA_LEVEL_TEMPERATURE
+    return float(temperature_ratio ** (GRAVITY / (GAS_CONSTANT * LAPSE_RATE) - 1.0))
+
+
+def true_over_equivalent(altitude: float) -> float:
+    """True airspeed over equivalent airspeed, 1 / sqrt(density ratio) [-].
+
+    Args:
+        altitude: Above sea level in [m].
+    """
+    return 1.0 / math.sqrt(density_ratio(altitude))

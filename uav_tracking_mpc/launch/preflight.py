@@ -1,0 +1,187 @@
+"""Before a flight with a real autopilot: what is found there, and the envelope that follows.
+
+The limits of the vehicle take the place of those of the configuration: they are read, not typed.
+What somebody has asked for explicitly counts where it is tighter, and so do the configuration's
+floor and fence in any case.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.dynamics.vehicle import velocity
+from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.links import Inspection, LinkRefusedError, VehicleLink
+from uav_tracking_mpc.parameters.registry import VEHICLE_LINK
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.configuration import Configuration, configuration_of
+from uav_tracking_mpc.settings.tracking import TrackingParameters
+
+SECTION = "nmpc_controller"
+ALWAYS = ("height_min",)  # of which the configuration's counts wherever it is tighter
+WIND_STATES, WIND_WAIT = 25, 2.0  # states that the wind is taken from; s that they may take
+SAME = 1e-9  # share by which two numbers may differ and count as the same
+
+
+@dataclass(frozen=True)
+class Preflight:
+    """What a link found, and what is flown with it.
+
+    Attributes:
+        inspection: What was found.
+        configuration: With the vehicle's limits in it; that of before where they cannot be flown.
+        changes: What the vehicle's limits changed, in words.
+        wind: Velocity of the air in ``map``, shape (3,), in [m/s]; None where it is not known.
+        refusals: Why it cannot be flown, in words; empty if it can.
+    """
+
+    inspection: Inspection
+    configuration: Configuration
+    changes: tuple[str, ...]
+    wind: NDArray[np.float64] | None
+    refusals: tuple[str, ...]
+
+
+def preflight(configuration: Configuration, told: Collection[str], timeout: float) -> Preflight:
+    """Connect, look, let go again; nothing is commanded.
+
+    Args:
+        configuration: To be flown, with the link in its section ``autopilot_link``.
+        told: Names of the controller's parameters that were asked for explicitly.
+        timeout: How long to try to connect in [s].
+
+    Raises:
+        ExtensionError: There is no such link.
+        LinkError: There is no aircraft, or none that this link flies.
+    """
+    kind = VEHICLE_LINK.find(configuration.link.link)
+    link: VehicleLink = kind.of(configuration.link)
+    try:
+        link.connect(timeout)
+        inspection = link.inspect()
+        wind = _wind(link)
+    finally:
+        link.close()
+    envelope = (
+        {"autopilot_holds": True, **inspection.envelope} if link.holds else inspection.envelope
+    )
+    refusals = list(inspection.refusals)
+    try:
+        fitted, changes = with_envelope(configuration, envelope, told)
+        if wind is not None and (words := refusal(fitted.controller, wind)):
+            refusals.append(words)
+    except ParameterError as error:
+        fitted, changes = configuration, ()
+        refusals.append(str(error))
+    return Preflight(inspection, fitted, changes, wind, tuple(refusals))
+
+
+def refusal(parameters: TrackingParameters, wind: NDArray[np.float64]) -> str:
+    """Why the orbit cannot be flown in a wind, in words; empty if it can.
+
+    Args:
+        parameters: With the vehicle's limits.
+        wind: In ``map``, shape (3,), in [m/s]; its part up or down is a gust's, which passes.
+    """
+    east, north, _ = wind.tolist()
+    words = parameters.envelope.refusal(parameters.orbit, np.array([east, north, 0.0]))
+    return f"in the wind of {math.hypot(east, north):.1f} m/s there: {words}" if words else ""
+
+
+def refuse(found: Preflight) -> None:
+    """Make sure that it can be flown.
+
+    Args:
+        found: Before the flight.
+
+    Raises:
+        LinkRefusedError: It cannot.
+    """
+    if found.refusals:
+        raise LinkRefusedError("; ".join(found.refusals))
+
+
+def with_envelope(
+    configuration: Configuration, envelope: Mapping[str, Any], told: Collection[str]
+) -> tuple[Configuration, tuple[str, ...]]:
+    """The configuration with a vehicle's limits, and what they changed in words.
+
+    Args:
+        configuration: As asked for.
+        envelope: Parameters of the controller by name, in the units of
+            :class:`TrackingParameters`.
+        told: Names of those that were asked for explicitly.
+
+    Raises:
+        ParameterError: What is asked for cannot be flown by this vehicle.
+    """
+    present, values, changes = configuration.controller, dict[str, Any](), []
+    fence = _fence(present, envelope)
+    for name, value in {**envelope, **fence}.items():
+        before = getattr(present, name, None)
+        if name in (*told, *ALWAYS) and before is not None:
+            value = _tighter(name, before, value)
+        if before is None or not _same(before, value):
+            values[name] = list(value) if isinstance(value, tuple) else value
+            if before is not None:
+                changes.append(f"{name} is {_words(value)} by the vehicle, not {_words(before)}")
+    sections = {name: dict(content) for name, content in configuration.sections.items()}
+    sections[SECTION].update(values)
+    fitted = configuration_of(configuration.name, sections, configuration.scenario)
+    return fitted, tuple(changes)
+
+
+def _fence(present: TrackingParameters, envelope: Mapping[str, Any]) -> dict[str, Any]:
+    """The fence that lies inside the other; the vehicle's where neither does."""
+    radius = envelope.get("fence_radius")
+    if radius is None or not present.fence_radius:
+        return {}
+    apart = math.dist(envelope.get("fence_centre", (0.0, 0.0)), present.fence_centre)
+    if apart + present.fence_radius > radius:
+        return {}
+    return {"fence_radius": present.fence_radius, "fence_centre": present.fence_centre}
+
+
+def _tighter(name: str, before: Any, value: Any) -> Any:
+    """The tighter of two limits; the vehicle's where the name does not tell which that is."""
+    choose = {"_max": min, "_min": max}.get(name[-4:])
+    if choose is None or isinstance(value, (str, bool)):
+        return value
+    if isinstance(value, tuple):
+        return tuple(choose(pair) for pair in zip(before, value, strict=True))
+    return choose(before, value)
+
+
+def _same(before: Any, value: Any) -> bool:
+    if isinstance(before, (bool, str)) or isinstance(value, (bool, str)):
+        return bool(before == value)
+    return bool(np.allclose(before, value, rtol=SAME, atol=SAME))
+
+
+def _words(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(f'{number:.4g}' for number in value)}]"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _wind(link: VehicleLink) -> NDArray[np.float64] | None:
+    """Median of the wind triangles of some states; None without an airspeed."""
+    winds: list[NDArray[np.float64]] = []
+    end = link.now() + WIND_WAIT
+    while len(winds) < WIND_STATES and link.now() < end:
+        measurement = link.measured(0.1)
+        if measurement is not None and measurement.airspeed is not None:
+            winds.append(_triangle(measurement, measurement.airspeed))
+    return np.asarray(np.median(winds, axis=0)) if winds else None
+
+
+def _triangle(measurement: Measurement, airspeed: float) -> NDArray[np.float64]:
+    return measurement.ground_velocity - velocity(measurement.state(airspeed))

@@ -1,0 +1,236 @@
+"""Bytes to messages and back: one end of a MAVLink connection, by pymavlink.
+
+Everything that comes over a wire may be late, doubled, cut or garbled, so nothing that arrives
+raises: what is no message is counted and dropped.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+from uav_tracking_mpc.links import LinkError, LinkRefusedError
+from uav_tracking_mpc.links.mavlink.dialect import mavlink, mavutil
+
+USUAL = "udpin:127.0.0.1:14550"
+FORMS = "udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT or serial:DEVICE:BAUD"
+KEY_LENGTH = 32  # bytes of a signing key: MAVLink guide, Message Signing
+CHUNK = 2048  # bytes read at once from a stream
+DATAGRAM, STREAM, SERIAL = ("udpin", "udpout"), ("tcp", "tcpin"), ("serial",)
+SEQUENCE = 256  # numbers of messages of one sender wrap there
+
+
+class Connection:
+    """Messages of everybody at the other end; one thread receives, any may send.
+
+    Sockets and serial ports are pymavlink's. A subclass may bring another wire, and another clock.
+
+    Args:
+        address: In the forms of :data:`FORMS`; empty for :data:`USUAL`.
+        component: MAVLink component that we are.
+        key: File with the key that signs messages; empty for none.
+
+    Attributes:
+        address: As above.
+        lost: Messages of the watched system that never came.
+        bad: Frames that were no message: garbled, cut, or wrongly signed.
+        watched: System whose losses count; 0 for none.
+
+    Raises:
+        LinkRefusedError: The address has another form, or there is no such key.
+        LinkError: It cannot be opened.
+    """
+
+    def __init__(self, address: str = "", component: int = 191, key: str = "") -> None:
+        self.address = address or USUAL
+        self.lost = self.bad = self.watched = 0
+        self._component, self._key = component, _key(key)
+        self._system = 255
+        self._sending = threading.Lock()
+        self._last: dict[tuple[int, int], int] = {}
+        self._begin = self.now()
+        self._wire: Any = None
+        self._kind, self._place = _parsed(self.address)
+        self.open()
+
+    def open(self) -> None:
+        """Open the wire, anew if it was lost.
+
+        Raises:
+            LinkError: It cannot be opened.
+        """
+        self.close()
+        self._closed = False
+        words = f"connection {self.address!r} cannot be opened"
+        try:
+            with contextlib.redirect_stdout(io.StringIO()):  # pymavlink tells of its attempts
+                self._wire = self._opened()
+        except Exception as error:  # of sockets, serial ports, names, numbers
+            raise LinkError(f"{words}: {error}") from error
+        self._wire.mav.robust_parsing = True
+        if self._key:
+            self._wire.setup_signing(self._key, allow_unsigned_callback=_unsigned)
+
+    def _opened(self) -> Any:
+        return self._socket()
+
+    def _socket(self) -> Any:
+        """A wire as those of pymavlink's mavutil are."""
+        who = {"source_system": self._system, "source_component": self._component}
+        if self._kind == "serial":
+            device, _, baud = self._place.rpartition(":")
+            return mavutil.mavlink_connection(device, baud=int(baud), **who)
+        return mavutil.mavlink_connection(f"{self._kind}:{self._place}", retries=1, **who)
+
+    def close(self) -> None:
+        """Let go of the wire."""
+        self._closed = True
+        self._drop()
+
+    def _drop(self) -> None:
+        if self._wire is not None:
+            with contextlib.suppress(Exception):  # it may be lost already
+                self._wire.close()
+            self._wire = None
+
+    @property
+    def closed(self) -> bool:
+        """Whether it was closed on purpose."""
+        return self._closed
+
+    def speak_as(self, system: int) -> None:
+        """Send as a component of that system from now on: the companion of its autopilot.
+
+        Args:
+            system: MAVLink system.
+        """
+        self._system = system
+        if self._wire is not None:
+            self._wire.mav.srcSystem = system
+
+    @property
+    def boot_time(self) -> int:
+        """Since this end exists, in [ms]: what the autopilot is told as the time of a message."""
+        return int((self.now() - self._begin) * 1e3) & 0xFFFFFFFF
+
+    def now(self) -> float:
+        """Our time in [s]."""
+        return time.monotonic()
+
+    def wait(self, timeout: float) -> bool:
+        """Whether there is something to read, or to be told of a lost wire.
+
+        Args:
+            timeout: How long to wait for it in [s].
+        """
+        if self._wire is None:
+            time.sleep(max(timeout, 0.0))
+            return True
+        return bool(self._wire.select(max(timeout, 0.0)))
+
+    def receive(self, timeout: float) -> list[Any]:
+        """Messages that have come, at least one unless none comes in time.
+
+        Args:
+            timeout: How long to wait in [s].
+
+        Raises:
+            LinkError: The wire is closed or lost.
+        """
+        if self._wire is None:
+            raise LinkError(f"connection {self.address!r} is closed")
+        if not self.wait(timeout):
+            return []
+        try:
+            data = self._wire.recv(CHUNK)
+        except Exception as error:  # of sockets and serial ports
+            self._drop()
+            raise LinkError(f"connection {self.address!r} is lost: {error}") from error
+        if not data:
+            # Nothing to read where there was something: the end of a stream, told as no bytes.
+            if self._kind in STREAM and isinstance(data, bytes):
+                self._drop()
+                raise LinkError(f"connection {self.address!r} is lost: the other end closed it")
+            return []
+        return self._messages(data)
+
+    def _messages(self, data: bytes) -> list[Any]:
+        parser = self._wire.mav
+        if self._kind in DATAGRAM and parser.buf_len():
+            # A frame never goes on in the next datagram: the rest of a cut one would swallow it.
+            self.bad += 1
+            parser.buf, parser.buf_index = bytearray(), 0
+            parser.expected_length = mavlink.HEADER_LEN_V1 + 2
+        try:
+            messages = parser.parse_buffer(data) or []
+        except Exception:  # a frame with a good checksum that cannot be unpacked
+            self.bad += 1
+            parser.buf, parser.buf_index = bytearray(), 0
+            return []
+        good = []
+        for message in messages:
+            if message.get_type() == "BAD_DATA":
+                self.bad += 1
+            elif message.get_msgId() in mavlink.mavlink_map:  # others have no checksum to be known
+                self._count(message)
+                good.append(message)
+        return good
+
+    def _count(self, message: Any) -> None:
+        sender = message.get_srcSystem(), message.get_srcComponent()
+        number = message.get_seq()
+        if sender[0] == self.watched and sender in self._last:
+            gap = (number - self._last[sender] - 1) % SEQUENCE
+            if gap < SEQUENCE // 2:  # otherwise it is late or doubled
+                self.lost += gap
+        self._last[sender] = number
+
+    def send(self, message: Any) -> None:
+        """Send a message; a wire that is lost takes it without a word, receiving tells.
+
+        Args:
+            message: Of the dialect.
+        """
+        with self._sending:
+            if self._wire is None:
+                return
+            with contextlib.suppress(OSError):
+                self._wire.mav.send(message)
+
+
+def _parsed(address: str) -> tuple[str, str]:
+    """Kind and place of an address."""
+    kind, _, place = address.partition(":")
+    host, _, number = place.rpartition(":")
+    if kind not in (*DATAGRAM, *STREAM, *SERIAL) or not host or not number.isdecimal():
+        raise LinkRefusedError(f"connection is {address!r}, must be {FORMS}")
+    if kind not in SERIAL and not 0 < int(number) < 65536:
+        raise LinkRefusedError(f"connection is {address!r}: port {number} must be from 1 to 65535")
+    return kind, place
+
+
+def _key(file: str) -> bytes:
+    """Key in a file, as bytes or hexadecimal digits."""
+    if not file:
+        return b""
+    try:
+        content = Path(file).read_bytes()
+    except OSError as error:
+        raise LinkRefusedError(f"signing key {file!r} cannot be read: {error.strerror}") from error
+    if len(content) != KEY_LENGTH:
+        with contextlib.suppress(ValueError):  # is told below
+            content = bytes.fromhex(content.decode("ascii", "replace").strip())
+    if len(content) != KEY_LENGTH:
+        raise LinkRefusedError(
+            f"signing key {file!r} must hold {KEY_LENGTH} bytes, or as many hexadecimal pairs"
+        )
+    return content
+
+
+def _unsigned(parser: Any, message: int) -> bool:
+    """Whether a message counts without a signature: the radio's own, which it cannot sign."""
+    return bool(message == mavlink.MAVLINK_MSG_ID_RADIO_STATUS)

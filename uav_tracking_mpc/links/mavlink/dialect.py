@@ -1,0 +1,32 @@
+"""pymavlink, in one place: MAVLink 2, with ArduPilot's messages beside the common ones."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from uav_tracking_mpc.links import LinkError
+
+os.environ.setdefault("MAVLINK20", "1")  # pymavlink reads it once, when it is imported
+try:
+    from pymavlink import mavutil
+    from pymavlink.dialects.v20 import ardupilotmega, development
+except ImportError as error:
+    raise LinkError('MAVLink needs pymavlink: pip install "uav_tracking_mpc[mavlink]"') from error
+
+mavutil.set_dialect("ardupilotmega")
+mavlink: Any = ardupilotmega
+# PX4 sends it, the dialect of ArduPilot does not have it.
+CURRENT_MODE: int = development.MAVLINK_MSG_ID_CURRENT_MODE
+mavlink.mavlink_map.setdefault(CURRENT_MODE, development.MAVLink_current_mode_message)
+
+
+def name_of(enumeration: str, value: int) -> str:
+    """Name of a value of an enumeration without the enumeration's own, such as ``FIXED_WING``.
+
+    Args:
+        enumeration: Such as ``MAV_TYPE``.
+        value: One of its values; others are told as numbers.
+    """
+    entry = mavlink.enums.get(enumeration, {}).get(value)
+    return str(value) if entry is None else str(entry.name).removeprefix(f"{enumeration}_")

@@ -1,0 +1,114 @@
+"""Who flies: the pilot and the autopilot, or our commands.
+
+Nothing is commanded unless somebody engaged. From then on the autopilot's mode says who flies: its
+mode of external commands, and it is us; any other, and our commands end with the message that tells
+so, until somebody engages again. One thing is told apart: an autopilot that lost us goes into a
+failsafe of its own and says so (MAV_STATE_CRITICAL). If nothing was heard of it before, the link
+was dead, and when it takes external commands up again by itself, ours go on.
+"""
+
+from __future__ import annotations
+
+import math
+from enum import Enum
+
+from uav_tracking_mpc.control.event import EventLog, Level
+
+SILENCE = 0.7  # s without a message, after which a failsafe is put down to the dead link
+PATIENCE = 6.0  # s for the autopilot to change its mode
+
+
+class State(Enum):
+    """Who flies."""
+
+    IDLE = "idle"
+    ASKING = "asking"
+    ENGAGED = "engaged"
+    SUSPENDED = "suspended"
+
+
+class Engagement:
+    """Follows the autopilot's mode.
+
+    Args:
+        events: Where changes are reported.
+        on_mode: Whether a pilot who switches to the mode of external commands engages.
+
+    Attributes:
+        state: Who flies.
+    """
+
+    def __init__(self, events: EventLog, on_mode: bool = False) -> None:
+        self.state = State.IDLE
+        self._events, self._on_mode = events, on_mode
+        self._since = -math.inf
+        self._heard = math.inf
+        self._silent = False
+        self._ours_before: bool | None = None
+
+    @property
+    def commanding(self) -> bool:
+        """Whether our commands fly."""
+        return self.state is State.ENGAGED
+
+    def ask(self, now: float) -> None:
+        """Somebody engages.
+
+        Args:
+            now: Our time in [s].
+        """
+        if self.state is not State.ENGAGED:
+            self.state, self._since = State.ASKING, now
+
+    def give_up(self, words: str) -> None:
+        """Command nothing any more.
+
+        Args:
+            words: Why.
+        """
+        if self.state is not State.IDLE:
+            self.state = State.IDLE
+            self._events.add(Level.WARNING, f"{words}; nothing is commanded until engaged again")
+
+    def heard(self, now: float) -> None:
+        """Take note that the autopilot was heard.
+
+        Args:
+            now: Our time in [s].
+        """
+        if now - self._heard > SILENCE:
+            self._silent = True
+        self._heard = now
+
+    def see_mode(self, now: float, ours: bool, name: str, armed: bool, failsafe: bool) -> None:
+        """Take in the autopilot's mode.
+
+        Args:
+            now: Our time in [s].
+            ours: Whether it is the mode of external commands.
+            name: Of the mode.
+            armed: Whether the motor may run.
+            failsafe: Whether the autopilot says that it is in one.
+        """
+        before, self._ours_before = self._ours_before, ours
+        was_silent, self._silent = self._silent, False
+        if not armed:
+            self.give_up("disarmed")
+        elif ours:
+            self._enter(before)
+        elif self.state is State.ASKING:
+            if now - self._since > PATIENCE:
+                self.give_up(f"the autopilot stays in mode {name}")
+        elif self.state is State.ENGAGED and failsafe and was_silent:
+            self.state = State.SUSPENDED
+            self._events.add(
+                Level.WARNING, f"the link was dead, the autopilot's failsafe flies in mode {name}"
+            )
+        elif self.state is State.ENGAGED or (self.state is State.SUSPENDED and not failsafe):
+            self.give_up(f"mode {name}: the pilot or the autopilot took over")
+
+    def _enter(self, before: bool | None) -> None:
+        switched = before is False and self._on_mode
+        if self.state in (State.ASKING, State.SUSPENDED) or (self.state is State.IDLE and switched):
+            self.state = State.ENGAGED
+            self._events.add(Level.INFO, "engaged: the aircraft flies our commands")

@@ -1,0 +1,311 @@
+"""Everything that is heard of one autopilot, and what keeps it talking."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from uav_tracking_mpc.control.event import EventLog, Level
+from uav_tracking_mpc.dynamics.geodesy import LocalFrame
+from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.links import LinkError, LinkRefusedError
+from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
+from uav_tracking_mpc.links.mavlink.connection import Connection
+from uav_tracking_mpc.links.mavlink.dialect import mavlink, name_of
+from uav_tracking_mpc.links.mavlink.requests import Requests
+from uav_tracking_mpc.links.mavlink.telemetry import LEAST_AIRSPEED, Telemetry
+from uav_tracking_mpc.links.mavlink.vehicle_sighting import VehicleSighting
+from uav_tracking_mpc.settings.link import LinkParameters
+
+FIXED_WING = {
+    mavlink.MAV_TYPE_FIXED_WING,
+    *(value for value, entry in mavlink.enums["MAV_TYPE"].items() if "VTOL" in entry.name),
+}
+ALWAYS = (
+    mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT,
+    mavlink.MAVLINK_MSG_ID_ATTITUDE,
+    mavlink.MAVLINK_MSG_ID_VFR_HUD,
+)
+NOW_AND_THEN = (
+    mavlink.MAVLINK_MSG_ID_SYS_STATUS,
+    mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE,
+    mavlink.MAVLINK_MSG_ID_HOME_POSITION,
+)
+HEARTBEAT_PERIOD, SYNC_PERIOD, ASKING_PERIOD = 1.0, 0.5, 1.0  # s
+SLOW_RATE, QUICK_RATE = 2.0, 10.0  # Hz
+REOPEN_PERIOD = 1.0  # s between attempts to open a lost wire
+LOST = 5.0  # s without a heartbeat
+SEVERE = 4  # MAV_SEVERITY up to which the autopilot's words are warnings
+
+
+class Listener:
+    """One end of a connection to one autopilot.
+
+    Args:
+        connection: To where it is.
+        parameters: Of the link.
+        events: Where what happens is reported.
+        slow_messages: Asked for now and then, beside those of every autopilot.
+        quick_messages: Asked for often, so that what they tell is not missed.
+
+    Attributes:
+        connection: The wire.
+        requests: Commands under way.
+        clock: Of the autopilot.
+        telemetry: What it told of its flight.
+        target: The vehicle to circle.
+        heartbeat: Its newest HEARTBEAT; None before the first.
+        version: AUTOPILOT_VERSION, or None.
+        status: EKF_STATUS_REPORT or ESTIMATOR_STATUS, or None.
+        sensors: SYS_STATUS, or None.
+        measurements: Not taken yet.
+        on_heartbeat: Called with each of its HEARTBEATs and our time in [s].
+        on_message: Called with each of its other messages and our time in [s].
+        on_measurement: Called with each measurement and our time in [s].
+        on_restart: Called when it has booted anew.
+    """
+
+    def __init__(
+        self,
+        connection: Connection,
+        parameters: LinkParameters,
+        events: EventLog,
+        slow_messages: Iterable[int] = (),
+        quick_messages: Iterable[int] = (),
+    ) -> None:
+        self._parameters, self._events = parameters, events
+        self.connection = connection
+        self.requests = Requests(connection, events)
+        self.clock = AutopilotClock()
+        origin = None
+        if parameters.origin:
+            latitude, longitude, altitude = parameters.origin
+            origin = LocalFrame(math.radians(latitude), math.radians(longitude), altitude)
+        self.telemetry = Telemetry(self.clock, origin)
+        self.target = VehicleSighting()
+        self.heartbeat: Any = None
+        self.version: Any = None
+        self.status: Any = None
+        self.sensors: Any = None
+        self._landed: Any = None
+        self.measurements: deque[Measurement] = deque(maxlen=4)
+        nothing: Callable[..., None] = lambda *_: None  # noqa: E731
+        self.on_heartbeat: Callable[[Any, float], None] = nothing
+        self.on_message: Callable[[Any, float], None] = nothing
+        self.on_measurement: Callable[[Measurement, float], None] = nothing
+        self.on_restart: Callable[[], None] = nothing
+        self._rates = dict.fromkeys(ALWAYS, parameters.telemetry_rate)
+        self._rates.update(dict.fromkeys((*NOW_AND_THEN, *slow_messages), SLOW_RATE))
+        self._rates.update(dict.fromkeys(quick_messages, QUICK_RATE))
+        self._asked_at, self._told_lost = 0, False
+        self._heartbeat_at = self._reopened_at = -math.inf
+        self._due: dict[str, float] = {}
+
+    @property
+    def system(self) -> int:
+        """MAVLink system of the autopilot; 0 before it was found."""
+        return self.requests.system
+
+    @property
+    def armed(self) -> bool:
+        """Whether its motor may run."""
+        return bool(self.heartbeat.base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED)
+
+    @property
+    def in_air(self) -> bool:
+        """Whether it says so or, if it says nothing of it, flies by its airspeed."""
+        if self._landed is not None and self._landed.landed_state:
+            return bool(self._landed.landed_state != mavlink.MAV_LANDED_STATE_ON_GROUND)
+        return (self.telemetry.airspeed or 0.0) >= LEAST_AIRSPEED
+
+    def find(self, autopilot: int, timeout: float) -> None:
+        """Wait for an autopilot, and ask it for telemetry.
+
+        Args:
+            autopilot: Of MAV_AUTOPILOT, that it must be.
+            timeout: How long in [s].
+
+        Raises:
+            LinkError: There is none.
+            LinkRefusedError: There is one of another kind, or of another vehicle.
+        """
+        end = self.connection.now() + timeout
+        others: set[str] = set()
+        while self.heartbeat is None:
+            if self.connection.now() > end:
+                words = f"no autopilot answers at {self.connection.address!r} within {timeout:g} s"
+                if others:
+                    words += f"; heard there: {', '.join(sorted(others))}"
+                if self.connection.bad:
+                    words += f"; {self.connection.bad} frames were garbled or wrongly signed"
+                raise LinkError(words)
+            self.tend(self.connection.now())
+            for message in self.connection.receive(0.1):
+                if message.get_type() != "HEARTBEAT":
+                    continue
+                system = message.get_srcSystem()
+                wanted = self._parameters.system in (0, system)
+                if wanted and message.autopilot != mavlink.MAV_AUTOPILOT_INVALID:
+                    self._accept(message, system, autopilot)
+                else:
+                    others.add(f"system {system}, {name_of('MAV_TYPE', message.type)}")
+        self.ask_for_telemetry()
+
+    def _accept(self, message: Any, system: int, autopilot: int) -> None:
+        where = f"system {system} at {self.connection.address!r}"
+        if message.autopilot != autopilot:
+            raise LinkRefusedError(
+                f"{where} is {name_of('MAV_AUTOPILOT', message.autopilot)}, must be "
+                f"{name_of('MAV_AUTOPILOT', autopilot)}"
+            )
+        if message.type not in FIXED_WING:
+            kind = name_of("MAV_TYPE", message.type)
+            raise LinkRefusedError(f"{where} is a {kind}, must be a fixed wing")
+        self.requests.system = self.connection.watched = system
+        self.connection.speak_as(system)
+        self.heartbeat, self._heartbeat_at = message, self.connection.now()
+
+    def ask_for_telemetry(self) -> None:
+        """Ask for all messages; an autopilot that has restarted has forgotten them."""
+        for message, rate in self._rates.items():
+            self._command(mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, message, 1e6 / rate)
+        self._command(mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION)
+
+    def _command(self, command: int, *parameters: float) -> None:
+        """Send a command whose acknowledgement nobody waits for: the telemetry itself is one."""
+        values = (*parameters, *[0.0] * (7 - len(parameters)))
+        self.connection.send(
+            mavlink.MAVLink_command_long_message(self.system, 1, command, 0, *values)
+        )
+
+    def receive(self, timeout: float) -> list[Any]:
+        """Take in what has come; the wire is opened anew if it was lost.
+
+        Args:
+            timeout: How long to wait in [s].
+
+        Returns:
+            The autopilot's messages.
+
+        Raises:
+            LinkError: The connection is closed.
+        """
+        try:
+            messages = self.connection.receive(timeout)
+        except LinkError as error:
+            self._reopen(error)
+            return []
+        arrival, own = self.connection.now(), []
+        for message in messages:
+            system, component = message.get_srcSystem(), message.get_srcComponent()
+            if system == self.system and component == 1:
+                own.append(message)
+                self._see(message, arrival)
+            elif system == self._parameters.target_system and self.telemetry.frame is not None:
+                self.target.see(message, arrival, self.telemetry.frame)
+        return own
+
+    def _reopen(self, error: LinkError) -> None:
+        if self.connection.closed:
+            raise error
+        now = self.connection.now()
+        if now - self._reopened_at < REOPEN_PERIOD:
+            return
+        if self._reopened_at == -math.inf:
+            self._events.add(Level.WARNING, str(error))
+        self._reopened_at = now
+        try:
+            self.connection.open()
+        except LinkError:
+            return
+        self._reopened_at = -math.inf
+
+    def _see(self, message: Any, arrival: float) -> None:
+        """Take in a message of the autopilot."""
+        kind = message.get_type()
+        if hasattr(message, "time_boot_ms"):
+            restarts = self.clock.restarts
+            self.clock.see_stamp(message.time_boot_ms * 1e-3, arrival)
+            if self.clock.restarts != restarts:
+                self._restarted()
+        if kind == "HEARTBEAT":
+            self._see_heartbeat(message, arrival)
+        elif kind == "TIMESYNC":
+            if message.tc1 > 0 and message.ts1 == self._asked_at:
+                self.clock.see_answer(message.ts1 * 1e-9, message.tc1 * 1e-9, arrival)
+        elif kind == "COMMAND_ACK":
+            self.requests.see(message, arrival)
+        elif kind == "AUTOPILOT_VERSION":
+            self.version = message
+        elif kind in ("EKF_STATUS_REPORT", "ESTIMATOR_STATUS"):
+            self.status = message
+        elif kind == "SYS_STATUS":
+            self.sensors = message
+        elif kind == "EXTENDED_SYS_STATE":
+            self._landed = message
+        elif kind == "STATUSTEXT":
+            level = Level.WARNING if message.severity <= SEVERE else Level.INFO
+            self._events.add(level, f"autopilot: {message.text}")
+        else:
+            measurement = self.telemetry.see(message, arrival)
+            if measurement is not None:
+                self.measurements.append(measurement)
+                self.on_measurement(measurement, arrival)
+        self.on_message(message, arrival)
+
+    def _restarted(self) -> None:
+        self.telemetry.forget()
+        self.requests.drop()
+        self.ask_for_telemetry()
+        self.on_restart()
+
+    def _see_heartbeat(self, message: Any, arrival: float) -> None:
+        if message.autopilot == mavlink.MAV_AUTOPILOT_INVALID:
+            return  # of another program that speaks for this system
+        if self._told_lost:
+            self._told_lost = False
+            self._events.add(Level.INFO, "the autopilot is heard again")
+            self.ask_for_telemetry()
+        self.heartbeat, self._heartbeat_at = message, arrival
+        self.on_heartbeat(message, arrival)
+
+    def tend(self, now: float) -> None:
+        """Send what keeps the connection alive, where it is due.
+
+        Args:
+            now: Our time in [s].
+        """
+        if self.is_due("heartbeat", now, HEARTBEAT_PERIOD):
+            self.connection.send(
+                mavlink.MAVLink_heartbeat_message(
+                    mavlink.MAV_TYPE_ONBOARD_CONTROLLER, mavlink.MAV_AUTOPILOT_INVALID,
+                    0, 0, mavlink.MAV_STATE_ACTIVE, 3,
+                )
+            )  # fmt: skip
+        if self.heartbeat is None:
+            return
+        if self.is_due("sync", now, SYNC_PERIOD):
+            self._asked_at = int(now * 1e9)
+            self.connection.send(mavlink.MAVLink_timesync_message(0, self._asked_at))
+        silent = now - self._heartbeat_at
+        if silent > LOST and not self._told_lost:
+            self._told_lost = True
+            self._events.add(Level.WARNING, f"the autopilot was not heard for {LOST:g} s")
+        if self.telemetry.newest is None and self.is_due("telemetry", now, ASKING_PERIOD):
+            self.ask_for_telemetry()
+        self.requests.tend(now)
+
+    def is_due(self, what: str, now: float, period: float) -> bool:
+        """Whether something periodic is to be done; it then counts as done.
+
+        Args:
+            what: Its name.
+            now: Our time in [s].
+            period: In [s].
+        """
+        if now - self._due.get(what, -math.inf) < period:
+            return False
+        self._due[what] = now
+        return True

@@ -1,0 +1,348 @@
+"""What all links to autopilots on MAVLink do alike; a file each says how its autopilot differs."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from abc import abstractmethod
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
+from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.links import Inspection, LinkError, Sighting, VehicleLink
+from uav_tracking_mpc.links.mavlink.connection import Connection
+from uav_tracking_mpc.links.mavlink.dialect import mavlink
+from uav_tracking_mpc.links.mavlink.engagement import Engagement, State
+from uav_tracking_mpc.links.mavlink.latency import Latency
+from uav_tracking_mpc.links.mavlink.listener import Listener
+from uav_tracking_mpc.links.mavlink.vehicle_parameters import read_parameters
+from uav_tracking_mpc.settings.link import LinkParameters
+from uav_tracking_mpc.simulation.plan_follower import PlanFollower
+
+PERIOD = 0.02  # s between looks at what is due
+ASKING_PERIOD = 1.0  # s between requests for the mode of external commands
+
+
+class MavlinkLink(VehicleLink):
+    """An autopilot on MAVLink.
+
+    One thread asks for measurements; any may give commands.
+
+    Args:
+        address: See :class:`~uav_tracking_mpc.links.mavlink.connection.Connection`.
+        parameters: What may be asked of it; its connection counts where the address is empty.
+        connection: Makes the wire from address, component and key.
+
+    Attributes:
+        parameters: As above.
+        engagement: Who flies.
+        vehicle: The autopilot's parameters by name, in their own units.
+        orbit: What is flown; None before the first command.
+    """
+
+    autopilot: ClassVar[int]  # of MAV_AUTOPILOT
+    title: ClassVar[str]
+    asked_parameters: ClassVar[tuple[str, ...]]
+    by_bits: ClassVar[bool] = False  # see value_of
+    slow_messages: ClassVar[tuple[int, ...]] = ()
+    quick_messages: ClassVar[tuple[int, ...]] = ()
+    stream_period: ClassVar[float] = 0.04  # s after which a set-point is repeated
+
+    def __init__(
+        self,
+        address: str = "",
+        parameters: LinkParameters | None = None,
+        connection: Callable[[str, int, str], Connection] = Connection,
+    ) -> None:
+        self._connected = connection
+        self.parameters = parameters or LinkParameters()
+        super().__init__(address or self.parameters.connection)
+        self._lock = threading.RLock()
+        self._heard: Listener | None = None
+        self._forget()
+
+    def _forget(self) -> None:
+        self.engagement = Engagement(self.events, self.parameters.engage_on_mode)
+        self.vehicle: dict[str, float] = {}
+        self.orbit: FlownOrbit | None = None
+        self._plan, self._latency = PlanFollower(), Latency()
+        self._sent_at = -math.inf
+
+    @classmethod
+    def of(cls, parameters: LinkParameters) -> VehicleLink:
+        """See :meth:`VehicleLink.of`."""
+        return cls(parameters=parameters)
+
+    # What differs from autopilot to autopilot ---------------------------------------------------
+
+    @abstractmethod
+    def mode_name(self, custom_mode: int) -> str:
+        """Name of a mode.
+
+        Args:
+            custom_mode: Of its HEARTBEAT.
+        """
+
+    @abstractmethod
+    def takes_commands(self, custom_mode: int) -> bool:
+        """Whether a mode is that of external commands.
+
+        Args:
+            custom_mode: Of its HEARTBEAT.
+        """
+
+    @abstractmethod
+    def describe(self) -> Inspection:
+        """What was found, and the envelope that follows, once everything was read."""
+
+    @abstractmethod
+    def refusal(self, orbit: FlownOrbit) -> str:
+        """Why an orbit cannot be flown here, in words; empty if it can.
+
+        Args:
+            orbit: To be flown.
+        """
+
+    @abstractmethod
+    def ask_for_command(self, now: float) -> None:
+        """Ask the autopilot for its mode of external commands, once a second until it is there.
+
+        Args:
+            now: In [s].
+        """
+
+    @abstractmethod
+    def fly(self, inputs: NDArray[np.float64], measured: Measurement, now: float) -> None:
+        """Send what flies the inputs now.
+
+        Args:
+            inputs: (u_psi, u_chi, u_v), shape (3,), in [rad/s, rad/s, m/s^2].
+            measured: The newest measurement.
+            now: In [s].
+        """
+
+    def begin(self, now: float) -> None:
+        """What is to be done when our commands begin to fly.
+
+        Args:
+            now: In [s].
+        """
+
+    def accompany(self, now: float) -> None:
+        """What is to be sent now and then while our commands fly.
+
+        Args:
+            now: In [s].
+        """
+
+    def let_go(self, now: float) -> None:
+        """What is to be sent when our commands end while the mode is still ours.
+
+        Args:
+            now: In [s].
+        """
+
+    # VehicleLink --------------------------------------------------------------------------------
+
+    @property
+    def heard(self) -> Listener:
+        """What is heard of the autopilot.
+
+        Raises:
+            LinkError: It is not connected.
+        """
+        if self._heard is None:
+            raise LinkError(f"{self.title} is not connected")
+        return self._heard
+
+    def connect(self, timeout: float) -> None:
+        """See :meth:`VehicleLink.connect`."""
+        self.close()
+        self._forget()
+        connection = self._connected(
+            self.address, mavlink.MAV_COMP_ID_ONBOARD_COMPUTER, self.parameters.signing_key
+        )
+        end = connection.now() + timeout
+        heard = Listener(
+            connection, self.parameters, self.events, self.slow_messages, self.quick_messages
+        )
+        self._heard = heard
+        heard.on_heartbeat = self._see_heartbeat
+        heard.on_measurement = lambda measured, at: self._latency.arrived(measured.stamp, at)
+        heard.on_message = self._see
+        heard.on_restart = lambda: self.engagement.give_up("the autopilot has restarted")
+        try:
+            heard.find(self.autopilot, timeout)
+            names, bits = self.asked_parameters, self.by_bits
+            self.vehicle = read_parameters(
+                heard.connection, heard.system, names, bits, heard.receive
+            )
+            # What is still missing at the end of the time, inspect() says.
+            while (heard.telemetry.newest is None or heard.version is None) and self.now() < end:
+                heard.receive(PERIOD)
+                heard.tend(self.now())
+        except LinkError:
+            self.close()
+            raise
+        heard.measurements.clear()
+
+    def close(self) -> None:
+        """See :meth:`VehicleLink.close`."""
+        if self._heard is not None:
+            self.disengage()
+            self._heard.connection.close()
+            self._heard = None
+
+    def now(self) -> float:
+        """See :meth:`VehicleLink.now`: the machine's monotonic clock, unless the wire has one."""
+        return self.heard.connection.now() if self._heard is not None else time.monotonic()
+
+    def inspect(self) -> Inspection:
+        """See :meth:`VehicleLink.inspect`."""
+        assert self.heard.heartbeat is not None
+        return self.describe()
+
+    def measured(self, timeout: float) -> Measurement | None:
+        """See :meth:`VehicleLink.measured`."""
+        heard, end = self.heard, self.now() + timeout
+        while not heard.measurements:
+            left = end - self.now()
+            wait = min(max(left, 0.0), PERIOD)
+            if heard.connection.wait(wait):
+                with self._lock:
+                    heard.receive(0.0)
+            self._tend(self.now())
+            if left <= 0.0:
+                break
+        return heard.measurements.popleft() if heard.measurements else None
+
+    def command(
+        self,
+        stamp: float,
+        inputs: NDArray[np.float64],
+        step: float,
+        orbit: FlownOrbit | None = None,
+    ) -> str:
+        """See :meth:`VehicleLink.command`."""
+        if orbit is not None and not _finite(orbit):
+            return f"the orbit is {orbit}, must be finite"
+        now = self.now()
+        with self._lock:
+            try:
+                inputs = np.asarray(inputs, dtype=float)
+                self._plan.accept(inputs, stamp + step * np.arange(len(inputs)), now)
+            except (ValueError, TypeError) as error:
+                return str(error)
+            if orbit is not None:
+                self.orbit = orbit
+            if self.engagement.commanding and self._heard is not None:
+                self._fly(now)
+                self._latency.answered(stamp, self.now())
+        return ""
+
+    @property
+    def engaged(self) -> bool:
+        """See :meth:`VehicleLink.engaged`."""
+        return self.engagement.commanding
+
+    def engage(self) -> str:
+        """See :meth:`VehicleLink.engage`."""
+        if self._heard is None or self._heard.heartbeat is None:
+            return "there is no autopilot to engage"
+        with self._lock:
+            refusals = list(self.describe().refusals)
+            if self.orbit is None:
+                refusals.append("there is nothing to fly yet: no command has come")
+            else:
+                refusals.append(self.refusal(self.orbit))
+            if words := "; ".join(filter(None, refusals)):
+                return words
+            self.engagement.ask(self.now())
+        return ""
+
+    def disengage(self) -> None:
+        """See :meth:`VehicleLink.disengage`."""
+        with self._lock:
+            if self.engagement.state is State.IDLE:
+                return
+            flown = self.engagement.commanding
+            self.engagement.give_up("disengaged")
+            if self._heard is not None:
+                self._heard.requests.drop()
+                if flown:
+                    self.let_go(self.now())
+
+    def sighting(self) -> Sighting | None:
+        """See :meth:`VehicleLink.sighting`."""
+        return None if self._heard is None else self._heard.target.take()
+
+    def values(self) -> dict[str, object]:
+        """See :meth:`VehicleLink.values`."""
+        if self._heard is None or self._heard.heartbeat is None:
+            return {"dialect": self.name}
+        heard, latency = self._heard, self._latency
+        return {
+            "dialect": self.name,
+            "mode": self.mode_name(heard.heartbeat.custom_mode),
+            "state": self.engagement.state.value,
+            "rate [Hz]": latency.rate(self.now()),
+            "latency median [ms]": 1e3 * latency.quantile(0.5),
+            "latency p99 [ms]": 1e3 * latency.quantile(0.99),
+            "messages lost": heard.connection.lost,
+            "frames refused": heard.connection.bad,
+            "commands refused": heard.requests.refused,
+            "clock offset [s]": heard.clock.offset or 0.0,
+            "clock jitter [ms]": 1e3 * heard.clock.jitter,
+            "restarts": heard.clock.restarts,
+        }
+
+    # What comes in and goes out -----------------------------------------------------------------
+
+    @property
+    def _streams(self) -> bool:
+        """Whether set-points are sent."""
+        return self.engagement.state is not State.IDLE
+
+    def _see(self, message: Any, arrival: float) -> None:
+        """Take in any message of the autopilot."""
+        self.engagement.heard(arrival)
+
+    def _see_heartbeat(self, message: Any, arrival: float) -> None:
+        was, mode = self.engagement.commanding, message.custom_mode
+        self.engagement.see_mode(
+            arrival,
+            self.takes_commands(mode),
+            self.mode_name(mode),
+            self.heard.armed,
+            message.system_status == mavlink.MAV_STATE_CRITICAL,
+        )
+        if self.engagement.commanding and not was:
+            self.begin(arrival)
+
+    def _tend(self, now: float) -> None:
+        """Send what is due."""
+        with self._lock:
+            heard, state = self.heard, self.engagement.state
+            heard.tend(now)
+            if state is State.ASKING and heard.is_due("command", now, ASKING_PERIOD):
+                self.ask_for_command(now)
+            if self._streams and now - self._sent_at >= self.stream_period:
+                self._fly(now)
+            if state is State.ENGAGED:
+                self.accompany(now)
+
+    def _fly(self, now: float) -> None:
+        """Send what the plan asks for now; nothing where it is over."""
+        inputs, measured = self._plan.inputs(now), self.heard.telemetry.newest
+        if inputs is not None and measured is not None:
+            self._sent_at = now
+            self.fly(inputs, measured, now)
+
+
+def _finite(orbit: FlownOrbit) -> bool:
+    return bool(np.isfinite([*orbit.centre, *orbit.velocity, orbit.radius, orbit.airspeed]).all())

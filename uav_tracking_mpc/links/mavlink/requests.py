@@ -1,0 +1,144 @@
+"""Commands to the autopilot, sent again until they are acknowledged; every answer is reported.
+
+MAVLink guide, Command Protocol: a command that is not acknowledged in time is repeated with its
+``confirmation`` counted up; IN_PROGRESS puts the end off.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from uav_tracking_mpc.control.event import EventLog, Level
+from uav_tracking_mpc.links.mavlink.connection import Connection
+from uav_tracking_mpc.links.mavlink.dialect import mavlink, name_of
+
+WAIT = 0.7  # s for an acknowledgement
+ATTEMPTS = 4
+PROGRESS = 10.0  # s that an autopilot may be at it
+
+
+@dataclass
+class _Request:
+    message: Any
+    words: str
+    quiet: bool
+    due: float
+    attempts: int = 1
+
+
+class Requests:
+    """Commands under way: one of each kind, a newer one takes the place of the older.
+
+    Args:
+        connection: To the autopilot.
+        events: Where answers are reported.
+
+    Attributes:
+        system: MAVLink system of the autopilot.
+        refused: How many commands were refused or never answered.
+    """
+
+    def __init__(self, connection: Connection, events: EventLog) -> None:
+        self.system = 0
+        self.refused = 0
+        self._connection, self._events = connection, events
+        self._pending: dict[int, _Request] = {}
+        self._results: dict[int, str] = {}
+
+    def ask(self, now: float, command: int, words: str, *parameters: float) -> None:
+        """Send a COMMAND_LONG.
+
+        Args:
+            now: Our time in [s].
+            command: Of MAV_CMD.
+            words: What it asks for, for people.
+            parameters: Its parameters, up to seven, in the command's units [SI]; the rest is 0.
+        """
+        values = (*parameters, *[0.0] * (7 - len(parameters)))
+        message = mavlink.MAVLink_command_long_message(self.system, 1, command, 0, *values)
+        self._send(now, command, message, words, quiet=False)
+
+    def ask_there(
+        self,
+        now: float,
+        command: int,
+        words: str,
+        parameters: tuple[float, float, float, float],
+        place: tuple[int, int, float],
+        frame: int = 0,
+        quiet: bool = False,
+    ) -> None:
+        """Send a COMMAND_INT, which keeps the digits of a place.
+
+        Args:
+            now: Our time in [s].
+            command: Of MAV_CMD.
+            words: What it asks for, for people.
+            parameters: Its first four parameters, in the units of the command [SI].
+            place: Latitude and longitude in units of 1e-7 deg, altitude in [m].
+            frame: Of MAV_FRAME; 0 is above sea level.
+            quiet: Whether only a refusal is reported.
+        """
+        message = mavlink.MAVLink_command_int_message(
+            self.system, 1, frame, command, 0, 0, *parameters, *place
+        )
+        self._send(now, command, message, words, quiet)
+
+    def _send(self, now: float, command: int, message: Any, words: str, quiet: bool) -> None:
+        self._pending[command] = _Request(message, words, quiet, now + WAIT)
+        self._results.pop(command, None)
+        self._connection.send(message)
+
+    def result(self, command: int) -> str | None:
+        """Answer to the newest request of a kind: its name, such as ACCEPTED; None while it waits.
+
+        Args:
+            command: Of MAV_CMD.
+        """
+        return self._results.get(command)
+
+    def drop(self) -> None:
+        """Ask for nothing of what is under way any more."""
+        self._pending.clear()
+
+    def see(self, message: Any, now: float) -> None:
+        """Take in a COMMAND_ACK.
+
+        Args:
+            message: Of the autopilot.
+            now: Our time in [s].
+        """
+        request = self._pending.get(message.command)
+        if request is None:
+            return
+        if message.result == mavlink.MAV_RESULT_IN_PROGRESS:
+            request.due = now + PROGRESS
+            return
+        self._end(message.command, name_of("MAV_RESULT", message.result))
+
+    def tend(self, now: float) -> None:
+        """Repeat what was not answered in time; give up after some attempts.
+
+        Args:
+            now: Our time in [s].
+        """
+        for command, request in list(self._pending.items()):
+            if now < request.due:
+                continue
+            if request.attempts == ATTEMPTS:
+                self._end(command, "not answered")
+                continue
+            request.attempts, request.due = request.attempts + 1, now + WAIT
+            if hasattr(request.message, "confirmation"):
+                request.message.confirmation = request.attempts - 1
+            self._connection.send(request.message)
+
+    def _end(self, command: int, result: str) -> None:
+        request = self._pending.pop(command)
+        self._results[command] = result
+        if result != "ACCEPTED":
+            self.refused += 1
+            self._events.add(Level.WARNING, f"the autopilot refused {request.words}: {result}")
+        elif not request.quiet:
+            self._events.add(Level.INFO, f"the autopilot accepted {request.words}")

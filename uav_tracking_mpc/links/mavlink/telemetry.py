@@ -1,0 +1,196 @@
+"""What an autopilot tells in flight, put together to measurements.
+
+==========================  ==========================================================
+GLOBAL_POSITION_INT         position, ground velocity: each one makes a measurement
+ATTITUDE                    heading, rates; carried on to the position's time
+VFR_HUD                     airspeed, which both autopilots tell as calibrated
+WIND, WIND_COV              the autopilot's estimate of the wind, ArduPilot's and PX4's
+HOME_POSITION               origin of ``map`` unless another is stated
+==========================  ==========================================================
+
+Position comes from latitude and longitude, see :mod:`~uav_tracking_mpc.dynamics.geodesy`. The path
+angle is that of the flight through the air, w = v sin(chi), and not the nose's elevation, which an
+angle of attack lies above it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.dynamics.atmosphere import true_over_equivalent
+from uav_tracking_mpc.dynamics.frames import course_rates_from_euler, heading_from_yaw
+from uav_tracking_mpc.dynamics.geodesy import LocalFrame
+from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
+
+DEGREE_SCALE = math.radians(1e-7)  # of latitude and longitude on the wire
+ATTITUDE_AGE = 0.25  # s that attitude and position may lie apart
+AIRSPEED_AGE = 1.0  # s that airspeed may be older than the position
+LEAST_AIRSPEED = 3.0  # m/s; below it nothing flies, and the path angle means nothing
+STEEPEST = 0.5 * math.pi
+WIND_AGE = 10.0  # s
+
+
+class Attitude(NamedTuple):
+    """Attitude as the autopilot tells it: Forward-Right-Down in North-East-Down.
+
+    Attributes:
+        time: Autopilot's time in [s].
+        roll: Right wing down in [rad].
+        pitch: Nose up in [rad].
+        yaw: Clockwise from North in [rad].
+        rates: (p, q, r), shape (3,), in [rad/s].
+    """
+
+    time: float
+    roll: float
+    pitch: float
+    yaw: float
+    rates: tuple[float, float, float]
+
+
+class Telemetry:
+    """Gathers messages of one autopilot.
+
+    Args:
+        clock: Of this autopilot.
+        origin: Of ``map``; None for the autopilot's home.
+
+    Attributes:
+        frame: Axes of ``map``; None until the origin is known.
+        attitude: The newest.
+        altitude: Above sea level in [m]; None until it is known.
+        airspeed: True airspeed in [m/s]; None where it is unknown or old.
+        wind: Velocity of the air in ``map`` by the autopilot, shape (3,), in [m/s]; None where it
+            tells nothing.
+        throttle: From 0 to 1 [-]; None until it is known.
+        newest: The newest measurement.
+    """
+
+    def __init__(self, clock: AutopilotClock, origin: LocalFrame | None = None) -> None:
+        self._clock = clock
+        self.frame = origin
+        self.home: LocalFrame | None = None
+        self.forget()
+
+    def forget(self) -> None:
+        """Forget what belongs to a boot that is over; the origin stays."""
+        self.attitude: Attitude | None = None
+        self.altitude: float | None = None
+        self.wind: NDArray[np.float64] | None = None
+        self.newest: Measurement | None = None
+        self.throttle: float | None = None
+        self._calibrated: float | None = None
+        self._calibrated_at = self._wind_at = self._position_at = -math.inf
+
+    @property
+    def airspeed(self) -> float | None:
+        """See the class."""
+        if self._calibrated is None or self.altitude is None:
+            return None
+        return self._calibrated * true_over_equivalent(self.altitude)
+
+    def see(self, message: Any, arrival: float) -> Measurement | None:
+        """Take in a message.
+
+        Args:
+            message: Of the autopilot.
+            arrival: Our time in [s].
+
+        Returns:
+            A measurement, where the message completes one.
+        """
+        taker = _TAKERS.get(message.get_type())
+        return None if taker is None else taker(self, message, arrival)
+
+    def _see_attitude(self, message: Any, arrival: float) -> None:
+        rates = (message.rollspeed, message.pitchspeed, message.yawspeed)
+        values = (message.roll, message.pitch, message.yaw, *rates)
+        if all(map(math.isfinite, values)) and abs(message.pitch) < STEEPEST:
+            time = message.time_boot_ms * 1e-3
+            self.attitude = Attitude(time, message.roll, message.pitch, message.yaw, rates)
+
+    def _see_airspeed(self, message: Any, arrival: float) -> None:
+        self.throttle = min(message.throttle * 1e-2, 1.0)
+        if math.isfinite(message.airspeed):
+            self._calibrated, self._calibrated_at = message.airspeed, arrival
+
+    def _see_wind(self, message: Any, arrival: float) -> None:
+        # ArduPilot tells where the wind comes from, clockwise from North, and its part down.
+        azimuth = math.radians(message.direction)
+        north, east = -math.cos(azimuth), -math.sin(azimuth)
+        self._set_wind([message.speed * east, message.speed * north, -message.speed_z], arrival)
+
+    def _see_wind_covariance(self, message: Any, arrival: float) -> None:
+        self._set_wind([message.wind_y, message.wind_x, -message.wind_z], arrival)
+
+    def _set_wind(self, wind: list[float], arrival: float) -> None:
+        if all(map(math.isfinite, wind)):
+            self.wind, self._wind_at = np.array(wind), arrival
+
+    def _see_home(self, message: Any, arrival: float) -> None:
+        self.home = LocalFrame(
+            message.latitude * DEGREE_SCALE,
+            message.longitude * DEGREE_SCALE,
+            message.altitude * 1e-3,
+        )
+        if self.frame is None:
+            self.frame = self.home
+
+    def _see_position(self, message: Any, arrival: float) -> Measurement | None:
+        time = message.time_boot_ms * 1e-3
+        if arrival - self._calibrated_at > AIRSPEED_AGE:
+            self._calibrated = None
+        if arrival - self._wind_at > WIND_AGE:
+            self.wind = None
+        self.altitude = message.alt * 1e-3
+        attitude, newest = self.attitude, self.newest
+        if self.frame is None or attitude is None or self._clock.offset is None:
+            return None
+        stamp = self._clock.ours(time)
+        if newest is not None and time <= self._position_at:
+            return None  # doubled, or overtaken by a later one
+        apart = time - attitude.time
+        if abs(apart) > ATTITUDE_AGE or message.lat == message.lon == 0:
+            return None
+        turn_rate, nose_rate = course_rates_from_euler(
+            attitude.roll, attitude.pitch, attitude.rates
+        )
+        climb = -message.vz * 1e-2
+        airspeed = self.airspeed
+        if airspeed is None or airspeed < LEAST_AIRSPEED:
+            airspeed = None
+            level = math.hypot(message.vx * 1e-2, message.vy * 1e-2)
+            path_angle = math.atan2(climb, max(level, LEAST_AIRSPEED))
+        else:
+            path_angle = math.asin(max(-1.0, min(1.0, climb / airspeed)))
+        self._position_at = time
+        self.newest = Measurement(
+            stamp=stamp,
+            position=self.frame.position(
+                message.lat * DEGREE_SCALE, message.lon * DEGREE_SCALE, self.altitude
+            ),
+            ground_velocity=np.array([message.vy * 1e-2, message.vx * 1e-2, climb]),
+            heading=math.remainder(
+                heading_from_yaw(attitude.yaw) + turn_rate * apart, 2.0 * math.pi
+            ),
+            path_angle=path_angle,
+            turn_rate=turn_rate,
+            path_angle_rate=nose_rate,
+            airspeed=airspeed,
+        )
+        return self.newest
+
+
+_TAKERS: dict[str, Any] = {
+    "GLOBAL_POSITION_INT": Telemetry._see_position,
+    "ATTITUDE": Telemetry._see_attitude,
+    "VFR_HUD": Telemetry._see_airspeed,
+    "WIND": Telemetry._see_wind,
+    "WIND_COV": Telemetry._see_wind_covariance,
+    "HOME_POSITION": Telemetry._see_home,
+}

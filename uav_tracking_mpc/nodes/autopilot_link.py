@@ -1,0 +1,270 @@
+"""Node ``autopilot_link``: a real aircraft in the simulator's place, through a vehicle link."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from typing import Any
+
+import numpy as np
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from std_srvs.srv import SetBool
+
+from uav_tracking_mpc.control.event import Level
+from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
+from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.links import LinkError, VehicleLink
+from uav_tracking_mpc.nodes import diagnostics
+from uav_tracking_mpc.nodes.conversions import (
+    MessageError,
+    nanoseconds,
+    plan_from_command,
+    set_air_velocity,
+    set_measurement,
+)
+from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
+from uav_tracking_mpc.nodes.link_reader import LinkReader
+from uav_tracking_mpc.nodes.orbit_message import orbit_from_message
+from uav_tracking_mpc.nodes.peers import Peers, Promise
+from uav_tracking_mpc.nodes.run import run
+from uav_tracking_mpc.nodes.sighting_publisher import SightingPublisher
+from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, COMMAND, ENGAGED, ODOMETRY, ORBIT
+from uav_tracking_mpc.parameters.registry import VEHICLE_LINK, ExtensionError
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.link import LinkParameters
+
+LOOK_PERIOD = 0.1  # s between looks at how the link is
+TELL_PERIOD = 1.0  # s between messages that say whether the commands are flown
+SILENCE = 1.0  # s without a state, after which it is missed
+WARNING_PERIOD = 5.0  # s
+SINGLE_SEGMENT = 1.0  # s that a plan of one segment lasts
+ORBIT_AGE = 2.0  # s by which an orbit may be older than the command
+UNEVEN = 1e-6  # s by which segments of a plan may differ
+
+
+class AutopilotLink(Node):
+    """Publishes what the aircraft measures and hands it the commands.
+
+    It waits for an aircraft that is not there yet, and outlives one that is lost.
+
+    Args:
+        options: As those of rclpy's Node.
+
+    Attributes:
+        refusal: Why it ends though nobody stopped it, in words; empty while it goes on.
+
+    Raises:
+        ParameterError: A parameter is not allowed, or there is no such link.
+    """
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("autopilot_link", **options)
+        self.parameters = declare_parameters(self, LinkParameters)
+        self._link = _link(self.parameters)
+        self._wanted = self.parameters.engage
+        self._engaged, self._told = False, -math.inf
+        self._orbit: tuple[FlownOrbit, int] | None = None
+        self._states = self._received = self._refused = 0
+        self._state_time, self._refusal = -math.inf, ""
+        self._odometry, self._air_velocity = ODOMETRY.type(), AIR_VELOCITY.type()
+        self._promise = Promise(self.parameters.telemetry_rate)
+        self._odometry_publisher = self.create_publisher(
+            ODOMETRY.type,
+            ODOMETRY.name,
+            self._promise.qos(ODOMETRY.qos),
+            event_callbacks=self._promise.callbacks(lambda: None),
+        )
+        self._air_publisher = self.create_publisher(
+            AIR_VELOCITY.type, AIR_VELOCITY.name, AIR_VELOCITY.qos
+        )
+        self._sightings = SightingPublisher(self) if self.parameters.target_system else None
+        self._engaged_publisher = self.create_publisher(ENGAGED.type, ENGAGED.name, ENGAGED.qos)
+        self._diagnostics = diagnostics.Diagnostics(self, self._values)
+        self._peers = Peers(lambda words: self._diagnostics.report(diagnostics.WARN, words))
+        self.create_subscription(
+            COMMAND.type,
+            COMMAND.name,
+            self._on_command,
+            COMMAND.qos,
+            event_callbacks=self._peers.listening(COMMAND),
+        )
+        self.create_subscription(ORBIT.type, ORBIT.name, self._on_orbit, ORBIT.qos)
+        self.create_service(SetBool, "~/engage", self._on_engage)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(LOOK_PERIOD, self._look, clock=steady)
+        self._reader = LinkReader(self._link, self._on_measured)
+        self._reader.start()
+
+    @property
+    def refusal(self) -> str:
+        """See the class."""
+        return self._reader.refusal
+
+    def _stamp(self, time: float) -> int:
+        """ROS time of a time of the link in [ns]."""
+        return self.get_clock().now().nanoseconds - round((self._link.now() - time) * 1e9)
+
+    def _time(self, stamp: int) -> float:
+        """The link's time of a ROS time in [s]."""
+        return self._link.now() - (self.get_clock().now().nanoseconds - stamp) * 1e-9
+
+    def _on_measured(self, seen: Measurement) -> None:
+        """Publish a measurement at once, in the thread that received it."""
+        stamp = self._stamp(seen.stamp)
+        set_measurement(self._odometry, stamp, seen)
+        self._odometry_publisher.publish(self._odometry)
+        if seen.airspeed is not None:
+            set_air_velocity(self._air_velocity, stamp, seen.airspeed)
+            self._air_publisher.publish(self._air_velocity)
+        self._states += 1
+        self._state_time = time.monotonic()
+        sighting = None if self._sightings is None else self._link.sighting()
+        if self._sightings is not None and sighting is not None:
+            self._sightings.publish(self._stamp(sighting.stamp), sighting)
+
+    def _on_command(self, message: Any) -> None:
+        try:
+            plan, starts = plan_from_command(message)
+            steps = np.diff(starts)
+            if len(steps) and np.ptp(steps) > UNEVEN:
+                raise MessageError(f"{COMMAND.name}: its segments are not of one length")
+            if not self._reader.connected:
+                return
+            stamp = nanoseconds(message.header.stamp)
+            step = float(steps[0]) if len(steps) else SINGLE_SEGMENT
+            refusal = self._link.command(self._time(stamp), plan, step, self._orbit_at(stamp))
+        except MessageError as error:
+            refusal = str(error)
+        except Exception as error:  # whatever a user's link raises, the node goes on
+            refusal = f"the link failed: {type(error).__name__}: {error}"
+        self._received += 1
+        self._refusal = refusal
+        if refusal:
+            self._refused += 1
+            self.get_logger().warning(
+                f"command refused: {refusal}", throttle_duration_sec=WARNING_PERIOD
+            )
+
+    def _on_orbit(self, message: Any) -> None:
+        try:
+            self._orbit = orbit_from_message(message), nanoseconds(message.header.stamp)
+        except MessageError as error:
+            self._refused += 1
+            self.get_logger().warning(
+                f"orbit refused: {error}", throttle_duration_sec=WARNING_PERIOD
+            )
+
+    def _orbit_at(self, stamp: int) -> FlownOrbit | None:
+        """The newest orbit, its centre carried on to a ROS time; None without a new one."""
+        if self._orbit is None:
+            return None
+        orbit, at = self._orbit
+        age = (stamp - at) * 1e-9
+        if abs(age) > ORBIT_AGE:
+            return None
+        return orbit._replace(centre=orbit.centre + age * orbit.velocity)
+
+    def _on_engage(self, request: Any, response: Any) -> Any:
+        self._wanted = False
+        words = self._engage() if request.data else self._disengage()
+        response.success, response.message = not words, words
+        return response
+
+    def _engage(self) -> str:
+        """Take command; why not, in words."""
+        if not self._reader.connected:
+            return f"there is no aircraft: {self._reader.trouble}"
+        try:
+            return self._link.engage()
+        except Exception as error:  # whatever a user's link raises, the node goes on
+            return f"the link failed: {type(error).__name__}: {error}"
+
+    def _disengage(self) -> str:
+        """Give command back; why not, in words."""
+        try:
+            self._link.disengage()
+        except Exception as error:  # whatever a user's link raises, the node goes on
+            return f"the link failed: {type(error).__name__}: {error}"
+        return ""
+
+    def _look(self) -> None:
+        """Report what has happened to the link, and how it is."""
+        now = time.monotonic()
+        logger = self.get_logger()
+        for level, words in self._link.events.take():
+            if level is Level.INFO:
+                logger.info(words)
+            else:
+                logger.warning(words)
+        self._tell(now)
+        self._diagnostics.report(*self._status(now))
+        if self._wanted and self._received and now - self._state_time < SILENCE:
+            words = self._engage()
+            self._wanted = bool(words)  # asked for once: it does not argue with the pilot
+            if words:
+                logger.warning(f"not engaged: {words}", throttle_duration_sec=WARNING_PERIOD)
+
+    def _tell(self, now: float) -> None:
+        """Say whether the commands are flown, on change and once a second."""
+        engaged = self._reader.connected and bool(self._link.engaged)
+        if engaged != self._engaged or now - self._told >= TELL_PERIOD:
+            self._engaged, self._told = engaged, now
+            self._engaged_publisher.publish(ENGAGED.type(data=engaged))
+
+    def _status(self, now: float) -> tuple[bytes, str]:
+        """Level and words of how the link is."""
+        name = self._link.name
+        if not self._reader.connected:
+            level = diagnostics.ERROR if self._states else diagnostics.WARN
+            return level, f"{name}: no aircraft: {self._reader.trouble}"
+        if now - self._state_time > SILENCE:
+            return diagnostics.ERROR, f"{name}: connected, but no state comes"
+        if not self._engaged:
+            return diagnostics.OK, f"{name}: not engaged, nothing is commanded"
+        if self._refusal:
+            return diagnostics.ERROR, f"{name}: the commands are refused"
+        return diagnostics.OK, f"{name}: the commands are flown"
+
+    def _values(self) -> dict[str, object]:
+        try:
+            values = self._link.values()
+        except Exception as error:  # whatever a user's link raises, the node goes on
+            values = {"link": f"failed: {type(error).__name__}: {error}"}
+        return {
+            "dialect": self._link.name,
+            "engaged": self._engaged,
+            "when silent": self._link.when_silent,
+            "states": self._states,
+            "commands received": self._received,
+            "plans refused": self._refused,
+            "last refusal": self._refusal,
+            "state deadlines missed": self._promise.broken,
+            **values,
+            **self._peers.values(),
+        }
+
+    def finish(self) -> None:
+        """Give command back, let go of the aircraft and publish the last diagnostics."""
+        self._wanted = False
+        self._disengage()
+        self._look()
+        self._diagnostics.publish()
+        self._reader.stop()
+
+
+def _link(parameters: LinkParameters) -> VehicleLink:
+    try:
+        return VEHICLE_LINK.find(parameters.link).of(parameters)  # type: ignore[no-any-return]
+    except (ExtensionError, LinkError) as error:
+        raise ParameterError(f"parameters 'link', 'connection': {error}") from error
+
+
+def main() -> int:
+    """Entry point of the executable."""
+    return run("autopilot_link", AutopilotLink)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,57 @@
+"""The link to an autopilot, as parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from uav_tracking_mpc.parameters.registry import VEHICLE_LINK
+from uav_tracking_mpc.parameters.specification import parameter
+
+
+@dataclass(frozen=True)
+class LinkParameters:
+    """Which autopilot flies, where it is, and what may be asked of it."""
+
+    link: str = parameter("ardupilot", "Which autopilot.", extension=VEHICLE_LINK, fixed=True)
+    connection: str = parameter(
+        "",
+        "Where it is: udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT or "
+        "serial:DEVICE:BAUD; empty for udpin:127.0.0.1:14550.",
+        fixed=True,
+    )
+    engage: bool = parameter(
+        False, "Take command as soon as there is something to fly and nothing speaks against it."
+    )
+    engage_on_mode: bool = parameter(
+        False, "A pilot who switches to the mode of external commands hands over command."
+    )
+    origin: tuple[float, ...] = parameter(
+        (),
+        "Latitude [deg], longitude [deg] and altitude above sea level [m] of the origin of map; "
+        "empty for the autopilot's home.",
+        lower=-1e4,
+        upper=1e5,
+        multiple=3,
+        fixed=True,
+    )
+    telemetry_rate: float = parameter(
+        50.0, "How often the state is asked for.", "Hz", 5.0, 400.0, fixed=True
+    )
+    system: int = parameter(
+        0,
+        "MAVLink system of the autopilot; 0 for the first that is heard.",
+        lower=0,
+        upper=255,
+        fixed=True,
+    )
+    target_system: int = parameter(
+        0,
+        "MAVLink system of a vehicle to circle, which sends GLOBAL_POSITION_INT or FOLLOW_TARGET; "
+        "0 for the target of target/position.",
+        lower=0,
+        upper=255,
+        fixed=True,
+    )
+    signing_key: str = parameter(
+        "", "File with the 32 bytes of a key to sign messages with; empty to sign none.", fixed=True
+    )
