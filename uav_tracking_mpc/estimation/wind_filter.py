@@ -34,9 +34,9 @@ AIRSPEED_SHARE, HEADING_BIAS = 0.02, 0.02  # -, rad
 WIND_WALK, GROUND_WALK, SHARE_WALK, HEADING_WALK = 0.03, 0.01, 2e-4, 2e-4
 POSITION_NOISE, VELOCITY_NOISE = 0.1, 0.05  # m, m/s: least standard deviations believed
 GUST_WALK = 1.0  # m^2/s^3, that of moderate gusts, until it is seen how strong they are
-# Over which the air velocity is averaged that multiplies alpha and beta. A gust changes the airspeed
-# of a real aircraft, and its heading as it weathercocks, before it moves the aircraft: what is
-# measured of the wind then changes exactly as the air velocity does, and would be taken for alpha.
+# Over which the air velocity is averaged that multiplies alpha and beta. A gust changes the
+# airspeed of a real aircraft, and its heading as it weathercocks, before it moves the aircraft:
+# v_measured - a then changes exactly as -a does, and the gust would be taken for alpha.
 AVERAGING_TIME = 5.0  # s
 LONGEST_GAP = 2.0  # s without a measurement, after which the position begins anew
 

@@ -113,7 +113,7 @@ class Airframe:
         steps: Taken since the start.
 
     Raises:
-        AirframeError: JSBSim is not installed, or there is no steady flight of that speed and climb.
+        AirframeError: JSBSim is not installed, or there is no steady flight to start from.
     """
 
     def __init__(self, start: Start) -> None:
@@ -144,7 +144,7 @@ class Airframe:
         alpha = self._fdm["aero/alpha-rad"]
         if not abs(alpha) < ALPHA_LOST:  # also where it is not a number
             raise AirframeError(
-                f"the angle of attack is {alpha:.3g} rad at {self.airspeed:.3g} m/s: control is lost"
+                f"control is lost: angle of attack {alpha:.3g} rad at {self.airspeed:.3g} m/s"
             )
 
     @property

@@ -1,4 +1,4 @@
-r"""The inner loops of an autopilot: bank, path angle and airspeed, by aileron, elevator and throttle.
+r"""The inner loops of an autopilot: bank, path angle and airspeed, by servos.
 
 From the inputs of a plan come three demands,
 
@@ -79,9 +79,11 @@ class FlightControl:
         self.path_demand, self.speed_demand = flown.path_angle, flown.airspeed
         stiffness = (flown.airspeed / SPEED) ** 2
         self._roll = trim.aileron * stiffness
-        self._pitch = trim.elevator + LIFT_FORWARD / stiffness * GRAVITY * math.cos(self.path_demand)
+        climb = GRAVITY * math.sin(self.path_demand)
+        lift = GRAVITY * math.cos(self.path_demand)
+        self._pitch = trim.elevator + LIFT_FORWARD / stiffness * lift
         self._yaw = (trim.rudder - AILERON_TO_RUDDER * trim.aileron) * stiffness
-        self._thrust = trim.throttle - self._force_throttle(flown, GRAVITY * math.sin(self.path_demand))
+        self._thrust = trim.throttle - self._force_throttle(flown, climb)
         self._climb = 0.0  # rate in rad/s at which the demanded path angle changes
         self._full = 0  # of the throttle: at its upper end 1, at its lower -1
         self._lift_full = 0  # of the lift, likewise
@@ -121,7 +123,7 @@ class FlightControl:
         across = flown.airspeed * math.cos(flown.path_angle) * turn
         self.bank_demand = -_clip(math.atan2(across, GRAVITY), self._limits.bank_max)
         wanted = _clip((self.bank_demand - flown.bank) / BANK_TIME, ROLL_RATE_MAX)
-        # phi' = p + psi' sin(theta) / cos(theta) cos(theta)
+        # p = phi' - psi' sin(theta), psi' = g tan(phi) / v
         wanted -= GRAVITY / flown.airspeed * math.tan(flown.bank) * math.sin(flown.pitch)
         error = wanted - flown.roll_rate
         forward = ROLL_FORWARD * wanted + YAW_TO_ROLL * flown.yaw_rate
