@@ -5,7 +5,7 @@
 ``flight_log``       what a flight leaves behind
 ``plants``           what can be flown, one plant a file
 ``plan_follower``    the part of an autopilot that flies plans
-``airframe``         six degrees of freedom: JSBSim with an airframe of ours
+``flight_dynamics``  six degrees of freedom: JSBSim with an airframe of ours
 ``flight_control``   its inner loops: bank, path angle, airspeed
 ``inner_loop``       dead time and lag between a command and the rate flown
 ``lagged_flight``    the vehicle while its rates approach their commands

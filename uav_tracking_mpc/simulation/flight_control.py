@@ -20,7 +20,7 @@ from collections.abc import Sequence
 
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
-from uav_tracking_mpc.simulation.airframe import Flown, Surfaces
+from uav_tracking_mpc.simulation.flight_dynamics import Flown, Surfaces
 
 SPEED = 22.0  # m/s, at which the gains are tuned
 
@@ -135,8 +135,8 @@ class FlightControl:
 
     def _elevator(self, climb: float, flown: Flown, weaker: float, step: float) -> float:
         self._climb += step / PATH_LAG * (climb - self._climb)
-        if self._climb * self._lift_full <= 0.0:
-            self.path_demand += step * self._climb
+        demand = self.path_demand + step * self._climb
+        self.path_demand = _held(self.path_demand, demand, flown.path_angle, self._lift_full)
         rate = climb + (self.path_demand - flown.path_angle) / PATH_TIME
         cos_bank = math.cos(flown.bank)
         weight = GRAVITY * math.cos(flown.path_angle)
@@ -166,9 +166,11 @@ class FlightControl:
 
     def _throttle(self, gain: float, flown: Flown, step: float) -> float:
         limits = self._limits
-        if gain * self._full <= 0.0:
-            demand = self.speed_demand + step * gain
-            self.speed_demand = min(max(demand, limits.speed_min), limits.speed_max)
+        demand = self.speed_demand + step * gain
+        demand = _held(self.speed_demand, demand, flown.airspeed, self._full)
+        self.speed_demand = min(max(demand, limits.speed_min), limits.speed_max)
+        if (demand - self.speed_demand) * gain > 0.0:
+            gain = 0.0
         error = self.speed_demand - flown.airspeed
         force = gain + error / SPEED_TIME + GRAVITY * math.sin(flown.path_angle)
         throttle = self._force_throttle(flown, force) + self._thrust
@@ -182,6 +184,13 @@ class FlightControl:
         loads = (flown.lift / GRAVITY) ** 2
         drag = INDUCED_DRAG * loads * (SPEED / flown.airspeed) ** 2
         return FORCE_FORWARD * (force + drag) + SPEED_FORWARD * flown.airspeed
+
+
+def _held(before: float, after: float, flown: float, full: int) -> float:
+    """A demand that grows no further than what is flown where the actuator is at its end."""
+    if full * (after - before) <= 0.0:
+        return after
+    return max(before, min(after, flown)) if full > 0 else min(before, max(after, flown))
 
 
 def _clip(value: float, limit: float) -> float:

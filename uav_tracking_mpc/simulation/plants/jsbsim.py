@@ -28,13 +28,13 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
-from uav_tracking_mpc.simulation.airframe import RATE, Airframe, AirframeError, Flown, Start
 from uav_tracking_mpc.simulation.flight_control import FlightControl
+from uav_tracking_mpc.simulation.flight_dynamics import RATE, Airframe, AirframeError, Flown, Start
 from uav_tracking_mpc.simulation.plants import Plant, SimulationError
 
 
 class JSBSimPlant(Plant):
-    """The airframe of :mod:`~uav_tracking_mpc.simulation.airframe`, trimmed where it starts.
+    """The airframe of :mod:`~uav_tracking_mpc.simulation.flight_dynamics`, trimmed where it starts.
 
     Lag and dead time are what servos, inner loops and airframe make of them, not parameters.
 

@@ -274,7 +274,7 @@ def _executive() -> Any:
         import jsbsim
     except ImportError as error:
         raise AirframeError(
-            "JSBSim is not installed: pip install 'uav_tracking_mpc[jsbsim]'"
+            'JSBSim is not installed: pip install "uav_tracking_mpc[jsbsim]"'
         ) from error
     jsbsim.set_logger(jsbsim.DefaultLogger(jsbsim.LogLevel.ERROR))
     fdm = jsbsim.FGFDMExec(None)
