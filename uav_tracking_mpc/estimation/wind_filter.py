@@ -158,7 +158,7 @@ class WindFilter:
         transition[P, ALPHA] = -elapsed * self._steady_air
         transition[P, BETA] = -elapsed * _across(self._steady_air)
         self._state = transition @ self._state
-        self._state[P] += elapsed * air
+        self._state[P] += elapsed * (air - self._beside(air))
         # A random walk of intensity q is a short piece of a gust of variance q T / 2.
         walks = np.array([self._level_meter.walk] * 2 + [self._vertical_meter.walk])
         self._spread[G] = 0.5 * walks * self.correlation_times * (1.0 - decay**2)
@@ -166,6 +166,11 @@ class WindFilter:
         self._spread[ALPHA:] = SHARE_WALK**2 * elapsed, HEADING_WALK**2 * elapsed
         self._covariance = transition @ self._covariance @ transition.T
         self._covariance.flat[:: SIZE + 1] += self._spread
+
+    def _beside(self, air: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What alpha and beta change of an air velocity beyond what they do of the average."""
+        apart = air - self._steady_air
+        return self._state[ALPHA] * apart + self._state[BETA] * _across(apart)
 
     def _see_noise(
         self, time: float, position: NDArray[np.float64], ground_velocity: NDArray[np.float64]
@@ -183,6 +188,7 @@ class WindFilter:
         sensed, air = self._sensed, self._air
         sensed[3:, ALPHA], sensed[3:, BETA] = -self._steady_air, -_across(self._steady_air)
         innovation = np.concatenate([position, ground_velocity - air]) - sensed @ self._state
+        innovation[3:] += self._beside(air)
         crossed = sensed @ self._covariance
         variance = crossed @ sensed.T
         variance.flat[::7] += self._noise
