@@ -11,9 +11,9 @@ WIDTH = "88"  # characters
 
 
 class CommandHelp(SphinxDirective):
-    """The help of ``uav_tracking`` or of one of its commands, which is the argument."""
+    """The help of ``uav_tracking`` or of one of its commands, named by the arguments."""
 
-    optional_arguments = 1
+    optional_arguments = 2  # a command, and an action of it
 
     def run(self):
         """Ask the command."""

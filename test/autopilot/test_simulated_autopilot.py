@@ -111,3 +111,28 @@ def test_bad_words_are_told():
         SimulatedAutopilot("px4", CONFIGURATION, origin=(91.0, 0.0, 0.0))
     with pytest.raises(LinkError, match="must be udpin:HOST:PORT"):
         SimulatedAutopilot("px4", CONFIGURATION, "radio:7")
+
+
+def test_signed_messages_alone_are_taken_where_there_is_a_key(tmp_path):
+    key, where = tmp_path / "key", f"127.0.0.1:{PORT + 4}"
+    key.write_bytes(bytes(range(32)))
+    connection = client(f"udpin:{where}")
+    with SimulatedAutopilot("ardupilot", CONFIGURATION, f"udpout:{where}", key=str(key)):
+        assert heard(connection, "HEARTBEAT").get_header().incompat_flags == 1  # signed
+        connection.mav.command_long_send(1, 1, 410, 0, *[0.0] * 7)
+        assert heard(connection, "COMMAND_ACK", timeout=0.5) is None
+        connection.setup_signing(bytes(range(32)), sign_outgoing=True)
+        assert asked(connection, 410) == mavlink.MAV_RESULT_ACCEPTED
+    connection.close()
+
+
+def test_a_second_vehicle_is_heard_on_the_same_wire():
+    where = f"127.0.0.1:{PORT + 5}"
+    connection = client(f"udpin:{where}")
+    with SimulatedAutopilot("px4", CONFIGURATION, f"udpout:{where}", target_system=9):
+        deadline = time.monotonic() + PATIENCE
+        systems = set()
+        while systems != {1, 9}:
+            systems.add(heard(connection, "GLOBAL_POSITION_INT").get_srcSystem())
+            assert time.monotonic() < deadline
+    connection.close()

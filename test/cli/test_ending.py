@@ -5,6 +5,7 @@ import pytest
 from uav_tracking_mpc.cli.ending import explained
 from uav_tracking_mpc.launch.flight import FlightInterruptedError
 from uav_tracking_mpc.launch.supervisor import LaunchError
+from uav_tracking_mpc.links import LinkError
 from uav_tracking_mpc.parameters.registry import ExtensionError
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.simulation.closed_loop import SimulationError
@@ -15,11 +16,13 @@ from uav_tracking_mpc.simulation.closed_loop import SimulationError
     [
         (ParameterError("no such orbit"), 2, "no such orbit"),
         (ExtensionError("there is no law"), 2, "there is no law"),
+        (LinkError("no autopilot answers"), 2, "no autopilot answers"),
         (LaunchError("a node died"), 1, "a node died"),
         (SimulationError("no value there"), 1, "no value there"),
         (PermissionError(13, "not allowed", "/x"), 1, "/x"),
         (KeyboardInterrupt(), 130, "interrupted"),
         (FlightInterruptedError(15), 143, "interrupted before the first command"),
+        (FlightInterruptedError(2, link=True), 130, "before the autopilot was engaged"),
         (ModuleNotFoundError("rclpy", name="rclpy"), 1, "source its setup file"),
         (ImportError("the proof needs python-flint"), 1, "python-flint"),
     ],

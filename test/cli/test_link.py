@@ -2,6 +2,9 @@
 
 import argparse
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -125,3 +128,16 @@ def test_a_connection_goes_into_the_parameters_of_the_node():
     flown = with_connection(load_configuration("small_uav"), "udpin:127.0.0.1:1")
     assert flown.link.connection == "udpin:127.0.0.1:1"
     assert "connection: udpin:127.0.0.1:1" in flown.yaml()
+
+
+def test_an_autopilot_is_looked_at_without_ros():
+    program = (
+        "import sys; sys.modules['rclpy'] = None; import uav_tracking_mpc.cli.main as cli; "
+        f"sys.exit(cli.main(['link', 'check', '--link', {LINK!r}]))"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+    finished = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, env=environment
+    )
+    assert finished.returncode == 0, finished.stderr
+    assert "it fits" in finished.stdout

@@ -61,7 +61,7 @@ def test_every_command_says_what_it_does(name, capsys):
     module = importlib.import_module(f"uav_tracking_mpc.cli.{name}")
     assert " ".join(module.DESCRIPTION.split()) in " ".join(text.split())
     options = re.findall(r"^  (--\S+)( .*)?$", text, re.MULTILINE)
-    assert options or name == "monitor"
+    assert options or name in ("monitor", "link")
 
 
 def test_help_imports_nothing_that_takes_long():

@@ -220,3 +220,20 @@ def test_where_the_autopilot_holds_the_loiter_law_flies_the_bank_alone():
     expected = model.held(state, 120.0, 22.0, model.numbers(0.4), present.drift)
     np.testing.assert_allclose(command.inputs[0, 1:], expected)
     assert command.flown_orbit.centre[2] == pytest.approx(120.0)
+
+
+def test_commands_that_are_not_flown_count_for_nothing(constant):
+    """They are answered all the same, but neither navigation nor estimator believes in them."""
+    constant.engage(False)
+    constant.see_target(0.0, STILL)
+    for k in range(4):
+        assert constant.step(measured(0.1 * k), 0.1 * k) is not None
+    assert constant.navigator.estimate(measured(0.4)).effect.rates[0] == pytest.approx(
+        0.0, abs=1e-3
+    )
+    assert not constant.response.enabled
+    constant.engage(True)
+    assert constant.response.enabled
+    for k in range(4, 20):
+        constant.step(measured(0.1 * k), 0.1 * k)
+    assert constant.navigator.estimate(measured(2.0)).effect.rates[0] < -0.02

@@ -60,6 +60,10 @@ def eventful(controller):
     flown.fly(10, target=False)
     controller.change(target_timeout=0.2)
     flown.fly(10, target=False)
+    controller.engage(False)
+    flown.fly(10)
+    controller.engage(True)
+    flown.fly(10)
     controller.fall_silent("vehicle state is lost")
     quiet = Measurement(
         flown.time + TICK, np.zeros(3), np.ones(3), 0.0, 0.0, noise=SensorNoise(position=100.0)

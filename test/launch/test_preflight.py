@@ -15,7 +15,7 @@ LINK = f"{Path(__file__).parents[1] / 'paced_link.py'}:PacedLink"
 
 
 def configuration(*overrides, address="", link=LINK):
-    own = [f"autopilot_link.link={link}", f"autopilot_link.connection={address}"]
+    own = [f"autopilot_link.link={link}", f"autopilot_link.connection={address!r}"]
     return load_configuration("small_uav", [*own, *overrides])
 
 

@@ -12,6 +12,7 @@ import rclpy
 from processes import INTERRUPT, run_node
 from rclpy.node import Node
 
+from uav_tracking_mpc.nodes.autopilot_link import AutopilotLink
 from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 from uav_tracking_mpc.nodes.run import run
@@ -26,6 +27,7 @@ NODES = {
     "uav_simulator": UavSimulator,
     "target_publisher": TargetPublisher,
     "nmpc_controller": NmpcController,
+    "autopilot_link": AutopilotLink,
 }
 ABSURD = (
     ".nan",

@@ -8,11 +8,12 @@ from uav_tracking_mpc.nodes.run import refusal
 pytestmark = pytest.mark.nodes
 
 
-NODES = ("uav_simulator", "target_publisher", "nmpc_controller")
+NODES = ("uav_simulator", "target_publisher", "nmpc_controller", "autopilot_link")
 FIRST_WORDS = {
     "uav_simulator": "waiting for the first command",
     "target_publisher": "target is stationary",
     "nmpc_controller": "orbit of 150 m",
+    "autopilot_link": "ardupilot: no aircraft",
 }
 
 
@@ -30,6 +31,8 @@ def test_signals_end_a_node_cleanly(node, stop):
         ("nmpc_controller", ["-p", "range:=far"], "parameter 'range' is 'far'"),
         ("nmpc_controller", ["-p", "state_weights:=[]"], "a list of 5 numbers"),
         ("uav_simulator", ["-p", "speed_max:=-1.0"], "parameter 'speed_max' is -1.0"),
+        ("autopilot_link", ["-p", "connection:=udpin:nowhere"], "must be udpin:HOST:PORT"),
+        ("autopilot_link", ["-p", "link:=balloon"], "parameter 'link' is 'balloon'"),
         ("target_publisher", ["-p", "rate:=.nan"], "parameter 'rate' is nan"),
         ("target_publisher", ["-p", "nonsense"], "Couldn't parse parameter override"),
         ("uav_simulator", ["--params-file", "/nowhere.yaml"], "/nowhere.yaml"),

@@ -2,18 +2,21 @@
 
 import os
 import xml.etree.ElementTree as ElementTree
+from pathlib import Path
 
 import pytest
 import rclpy
 from rclpy.parameter import Parameter
 
+from uav_tracking_mpc.nodes.autopilot_link import AutopilotLink
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.settings.configuration import configuration_folder
 
 POLICY = configuration_folder() / "security" / "uav_tracking.policy.xml"
-NODES = ("uav_simulator", "target_publisher", "nmpc_controller")
+NODES = ("uav_simulator", "target_publisher", "nmpc_controller", "autopilot_link")
+LINK = f"{Path(__file__).parents[1] / 'paced_link.py'}:PacedLink"
 KINDS = {
     ("topics", "publish"): "get_publisher_names_and_types_by_node",
     ("topics", "subscribe"): "get_subscriber_names_and_types_by_node",
@@ -61,6 +64,7 @@ def graph():
         make(UavSimulator, publish_clock=True),
         make(TargetPublisher, use_sim_time=True),
         make(NmpcController, use_sim_time=True),
+        make(AutopilotLink, link=LINK, connection="nobody", target_system=2),
     ]
     found = {
         (kind, node.get_name()): {name for name, _ in getattr(node, question)(node.get_name(), "/")}

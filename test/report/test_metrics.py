@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from example_flights import ORBIT, log_of, orbiting, paper_flight
 
+from uav_tracking_mpc.dynamics.gravity import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
-from uav_tracking_mpc.report.metrics import metrics, range_errors, settling_time
-from uav_tracking_mpc.simulation.flight_log import CommandCounts, Latency
+from uav_tracking_mpc.report.metrics import bank_rate_rms, metrics, range_errors, settling_time
+from uav_tracking_mpc.simulation.flight_log import CommandCounts, Latency, LinkFigures
 
 KEYS = {
     "config": None,
@@ -24,6 +25,7 @@ KEYS = {
         "altitude_rms_m",
         "speed_rms_mps",
         "horizontal_rms_m",
+        "bank_rate_rms_dps",
     },
     "final": {
         "range_error_m",
@@ -64,6 +66,32 @@ def test_latency_only_where_it_was_measured():
     assert "latency_us" not in metrics(orbiting())
     flown = metrics(orbiting(latency=Latency(median=700.0, p99=900.0, max=float("nan"))))
     assert flown["latency_us"] == {"median": 700.0, "p99": 900.0, "max": None}
+
+
+def test_a_link_only_where_there_was_one():
+    assert "link" not in metrics(orbiting())
+    link = LinkFigures("ardupilot", 50.0, 2.5, float("nan"), 3, 1)
+    assert metrics(orbiting(link=link))["link"] == {
+        "dialect": "ardupilot",
+        "rate_hz": 50.0,
+        "latency_ms": 2.5,
+        "latency_p99_ms": None,
+        "lost": 3,
+        "refused": 1,
+    }
+
+
+@pytest.mark.parametrize("step", [0.01, 0.02, 0.05])
+def test_bank_rate_of_a_bank_that_swings(step):
+    """tan(bank) = v psi' / g is small for psi' = 0.01 sin(w t): RMS v 0.01 w / (g sqrt 2)."""
+    log, w = orbiting(round(60.0 / step) + 1, step=step), 2.0 * np.pi / 5.0
+    log.vehicle[:, 3] = -0.01 / w * np.cos(w * log.time)
+    expected = np.degrees(ORBIT.speed * 0.01 * w / GRAVITY / np.sqrt(2.0))
+    assert bank_rate_rms(log) == pytest.approx(expected, rel=5e-3)
+
+
+def test_without_samples_there_is_no_bank_rate():
+    assert bank_rate_rms(orbiting(10)) is None
 
 
 @pytest.mark.parametrize("orbit", [ORBIT, Orbit(300.0, 120.0, 22.0, COUNTER_CLOCKWISE)])

@@ -16,6 +16,7 @@
 ``vehicle_protocol``     what is answered to messages: commands, parameters, time
 ``radio``                the wire, on which faults act
 ``wire_faults``          the faults, by name
+``ground_vehicle``       a second vehicle, to be circled
 ``wired_autopilot``      an autopilot and its wire
 ``simulated_autopilot``  all of it in real time, in a thread
 ``stepped_autopilot``    all of it in simulated time, step by step

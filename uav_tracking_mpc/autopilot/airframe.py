@@ -4,9 +4,9 @@ A plant turns by (u_psi, u_chi, u_v). In a coordinated turn that is a bank to th
 
 .. math:: \tan\phi = -\frac{V u_\psi}{g}
 
-and the nose is above the path by the angle of attack that the lift asks for,
+and the nose is above the path by the vertical part of the angle of attack that the lift asks for,
 
-.. math:: \alpha = \frac{C_L - C_{L0}}{C_{L\alpha}},\qquad
+.. math:: \theta - \chi = \alpha \cos\phi,\qquad \alpha = \frac{C_L - C_{L0}}{C_{L\alpha}},\qquad
           C_L = \frac{C_{L,c}}{\cos\phi} \left(\frac{V_c}{V}\right)^2
 
 with the coefficients of the Aerosonde (R. W. Beard, T. W. McLain, "Small Unmanned Aircraft",
@@ -94,7 +94,6 @@ class Airframe:
         time: Since the start in [s].
         flying: Whether it is in the air.
         state: As loops and failsafes see it.
-        measured: As telemetry tells it: with the noise, the biases and the delay of the sensors.
         wind: East, north and up of the wind as it is estimated, in [m/s].
     """
 
@@ -113,14 +112,27 @@ class Airframe:
         self._rotation = min(ROTATION * max(slowest, 1.0), simulator.speed_max)
         if not on_runway:
             self.plant = plant_named(simulator.plant).of(configuration)
-        self.state = self.measured = self._standing()
+        self._measured: FlightState | None
+        self.state = self._measured = self._standing()
         if self.plant is not None:
-            self.state = self.measured = self._seen(self.plant.truth, None, 1.0)
+            self.state = self._measured = self._seen(self.plant.truth, None, 1.0)
 
     @property
     def flying(self) -> bool:
         """Whether it is in the air."""
         return self.plant is not None
+
+    @property
+    def measured(self) -> FlightState:
+        """State as telemetry tells it: with noise, biases and delay of the sensors."""
+        if self._measured is None:
+            assert self.plant is not None, "on the ground there are no errors"
+            self._measured = self._seen(self.plant.measured(), None, 0.0)._replace(
+                roll_rate=self.state.roll_rate,
+                pitch_rate=self.state.pitch_rate,
+                yaw_rate=self.state.yaw_rate,
+            )
+        return self._measured
 
     def stand(self, duration: float) -> None:
         """Let time go on on the ground.
@@ -130,7 +142,7 @@ class Airframe:
         """
         self.time += duration
         self._run = 0.0
-        self.state = self.measured = self._standing()
+        self.state = self._measured = self._standing()
 
     def run(self, duration: float) -> None:
         """Run along the runway under full power; it flies where its airspeed is enough.
@@ -142,7 +154,7 @@ class Airframe:
         self._run += RUN_ACCELERATION * duration
         self._east += self._run * duration * math.cos(self._heading)
         self._north += self._run * duration * math.sin(self._heading)
-        self.state = self.measured = self._standing()
+        self.state = self._measured = self._standing()
         if self.state.airspeed >= self._rotation:
             simulator = dataclasses.replace(
                 self._configuration.simulator,
@@ -166,11 +178,7 @@ class Airframe:
         self.plant.advance(duration)
         self.time += duration
         self.state = self._seen(self.plant.truth, self.state, duration)
-        self.measured = self._seen(self.plant.measured(), None, duration)._replace(
-            roll_rate=self.state.roll_rate,
-            pitch_rate=self.state.pitch_rate,
-            yaw_rate=self.state.yaw_rate,
-        )
+        self._measured = None
         share = duration / WIND_MEMORY
         east, north, up = self.wind
         blows_east, blows_north, blows_up = self.plant.wind.tolist()
@@ -186,7 +194,7 @@ class Airframe:
             self.plant = None
             self.stand(0.0)
 
-    def angle_of_attack(self, airspeed: float, roll: float) -> float:
+    def incidence(self, airspeed: float, roll: float) -> float:
         """By how much the nose is above the path in [rad].
 
         Args:
@@ -194,7 +202,7 @@ class Airframe:
             roll: phi in [rad].
         """
         lift = CRUISE_LIFT / max(math.cos(roll), 0.2) * (self._cruise / max(airspeed, 0.1)) ** 2
-        return min(max((lift - LIFT_AT_ZERO) / LIFT_SLOPE, -STALL), STALL)
+        return min(max((lift - LIFT_AT_ZERO) / LIFT_SLOPE, -STALL), STALL) * math.cos(roll)
 
     def _standing(self) -> FlightState:
         east, north, _ = self.wind
@@ -224,7 +232,7 @@ class Airframe:
         east_rate, north_rate, up_rate = measured.ground_velocity.tolist()
         airspeed = 0.0 if measured.airspeed is None else measured.airspeed
         roll = bank_from_turn_rate(measured.turn_rate, airspeed)
-        pitch = measured.path_angle + self.angle_of_attack(airspeed, roll)
+        pitch = measured.path_angle + self.incidence(airspeed, roll)
         state = FlightState(
             time=self._began + measured.stamp,
             east=east,

@@ -114,6 +114,11 @@ class AutopilotCore(ABC):
         return self.modes[self.mode]
 
     @property
+    def intended_custom_mode(self) -> int:
+        """Number of the mode that the pilot wants, also while a failsafe flies in another."""
+        return self.custom_mode
+
+    @property
     def system_state(self) -> SystemState:
         """As HEARTBEAT has it."""
         if self.failsafe:
@@ -166,11 +171,14 @@ class AutopilotCore(ABC):
             altitude: In [m].
             frame: MAV_FRAME in which it is told.
         """
-        if frame in (Frame.GLOBAL, Frame.GLOBAL_INT):
-            return altitude - self.origin.altitude
         if frame in (Frame.GLOBAL_RELATIVE_ALT, Frame.GLOBAL_RELATIVE_ALT_INT):
-            return altitude
-        return None
+            altitude += self.origin.altitude
+        elif frame not in (Frame.GLOBAL, Frame.GLOBAL_INT):
+            return None
+        # The earth falls away below the plane of map: 1.4 m in 4 km.
+        state = self.state
+        latitude, longitude, _ = self.origin.place([state.east, state.north, state.up])
+        return float(self.origin.position(latitude, longitude, altitude)[2])
 
     def loiter_here(self, radius: float) -> Loiter:
         """A circle about where it is now.

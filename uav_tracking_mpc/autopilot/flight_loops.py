@@ -12,7 +12,11 @@ from uav_tracking_mpc.dynamics.energy_hold import HoldConstants, hold
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 
+DRIFT_TIME = 5.0  # s, in which the path angle comes back to that of the pitch
 TICK = 0.01  # s: 100 Hz, above the 50 Hz at which ArduPlane runs its main loop by default
+
+
+STEEPEST = math.radians(80.0)  # bank that no parameter may allow
 
 
 class Demand(NamedTuple):
@@ -58,7 +62,8 @@ class FlightLoops:
     def __init__(self, airframe: Airframe, simulator: SimulatorParameters) -> None:
         self._airframe = airframe
         self._steepest = simulator.pitch_rate_max
-        self._plant_lag, *_ = simulator.rate_lag
+        self._plant_lag, self._path_lag, _ = simulator.rate_lag
+        self._path, self._pitched_at = 0.0, -math.inf  # what by_pitch holds, and since when not
         self._law = LoiterLaw()
         self.throttle = 0.0
         self._bank = self.roll_wanted = airframe.state.roll
@@ -86,6 +91,7 @@ class FlightLoops:
         """
         state = self._airframe.state
         limit, lag, rate = response
+        limit = min(max(limit, 0.0), STEEPEST)
         self.roll_wanted = min(max(demand.roll, -limit), limit)
         change = (self.roll_wanted - self._bank) / max(lag - self._plant_lag, TICK)
         self._bank += TICK * min(max(change, -rate), rate)
@@ -93,7 +99,7 @@ class FlightLoops:
         # A coordinated turn; to the left u_psi is positive.
         turn = -GRAVITY * math.tan(self._bank) / max(state.airspeed, 1.0)
         force = demand.acceleration + GRAVITY * math.sin(state.path_angle)
-        self.throttle = engine.throttle(force, state.airspeed)
+        self.throttle = engine.throttle(force, state.airspeed, state.roll)
         self._airframe.fly((turn, climb, demand.acceleration), TICK)
 
     def hold(self, up: float, airspeed: float, constants: HoldConstants) -> tuple[float, float]:
@@ -123,8 +129,15 @@ class FlightLoops:
             lag: Of the path angle behind the pitch in [s].
         """
         state = self._airframe.state
-        incidence = self._airframe.angle_of_attack(state.airspeed, state.roll)
-        return (pitch - incidence - state.path_angle) / lag
+        if state.time - self._pitched_at > 1.5 * TICK:
+            self._path = state.path_angle
+        self._pitched_at = state.time
+        incidence = self._airframe.incidence(state.airspeed, state.roll)
+        # As with the bank: attitude loops of their own quickness, of which the plant is a part.
+        rate = (pitch - incidence - self._path) / max(lag - self._path_lag, TICK)
+        rate = min(max(rate, -self._steepest), self._steepest)
+        self._path += TICK * rate
+        return rate + (self._path - state.path_angle) / DRIFT_TIME
 
     def by_throttle(self, throttle: float, engine: Engine) -> float:
         """u_v in [m/s^2] of a throttle that is held instead of an airspeed.
@@ -134,7 +147,8 @@ class FlightLoops:
             engine: What it drives.
         """
         state = self._airframe.state
-        return engine.force(throttle, state.airspeed) - GRAVITY * math.sin(state.path_angle)
+        force = engine.force(throttle, state.airspeed, state.roll)
+        return force - GRAVITY * math.sin(state.path_angle)
 
     def bank_to(self, loiter: Loiter, period: float, damping: float) -> float:
         """Bank in [rad] that leads onto a circle.

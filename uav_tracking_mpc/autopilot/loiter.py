@@ -14,7 +14,8 @@ from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.laws.l1 import L1Loiter
 from uav_tracking_mpc.limits._envelope import Envelope
 
-LEAST_RADIUS = 1.0  # m
+LEAST_RADIUS, GREATEST_RADIUS = 1.0, 1e6  # m
+LEAST_PERIOD = 1.0  # s
 
 
 class Loiter(NamedTuple):
@@ -55,7 +56,8 @@ class LoiterLaw:
             damping: NAVL1_DAMPING [-].
         """
         direction = CLOCKWISE if loiter.clockwise else COUNTER_CLOCKWISE
-        orbit = Orbit(max(loiter.radius, LEAST_RADIUS), 0.0, max(state.airspeed, 1.0), direction)
+        radius = min(max(loiter.radius, LEAST_RADIUS), GREATEST_RADIUS)
+        orbit = Orbit(radius, 0.0, max(state.airspeed, 1.0), direction)
         course = math.atan2(state.north_rate, state.east_rate)
         over_ground = [state.east, state.north, 0.0, course, 0.0, state.groundspeed]
         situation = Situation(
@@ -65,5 +67,5 @@ class LoiterLaw:
             drift_rate=np.zeros(3),
             rates=np.zeros(3),
         )
-        law = L1Loiter(orbit, self._envelope, period, damping)
+        law = L1Loiter(orbit, self._envelope, max(period, LEAST_PERIOD), abs(damping))
         return -math.atan(law.lateral_acceleration(situation) / GRAVITY)

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from uav_tracking_mpc.autopilot.autopilot_core import AutopilotCore
-from uav_tracking_mpc.links.mavlink.dialect import mavlink
+from uav_tracking_mpc.links.mavlink.dialect import CURRENT_MODE, mavlink
 
 Builder = Callable[[AutopilotCore], Any]
 
@@ -228,10 +228,16 @@ def _estimator(core: AutopilotCore) -> Any:
     )
 
 
+def _current_mode(core: AutopilotCore) -> Any:
+    """streams/CURRENT_MODE.hpp: the mode, and that which the pilot wants."""
+    return mavlink.mavlink_map[CURRENT_MODE](0, core.custom_mode, core.intended_custom_mode)
+
+
 BUILDERS: dict[str, Builder] = {
     "HEARTBEAT": _heartbeat,
     "ATTITUDE": _attitude,
     "AUTOPILOT_VERSION": _version,
+    "CURRENT_MODE": _current_mode,
     "EKF_STATUS_REPORT": _ekf,
     "ESTIMATOR_STATUS": _estimator,
     "EXTENDED_SYS_STATE": _landed,
@@ -247,4 +253,8 @@ BUILDERS: dict[str, Builder] = {
     "WIND": _wind,
     "WIND_COV": _wind_covariance,
 }
-IDS: dict[int, str] = {int(getattr(mavlink, f"MAVLINK_MSG_ID_{name}")): name for name in BUILDERS}
+IDS: dict[int, str] = {CURRENT_MODE: "CURRENT_MODE"} | {
+    int(getattr(mavlink, f"MAVLINK_MSG_ID_{name}")): name
+    for name in BUILDERS
+    if name != "CURRENT_MODE"  # ArduPilot's dialect of pymavlink has no number of it
+}

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+LARGEST = 2**31 - 1  # of the integers that PARAM_VALUE can hold
+
 
 class OnboardParameters:
     """Values by name, in a fixed order; a value keeps the type of its default.
@@ -48,5 +50,7 @@ class OnboardParameters:
         """
         if name not in self._values or not math.isfinite(value):
             return False
-        self._values[name] = round(value) if self.integer(name) else float(value)
+        if self.integer(name):
+            value = min(max(round(value), -LARGEST - 1), LARGEST)
+        self._values[name] = value
         return True

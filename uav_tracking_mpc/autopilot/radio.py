@@ -21,15 +21,16 @@ class Radio(Connection):
     Args:
         address: As :class:`Connection` has it.
         component: MAVLink component that this end is.
+        key: File with the key that signs messages; empty for none.
     """
 
-    def __init__(self, address: str, component: int) -> None:
+    def __init__(self, address: str, component: int, key: str = "") -> None:
         self._faults: tuple[WireFault, ...] = ()
         self._order = itertools.count()
         self._outward: Queue = []
         self._inward: Queue = []
         self._ended = False  # the other end has closed a stream
-        super().__init__(address, component)
+        super().__init__(address, component, key)
 
     def strike(self, fault: WireFault) -> None:
         """Let a fault act from now on, after those that act already.
@@ -46,6 +47,16 @@ class Radio(Connection):
             fault: One that acts.
         """
         self._faults = tuple(other for other in self._faults if other is not fault)
+
+    def relay(self, frame: bytes) -> None:
+        """Send what another vehicle has said.
+
+        Args:
+            frame: Packed by that vehicle.
+        """
+        with self._sending:
+            if self._wire is not None:
+                self._wire.write(frame)
 
     def _opened(self) -> Any:
         wire = super()._opened()

@@ -31,6 +31,8 @@ class SimulatedAutopilot(WiredAutopilot):
         origin: Latitude [deg], longitude [deg] and altitude [m] of the origin of ``map``.
         system: Its MAVLink system.
         on_runway: It stands on the ground.
+        key: File with the key that signs messages; empty for none.
+        target_system: MAVLink system of a vehicle on the ground; 0 for none.
 
     Raises:
         ParameterError: There is no such dialect, or no such place on the earth.
@@ -45,9 +47,11 @@ class SimulatedAutopilot(WiredAutopilot):
         origin: Sequence[float] = ORIGIN,
         system: int = 1,
         on_runway: bool = False,
+        key: str = "",
+        target_system: int = 0,
     ) -> None:
-        wire = lambda: Radio(connection, COMPONENT)  # noqa: E731
-        super().__init__(dialect, configuration, wire, origin, system, on_runway)
+        wire = lambda: Radio(connection, COMPONENT, key)  # noqa: E731
+        super().__init__(dialect, configuration, wire, origin, system, on_runway, target_system)
         self._ending = threading.Event()
         self._thread: threading.Thread | None = None
 

@@ -6,6 +6,7 @@ link flies as it flies in real time, without threads, and the same seeds give th
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Sequence
 from typing import Any
@@ -117,9 +118,10 @@ class _SteppedConnection(Connection):
         return self._autopilot.time
 
     def wait(self, timeout: float) -> bool:
-        end = self._autopilot.time + timeout - 1e-9
-        while not self._autopilot.ends[0].incoming and self._autopilot.time < end:
+        ticks = math.ceil(timeout / TICK)  # time moves on however short the wait
+        while not self._autopilot.ends[0].incoming and ticks > 0:
             self._autopilot.tick()
+            ticks -= 1
         return bool(self._autopilot.ends[0].incoming)
 
     def _socket(self) -> Any:

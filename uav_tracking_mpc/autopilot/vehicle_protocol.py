@@ -135,9 +135,13 @@ class VehicleProtocol:
             )
         )
 
+    def _named(self, number: float) -> str | None:
+        name = IDS.get(int(number))
+        return None if name in self.core.traits.lacking else name
+
     def _interval(self, order: Order) -> Result:
         """GCS_Common.cpp ``set_message_interval``; PX4: mavlink_receiver.cpp, same name."""
-        name = IDS.get(int(order.param1))
+        name = self._named(order.param1)
         if name is None or not math.isfinite(order.param2):
             return Result.FAILED
         if order.param2 > 0.0:
@@ -147,7 +151,7 @@ class VehicleProtocol:
         return Result.ACCEPTED
 
     def _request(self, order: Order) -> Result:
-        name = IDS.get(int(order.param1))
+        name = self._named(order.param1)
         if name is None:
             return self.core.traits.unknown_message
         self._send(BUILDERS[name](self.core))

@@ -125,7 +125,11 @@ class Deaf(WireFault):
 
 
 class Bursts(WireFault):
-    """Bursts of silence, 0.2 to 1 s long, with as much between them."""
+    """Bursts of silence, 0.2 to 1 s long, with as much between them.
+
+    Args:
+        seed: Of everything random in it.
+    """
 
     name = "bursts"
 
@@ -182,7 +186,11 @@ class Duplicated(WireFault):
 
 
 class Stale(WireFault):
-    """Repeats what was sent seconds ago among what is new."""
+    """Repeats what was sent seconds ago among what is new.
+
+    Args:
+        seed: Of everything random in it.
+    """
 
     name = "stale"
 
@@ -242,7 +250,11 @@ class BitFlips(WireFault):
 
 
 class Stranger(WireFault):
-    """Another vehicle is on the air, a copter of another system, elsewhere and in another mode."""
+    """Another vehicle is on the air, a copter of another system, elsewhere and in another mode.
+
+    Args:
+        seed: Of everything random in it.
+    """
 
     name = "stranger"
 

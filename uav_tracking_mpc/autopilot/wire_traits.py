@@ -17,6 +17,7 @@ class WireTraits(NamedTuple):
         capabilities: MAV_PROTOCOL_CAPABILITY.
         stream_rates: How often each message is sent that nobody asked for, in [Hz].
         mode_messages: Messages that are sent at once when the mode has changed.
+        lacking: Messages that only the others have.
         sync_period: How often it asks for the time by TIMESYNC, in [s].
         unknown_message: Answer to a request for a message that there is none of.
         hears_all: Whether commands to system 0 are carried out.
@@ -29,6 +30,7 @@ class WireTraits(NamedTuple):
     capabilities: int
     stream_rates: Mapping[str, float]
     mode_messages: tuple[str, ...]
+    lacking: tuple[str, ...]
     sync_period: float
     unknown_message: Result
     hears_all: bool

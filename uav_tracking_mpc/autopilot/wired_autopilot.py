@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from uav_tracking_mpc.autopilot.autopilot_core import AutopilotCore
 from uav_tracking_mpc.autopilot.dialects.ardupilot import ArduPlane
 from uav_tracking_mpc.autopilot.dialects.px4 import Px4
+from uav_tracking_mpc.autopilot.ground_vehicle import GroundVehicle
 from uav_tracking_mpc.autopilot.radio import Radio
 from uav_tracking_mpc.autopilot.vehicle_protocol import VehicleProtocol
 from uav_tracking_mpc.autopilot.wire_faults import WireFault, wire_fault
@@ -31,6 +32,8 @@ class WiredAutopilot:
             ``map``, which is its home.
         system: Its MAVLink system.
         on_runway: It stands on the ground, disarmed, rather than loiters in the air.
+        target_system: MAVLink system of a vehicle on the ground, which moves as the
+            configuration's target and is heard on the same wire; 0 for none.
 
     Attributes:
         protocol: What speaks for it.
@@ -49,6 +52,7 @@ class WiredAutopilot:
         origin: Sequence[float] = ORIGIN,
         system: int = 1,
         on_runway: bool = False,
+        target_system: int = 0,
     ) -> None:
         if dialect not in DIALECTS:
             raise ParameterError(f"dialect is {dialect!r}, must be one of {', '.join(DIALECTS)}")
@@ -59,6 +63,9 @@ class WiredAutopilot:
             raise ParameterError(str(error)) from error
         core = DIALECTS[dialect](configuration, frame, on_runway)
         self.protocol = VehicleProtocol(core, system)
+        self._target = (
+            GroundVehicle(configuration.target, frame, target_system) if target_system else None
+        )
         self.radio = radio()
         self.radio.speak_as(system)
         self._lock = threading.Lock()
@@ -132,6 +139,9 @@ class WiredAutopilot:
             ready = self.protocol.outgoing()
         for message in ready:
             self.radio.send(message)
+        if self._target is not None:
+            for frame in self._target.frames(self.core.time):
+                self.radio.relay(frame)
 
     def listen(self, timeout: float, clock: Callable[[], float]) -> None:
         """Take in what has come, and answer.

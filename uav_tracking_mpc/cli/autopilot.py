@@ -52,6 +52,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="begin on the ground below the start, disarmed; armed in mode TAKEOFF it takes off",
     )
+    parser.add_argument(
+        "--target-system",
+        type=number(int, 0, 255),
+        default=0,
+        metavar="N",
+        help="MAVLink system of a second vehicle to circle, which moves as the configuration's "
+        "section target_publisher says; 0 for none",
+    )
+    parser.add_argument(
+        "--signing-key",
+        default="",
+        metavar="FILE",
+        help="sign messages with the 32 bytes of this file, and take no others",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -72,6 +86,8 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.origin,
         arguments.system,
         arguments.on_runway,
+        arguments.signing_key,
+        arguments.target_system,
     )
     print(
         f"{arguments.dialect}: system {arguments.system}, mode {flown.core.mode}, at "

@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.control.event import EventLog
+from uav_tracking_mpc.control.event import EventLog, Level
 from uav_tracking_mpc.control.oscillation import OscillationReport
-from uav_tracking_mpc.estimation.channel_response import ChannelResponse
+from uav_tracking_mpc.estimation.channel_response import CHANNELS, ChannelResponse
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.response_estimator import ResponseEstimator
 from uav_tracking_mpc.parameters.specification import changed
@@ -43,6 +43,7 @@ class ResponseAdaptation:
 
     def __init__(self, parameters: TrackingParameters, events: EventLog) -> None:
         self.oscillation = OscillationReport(events)
+        self._events = events
         self._airspeed = 0.0
         self._commanded = parameters.vehicle.commanded
         self.estimator = ResponseEstimator(self._commanded)
@@ -78,6 +79,21 @@ class ResponseAdaptation:
         self._time: float | None = None
         # Whether estimates replace what was told: of lag, delay, gain of each channel.
         self._replaced = np.zeros((3, 3), dtype=bool)
+
+    def _begin_anew(self, axis: int) -> TrackingParameters:
+        """Fly by what was told again, since the loop swings with what was learnt.
+
+        An aircraft that rolls no faster than it can seems to lag the more the further it swings,
+        and at its bank limit nothing more can be learnt.
+        """
+        self._events.add(
+            Level.WARNING,
+            f"the {CHANNELS[axis]} swings with the response that was learnt: it is learnt anew",
+        )
+        self.estimator.reset()
+        self.oscillation.reset()
+        self._begin()
+        return self._told
 
     def interrupt(self) -> None:
         """Forget commands and times, keep what was learnt."""
@@ -185,6 +201,9 @@ class ResponseAdaptation:
         if 0.0 <= elapsed < PERIOD:
             return None
         self._time = time
+        for axis, swing in enumerate(self.oscillation.swings):
+            if swing is not None and self._replaced[:, axis].any():
+                return self._begin_anew(axis)
         most = SPEED * min(max(elapsed, 0.0), PERIOD)
         before = self.lag.copy(), self.dead_time.copy()
         for axis, channel in enumerate(self.channels):

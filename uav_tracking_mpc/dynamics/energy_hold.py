@@ -11,8 +11,8 @@ a time constant and as far as the engine and the glide allow; the climb rate fol
 
 with :math:`S(a, -l, m) = a / \sqrt[4]{1 + (a / b)^4}`, b = m above and l below 0: smooth, between
 -l and m, and a where that is small. The total energy control of ArduPlane is told the same numbers:
-TECS_TIME_CONST, TECS_CLMB_MAX (w_+), TECS_SINK_MAX (w_-) and TECS_SINK_MIN (w_0); half of the
-specific energy rate between the latter and the first may go into speed
+TECS_TIME_CONST, TECS_CLMB_MAX (``w_+``), TECS_SINK_MAX (``w_-``) and TECS_SINK_MIN (``w_0``); half
+of the specific energy rate between the latter and the first may go into speed
 (ArduPilot, AP_TECS.cpp, ``_update_speed_demand``).
 """
 
@@ -36,9 +36,9 @@ class HoldConstants(NamedTuple):
         height_time: T_h in [s].
         climb_time: T_w in [s].
         airspeed_time: T_v in [s].
-        climb_max: w_+ in [m/s], positive.
-        sink_max: w_- in [m/s], positive.
-        sink_idle: w_0, sink rate at constant airspeed with the engine idle, in [m/s], positive.
+        climb_max: ``w_+`` in [m/s], positive.
+        sink_max: ``w_-`` in [m/s], positive.
+        sink_idle: ``w_0``, sink rate at constant airspeed with the engine idle, in [m/s], positive.
     """
 
     height_time: Any

@@ -38,7 +38,8 @@ def autopilot_process(configuration: Configuration, console: Console) -> Iterato
         arguments = ["autopilot", "--dialect", configuration.link.link]
         arguments += ["--config", str(file), "--connection", f"udpout:{place}"]
         if configuration.link.origin:
-            arguments += ["--origin", ",".join(map(str, configuration.link.origin))]
+            # One word: South of the equator two would look like an option.
+            arguments.append("--origin=" + ",".join(map(str, configuration.link.origin)))
         process = NodeProcess("autopilot", MODULE, arguments, console)
         try:
             yield f"udpin:{place}"

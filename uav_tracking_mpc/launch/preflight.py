@@ -129,7 +129,7 @@ def with_envelope(
             value = _tighter(name, before, value)
         if before is None or not _same(before, value):
             values[name] = list(value) if isinstance(value, tuple) else value
-            if before is not None:
+            if before is not None and _words(before) != _words(value):
                 changes.append(f"{name} is {_words(value)} by the vehicle, not {_words(before)}")
     sections = {name: dict(content) for name, content in configuration.sections.items()}
     sections[SECTION].update(values)

@@ -54,6 +54,8 @@ HANDED_OVER = ("HOLD", "MISSION", "POSITION", "OFFBOARD")  # modes command may b
 NO_RATES = 0b111  # type_mask: rates are ignored; attitude and thrust are not
 CUSTOM_MODE = 1.0  # param1 of DO_SET_MODE
 INERT_TIME = 1.2  # s of inert set-points before OFFBOARD is asked for; PX4 wants more than 1 s
+SAME_RATIO = 1e-3  # of true and equivalent airspeed: 20 m of altitude
+FENCE_PERIOD = 0.5  # s between looks at the fence
 STALE = 1.0  # s that the newest measurement may be old
 
 
@@ -85,6 +87,8 @@ class Px4Link(MavlinkLink):
     def _forget(self) -> None:
         super()._forget()
         self._law: EnergyLaw | None = None
+        self._known: Px4Envelope | None = None
+        self._known_at = math.nan
         self._bank, self._banked_at = 0.0, -math.inf
         self._inert_since: float | None = None
 
@@ -98,7 +102,10 @@ class Px4Link(MavlinkLink):
         return main_and_sub(custom_mode)[0] == OFFBOARD[0]
 
     def _envelope(self) -> Px4Envelope:
-        return Px4Envelope(self.vehicle, self._ratio())
+        ratio = self._ratio()
+        if self._known is None or abs(ratio - self._known_at) > SAME_RATIO:
+            self._known, self._known_at = Px4Envelope(self.vehicle, ratio), ratio
+        return self._known
 
     def _ratio(self) -> float:
         return true_over_equivalent(self.heard.telemetry.altitude or 0.0)
@@ -157,7 +164,9 @@ class Px4Link(MavlinkLink):
 
     def accompany(self, now: float) -> None:
         """See :meth:`MavlinkLink.accompany`: command is given back where the orbit is refused."""
-        if self.orbit is not None and (refusal := self.refusal(self.orbit)):
+        if self.orbit is None or not self.heard.is_due("fence", now, FENCE_PERIOD):
+            return
+        if refusal := self.refusal(self.orbit):
             self.engagement.give_up(refusal)
             self.let_go(now)
 

@@ -4,6 +4,7 @@
 ``uav_simulator``        the vehicle and its autopilot
 ``target_publisher``     where the target is
 ``autopilot_link``       a real aircraft in the simulator's place
+``clock_offset``         ROS time by the clock of a link
 ``link_reader``          the thread that reads a vehicle link
 ``sighting_publisher``   what a vehicle to circle says of itself, as the target
 ``nmpc_controller``      messages to the controller, its commands to the vehicle

@@ -7,7 +7,6 @@ import sys
 import time
 from typing import Any
 
-import numpy as np
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from std_srvs.srv import SetBool
@@ -17,10 +16,11 @@ from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import LinkError, VehicleLink
 from uav_tracking_mpc.nodes import diagnostics
+from uav_tracking_mpc.nodes.clock_offset import ClockOffset
+from uav_tracking_mpc.nodes.command_wire import CommandWire
 from uav_tracking_mpc.nodes.conversions import (
     MessageError,
     nanoseconds,
-    plan_from_command,
     set_air_velocity,
     set_measurement,
 )
@@ -39,9 +39,7 @@ LOOK_PERIOD = 0.1  # s between looks at how the link is
 TELL_PERIOD = 1.0  # s between messages that say whether the commands are flown
 SILENCE = 1.0  # s without a state, after which it is missed
 WARNING_PERIOD = 5.0  # s
-SINGLE_SEGMENT = 1.0  # s that a plan of one segment lasts
 ORBIT_AGE = 2.0  # s by which an orbit may be older than the command
-UNEVEN = 1e-6  # s by which segments of a plan may differ
 
 
 class AutopilotLink(Node):
@@ -63,8 +61,11 @@ class AutopilotLink(Node):
         super().__init__("autopilot_link", **options)
         self.parameters = declare_parameters(self, LinkParameters)
         self._link = _link(self.parameters)
+        self._clocks = ClockOffset(lambda: self.get_clock().now().nanoseconds, self._link.now)
         self._wanted = self.parameters.engage
         self._engaged, self._told = False, -math.inf
+        self._ready = False  # whether the link has something to fly
+        self._wire = CommandWire()
         self._orbit: tuple[FlownOrbit, int] | None = None
         self._states = self._received = self._refused = 0
         self._state_time, self._refusal = -math.inf, ""
@@ -89,6 +90,7 @@ class AutopilotLink(Node):
             self._on_command,
             COMMAND.qos,
             event_callbacks=self._peers.listening(COMMAND),
+            raw=True,
         )
         self.create_subscription(ORBIT.type, ORBIT.name, self._on_orbit, ORBIT.qos)
         self.create_service(SetBool, "~/engage", self._on_engage)
@@ -102,19 +104,12 @@ class AutopilotLink(Node):
         """See the class."""
         return self._reader.refusal
 
-    def _stamp(self, time: float) -> int:
-        """ROS time of a time of the link in [ns]."""
-        return self.get_clock().now().nanoseconds - round((self._link.now() - time) * 1e9)
-
-    def _time(self, stamp: int) -> float:
-        """The link's time of a ROS time in [s]."""
-        return self._link.now() - (self.get_clock().now().nanoseconds - stamp) * 1e-9
-
     def _on_measured(self, seen: Measurement) -> None:
         """Publish a measurement at once, in the thread that received it."""
-        stamp = self._stamp(seen.stamp)
+        stamp = self._clocks.ros(seen.stamp)
         set_measurement(self._odometry, stamp, seen)
-        self._odometry_publisher.publish(self._odometry)
+        if self._states or seen.airspeed is None:  # the first airspeed goes before the first state
+            self._odometry_publisher.publish(self._odometry)
         if seen.airspeed is not None:
             set_air_velocity(self._air_velocity, stamp, seen.airspeed)
             self._air_publisher.publish(self._air_velocity)
@@ -122,19 +117,16 @@ class AutopilotLink(Node):
         self._state_time = time.monotonic()
         sighting = None if self._sightings is None else self._link.sighting()
         if self._sightings is not None and sighting is not None:
-            self._sightings.publish(self._stamp(sighting.stamp), sighting)
+            self._sightings.publish(self._clocks.ros(sighting.stamp), sighting)
 
-    def _on_command(self, message: Any) -> None:
+    def _on_command(self, data: bytes) -> None:
         try:
-            plan, starts = plan_from_command(message)
-            steps = np.diff(starts)
-            if len(steps) and np.ptp(steps) > UNEVEN:
-                raise MessageError(f"{COMMAND.name}: its segments are not of one length")
+            stamp, plan, step = self._wire.read(data)
             if not self._reader.connected:
                 return
-            stamp = nanoseconds(message.header.stamp)
-            step = float(steps[0]) if len(steps) else SINGLE_SEGMENT
-            refusal = self._link.command(self._time(stamp), plan, step, self._orbit_at(stamp))
+            begin, orbit = self._clocks.other(stamp), self._orbit_at(stamp)
+            refusal = self._link.command(begin, plan, step, orbit)
+            self._ready = not refusal and orbit is not None
         except MessageError as error:
             refusal = str(error)
         except Exception as error:  # whatever a user's link raises, the node goes on
@@ -200,7 +192,7 @@ class AutopilotLink(Node):
                 logger.warning(words)
         self._tell(now)
         self._diagnostics.report(*self._status(now))
-        if self._wanted and self._received and now - self._state_time < SILENCE:
+        if self._wanted and self._ready and now - self._state_time < SILENCE:
             words = self._engage()
             self._wanted = bool(words)  # asked for once: it does not argue with the pilot
             if words:

@@ -13,10 +13,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.dynamics.angles import wrap_angle
+from uav_tracking_mpc.dynamics.gravity import GRAVITY
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
 # Half widths of the bands that count as settled, [m], [m], [m/s], [rad].
 SETTLING_BANDS = {"range": 1.0, "altitude": 1.0, "speed": 0.1, "bearing": 0.05}
+
+SPACING = 0.045  # s at least between samples that a rate is taken from
+LEAST_SAMPLES = 8  # for a rate
 
 # Columns of FlightLog.error, and their units as names of numbers have them.
 COLUMNS = {"range": 0, "bearing": 1, "altitude": 2, "pitch": 3, "speed": 4}
@@ -35,7 +40,8 @@ def metrics(log: FlightLog) -> dict[str, Any]:
         - ``config``, ``duration_s``, ``speed``
         - ``settling_s``: per quantity of :data:`SETTLING_BANDS` see :func:`settling_time`
         - ``steady_state``: errors over the last third of the flight; ``horizontal_rms_m`` is that
-          of sqrt(r^2 - z^2) against the radius of the orbit
+          of sqrt(r^2 - z^2) against the radius of the orbit, ``bank_rate_rms_dps`` see
+          :func:`bank_rate_rms`
         - ``final``: signed errors of the last sample
         - ``solver``: wall time of the solves, their number and how many did not converge
         - ``latency_us``: only where the flight measured it
@@ -58,6 +64,7 @@ def metrics(log: FlightLog) -> dict[str, Any]:
             "altitude_rms_m": _rms(steady["altitude"]),
             "speed_rms_mps": _rms(steady["speed"]),
             "horizontal_rms_m": _rms(_horizontal_error(log)[_last_third(log)]),
+            "bank_rate_rms_dps": bank_rate_rms(log),
         },
         "final": {
             f"{name}_error_{UNITS[name]}": _plain(values[-1] if len(values) else np.nan)
@@ -111,6 +118,30 @@ def range_errors(log: FlightLog) -> NDArray[np.float64]:
         log: Record of the flight.
     """
     return log.error[_last_third(log), COLUMNS["range"]]
+
+
+def bank_rate_rms(log: FlightLog) -> float | None:
+    r"""RMS of the rate of the bank that was flown over the last third of the flight, in [deg/s].
+
+    The bank is that of a coordinated turn between two samples, as measured:
+
+    .. math:: \tan\phi = \frac{\bar v}{g} \frac{\Delta\psi}{\Delta t}
+
+    Args:
+        log: Record of the flight.
+    """
+    late = _last_third(log)
+    time = log.time[late]
+    if len(time) < LEAST_SAMPLES or not np.all(np.diff(time) > 0.0):
+        return None
+    # Stamps of autopilots are whole milliseconds: samples must not be too close for a rate.
+    stride = max(1, math.ceil(SPACING / float(np.median(np.diff(time)))))
+    time = time[::stride]
+    _, _, _, heading, _, airspeed = log.vehicle[late][::stride].T
+    turn_rate = np.asarray(wrap_angle(np.diff(heading))) / np.diff(time)
+    bank = np.arctan(0.5 * (airspeed[1:] + airspeed[:-1]) * turn_rate / GRAVITY)
+    rate = np.diff(bank) / (0.5 * (time[2:] - time[:-2]))
+    return _rms(np.degrees(rate))
 
 
 def _last_third(log: FlightLog) -> NDArray[np.bool_]:

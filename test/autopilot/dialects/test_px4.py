@@ -23,7 +23,7 @@ def distances(states, east=0.0, north=0.0):
 
 def level(core, roll=0.0, mask=RATES_IGNORED):
     """Set-point of level flight at cruise."""
-    pitch = core.airframe.angle_of_attack(core.state.airspeed, math.radians(roll))
+    pitch = core.airframe.incidence(core.state.airspeed, math.radians(roll))
     return bank(roll, mask, pitch, core.engine.trim)
 
 
@@ -51,10 +51,10 @@ def test_numbers_of_modes_are_those_of_the_real_one():
 
 def test_it_begins_in_hold_about_its_start():
     core = autopilot(Px4)
-    start, states = core.state, fly(core, 50.0)
+    start, states = core.state, fly(core, 35.0)
     assert (core.mode, core.armed) == ("LOITER", True)
     radius = core.parameters["NAV_LOITER_RAD"]
-    assert np.max(np.abs(distances(states[-2000:], start.east, start.north) - radius)) < 1.0
+    assert np.max(np.abs(distances(states[-1000:], start.east, start.north) - radius)) < 1.0
 
 
 def test_offboard_is_taken_only_while_setpoints_stream():
@@ -102,7 +102,7 @@ def test_no_limit_of_bank_is_kept_in_offboard():
 def test_full_throttle_climbs_as_it_is_told_and_idle_sinks():
     core = offboard()
     engine = core.engine
-    climb, sink = engine.force(1.0, 22.0), engine.force(0.0, 22.0)
+    climb, sink = engine.force(1.0, 22.0, 0.0), engine.force(0.0, 22.0, 0.0)
     assert climb * 22.0 / 9.80665 == pytest.approx(core.parameters["FW_T_CLMB_MAX"])
     assert sink * 22.0 / 9.80665 == pytest.approx(-core.parameters["FW_T_SINK_MIN"])
 
@@ -177,7 +177,7 @@ def test_a_reposition_must_ask_for_the_change_of_mode_and_tells_altitude_above_s
     assert core.mode == "OFFBOARD"
     assert core.command(order._replace(param2=1.0)) == Result.ACCEPTED
     assert core.mode == "LOITER"
-    states = fly(core, 60.0)
+    states = fly(core, 45.0)
     assert np.max(np.abs(distances(states[-1000:]) - 150.0)) < 2.0
     assert np.all(banks(states[-1000:]) < -10.0)  # a negative radius is counter-clockwise
     assert states[-1].up == pytest.approx(100.0, abs=0.5)
@@ -186,7 +186,7 @@ def test_a_reposition_must_ask_for_the_change_of_mode_and_tells_altitude_above_s
 def test_return_climbs_to_its_altitude_and_circles_home():
     core = autopilot(Px4, "uav_simulator.initial_position=[300.0, 0.0, 40.0]")
     assert core.command(Order(Cmd.NAV_RETURN_TO_LAUNCH)) == Result.ACCEPTED
-    states = fly(core, 50.0)
+    states = fly(core, 40.0)
     assert states[-1].up == pytest.approx(core.parameters["RTL_RETURN_ALT"], abs=0.5)
     radius = core.parameters["RTL_LOITER_RAD"]
     assert np.max(np.abs(distances(states[-1000:]) - radius)) < 3.0

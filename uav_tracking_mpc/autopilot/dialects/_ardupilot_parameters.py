@@ -25,6 +25,7 @@ ARDUPILOT_TRAITS = WireTraits(
     capabilities=1 | 2 | 4 | 8 | 64 | 256 | 8192,
     stream_rates=STREAM_RATES,
     mode_messages=("HEARTBEAT",),  # P/system.cpp, Plane::set_mode
+    lacking=("CURRENT_MODE", "ESTIMATOR_STATUS", "WIND_COV"),
     sync_period=10.0,
     unknown_message=Result.FAILED,
     hears_all=True,
@@ -73,6 +74,7 @@ def ardupilot_parameters(configuration: Configuration, density_factor: float) ->
         "SYSID_MYGCS": 255,
         "SYSID_THISMAV": 1,
         "TECS_CLMB_MAX": own.climb_max,
+        "TECS_RLL2THR": 10.0,
         "TECS_SINK_MAX": own.sink_max,
         "TECS_SINK_MIN": own.sink_idle,
         "TECS_TIME_CONST": 5.0,

@@ -13,7 +13,7 @@ STREAM_RATES = {
     "GLOBAL_POSITION_INT": 50.0, "LOCAL_POSITION_NED": 30.0, "ATTITUDE": 100.0, "VFR_HUD": 10.0,
     "WIND_COV": 10.0, "SYSTEM_TIME": 1.0, "ESTIMATOR_STATUS": 1.0, "SYS_STATUS": 5.0,
     "GPS_RAW_INT": 10.0, "NAV_CONTROLLER_OUTPUT": 10.0, "EXTENDED_SYS_STATE": 5.0,
-    "GPS_GLOBAL_ORIGIN": 1.0, "HOME_POSITION": 0.5,
+    "GPS_GLOBAL_ORIGIN": 1.0, "HOME_POSITION": 0.5, "CURRENT_MODE": 0.5,
 }  # fmt: skip
 PX4_TRAITS = WireTraits(
     maker=12,  # MAV_AUTOPILOT_PX4
@@ -23,6 +23,7 @@ PX4_TRAITS = WireTraits(
     capabilities=1 | 4 | 8 | 16 | 64 | 128 | 256 | 8192,
     stream_rates=STREAM_RATES,
     mode_messages=(),  # streams/HEARTBEAT.hpp: a constant rate, whatever happens
+    lacking=("EKF_STATUS_REPORT", "WIND"),
     sync_period=0.1,
     unknown_message=Result.DENIED,
     hears_all=False,  # Commander.cpp, evaluate_target_ok

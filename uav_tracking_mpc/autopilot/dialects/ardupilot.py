@@ -82,6 +82,7 @@ class ArduPlane(AutopilotCore):
             trim=min(max(0.01 * known["TRIM_THROTTLE"], 0.05), 0.95),
             climb_max=max(known["TECS_CLMB_MAX"], 0.1),
             sink_idle=max(known["TECS_SINK_MIN"], 0.1),
+            load_energy=known["TECS_RLL2THR"],
         )
 
     @property
@@ -191,7 +192,7 @@ class ArduPlane(AutopilotCore):
     @property
     def _level_pitch(self) -> float:
         """Pitch in [rad] of a pilot who keeps the height with the stick."""
-        return self.airframe.angle_of_attack(self.state.airspeed, self.state.roll)
+        return self.airframe.incidence(self.state.airspeed, self.state.roll)
 
     def _forced(self, axis: str) -> float | None:
         return self._guided.value(axis, self.time, self.parameters["GUIDED_TIMEOUT"])

@@ -85,6 +85,11 @@ class Px4(AutopilotCore):
         return mode | BaseMode.ARMED if self.armed else mode
 
     @property
+    def intended_custom_mode(self) -> int:
+        """See :attr:`AutopilotCore.intended_custom_mode`."""
+        return self.modes[self._intended]
+
+    @property
     def engine(self) -> Engine:
         """PerformanceModel.cpp, ``getTrimThrottle``: in thinner air it takes more of it."""
         known = self.parameters
@@ -93,6 +98,7 @@ class Px4(AutopilotCore):
             trim=min(max(known["FW_THR_TRIM"] * self.density_factor, 0.05), 0.95),
             climb_max=max(known["FW_T_CLMB_MAX"], 0.1),
             sink_idle=max(known["FW_T_SINK_MIN"], 0.1),
+            load_energy=known["FW_T_RLL2THR"],
         )
 
     @property
@@ -192,7 +198,7 @@ class Px4(AutopilotCore):
         """What the present mode asks for."""
         known, loops, target = self.parameters, self.loops, self._target
         if self.mode in ("MANUAL", "STABILIZED"):
-            level = self.airframe.angle_of_attack(self.state.airspeed, self.state.roll)
+            level = self.airframe.incidence(self.state.airspeed, self.state.roll)
             trim = loops.by_throttle(self.engine.trim, self.engine)
             return Demand(0.0, loops.by_pitch(level, known["FW_P_TC"]), trim)
         if self.mode == "OFFBOARD" and target is not None:

@@ -13,6 +13,9 @@
 ``engagement``          who flies: pilot and autopilot, or our commands
 ``latency``             from telemetry in to the set-point that answers it
 ``findings``            what is looked at before a flight
+``home_fence``          the autopilot's fence, as the controller and as an orbit see it
 ``arduplane_envelope``  what ArduPlane's parameters allow
+``px4_envelope``        what PX4's parameters allow
+``energy_law``          pitch and thrust, for autopilots that are told these
 ======================  ==================================================================
 """

@@ -61,6 +61,9 @@ class ArduPlaneEnvelope:
         most = first_of(vehicle, "AIRSPEED_MAX", "ARSPD_FBW_MAX")
         if least is not None and most is not None:
             values["airspeed_min"], values["airspeed_max"] = least * self._ratio, most * self._ratio
+        if "RLL2SRV_TCONST" in vehicle:
+            # AP_RollController asks for a roll rate of error / TCONST. Nothing else is commanded.
+            values["rate_lag"] = (vehicle["RLL2SRV_TCONST"],) * 3
         if vehicle.get("RLL2SRV_RMAX", 0.0) > 0.0:
             values["roll_rate_max"] = RATE_SHARE * math.radians(vehicle["RLL2SRV_RMAX"])
         if "TECS_CLMB_MAX" in vehicle and "TECS_SINK_MAX" in vehicle:

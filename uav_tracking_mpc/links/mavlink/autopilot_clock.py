@@ -16,7 +16,7 @@ from typing import NamedTuple
 KEPT = 20  # round trips
 LONGEST = 1.0  # s of a round trip that tells anything
 AHEAD = 1.0  # s by which a stamp may lie in the future before its clock is doubted
-LATE = 10.0  # s by which telemetry may be late before its clock is doubted
+BACK = 1.0  # s by which a stamp may lie before the newest one before its clock is doubted
 WITNESSES = 3  # stamps in a row that must doubt the clock alike: one may be an old repeat
 
 
@@ -50,6 +50,7 @@ class AutopilotClock:
         """Begin anew: the autopilot has restarted."""
         self._trips: deque[RoundTrip] = deque(maxlen=KEPT)
         self._doubts: list[float] = []
+        self._newest = -math.inf
         self.offset: float | None = None
         self.jitter = self.delay = 0.0
 
@@ -63,14 +64,16 @@ class AutopilotClock:
         if not (math.isfinite(stamp) and math.isfinite(arrival)):
             return
         seen = stamp - arrival
-        if self.offset is not None and not -LATE <= seen - self.offset <= AHEAD:
-            alike = [other for other in self._doubts if abs(other - seen) <= AHEAD]
-            self._doubts = [*alike, seen]
+        # However late telemetry is, its stamps go on; those of another boot begin anew.
+        ahead = self.offset is not None and seen - self.offset > AHEAD
+        if ahead or stamp < self._newest - BACK:
+            alike = [other for other in self._doubts if abs(other - stamp) <= AHEAD]
+            self._doubts = [*alike, stamp]
             if len(self._doubts) < WITNESSES:
                 return
             self.restarts += 1
             self.forget()
-        self._doubts = []
+        self._doubts, self._newest = [], max(self._newest, stamp)
         if not self._trips:
             self.offset = seen if self.offset is None else max(self.offset, seen)
 

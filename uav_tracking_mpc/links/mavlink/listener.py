@@ -37,6 +37,7 @@ HEARTBEAT_PERIOD, SYNC_PERIOD, ASKING_PERIOD = 1.0, 0.5, 1.0  # s
 SLOW_RATE, QUICK_RATE = 2.0, 10.0  # Hz
 REOPEN_PERIOD = 1.0  # s between attempts to open a lost wire
 LOST = 5.0  # s without a heartbeat
+HISTORY = 1.0  # s of age from which on a measurement is none: it waited while we were stopped
 SEVERE = 4  # MAV_SEVERITY up to which the autopilot's words are warnings
 
 
@@ -250,7 +251,7 @@ class Listener:
             self._events.add(level, f"autopilot: {message.text}")
         else:
             measurement = self.telemetry.see(message, arrival)
-            if measurement is not None:
+            if measurement is not None and arrival - measurement.stamp <= HISTORY:
                 self.measurements.append(measurement)
                 self.on_measurement(measurement, arrival)
         self.on_message(message, arrival)

@@ -1,0 +1,53 @@
+"""The simulated autopilot from the command line."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from uav_tracking_mpc.cli.main import main
+from uav_tracking_mpc.links.mavlink.dialect import mavutil
+
+PORT = 20000 + os.getpid() % 20000 + 50
+
+
+def test_it_flies_until_it_is_told_to_end():
+    connection = mavutil.mavlink_connection(f"udpin:127.0.0.1:{PORT}")
+    where = ["--connection", f"udpout:127.0.0.1:{PORT}", "--origin=-33.9,18.4,40", "--system", "7"]
+    command = [sys.executable, "-m", "uav_tracking_mpc", "autopilot", *where, "--dialect", "px4"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    try:
+        position = connection.recv_match(type="GLOBAL_POSITION_INT", blocking=True, timeout=60.0)
+        assert position.get_srcSystem() == 7
+        assert position.lat == pytest.approx(-339000000, abs=1e5)
+    finally:
+        process.send_signal(signal.SIGTERM)
+        _, words = process.communicate(timeout=30.0)
+        connection.close()
+    assert process.returncode == 0
+    assert words.startswith("px4: system 7, mode LOITER, at udpout:")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--connection", "radio"], "connection is 'radio', must be"),
+        (["--config", "no_such"], "configuration is 'no_such', must be"),
+        (["--set", "uav_simulator.plant=balloon"], "'balloon'"),
+        (["--origin", "95,0,0"], "origin is latitude 95"),
+    ],
+)
+def test_what_is_wrong_is_one_line(arguments, words, capsys):
+    assert main(["autopilot", *arguments]) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert len(error.splitlines()) == 1
+
+
+def test_an_origin_that_is_none_is_told(capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["autopilot", "--origin", "here"])
+    assert ended.value.code == 2
+    assert "'here' is not LAT,LON,ALT" in capsys.readouterr().err

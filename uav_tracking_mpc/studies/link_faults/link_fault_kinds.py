@@ -1,0 +1,89 @@
+"""What strikes a flight over a link: the wire's faults, and what pilots and companions do."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+
+from uav_tracking_mpc.autopilot.wire_faults import WIRE_FAULTS
+from uav_tracking_mpc.studies.link_faults.link_flight import LinkFlight
+
+HAND_FLOWN = {"ardupilot": ("FBWA", "MANUAL", "RTL", "LOITER"), "px4": ("STABILIZED", "HOLD")}
+DEAD_TIME = (10.0, 40.0)  # s without the companion
+AFTERWARDS = 3.0  # s that a pilot is watched for
+
+Strike = Callable[[LinkFlight, random.Random], float]
+
+
+def wire(name: str) -> Strike:
+    """A fault of the wire.
+
+    Args:
+        name: One of :data:`~uav_tracking_mpc.autopilot.wire_faults.WIRE_FAULTS`.
+    """
+
+    def strike(flight: LinkFlight, random_: random.Random) -> float:
+        duration = random_.uniform(*WIRE_FAULTS[name].duration)
+        fault = flight.autopilot.begin_fault(name, random_.randrange(2**31))
+        end = flight.time + duration
+        while flight.time < end:
+            flight.step()
+        flight.autopilot.end_fault(fault)
+        return duration
+
+    return strike
+
+
+def take_over(flight: LinkFlight, random_: random.Random) -> float:
+    """The pilot switches to another mode; nothing may be commanded after the message that says so.
+
+    Args:
+        flight: Under way.
+        random_: Where all that is random comes from.
+
+    Returns:
+        How long it lasted in [s].
+    """
+    modes = [
+        mode
+        for modes in HAND_FLOWN.values()
+        for mode in modes
+        if mode in flight.autopilot.core.modes
+    ]
+    mode = random_.choice(modes)
+    before = flight.sent.set_points
+    flight.autopilot.pilot_mode(mode)
+    # The message is on the wire with the autopilot's next tick; taken in, it ends our commands.
+    flight.autopilot.tick()
+    flight.link.measured(0.0)
+    told = flight.sent.set_points
+    end = flight.time + AFTERWARDS
+    while flight.time < end:
+        flight.step()
+    if flight.link.engaged or flight.sent.set_points > told:
+        count = flight.sent.set_points - told
+        flight.sent.blame("take-over", f"{count} set-points after mode {mode} was told")
+    assert told >= before
+    return AFTERWARDS
+
+
+def companion_dead(flight: LinkFlight, random_: random.Random) -> float:
+    """The companion is dead for a while, then comes back as if nothing had been.
+
+    Args:
+        flight: Under way.
+        random_: Where all that is random comes from.
+
+    Returns:
+        How long it lasted in [s].
+    """
+    duration = random_.uniform(*DEAD_TIME)
+    flight.silent(duration)
+    return duration
+
+
+KINDS: dict[str, Strike] = {
+    **{name: wire(name) for name in WIRE_FAULTS},
+    "take_over": take_over,
+    "companion_dead": companion_dead,
+}
