@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 import small_uav
 
-from uav_tracking_mpc.control.adaptation import PERIOD, SPEED, ResponseAdaptation
+from uav_tracking_mpc.control.adaptation import PERIOD, SPEED, TAKING_OVER, ResponseAdaptation
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.event import EventLog
 from uav_tracking_mpc.estimation.channel_response import ChannelResponse
+from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.tracking import TrackingParameters
@@ -105,6 +106,24 @@ def test_commands_are_what_is_wanted_divided_by_the_gain():
     plan = np.array([[0.1, 0.02, 0.5]])
     np.testing.assert_allclose(found.commanded(0.0, 0.0, plan, 0.4), [[0.08, 0.02, 0.5]])
     assert controller.response.reset() is None  # nothing was learnt
+
+
+def test_nothing_is_learnt_while_an_aircraft_rolls_over_to_what_is_commanded():
+    """As quickly as it can roll is neither lag nor dead time."""
+    found = ResponseAdaptation(TOLD, EventLog())
+    assert found.enabled
+
+    def seen(stamp):
+        measurement = Measurement(stamp, np.zeros(3), np.array([22.0, 0.0, 0.0]), 0.0, 0.0)
+        found.see(measurement, np.array([0.0, 0.0, 0.0, 0.0, 0.0, 22.0]), True)
+        return found.enabled
+
+    found.engage(False)
+    assert not seen(10.0)
+    found.engage(True)
+    assert not seen(20.0)
+    assert not seen(20.0 + 0.9 * TAKING_OVER)
+    assert seen(20.0 + 1.1 * TAKING_OVER)
 
 
 def test_the_paper_s_formulation_refuses_it():

@@ -19,7 +19,8 @@ from uav_tracking_mpc.cli.arguments import (
 HELP = "inject faults into real nodes and check that nothing breaks"
 DESCRIPTION = (
     "Fly with real nodes, inject faults from a seeded schedule, check every message. Or fly for "
-    "hours without faults (--soak). Exit code 0 if nothing was violated and no process was lost."
+    "hours without faults (--soak), or a simulated autopilot with faults on its wire (--link). "
+    "Exit code 0 if nothing was violated and no process was lost."
 )
 
 
@@ -48,6 +49,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="HOURS",
         help="instead: hours of simulated flight without faults",
     )
+    parser.add_argument(
+        "--link",
+        choices=("ardupilot", "px4"),
+        help="instead: faults on the wire to a simulated autopilot, in simulated time, without ROS",
+    )
+    parser.add_argument(
+        "--cases", type=number(int, 1, 100_000), default=54, help="how many faults on the wire"
+    )
     parser.add_argument("--seed", type=int, default=0, help="of everything random")
     parser.add_argument(
         "--case",
@@ -75,9 +84,33 @@ def run(arguments: argparse.Namespace) -> int:
     # SIGTERM ends the campaign as Ctrl-C does.
     previous = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
+        if arguments.link is not None:
+            return _link(arguments)
         return _campaign(arguments) if arguments.soak is None else _soak(arguments)
     finally:
         signal.signal(signal.SIGTERM, previous)
+
+
+def _link(arguments: argparse.Namespace) -> int:
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from uav_tracking_mpc.studies.link_faults.link_campaign import fly_cases, summary, table
+
+    configuration = chosen_configuration(arguments, "crosswind")
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("faults", total=arguments.cases)
+        cases = fly_cases(
+            arguments.link,
+            configuration,
+            arguments.cases,
+            arguments.seed,
+            progress=lambda done, kind: bar.update(task, completed=done, description=kind),
+        )
+    found = summary(arguments.link, configuration, arguments.seed, cases)
+    _report(arguments, "torture.json", found, table(found))
+    return 1 if found["violations"] else 0
 
 
 def _soak(arguments: argparse.Namespace) -> int:

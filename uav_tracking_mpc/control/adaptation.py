@@ -15,6 +15,7 @@ from uav_tracking_mpc.estimation.response_estimator import ResponseEstimator
 from uav_tracking_mpc.parameters.specification import changed
 from uav_tracking_mpc.settings.tracking import PREDICTIVE, TrackingParameters
 
+TAKING_OVER = 5.0  # s after an aircraft begins to fly the commands, in which nothing is learnt
 PERIOD = 0.5  # s between changes of what is flown
 SPEED = 0.03  # s of lag or dead time, or share of the gain, by which it changes in a second
 # An estimate replaces what was told if it differs by more than this in [s], [s] and [-], and by
@@ -49,12 +50,19 @@ class ResponseAdaptation:
         self.estimator = ResponseEstimator(self._commanded)
         self._told = parameters
         self._engaged = True
+        self._stamp = 0.0
+        self._learns_from: float | None = -math.inf  # s; None: from the next state on
         self._begin()
 
     @property
     def enabled(self) -> bool:
-        """Whether the response is estimated: while the aircraft flies the commands."""
-        return self._told.response_estimation and self._engaged
+        """Whether the response is estimated: while the aircraft flies the commands, and is there.
+
+        Where it takes over from another flight, bank and climb first go over to what is commanded
+        as quickly as they can, which is neither lag nor dead time.
+        """
+        learns = self._learns_from is not None and self._stamp >= self._learns_from
+        return self._told.response_estimation and self._engaged and learns
 
     @property
     def channels(self) -> list[ChannelResponse]:
@@ -109,6 +117,7 @@ class ResponseAdaptation:
         """
         if engaged != self._engaged:
             self._engaged = engaged
+            self._learns_from = None
             self.interrupt()
 
     def tell(self, parameters: TrackingParameters) -> TrackingParameters:
@@ -153,7 +162,9 @@ class ResponseAdaptation:
             airspeed_measured: Whether v is measured.
         """
         *_, airspeed = vehicle.tolist()
-        self._airspeed = airspeed
+        self._airspeed, self._stamp = airspeed, measurement.stamp
+        if self._engaged and self._learns_from is None:
+            self._learns_from = measurement.stamp + TAKING_OVER
         if self.enabled:
             self.estimator.see(
                 measurement.stamp,

@@ -195,6 +195,16 @@ def bank_from_turn_rate(turn_rate: float, airspeed: float) -> float:
     return -math.atan2(airspeed * turn_rate, GRAVITY)
 
 
+def turn_rate_from_bank(bank: float, airspeed: float) -> float:
+    """Inverse of :func:`bank_from_turn_rate`, in [rad/s].
+
+    Args:
+        bank: Right wing down in [rad], short of the wings' being upright.
+        airspeed: v in [m/s], positive.
+    """
+    return -GRAVITY * math.tan(bank) / airspeed
+
+
 def quaternion_from_euler(roll: float, pitch: float, yaw: float) -> list[float]:
     """Attitude of a Forward-Right-Down body in North-East-Down axes.
 

@@ -178,7 +178,8 @@ class ArduPilotLink(MavlinkLink):
         if measured.airspeed is None:
             return
         limit = self._envelope().bank_max(measured.airspeed) or 0.0
-        bank = max(-limit, min(limit, bank_from_turn_rate(float(inputs[0]), measured.airspeed)))
+        turn_rate = float(inputs[0]) - self.heard.telemetry.direction.surplus
+        bank = max(-limit, min(limit, bank_from_turn_rate(turn_rate, measured.airspeed)))
         self.heard.connection.send(
             mavlink.MAVLink_set_attitude_target_message(
                 self.heard.connection.boot_time, self.heard.system, 1,

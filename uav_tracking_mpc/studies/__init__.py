@@ -9,6 +9,7 @@
 ``feasibility``     what is guaranteed with an artificial orbit, and flights that show it
 ``benchmark``       solve times beside other solvers
 ``faults``          faults injected into real nodes
+``link_faults``     faults on the wire to an autopilot
 ``flight_start``    where a closed loop on the prediction begins
 ``parallel``        work in processes, with a progress bar
 ==================  ==============================================================================

@@ -7,6 +7,7 @@
 ``connection``          bytes to messages and back
 ``autopilot_clock``     the autopilot's clock by ours
 ``telemetry``           messages to measurements
+``flight_direction``    where it flies, from where the nose points
 ``vehicle_sighting``    a vehicle to circle that tells where it is
 ``vehicle_parameters``  parameters of the autopilot, read
 ``requests``            commands until they are acknowledged

@@ -37,6 +37,8 @@ HEARTBEAT_PERIOD, SYNC_PERIOD, ASKING_PERIOD = 1.0, 0.5, 1.0  # s
 SLOW_RATE, QUICK_RATE = 2.0, 10.0  # Hz
 REOPEN_PERIOD = 1.0  # s between attempts to open a lost wire
 LOST = 5.0  # s without a heartbeat
+STALL = 2.0  # s in which nobody read, after which what waits is too old for its arrival to count
+BACKLOG = 10000  # reads in a row of what waits
 HISTORY = 1.0  # s of age from which on a measurement is none: it waited while we were stopped
 SEVERE = 4  # MAV_SEVERITY up to which the autopilot's words are warnings
 
@@ -102,6 +104,7 @@ class Listener:
         self._rates.update(dict.fromkeys(quick_messages, QUICK_RATE))
         self._asked_at, self._told_lost = 0, False
         self._heartbeat_at = self._reopened_at = -math.inf
+        self._looked_at = math.inf
         self._due: dict[str, float] = {}
 
     @property
@@ -193,11 +196,15 @@ class Listener:
         Raises:
             LinkError: The connection is closed.
         """
+        stalled = self.connection.now() - self._looked_at > STALL
         try:
             messages = self.connection.receive(timeout)
+            if stalled:
+                messages = self._modes_of(messages)
         except LinkError as error:
             self._reopen(error)
             return []
+        self._looked_at = self.connection.now()
         arrival, own = self.connection.now(), []
         for message in messages:
             system, component = message.get_srcSystem(), message.get_srcComponent()
@@ -207,6 +214,14 @@ class Listener:
             elif system == self._parameters.target_system and self.telemetry.frame is not None:
                 self.target.see(message, arrival, self.telemetry.frame)
         return own
+
+    def _modes_of(self, messages: list[Any]) -> list[Any]:
+        """Of all that waits the heartbeats alone: who flew meanwhile counts at any age."""
+        for _ in range(BACKLOG):
+            if not self.connection.wait(0.0):
+                break
+            messages = messages + self.connection.receive(0.0)
+        return [message for message in messages if message.get_type() == "HEARTBEAT"]
 
     def _reopen(self, error: LinkError) -> None:
         if self.connection.closed:
@@ -278,6 +293,8 @@ class Listener:
         Args:
             now: Our time in [s].
         """
+        if self._looked_at < now - 0.5 * STALL and not self.connection.wait(0.0):
+            self._looked_at = now  # there was nothing to read
         if self.is_due("heartbeat", now, HEARTBEAT_PERIOD):
             self.connection.send(
                 mavlink.MAVLink_heartbeat_message(

@@ -25,6 +25,7 @@ from uav_tracking_mpc.settings.link import LinkParameters
 from uav_tracking_mpc.simulation.plan_follower import PlanFollower
 
 PERIOD = 0.02  # s between looks at what is due
+BACKLOG = 1000  # reads in a row, after which what is due is looked at
 ASKING_PERIOD = 1.0  # s between requests for the mode of external commands
 
 
@@ -215,7 +216,10 @@ class MavlinkLink(VehicleLink):
             wait = min(max(left, 0.0), PERIOD)
             if heard.connection.wait(wait):
                 with self._lock:
-                    heard.receive(0.0)
+                    # All that waits: whoever falls behind is to fly by what came last.
+                    for _ in range(BACKLOG):
+                        if not heard.receive(0.0) or not heard.connection.wait(0.0):
+                            break
             self._tend(self.now())
             if left <= 0.0:
                 break

@@ -2,7 +2,7 @@
 
 ==========================  ==========================================================
 GLOBAL_POSITION_INT         position, ground velocity: each one makes a measurement
-ATTITUDE                    heading, rates; carried on to the position's time
+ATTITUDE                    direction of flight, rates; carried on to the position's time
 VFR_HUD                     airspeed, which both autopilots tell as calibrated
 WIND, WIND_COV              the autopilot's estimate of the wind, ArduPilot's and PX4's
 HOME_POSITION               origin of ``map`` unless another is stated
@@ -22,10 +22,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.atmosphere import true_over_equivalent
-from uav_tracking_mpc.dynamics.frames import course_rates_from_euler, heading_from_yaw
+from uav_tracking_mpc.dynamics.frames import (
+    course_rates_from_euler,
+    heading_from_yaw,
+    turn_rate_from_bank,
+)
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
+from uav_tracking_mpc.links.mavlink.flight_direction import FlightDirection
 
 DEGREE_SCALE = math.radians(1e-7)  # of latitude and longitude on the wire
 ATTITUDE_AGE = 0.25  # s that attitude and position may lie apart
@@ -68,6 +73,7 @@ class Telemetry:
         wind: Velocity of the air in ``map`` by the autopilot, shape (3,), in [m/s]; None where it
             tells nothing.
         throttle: From 0 to 1 [-]; None until it is known.
+        direction: Where it flies, and how it turns by its bank.
         newest: The newest measurement.
     """
 
@@ -83,6 +89,8 @@ class Telemetry:
         self.altitude: float | None = None
         self.wind: NDArray[np.float64] | None = None
         self.newest: Measurement | None = None
+        self.direction = FlightDirection()
+        self._nose_rate = 0.0
         self.throttle: float | None = None
         self._calibrated: float | None = None
         self._calibrated_at = self._wind_at = self._position_at = -math.inf
@@ -113,6 +121,11 @@ class Telemetry:
         if all(map(math.isfinite, values)) and abs(message.pitch) < STEEPEST:
             time = message.time_boot_ms * 1e-3
             self.attitude = Attitude(time, message.roll, message.pitch, message.yaw, rates)
+            yaw_rate, self._nose_rate = course_rates_from_euler(message.roll, message.pitch, rates)
+            airspeed = self.airspeed or 0.0
+            known = airspeed >= LEAST_AIRSPEED
+            by_bank = turn_rate_from_bank(message.roll, airspeed) if known else None
+            self.direction.see(time, heading_from_yaw(message.yaw), yaw_rate, by_bank)
 
     def _see_airspeed(self, message: Any, arrival: float) -> None:
         self.throttle = min(message.throttle * 1e-2, 1.0)
@@ -157,9 +170,7 @@ class Telemetry:
         apart = time - attitude.time
         if abs(apart) > ATTITUDE_AGE or message.lat == message.lon == 0:
             return None
-        turn_rate, nose_rate = course_rates_from_euler(
-            attitude.roll, attitude.pitch, attitude.rates
-        )
+        direction = self.direction
         climb = -message.vz * 1e-2
         airspeed = self.airspeed
         if airspeed is None or airspeed < LEAST_AIRSPEED:
@@ -175,12 +186,10 @@ class Telemetry:
                 message.lat * DEGREE_SCALE, message.lon * DEGREE_SCALE, self.altitude
             ),
             ground_velocity=np.array([message.vy * 1e-2, message.vx * 1e-2, climb]),
-            heading=math.remainder(
-                heading_from_yaw(attitude.yaw) + turn_rate * apart, 2.0 * math.pi
-            ),
+            heading=math.remainder(direction.heading + direction.rate * apart, 2.0 * math.pi),
             path_angle=path_angle,
-            turn_rate=turn_rate,
-            path_angle_rate=nose_rate,
+            turn_rate=direction.rate,
+            path_angle_rate=self._nose_rate,
             airspeed=airspeed,
         )
         return self.newest

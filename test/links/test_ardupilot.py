@@ -1,0 +1,203 @@
+"""The link to ArduPlane, flown against the simulated one over its wire, in simulated time."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+from stepped_flight import ORBIT, ByController, Nobody, SteppedFlight
+
+from uav_tracking_mpc.autopilot.stepped_autopilot import SteppedAutopilot
+from uav_tracking_mpc.links import LinkError, LinkRefusedError
+from uav_tracking_mpc.links.ardupilot import MODES, ROLL_ALONE, ArduPilotLink
+from uav_tracking_mpc.links.mavlink.dialect import mavlink
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.settings.link import LinkParameters
+
+FORCED = 3.0  # s for which ArduPlane keeps a bank that it was told
+
+
+def flight(**changed):
+    return SteppedFlight("ardupilot", **changed)
+
+
+@pytest.fixture
+def engaged():
+    flown = flight()
+    assert flown.engage() == ""
+    return flown
+
+
+def test_modes_have_names():
+    link = ArduPilotLink()
+    assert {link.mode_name(number) for number in MODES} == set(MODES.values())
+    assert link.mode_name(99) == "number 99"
+    assert [number for number in MODES if link.takes_commands(number)] == [15]
+
+
+def test_nothing_is_sent_unless_somebody_engages():
+    flown = flight()
+    flown.fly(3.0)
+    assert flown.sent == []
+    assert flown.autopilot.core.mode == "LOITER"
+
+
+def test_there_must_be_something_to_fly_first():
+    flown = flight()
+    flown.fly(1.0, Nobody())
+    assert "nothing to fly yet" in flown.link.engage()
+
+
+def test_the_bank_alone_is_commanded(engaged):
+    engaged.fly(5.0)
+    bank = math.degrees(engaged.sent[-1][1].roll)
+    airspeed = engaged.link.heard.telemetry.newest.airspeed
+    assert bank == pytest.approx(-math.degrees(math.atan(airspeed * 0.08 / 9.80665)), abs=0.1)
+    assert all(target.mask == ROLL_ALONE for _, target in engaged.sent)
+    times = np.array([time for time, _ in engaged.sent])
+    assert np.diff(times).max() <= 0.06
+
+
+def test_altitude_and_airspeed_are_the_autopilots(engaged):
+    engaged.fly(30.0)
+    state = engaged.autopilot.core.state
+    assert state.up == pytest.approx(ORBIT.centre[2], abs=0.5)
+    assert state.airspeed == pytest.approx(ORBIT.airspeed, abs=0.2)
+
+
+@pytest.mark.parametrize("scenario", ["wind", "crosswind"])
+def test_it_circles_in_wind_and_about_a_moving_target(scenario):
+    flown = flight(scenario=scenario)
+    controller = ByController(flown)
+    assert flown.engage(controller) == ""
+    begin = flown.time
+    flown.fly(35.0, controller)
+    distance, height, roll_rate = controller.since(begin + 25.0)
+    assert distance < 0.3
+    assert height < 1.0
+    assert roll_rate < 5.0
+    assert flown.link.values()["commands refused"] == 0
+
+
+@pytest.mark.parametrize("mode", ["FBWA", "MANUAL", "RTL", "LOITER"])
+def test_a_pilot_takes_over_within_one_message_and_for_good(engaged, mode):
+    engaged.fly(2.0)
+    assert engaged.autopilot.pilot_mode(mode)
+    taken = engaged.time
+    engaged.fly(2.0)
+    assert not engaged.link.engaged
+    assert not engaged.sent_after(taken + 0.03)  # what was under way
+    assert engaged.autopilot.pilot_mode("GUIDED")
+    engaged.fly(2.0)
+    assert not engaged.sent_after(taken + 0.03)
+    assert any("took over" in words for words in engaged.words)
+
+
+def test_without_a_companion_it_loiters_about_the_target(engaged):
+    engaged.fly(5.0)
+    core, end = engaged.autopilot.core, engaged.time + 90.0
+    distances = []
+    while engaged.time < end:
+        engaged.autopilot.tick()
+        if engaged.time > end - 30.0:
+            distances.append(math.hypot(core.state.east, core.state.north))
+    assert core.mode == "GUIDED"
+    # Its own loiter of that radius, grown by the thinner air as the real one's is.
+    assert np.ptp(distances) < 5.0
+    assert np.mean(distances) == pytest.approx(ORBIT.radius, rel=0.15)
+    assert core.state.up == pytest.approx(ORBIT.centre[2], abs=0.5)
+
+
+def test_a_controller_that_dies_ends_in_that_loiter_too(engaged):
+    engaged.fly(15.0, Nobody())
+    last = engaged.sent[-1][0]
+    assert last < engaged.time - FORCED
+    assert engaged.autopilot.core.mode == "GUIDED"
+
+
+def test_giving_command_back_sends_nothing_more(engaged):
+    engaged.link.disengage()
+    at = engaged.time
+    engaged.fly(2.0)
+    assert not engaged.sent_after(at + 0.02)
+
+
+def test_a_dead_link_is_taken_up_again(engaged):
+    fault = engaged.autopilot.begin_fault("silence")
+    engaged.fly(8.0)
+    engaged.autopilot.end_fault(fault)
+    engaged.fly(3.0)
+    assert engaged.link.engaged
+    assert engaged.sent_after(engaged.time - 0.5)
+
+
+def test_a_restart_of_the_autopilot_gives_command_back(engaged):
+    engaged.fly(2.0)
+    engaged.autopilot.restart()
+    engaged.fly(3.0)
+    assert not engaged.link.engaged
+    assert engaged.link.values()["restarts"] == 1
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"FENCE_ENABLE": 1, "FENCE_TYPE": 1, "FENCE_ALT_MAX": 100}, "not inside the autopilot's"),
+        ({"FENCE_ENABLE": 1, "FENCE_TYPE": 2, "FENCE_RADIUS": 250}, "leaves the autopilot's fence"),
+    ],
+)
+def test_what_does_not_fit_is_refused(changed, words):
+    flown = flight(**changed)
+    assert re.search(words, flown.engage())
+    assert flown.sent == []
+
+
+def test_a_fence_becomes_the_controllers():
+    fence = {"FENCE_ENABLE": 1, "FENCE_TYPE": 10, "FENCE_RADIUS": 800, "FENCE_ALT_MIN": 40}
+    envelope = flight(**fence).link.inspect().envelope
+    assert envelope["fence_radius"] < 800.0
+    assert envelope["fence_centre"] == pytest.approx((0.0, 0.0), abs=0.1)
+    assert envelope["height_min"] > 40.0
+
+
+@pytest.mark.parametrize("mode", ["MANUAL", "FBWA", "RTL", "TAKEOFF"])
+def test_command_is_not_taken_from_every_mode(mode):
+    flown = flight()
+    flown.autopilot.pilot_mode(mode)
+    flown.fly(1.5)
+    assert f"mode is {mode}, must be one of" in flown.engage()
+
+
+def test_a_plan_that_cannot_be_flown_is_refused_in_words(engaged):
+    level, now = np.zeros((2, 3)), engaged.link.now()
+    assert "not finite" in engaged.link.command(now, level * math.nan, 0.5)
+    assert "must be finite" in engaged.link.command(
+        now, level, 0.5, ORBIT._replace(radius=math.nan)
+    )
+
+
+@pytest.mark.parametrize(
+    ("kind", "maker", "words"),
+    [
+        (mavlink.MAV_TYPE_QUADROTOR, mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA, "is a QUADROTOR"),
+        (mavlink.MAV_TYPE_FIXED_WING, mavlink.MAV_AUTOPILOT_PX4, "is PX4, must be ARDUPILOTMEGA"),
+    ],
+)
+def test_another_vehicle_is_refused(kind, maker, words):
+    autopilot = SteppedAutopilot("ardupilot", load_configuration("small_uav"))
+    send = autopilot.radio.send
+
+    def other(message):
+        if message.get_type() == "HEARTBEAT":
+            message.type, message.autopilot = kind, maker
+        send(message)
+
+    autopilot.radio.send = other
+    link = ArduPilotLink(parameters=LinkParameters(), connection=autopilot.connection)
+    with pytest.raises(LinkRefusedError, match=words):
+        link.connect(5.0)
+
+
+def test_nobody_there_is_said_with_the_place_and_the_time():
+    with pytest.raises(LinkError, match=r"no autopilot answers at 'udpin:127.0.0.1:\d+' within"):
+        ArduPilotLink("udpin:127.0.0.1:14687").connect(0.3)

@@ -1,0 +1,114 @@
+"""Faults on the wire: nothing breaks, and what is broken on purpose is seen."""
+
+import json
+import random
+
+import pytest
+
+from uav_tracking_mpc.cli.main import main
+from uav_tracking_mpc.links.mavlink.dialect import mavlink
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.studies.link_faults.link_campaign import (
+    LOITER,
+    LOST,
+    ORBIT,
+    LinkCase,
+    fly_cases,
+    summary,
+    table,
+)
+from uav_tracking_mpc.studies.link_faults.link_fault_kinds import KINDS
+from uav_tracking_mpc.studies.link_faults.link_flight import LinkFlight
+
+CROSSWIND = load_configuration("small_uav", (), "crosswind")
+SHORT = ("loss", "silence", "take_over", "bit_flips", "companion_dead")
+
+
+@pytest.mark.parametrize("dialect", ["ardupilot", "px4"])
+def test_a_short_campaign_breaks_nothing(dialect):
+    cases = fly_cases(dialect, CROSSWIND, len(SHORT), seed=3, kinds=SHORT)
+    assert sorted(case.kind for case in cases) == sorted(SHORT)
+    assert [case.violations for case in cases] == [{}] * len(SHORT)
+    assert all(case.outcome in (ORBIT, LOITER) for case in cases)
+
+
+@pytest.mark.long
+@pytest.mark.timeout(900)
+@pytest.mark.parametrize("dialect", ["ardupilot", "px4"])
+def test_three_of_every_kind_break_nothing(dialect):
+    cases = fly_cases(dialect, CROSSWIND, 3 * len(KINDS), seed=0)
+    assert not any(case.violations for case in cases)
+
+
+def test_there_are_kinds_enough():
+    assert len(KINDS) >= 12
+
+
+def test_a_seed_makes_it_the_same_again():
+    first, second = (fly_cases("ardupilot", CROSSWIND, 2, 7, ("jitter", "loss")) for _ in "ab")
+    assert first == second
+
+
+@pytest.fixture
+def flight():
+    return LinkFlight("ardupilot", CROSSWIND)
+
+
+def set_point(bank=0.0, mask=0b11111110):
+    from uav_tracking_mpc.dynamics.frames import quaternion_from_euler
+
+    q = quaternion_from_euler(bank, 0.0, 0.0)
+    return mavlink.MAVLink_set_attitude_target_message(0, 1, 1, mask, q, 0.0, 0.0, 0.0, 0.0)
+
+
+def test_rules_that_are_broken_are_seen(flight):
+    send = flight.link.heard.connection.send
+    send(set_point())
+    assert set(flight.sent.take()) == {"engaged"}
+    flight.link.engagement.ask(flight.time)
+    send(set_point(bank=1.2))
+    send(set_point(bank=float("nan")))
+    command = mavlink.MAV_CMD_COMPONENT_ARM_DISARM
+    send(mavlink.MAVLink_command_long_message(1, 1, command, 0, 1, 0, 0, 0, 0, 0, 0))
+    send(mavlink.MAVLink_param_set_message(1, 1, b"ROLL_LIMIT_DEG", 70.0, 9))
+    broken = flight.sent.take()
+    assert set(broken) == {"bank", "finite", "harmless"}
+    assert broken["harmless"][0] == 2
+    assert flight.sent.take() == {}
+
+
+def test_a_link_that_clings_to_command_is_seen(flight):
+    flight.link.takes_commands = lambda custom_mode: True
+    for _ in range(200):
+        flight.step()
+    flight.link.engage()
+    for _ in range(100):
+        flight.step()
+    assert flight.link.engaged
+    flight.link.takes_commands = lambda custom_mode: custom_mode == 15
+    flight.link.engagement.see_mode = lambda *arguments: None
+    KINDS["take_over"](flight, random.Random(1))
+    assert "take-over" in flight.sent.take()
+
+
+def test_the_summary_counts_and_names():
+    cases = [
+        LinkCase("loss", 2.0, ORBIT, 1.5),
+        LinkCase("loss", 2.0, LOITER),
+        LinkCase("mute", 2.0, LOST, None, {"bank": (3, "60 deg")}),
+    ]
+    found = summary("px4", CROSSWIND, 1, cases)
+    assert (found["faults"], found["kinds"], found["violations"]) == (3, 2, 1)
+    assert found["outcomes"] == {ORBIT: 1, LOITER: 1, LOST: 1}
+    assert found["worst_recovery_s"] == 1.5
+    words = table(found)
+    assert "case 2 (mute): bank, 3 times: 60 deg" in words
+    assert "3 faults of 2 kinds: 1 violations" in words
+
+
+def test_the_command_writes_and_prints_what_came_of_it(tmp_path, capsys):
+    arguments = ["torture", "--link", "ardupilot", "--cases", "1", "--seed", "4", "--json"]
+    assert main([*arguments, "--output", str(tmp_path)]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed == json.loads((tmp_path / "torture.json").read_text(encoding="utf-8"))
+    assert (printed["dialect"], printed["faults"], printed["violations"]) == ("ardupilot", 1, 0)

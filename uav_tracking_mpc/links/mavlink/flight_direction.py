@@ -1,0 +1,70 @@
+r"""Direction of flight through the air from the attitude: the nose without its swing.
+
+An autopilot tells where the nose points. In a roll the nose swings to the side (adverse yaw,
+rudder, Dutch roll), while the aircraft turns as its bank says. A controller that took the swing for
+a turn would answer it, against the phase, with a limit cycle. Quick changes are therefore those of
+the bank, slow ones those of the nose, by a complementary filter (e.g. Mahony, Hamel, Pflimlin, IEEE
+Trans. Automatic Control 53(5), 2008):
+
+.. math::
+
+    \dot\beta = r_n - r_b - b - 2 \omega \beta, \quad \dot b = \omega^2 \beta, \quad
+    \psi = \psi_n - \beta, \quad \dot\psi = r_b + b + 2 \omega \beta
+
+with the nose at :math:`\psi_n`, its rate :math:`r_n`, the rate :math:`r_b = -g \tan\phi / v` of a
+coordinated turn, and the swing :math:`\beta`. An aircraft that slips in a steady turn turns at
+another rate than that of its bank, by b; this shows slowly, and is to be taken out as slowly: in a
+quick roll the bank still counts in full.
+"""
+
+from __future__ import annotations
+
+import math
+
+FREQUENCY = 0.3  # rad/s, omega: well below the swing's, which is some rad/s
+LONGEST_STEP = 0.5  # s between attitudes, after which the filter begins anew
+SURPLUS_LIMIT = 0.15  # rad/s
+
+
+class FlightDirection:
+    """Follows one aircraft's attitude.
+
+    Attributes:
+        heading: psi, counter-clockwise from East, in [rad].
+        rate: psi' in [rad/s].
+        surplus: b, what the turn rate exceeds that of a coordinated turn by, in [rad/s].
+    """
+
+    def __init__(self) -> None:
+        self.heading = self.rate = self.surplus = 0.0
+        self._swing = 0.0
+        self._time: float | None = None
+
+    def see(self, time: float, nose: float, nose_rate: float, bank_rate: float | None) -> None:
+        """Take in an attitude.
+
+        Args:
+            time: Of the attitude in [s].
+            nose: Where the nose points, counter-clockwise from East, in [rad].
+            nose_rate: Its rate in [rad/s].
+            bank_rate: Rate of a coordinated turn at the same bank in [rad/s]; None where the
+                airspeed is unknown, and the nose counts.
+        """
+        if bank_rate is None:
+            self._time, self.surplus = None, 0.0
+            self.heading, self.rate = nose, nose_rate
+            return
+        step = math.inf if self._time is None else time - self._time
+        self._time = time
+        if 0.0 < step <= LONGEST_STEP:
+            turn_rate = bank_rate + self.surplus + 2.0 * FREQUENCY * self._swing
+            self._surpass(self.surplus + step * FREQUENCY**2 * self._swing)
+            self._swing += step * (nose_rate - turn_rate)
+        elif step != 0.0:
+            self._swing = 0.0
+            self._surpass(nose_rate - bank_rate)
+        self.heading = nose - self._swing
+        self.rate = bank_rate + self.surplus + 2.0 * FREQUENCY * self._swing
+
+    def _surpass(self, surplus: float) -> None:
+        self.surplus = min(max(surplus, -SURPLUS_LIMIT), SURPLUS_LIMIT)
