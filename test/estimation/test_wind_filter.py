@@ -50,6 +50,20 @@ def test_biases_of_airspeed_and_heading_show_while_the_aircraft_turns(share, hea
     np.testing.assert_allclose(filter_.mean_wind, [3.0, -5.0, 0.2], atol=0.3)
 
 
+def test_gusts_that_the_airspeed_shows_are_no_bias_of_it():
+    # Heavy aircraft: gusts change airspeed and heading, and hardly the velocity over ground.
+    random, filter_, gust = np.random.default_rng(3), WindFilter(), np.zeros(3)
+    position = np.array([100.0, 50.0, 120.0])
+    for k in range(round(150.0 / STEP)):
+        psi = TURN * k * STEP
+        ground = SPEED * np.array([np.cos(psi), np.sin(psi), 0.0])
+        gust += -STEP / 12.0 * gust + np.sqrt(STEP) * random.standard_normal(3)
+        filter_.update(k * STEP, position, ground, ground - gust, 120.0)
+        position = position + STEP * ground
+    assert abs(filter_.airspeed_share) < 0.1
+    assert abs(filter_.heading_bias) < 0.1
+
+
 def test_noise_of_the_ground_velocity_is_smoothed_and_its_size_seen():
     filter_, position = flown(100.0, noise=0.3)
     np.testing.assert_allclose(filter_.mean_wind + filter_.gust, [3.0, -5.0, 0.2], atol=0.2)

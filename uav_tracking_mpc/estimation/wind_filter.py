@@ -34,6 +34,10 @@ AIRSPEED_SHARE, HEADING_BIAS = 0.02, 0.02  # -, rad
 WIND_WALK, GROUND_WALK, SHARE_WALK, HEADING_WALK = 0.03, 0.01, 2e-4, 2e-4
 POSITION_NOISE, VELOCITY_NOISE = 0.1, 0.05  # m, m/s: least standard deviations believed
 GUST_WALK = 1.0  # m^2/s^3, that of moderate gusts, until it is seen how strong they are
+# Over which the air velocity is averaged that multiplies alpha and beta. A gust changes the
+# airspeed of a real aircraft, and its heading as it weathercocks, before it moves the aircraft:
+# v_measured - a then changes exactly as -a does, and the gust would be taken for alpha.
+AVERAGING_TIME = 5.0  # s
 LONGEST_GAP = 2.0  # s without a measurement, after which the position begins anew
 
 P, W, G, B = (slice(3 * k, 3 * k + 3) for k in range(4))
@@ -65,7 +69,7 @@ class WindFilter:
         deviations = [POSITION_NOISE, WIND, GUST, GROUND_BIAS]
         prior = [*np.repeat(deviations, 3), AIRSPEED_SHARE, HEADING_BIAS]
         self._covariance = np.diag(np.square(prior))
-        self._air, self._travelled = np.zeros(3), np.zeros(3)
+        self._air, self._steady_air, self._turn_rate = np.zeros(3), np.zeros(3), 0.0
         self.correlation_times = np.ones(3)
 
     @property
@@ -121,11 +125,25 @@ class WindFilter:
             self._state[P] = position
             self._covariance[P, :] = self._covariance[:, P] = 0.0
             self._covariance[P, P] = POSITION_NOISE**2 * np.eye(3)
+            self._steady_air, self._turn_rate = air_velocity.copy(), 0.0
         else:
+            self._average(elapsed, air_velocity)
             self._predict(elapsed, air_velocity, height)
         self._air = air_velocity
         self._see_noise(time, position, ground_velocity)
         self._correct(position, ground_velocity)
+
+    def _average(self, elapsed: float, air_velocity: NDArray[np.float64]) -> None:
+        """Follow the air velocity slowly, without a lag where it turns steadily."""
+        share = min(elapsed / AVERAGING_TIME, 1.0)
+        (x, y, _), (x_after, y_after, _) = self._air.tolist(), air_velocity.tolist()
+        turned = math.atan2(x * y_after - y * x_after, x * x_after + y * y_after)
+        self._turn_rate += (turned - elapsed * self._turn_rate) / AVERAGING_TIME
+        turn = elapsed * self._turn_rate
+        steady = self._steady_air
+        turned_air = math.cos(turn) * steady + math.sin(turn) * _across(steady)
+        turned_air[2] = steady[2]
+        self._steady_air = turned_air + share * (air_velocity - turned_air)
 
     def _predict(self, elapsed: float, air_velocity: NDArray[np.float64], height: float) -> None:
         air = 0.5 * (self._air + air_velocity)
@@ -137,10 +155,10 @@ class WindFilter:
         transition[G.start + axes, G.start + axes] = decay
         transition[axes, W.start + axes] = elapsed
         transition[axes, G.start + axes] = 0.5 * elapsed * (1.0 + decay)
-        transition[P, ALPHA] = -elapsed * air
-        transition[P, BETA] = -elapsed * _across(air)
+        transition[P, ALPHA] = -elapsed * self._steady_air
+        transition[P, BETA] = -elapsed * _across(self._steady_air)
         self._state = transition @ self._state
-        self._state[P] += elapsed * air
+        self._state[P] += elapsed * (air - self._beside(air))
         # A random walk of intensity q is a short piece of a gust of variance q T / 2.
         walks = np.array([self._level_meter.walk] * 2 + [self._vertical_meter.walk])
         self._spread[G] = 0.5 * walks * self.correlation_times * (1.0 - decay**2)
@@ -148,6 +166,11 @@ class WindFilter:
         self._spread[ALPHA:] = SHARE_WALK**2 * elapsed, HEADING_WALK**2 * elapsed
         self._covariance = transition @ self._covariance @ transition.T
         self._covariance.flat[:: SIZE + 1] += self._spread
+
+    def _beside(self, air: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What alpha and beta change of an air velocity beyond what they do of the average."""
+        apart = air - self._steady_air
+        return self._state[ALPHA] * apart + self._state[BETA] * _across(apart)
 
     def _see_noise(
         self, time: float, position: NDArray[np.float64], ground_velocity: NDArray[np.float64]
@@ -163,8 +186,9 @@ class WindFilter:
 
     def _correct(self, position: NDArray[np.float64], ground_velocity: NDArray[np.float64]) -> None:
         sensed, air = self._sensed, self._air
-        sensed[3:, ALPHA], sensed[3:, BETA] = -air, -_across(air)
+        sensed[3:, ALPHA], sensed[3:, BETA] = -self._steady_air, -_across(self._steady_air)
         innovation = np.concatenate([position, ground_velocity - air]) - sensed @ self._state
+        innovation[3:] += self._beside(air)
         crossed = sensed @ self._covariance
         variance = crossed @ sensed.T
         variance.flat[::7] += self._noise

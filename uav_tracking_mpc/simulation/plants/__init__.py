@@ -1,10 +1,11 @@
 """What can be flown in simulation, one plant a file.
 
-=============  ==================================================================
+=============  =====================================================================
 ``vehicle``    the vehicle (3) in moving air, behind an autopilot that lags
 ``held``       the same vehicle, whose autopilot itself holds altitude and airspeed
+``jsbsim``     an aircraft in six degrees of freedom with servos and inner loops, by JSBSim
 ``euler``      the prediction model itself by Euler's method, as in Section 6
-=============  ==================================================================
+=============  =====================================================================
 
 A plant is a subclass of :class:`Plant` in a file of its own name. It is found by that name, by an
 entry point in the group ``uav_tracking_mpc.simulation.plants``, or as ``path.py:Class``;
