@@ -1,5 +1,7 @@
 """Wind, gusts and biases from flights whose air is known."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -83,3 +85,21 @@ def test_after_a_gap_the_position_begins_anew_and_the_wind_is_kept():
                    np.array([22.0, 0.0, 0.0]), 120.0)  # fmt: skip
     assert filter_.position[0] == pytest.approx(5e3, abs=1.0)
     np.testing.assert_allclose(filter_.mean_wind, [3.0, -5.0, 0.2], atol=0.2)
+
+
+def test_what_slips_while_it_rolls_is_taken_for_no_bias():
+    """An aircraft that rolls into its turn has its nose off by degrees; nothing is biased."""
+    found, wind = WindFilter(), np.array([8.0, 0.0, 0.0])
+    position, heading = np.zeros(3), 0.0
+    for tick in range(1500):
+        time = 0.02 * tick
+        turn_rate = 0.3 * math.sin(0.9 * time) if time < 20.0 else 0.08
+        slip = 0.1 * math.cos(0.9 * time) if time < 20.0 else 0.0  # with the rate of roll
+        heading += 0.02 * turn_rate
+        air = 22.0 * np.array([math.cos(heading), math.sin(heading), 0.0])
+        seen = 22.0 * np.array([math.cos(heading + slip), math.sin(heading + slip), 0.0])
+        position = position + 0.02 * (air + wind)
+        found.update(time, position, air + wind, seen, 120.0)
+    assert abs(found.airspeed_share) < 0.02
+    assert abs(found.heading_bias) < 0.02
+    np.testing.assert_allclose(found.mean_wind + found.gust, wind, atol=1.0)

@@ -14,7 +14,9 @@ Gusts are coloured noise, :math:`g' = -g / T + n`, with the correlation time T =
 Dryden spectra (:mod:`~uav_tracking_mpc.dynamics.dryden`; the longitudinal form on all axes).
 Everything else wanders slowly. How strong the gusts are and how noisy the velocities is not told
 but seen. A bias of the ground velocity shows at once beside the positions, those of heading and
-airspeed while the aircraft turns, for they turn with it and the wind does not.
+airspeed while the aircraft turns, for they turn with it and the wind does not. While it rolls into
+a turn or out of it a real aircraft slips: its heading is then off by degrees, and alpha and beta
+are considered (Schmidt 1966) but not estimated.
 """
 
 from __future__ import annotations
@@ -38,6 +40,7 @@ GUST_WALK = 1.0  # m^2/s^3, that of moderate gusts, until it is seen how strong 
 # airspeed of a real aircraft, and its heading as it weathercocks, before it moves the aircraft:
 # v_measured - a then changes exactly as -a does, and the gust would be taken for alpha.
 AVERAGING_TIME = 5.0  # s
+STEADY_SHARE = 0.1  # of the airspeed, that the air velocity may be apart from its average
 LONGEST_GAP = 2.0  # s without a measurement, after which the position begins anew
 
 P, W, G, B = (slice(3 * k, 3 * k + 3) for k in range(4))
@@ -193,9 +196,20 @@ class WindFilter:
         variance = crossed @ sensed.T
         variance.flat[::7] += self._noise
         gain = np.linalg.solve(variance, crossed).T
+        if not self._steady:
+            gain[ALPHA:] = 0.0
         self._state = self._state + gain @ innovation
-        covariance = self._covariance - gain @ crossed
+        change = gain @ crossed
+        covariance = self._covariance - change
+        if not self._steady:
+            covariance[ALPHA:, :ALPHA] = covariance[:ALPHA, ALPHA:].T
         self._covariance = 0.5 * (covariance + covariance.T)
+
+    @property
+    def _steady(self) -> bool:
+        """Whether the aircraft turns as it did over the average: heading and airspeed are sure."""
+        apart = self._air - self._steady_air
+        return float(apart @ apart) <= (STEADY_SHARE * float(np.linalg.norm(self._air))) ** 2
 
 
 def _across(velocity: NDArray[np.float64]) -> NDArray[np.float64]:

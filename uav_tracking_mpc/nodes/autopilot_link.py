@@ -38,6 +38,7 @@ from uav_tracking_mpc.settings.link import LinkParameters
 LOOK_PERIOD = 0.1  # s between looks at how the link is
 TELL_PERIOD = 1.0  # s between messages that say whether the commands are flown
 SILENCE = 1.0  # s without a state, after which it is missed
+SWITCH_INTERVAL = 1e-4  # s that a thread may keep another, which has a set-point to send, waiting
 WARNING_PERIOD = 5.0  # s
 ORBIT_AGE = 2.0  # s by which an orbit may be older than the command
 
@@ -255,6 +256,7 @@ def _link(parameters: LinkParameters) -> VehicleLink:
 
 def main() -> int:
     """Entry point of the executable."""
+    sys.setswitchinterval(SWITCH_INTERVAL)
     return run("autopilot_link", AutopilotLink)
 
 
