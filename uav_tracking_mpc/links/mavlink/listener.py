@@ -278,7 +278,7 @@ class Listener:
         self.on_restart()
 
     def _see_heartbeat(self, message: Any, arrival: float) -> None:
-        if message.autopilot == mavlink.MAV_AUTOPILOT_INVALID:
+        if message.autopilot != self.heartbeat.autopilot:
             return  # of another program that speaks for this system
         if self._told_lost:
             self._told_lost = False
