@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from stepped_flight import ORBIT, ByController, Nobody, SteppedFlight
+from stepped_flight import ORBIT, STEP, TURN, ByController, Nobody, Planner, SteppedFlight
 
 from uav_tracking_mpc.autopilot.stepped_autopilot import SteppedAutopilot
 from uav_tracking_mpc.links import LinkError, LinkRefusedError
@@ -129,6 +129,21 @@ def test_a_dead_link_is_taken_up_again(engaged):
     engaged.fly(3.0)
     assert engaged.link.engaged
     assert engaged.sent_after(engaged.time - 0.5)
+
+
+def test_what_was_told_into_a_dead_link_is_told_again(engaged):
+    engaged.fly(2.0)
+    higher = ORBIT._replace(centre=ORBIT.centre + np.array([0.0, 0.0, 30.0]))
+
+    class Higher(Planner):
+        def answer(self, flown, measured):
+            flown.link.command(measured.stamp, TURN, STEP, higher)
+
+    fault = engaged.autopilot.begin_fault("deaf")
+    engaged.fly(6.0, Higher())
+    engaged.autopilot.end_fault(fault)
+    engaged.fly(40.0, Higher())
+    assert engaged.autopilot.core.state.up == pytest.approx(higher.centre[2], abs=1.0)
 
 
 def test_a_restart_of_the_autopilot_gives_command_back(engaged):

@@ -36,6 +36,7 @@ from uav_tracking_mpc.links.mavlink.findings import (
     state_refusal,
 )
 from uav_tracking_mpc.links.mavlink.mavlink_link import MavlinkLink
+from uav_tracking_mpc.links.mavlink.requests import NOT_ANSWERED
 
 GUIDED = 15
 MODES = {
@@ -52,6 +53,10 @@ AIRSPEED = 0.0  # type of speed of GUIDED_CHANGE_SPEED
 CLOCKWISE, COUNTER_CLOCKWISE = 0.0, 1.0  # param4 of DO_REPOSITION
 ALTITUDE_STEP, AIRSPEED_STEP = 0.2, 0.05  # m, m/s by which a set-point must change to be told
 SETPOINT_PERIOD = 0.5  # s, at least, between altitudes and between airspeeds
+SET_POINTS = {
+    "altitude": mavlink.MAV_CMD_GUIDED_CHANGE_ALTITUDE,
+    "airspeed": mavlink.MAV_CMD_GUIDED_CHANGE_SPEED,
+}
 RENEWAL_PERIOD = 2.0  # s, at least, between loiters
 RENEWAL_SHARE, RENEWAL_DISTANCE = 0.1, 10.0  # of the radius, and m, that the centre must have moved
 
@@ -149,6 +154,7 @@ class ArduPilotLink(MavlinkLink):
         if refusal := self.refusal(orbit):
             self.engagement.give_up(refusal)
             return
+        self._tell_again()
         if self._moved(orbit, now):
             self._reposition(orbit, now, 0.0, "a loiter about the target")
         _, _, altitude = frame.place(orbit.centre)
@@ -172,6 +178,15 @@ class ArduPilotLink(MavlinkLink):
                 (0, 0, 0.0),
                 quiet=True,
             )
+
+    def _tell_again(self) -> None:
+        """What was not answered while the link was dead counts as never told."""
+        result = self.heard.requests.result
+        for name, command in SET_POINTS.items():
+            if result(command) == NOT_ANSWERED:
+                self._told.pop(name, None)
+        if result(mavlink.MAV_CMD_DO_REPOSITION) == NOT_ANSWERED:
+            self._loiter = None
 
     def fly(self, inputs: NDArray[np.float64], measured: Measurement, now: float) -> None:
         """See :meth:`MavlinkLink.fly`."""

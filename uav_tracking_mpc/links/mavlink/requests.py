@@ -16,6 +16,7 @@ from uav_tracking_mpc.links.mavlink.dialect import mavlink, name_of
 WAIT = 0.7  # s for an acknowledgement
 ATTEMPTS = 4
 PROGRESS = 10.0  # s that an autopilot may be at it
+NOT_ANSWERED = "not answered"  # as the answer to a request
 
 
 @dataclass
@@ -91,7 +92,7 @@ class Requests:
         self._connection.send(message)
 
     def result(self, command: int) -> str | None:
-        """Answer to the newest request of a kind: its name, such as ACCEPTED; None while it waits.
+        """Answer to the newest request of a kind, such as ACCEPTED; None while it waits.
 
         Args:
             command: Of MAV_CMD.
@@ -127,7 +128,7 @@ class Requests:
             if now < request.due:
                 continue
             if request.attempts == ATTEMPTS:
-                self._end(command, "not answered")
+                self._end(command, NOT_ANSWERED)
                 continue
             request.attempts, request.due = request.attempts + 1, now + WAIT
             if hasattr(request.message, "confirmation"):

@@ -170,7 +170,7 @@ class FaultCampaign:
             node: [
                 f"{topic.name}:={fault_relay.raw(topic).name}"  # to the relay first
                 for topic in STREAMS
-                if topic.sender == node
+                if node in topic.sender
             ]
             for node in NODES
         }
