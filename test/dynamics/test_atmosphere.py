@@ -4,12 +4,9 @@ import math
 
 import pytest
 
-from uav_tracking_mpc.dynamics.atmosphere import (
-    SEA_LEVEL_DENSITY,
-    density_ratio,
-    true_over_equivalent,
-)
+from uav_tracking_mpc.dynamics.atmosphere import density_ratio, true_over_equivalent
 
+SEA_LEVEL_DENSITY = 1.225  # kg/m^3
 # U.S. Standard Atmosphere 1976, Table I: altitude in m, density in kg/m^3
 TABLE = [(-1000.0, 1.3470), (0.0, 1.2250), (1000.0, 1.1117), (3000.0, 0.90925), (11000.0, 0.36480)]
 

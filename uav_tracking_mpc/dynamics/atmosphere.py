@@ -9,7 +9,6 @@ from uav_tracking_mpc.dynamics.gravity import GRAVITY
 SEA_LEVEL_TEMPERATURE = 288.15  # K
 LAPSE_RATE = 0.0065  # K/m
 GAS_CONSTANT = 287.05287  # J/(kg K), of dry air
-SEA_LEVEL_DENSITY = 1.225  # kg/m^3
 HIGHEST, LOWEST = 11000.0, -5000.0  # m, of the troposphere
 
 

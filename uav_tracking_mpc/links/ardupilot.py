@@ -29,12 +29,7 @@ from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import Inspection
 from uav_tracking_mpc.links.mavlink.arduplane_envelope import NAMES, ArduPlaneEnvelope
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
-from uav_tracking_mpc.links.mavlink.findings import (
-    airspeed_refusal,
-    firmware,
-    position_refusal,
-    state_refusal,
-)
+from uav_tracking_mpc.links.mavlink.findings import firmware, inspection, state_refusal
 from uav_tracking_mpc.links.mavlink.mavlink_link import MavlinkLink
 from uav_tracking_mpc.links.mavlink.requests import NOT_ANSWERED
 
@@ -101,34 +96,12 @@ class ArduPilotLink(MavlinkLink):
         """See :meth:`MavlinkLink.describe`."""
         heard, envelope = self.heard, self._envelope()
         mode = self.mode_name(heard.heartbeat.custom_mode)
-        refusals = [
-            position_refusal(heard.telemetry, heard.status),
-            airspeed_refusal(heard.telemetry, heard.sensors, heard.in_air),
-            state_refusal(heard, mode, HANDED_OVER),
-        ]
+        refusals = [state_refusal(heard, mode, HANDED_OVER)]
         if envelope.bank_max(1.0) is None:
             refusals.append("neither ROLL_LIMIT_DEG nor LIM_ROLL_CD can be read")
-        flown = heard.telemetry.airspeed if heard.in_air else None
-        airspeed = envelope.cruise or flown or 15.0
-        values = envelope.values(airspeed)
-        if (fence := envelope.fence()) is not None:
-            values.update(fence.values(heard.telemetry))
-        found = {
-            "firmware": f"ArduPlane {firmware(heard.version)}",
-            "system": str(heard.system),
-            "mode": mode,
-            "armed": "yes" if heard.armed else "no",
-            "in the air": "yes" if heard.in_air else "no",
-            **{name: f"{value:g}" for name, value in self.vehicle.items()},
-        }
-        if envelope.cruise is not None:
-            found["cruise airspeed, true"] = f"{envelope.cruise:.1f} m/s"
-        return Inspection(
-            found,
-            values,
-            tuple(envelope.warnings(self.parameters.telemetry_rate)),
-            tuple(filter(None, refusals)),
-        )
+        told = {"firmware": f"{self.title} {firmware(heard.version)}", "mode": mode}
+        warnings = envelope.warnings(self.parameters.telemetry_rate)
+        return inspection(heard, told, self.vehicle, envelope, warnings, refusals)
 
     def refusal(self, orbit: FlownOrbit) -> str:
         """See :meth:`MavlinkLink.refusal`: what its fence says."""

@@ -32,12 +32,7 @@ from uav_tracking_mpc.links import Inspection
 from uav_tracking_mpc.links.mavlink.dialect import CURRENT_MODE, mavlink
 from uav_tracking_mpc.links.mavlink.energy_law import EnergyLaw, FlownPath
 from uav_tracking_mpc.links.mavlink.engagement import State
-from uav_tracking_mpc.links.mavlink.findings import (
-    airspeed_refusal,
-    firmware,
-    position_refusal,
-    state_refusal,
-)
+from uav_tracking_mpc.links.mavlink.findings import firmware, inspection, state_refusal
 from uav_tracking_mpc.links.mavlink.mavlink_link import MavlinkLink
 from uav_tracking_mpc.links.mavlink.px4_envelope import NAMES, Px4Envelope
 from uav_tracking_mpc.links.mavlink.telemetry import Attitude
@@ -114,28 +109,10 @@ class Px4Link(MavlinkLink):
         """See :meth:`MavlinkLink.describe`."""
         heard, envelope = self.heard, self._envelope()
         mode = self.mode_name(heard.heartbeat.custom_mode)
-        refusals = [
-            position_refusal(heard.telemetry, heard.status),
-            airspeed_refusal(heard.telemetry, heard.sensors, heard.in_air),
-            state_refusal(heard, mode, HANDED_OVER),
-            *envelope.refusals(),
-        ]
-        flown = heard.telemetry.airspeed if heard.in_air else None
-        values = envelope.values(envelope.cruise or flown or 15.0)
-        if (fence := envelope.fence()) is not None:
-            values.update(fence.values(heard.telemetry))
-        found = {
-            "firmware": f"PX4 {firmware(heard.version)}",
-            "system": str(heard.system),
-            "mode": mode,
-            "armed": "yes" if heard.armed else "no",
-            "in the air": "yes" if heard.in_air else "no",
-            **{name: f"{value:g}" for name, value in self.vehicle.items()},
-        }
-        if envelope.cruise is not None:
-            found["cruise airspeed, true"] = f"{envelope.cruise:.1f} m/s"
-        words = tuple(filter(None, refusals))
-        return Inspection(found, values, tuple(envelope.warnings()), words)
+        refusals = [state_refusal(heard, mode, HANDED_OVER), *envelope.refusals()]
+        told = {"firmware": f"{self.title} {firmware(heard.version)}", "mode": mode}
+        warnings = envelope.warnings()
+        return inspection(heard, told, self.vehicle, envelope, warnings, refusals)
 
     def refusal(self, orbit: FlownOrbit) -> str:
         """See :meth:`MavlinkLink.refusal`: what its fence says."""

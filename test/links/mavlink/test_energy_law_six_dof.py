@@ -14,10 +14,9 @@ from uav_tracking_mpc.links.mavlink.energy_law import (
     FlownPath,
 )
 from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.simulation import flight_control, flight_dynamics
 
 pytest.importorskip("jsbsim")
-flight_dynamics = pytest.importorskip("uav_tracking_mpc.simulation.flight_dynamics")
-flight_control = pytest.importorskip("uav_tracking_mpc.simulation.flight_control")
 
 RATE = flight_dynamics.RATE
 CRUISE, TRIM = 22.0, 0.55  # m/s; the thrust that the law is told, 0.15 too little

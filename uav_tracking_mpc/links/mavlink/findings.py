@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import Any, Protocol
 
+from uav_tracking_mpc.links import Inspection
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
+from uav_tracking_mpc.links.mavlink.home_fence import HomeFence
 from uav_tracking_mpc.links.mavlink.listener import Listener
 from uav_tracking_mpc.links.mavlink.telemetry import LEAST_AIRSPEED, Telemetry
 
+UNKNOWN_AIRSPEED = 15.0  # m/s, for limits that depend on it where neither cruise nor flight tells
 FIRMWARE_TYPES = {0: "dev", 64: "alpha", 128: "beta", 192: "rc", 255: "official"}
 AIRSPEED_SENSOR = mavlink.MAV_SYS_STATUS_SENSOR_DIFFERENTIAL_PRESSURE
 # Attitude, velocity and absolute position, horizontal and vertical: EKF_STATUS_FLAGS of ArduPilot
@@ -34,6 +37,63 @@ def firmware(version: Any) -> str:
     number = version.flight_sw_version
     kind = FIRMWARE_TYPES.get(number & 0xFF, str(number & 0xFF))
     return f"{number >> 24}.{number >> 16 & 0xFF}.{number >> 8 & 0xFF} {kind}"
+
+
+class VehicleEnvelope(Protocol):
+    """What an autopilot's parameters allow."""
+
+    @property
+    def cruise(self) -> float | None:
+        """Cruise airspeed, true, in [m/s]; None where it is not told."""
+
+    def values(self, airspeed: float) -> dict[str, Any]:
+        """Parameters of the controller, by name, in [SI].
+
+        Args:
+            airspeed: At which it is to fly, true, in [m/s].
+        """
+
+    def fence(self) -> HomeFence | None:
+        """The autopilot's fence; None without one."""
+
+
+def inspection(
+    heard: Listener,
+    told: Mapping[str, str],
+    vehicle: Mapping[str, float],
+    envelope: VehicleEnvelope,
+    warnings: Iterable[str],
+    refusals: Iterable[str],
+) -> Inspection:
+    """What was found at the other end, put together.
+
+    Args:
+        heard: Of the autopilot.
+        told: Its firmware and its mode, in words.
+        vehicle: Its parameters by name, in their own units [SI or deg].
+        envelope: That they leave.
+        warnings: What the pilot should know.
+        refusals: Why this autopilot cannot be flown; empty ones count for nothing.
+    """
+    flown = heard.telemetry.airspeed if heard.in_air else None
+    values = envelope.values(envelope.cruise or flown or UNKNOWN_AIRSPEED)
+    if (fence := envelope.fence()) is not None:
+        values.update(fence.values(heard.telemetry))
+    found = {
+        "system": str(heard.system),
+        **told,
+        "armed": "yes" if heard.armed else "no",
+        "in the air": "yes" if heard.in_air else "no",
+        **{name: f"{value:g}" for name, value in vehicle.items()},
+    }
+    if envelope.cruise is not None:
+        found["cruise airspeed, true"] = f"{envelope.cruise:.1f} m/s"
+    every = (
+        position_refusal(heard.telemetry, heard.status),
+        airspeed_refusal(heard.telemetry, heard.sensors, heard.in_air),
+        *refusals,
+    )
+    return Inspection(found, values, tuple(warnings), tuple(filter(None, every)))
 
 
 def position_refusal(telemetry: Telemetry, status: Any) -> str:

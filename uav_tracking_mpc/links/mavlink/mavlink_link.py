@@ -203,7 +203,6 @@ class MavlinkLink(VehicleLink):
 
     def inspect(self) -> Inspection:
         """See :meth:`VehicleLink.inspect`."""
-        assert self.heard.heartbeat is not None
         return self.describe()
 
     def measured(self, timeout: float) -> Measurement | None:
@@ -288,6 +287,7 @@ class MavlinkLink(VehicleLink):
         if self._heard is None or self._heard.heartbeat is None:
             return {"dialect": self.name}
         heard, latency = self._heard, self._latency
+        wind = None if heard.telemetry.wind is None else heard.telemetry.wind.tolist()
         return {
             "dialect": self.name,
             "mode": self.mode_name(heard.heartbeat.custom_mode),
@@ -300,6 +300,8 @@ class MavlinkLink(VehicleLink):
             "commands refused": heard.requests.refused,
             "clock offset [s]": heard.clock.offset or 0.0,
             "clock jitter [ms]": 1e3 * heard.clock.jitter,
+            "delay of the wire [ms]": 1e3 * heard.clock.delay,
+            "wind by the autopilot [m/s]": wind,
             "restarts": heard.clock.restarts,
         }
 

@@ -12,7 +12,6 @@ from uav_tracking_mpc.links.mavlink.dialect import mavlink
 
 ROUND = 0.4  # s of waiting for answers before what is missing is asked for again
 ROUNDS = 5  # an autopilot answers nothing where it has no parameter of that name
-NAME_LENGTH = 16
 _INTEGERS = {  # how PX4 puts integers into the float of PARAM_VALUE: bit by bit
     mavlink.MAV_PARAM_TYPE_INT8: "<b",
     mavlink.MAV_PARAM_TYPE_UINT8: "<B",
