@@ -95,7 +95,12 @@ def _link(arguments: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.progress import Progress
 
-    from uav_tracking_mpc.studies.link_faults.link_campaign import fly_cases, summary, table
+    from uav_tracking_mpc.studies.link_faults.link_campaign import (
+        bad_frames,
+        fly_cases,
+        summary,
+        table,
+    )
 
     configuration = chosen_configuration(arguments, "crosswind")
     console = Console(stderr=True)
@@ -109,6 +114,7 @@ def _link(arguments: argparse.Namespace) -> int:
             progress=lambda done, kind: bar.update(task, completed=done, description=kind),
         )
     found = summary(arguments.link, configuration, arguments.seed, cases)
+    found["frames"] = bad_frames(arguments.link, configuration, arguments.seed)
     _report(arguments, "torture.json", found, table(found))
     return 1 if found["violations"] else 0
 

@@ -156,9 +156,14 @@ class Connection:
                 self._drop()
                 raise LinkError(f"connection {self.address!r} is lost: the other end closed it")
             return []
-        return self._messages(data)
+        return self.parse(data)
 
-    def _messages(self, data: bytes) -> list[Any]:
+    def parse(self, data: bytes) -> list[Any]:
+        """Messages in what came; what is none is counted and dropped.
+
+        Args:
+            data: A datagram, or the next bytes of a stream.
+        """
         parser = self._wire.mav
         if self._kind in DATAGRAM and parser.buf_len():
             # A frame never goes on in the next datagram: the rest of a cut one would swallow it.

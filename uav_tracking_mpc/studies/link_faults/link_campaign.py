@@ -7,8 +7,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from uav_tracking_mpc.autopilot.stepped_autopilot import SteppedAutopilot
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.studies.faults.recovery import Recovery
+from uav_tracking_mpc.studies.link_faults.bad_frames import read_bad_frames
 from uav_tracking_mpc.studies.link_faults.link_fault_kinds import KINDS
 from uav_tracking_mpc.studies.link_faults.link_flight import LinkFlight
 
@@ -16,6 +18,7 @@ TOLERANCE, HELD, RECOVERY_LIMIT = 1.0, 2.0, 30.0  # m, s, s
 SETTLING_LIMIT = 90.0  # s to the orbit, from wherever the autopilot was left
 ORBIT, LOITER, LOST = "orbit", "loiter", "lost"
 OURS = ("GUIDED", "OFFBOARD")  # modes of external commands
+BAD_FRAMES = 100_000
 LOITERS = ("LOITER", "RTL", "HOLD", "RETURN", *OURS)  # in which the autopilot circles by itself
 
 
@@ -165,6 +168,18 @@ def summary(
     }
 
 
+def bad_frames(dialect: str, configuration: Configuration, seed: int) -> dict[str, float]:
+    """What the link's end of the wire makes of :data:`BAD_FRAMES`: see :func:`read_bad_frames`.
+
+    Args:
+        dialect: Of the autopilot.
+        configuration: What is flown.
+        seed: Of everything random.
+    """
+    connection = SteppedAutopilot(dialect, configuration).connection("", 191, "")
+    return read_bad_frames(connection, BAD_FRAMES, seed)
+
+
 def table(found: dict[str, Any]) -> str:
     """The summary for people.
 
@@ -183,6 +198,12 @@ def table(found: dict[str, Any]) -> str:
         f"{outcomes[ORBIT]} times back on the orbit, after {found['worst_recovery_s']:.1f} s at "
         f"most, {outcomes[LOITER]} times in the autopilot's loiter, {outcomes[LOST]} lost"
     )
+    if frames := found.get("frames"):
+        lines.append(
+            f"{frames['bad']} bad frames: {frames['taken']} taken for messages, "
+            f"{frames['good_lost']} good ones lost; {frames['bad_us']:.1f} us each, a good one "
+            f"{frames['good_us']:.1f} us"
+        )
     for case in found["failing_cases"]:
         for rule, what in case["violations"].items():
             kind = case["kinds"][0]
