@@ -1,8 +1,10 @@
 # make demo       fly the paper's mission with three ROS 2 nodes and write output/demo/report.html
+# make view       fly small_uav in wind on a page in the browser: watch and steer it, until Ctrl-C
 # make test       lint, type-check and test
 # make test-long  the long forms of the tests, and the tests with the kernels of other processors
 # make docs       build the documentation site in docs/_build, with the tables of its reference
 # make figures    fly again for docs/flight.md, margins.md, identification.md: tables and pictures
+# make gallery    take the pictures of docs/gallery.md again, with chromium: half an hour at most
 # make campaign   fly the 2000 flights of docs/campaign.md again: tables and picture; about an hour
 # make lint       style and types alone
 # make clean      remove .venv and all that was built
@@ -19,18 +21,22 @@ NOISY := --set uav_simulator.attitude_noise=0.0087 --set uav_simulator.airspeed_
 	--set uav_simulator.velocity_noise=0.3
 REFERENCE := docs/reference/topics_and_parameters.md
 
-.PHONY: demo test test-long lint docs figures campaign clean
+.PHONY: demo view test test-long lint docs figures gallery campaign clean
 
 demo: $(VENV)/demo
 	@$(CLEAN) $(BIN)/uav_tracking fly --config paper --output output/demo
 
+view: $(VENV)/view
+	@$(CLEAN) $(BIN)/uav_tracking simulate --view --config small_uav --scenario wind --output output/view
+
 test: lint
-	$(PYTEST) -m "not nodes and not long" -n 2
+	$(PYTEST) -m "not nodes and not browser and not long" -n 2
 	$(PYTEST) -m "nodes and not long"
+	$(PYTEST) -m "browser and not long"
 
 test-long: $(VENV)/test
 	$(PYTEST) -m long
-	$(CLEAN) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python test/on_every_processor.py -m "not nodes and not long" -n 2
+	$(CLEAN) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python test/on_every_processor.py -m "not nodes and not browser and not long" -n 2
 
 lint: $(VENV)/test
 	$(BIN)/ruff check .
@@ -54,6 +60,9 @@ figures: $(VENV)/demo
 	$(CLEAN) $(BIN)/uav_tracking identify output/excited/record.csv --output output/identified
 	cp output/identified/response.png docs/identification.png
 
+gallery: $(VENV)/test
+	$(CLEAN) $(BIN)/python docs/make_gallery.py
+
 campaign: $(VENV)/demo
 	$(CLEAN) $(BIN)/uav_tracking campaign robustness --output output/campaigns/robustness --page docs/campaign.md
 	cp output/campaigns/robustness/campaign.png docs/
@@ -67,6 +76,10 @@ $(VENV)/bin/python:
 
 $(VENV)/demo: $(VENV)/bin/python setup.py
 	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign]'
+	@touch $@
+
+$(VENV)/view: $(VENV)/bin/python setup.py
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[view]'
 	@touch $@
 
 $(VENV)/test: $(VENV)/bin/python setup.py

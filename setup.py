@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Package metadata. It stays here: a [project] table in pyproject.toml breaks the colcon build."""
 
 from glob import glob
@@ -46,9 +60,13 @@ setup(
         (f"share/{NAME}/config/certificates", glob("config/certificates/*.json")),
         (f"share/{NAME}/config/scenarios", glob("config/scenarios/*.yaml")),
         (f"share/{NAME}/config/security", glob("config/security/*.xml")),
+        (f"share/{NAME}/launch", glob("launch/*.launch.py")),
+        (f"share/{NAME}/rviz", glob("rviz/*.rviz")),
+        (f"share/{NAME}/foxglove", glob("foxglove/*.json")),
     ],
     zip_safe=False,
     install_requires=[
+        "argcomplete>=3.0",
         "casadi>=3.7",
         "jinja2>=3.0",
         "matplotlib>=3.6",
@@ -57,7 +75,7 @@ setup(
         "pillow>=9.0",
         "pyyaml>=6.0",
         "rich>=13.0",
-        "rosbags>=0.10",
+        "rosbags>=0.10.9",
         "scipy>=1.10",
     ],
     extras_require={
@@ -72,6 +90,9 @@ setup(
         # Links to autopilots, and the simulated one; a plant with six degrees of freedom.
         "mavlink": ["pymavlink>=2.4.41"],
         "jsbsim": ["jsbsim>=1.3"],
+        # The live page, and bags by their index. What view/guarded_server.py takes for granted
+        # was looked up in viser 1.
+        "view": ["mcap>=1.0", "viser>=1.1,<2", "websockets>=13.1"],
         "test": [
             "colcon-common-extensions",
             "control>=0.10.2",
@@ -79,8 +100,10 @@ setup(
             "duckdb>=0.10",
             "hypothesis",
             "jsbsim>=1.3",
+            "mcap>=1.0",
             "mypy",
             "pandas>=2.0",
+            "playwright>=1.40",
             "pyarrow>=14.0",
             "pymavlink>=2.4.41",
             "pytest",
@@ -88,16 +111,18 @@ setup(
             "pytest-xdist",
             "ruff",
             "types-PyYAML",
+            "viser>=1.1,<2",
+            "websockets>=15",
         ],
         "docs": ["furo", "myst-parser>=4.0", "sphinx>=8.2"],
     },
     entry_points={
         "console_scripts": [
-            f"uav_simulator = {NAME}.nodes.uav_simulator:main",
-            f"target_publisher = {NAME}.nodes.target_publisher:main",
-            f"nmpc_controller = {NAME}.nodes.nmpc_controller:main",
-            f"autopilot_link = {NAME}.nodes.autopilot_link:main",
-            f"monitor = {NAME}.nodes.monitor:main",
+            f"uav_simulator = {NAME}.cli.node_programs:uav_simulator",
+            f"target_publisher = {NAME}.cli.node_programs:target_publisher",
+            f"nmpc_controller = {NAME}.cli.node_programs:nmpc_controller",
+            f"autopilot_link = {NAME}.cli.node_programs:autopilot_link",
+            f"monitor = {NAME}.cli.node_programs:monitor",
             f"launch_tracking = {NAME}.cli.launch_tracking:main",
             f"uav_tracking = {NAME}.cli.main:main",
         ]

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Add a limit: a cylinder that is fixed to the ground and must not be flown into.
 
 The limit is this one class: its parameters, and one inequality for stages and one for orbits. The
@@ -15,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc import Limit, load_configuration, simulate
-from uav_tracking_mpc.limits import Bound, Motion, OrbitShape
+from uav_tracking_mpc.limits import Bound, Cylinder, Motion, OrbitShape
 from uav_tracking_mpc.parameters.specification import parameter
 
 SCALE = 10.0  # m inside the cylinder are as bad as 1 m/s of airspeed beyond its limit
@@ -32,6 +46,11 @@ class NoFlyCylinder(Limit):
         (430.0, 10.0), "Its axis in map.", "m", -1e6, 1e6, size=2
     )
     cylinder_radius: float = parameter(60.0, "Its radius.", "m", 1.0, 1e5)
+
+    @property
+    def shapes(self) -> tuple[Cylinder, ...]:
+        """Where it stands, so that the live page draws it."""
+        return (Cylinder(*self.cylinder_centre, self.cylinder_radius, outside=True),)
 
     def numbers(self, targets: NDArray[np.float64]) -> NDArray[np.float64]:
         """Axis seen from the target (x, y) and radius in [m], shape (n, 3)."""

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Read a bag: how far the aircraft was from its orbit, from the messages of a flight alone.
 
 Every ``uav_tracking fly`` leaves its flight as ``mission.mcap``. No ROS is needed to read it::
@@ -34,6 +48,9 @@ def distances(bag: Path) -> tuple[np.ndarray, np.ndarray]:
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 2 or not Path(sys.argv[1]).exists():
+        print(f"usage: {sys.argv[0]} BAG", file=sys.stderr)
+        sys.exit(2)
     time, distance = distances(Path(sys.argv[1]))
     error = np.abs(distance - load_configuration("paper").controller.range)
     outside = np.flatnonzero(error > 1.0)

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """A controller on its problems: what its tests share."""
 
 from dataclasses import replace
@@ -31,7 +45,7 @@ class Faulty:
     def __init__(self, formulation):
         self.formulation = formulation
         self.solver, self.step, self.reset = formulation.solver, formulation.step, formulation.reset
-        self.change, self.decrease = formulation.change, None
+        self.change, self.check, self.decrease = formulation.change, formulation.check, None
         self.status = self.error = None
         self.violation = 0.0
 
@@ -81,6 +95,9 @@ class Constant:
         self.plan, self.converges = np.tile(inputs, (20, 1)), True
 
     def reset(self):
+        pass
+
+    def check(self, parameters):
         pass
 
     def change(self, parameters):

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """A real node without an executor: messages go into its callbacks by hand."""
 
 from __future__ import annotations
@@ -10,10 +24,17 @@ from unittest import mock
 import rclpy
 from fingerprint import PACKAGE, fingerprint
 from rclpy.parameter import Parameter
-from rclpy.serialization import deserialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.signals import SignalHandlerOptions
 
 FLOWN_BY = ("control", "estimation", "simulation")  # rooms whose objects a node flies by
+
+
+def _listener(subscription):
+    """Its callback, for messages, though it may ask for their bytes."""
+    if not subscription.raw:
+        return subscription.callback
+    return lambda message: subscription.callback(serialize_message(message))
 
 
 class NodeHarness:
@@ -66,7 +87,7 @@ class NodeHarness:
         self._refusals, self._may_change = refusals, may_change
         self.node = Tapped(parameter_overrides=overrides)
         self._callbacks = {
-            subscription.topic_name.lstrip("/"): subscription.callback
+            subscription.topic_name.lstrip("/"): _listener(subscription)
             for subscription in self.node.subscriptions
         }
 

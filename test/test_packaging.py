@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The package builds with colcon, installs with pip, and finds its configurations both ways."""
 
 import ast
@@ -112,6 +126,10 @@ def assert_complete(installed):
     assert (share / "uav_tracking_mpc" / "package.xml").is_file()
     assert (share / "uav_tracking_mpc" / "config" / "paper.yaml").is_file()
     assert (share / "uav_tracking_mpc/config/security/uav_tracking.policy.xml").is_file()
+    for name in ("launch", "rviz", "foxglove"):
+        shipped = {path.name for path in (ROOT / name).iterdir() if path.is_file()}
+        assert shipped
+        assert {path.name for path in (share / "uav_tracking_mpc" / name).iterdir()} == shipped
 
 
 @pytest.mark.timeout(180)
@@ -153,9 +171,11 @@ def test_versions_agree():
 
 def test_package_xml_names_every_import():
     """By rosdep key; what only some commands need is an extra and has none."""
-    extras = {"flint", "control", "pyarrow", "distributed", "pandas", "duckdb", "dask"}
-    extras |= {"pymavlink", "jsbsim", "px4_msgs"}
+    extras = {"flint", "control", "pyarrow", "distributed", "pandas", "duckdb", "dask", "mcap"}
+    extras |= {"pymavlink", "jsbsim", "px4_msgs", "acados_template"}
+    extras |= {"viser", "websockets", "msgspec", "playwright", "zstandard"}
     keys = {
+        "argcomplete": "python3-argcomplete",
         "casadi": "casadi-pip",
         "hypothesis": "python3-hypothesis",
         "jinja2": "python3-jinja2",
@@ -172,8 +192,10 @@ def test_package_xml_names_every_import():
         "yaml": "python3-yaml",
     }
     named = {element.text for element in PACKAGE if element.tag.endswith("_depend")}
+    started = re.findall(r'package="(\w+)"', (ROOT / "launch/tracking.launch.py").read_text())
+    assert {*started, "ros2bag", "ros2launch", "rosbag2_storage_mcap"} <= named
     own = {path.stem for path in (ROOT / "test").rglob("*.py")}
-    for folder in ("uav_tracking_mpc", "test", "examples"):
+    for folder in ("uav_tracking_mpc", "launch", "test", "examples"):
         for file in (ROOT / folder).rglob("*.py"):
             tree = ast.parse(file.read_text())
             modules = {

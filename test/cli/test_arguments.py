@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Options that commands share, and the configuration that they choose."""
 
 import argparse
@@ -5,12 +19,13 @@ import argparse
 import pytest
 
 from uav_tracking_mpc.cli.arguments import (
-    HelpFormatter,
     add_configuration_arguments,
+    add_domain_argument,
     add_limit_argument,
     add_mission_arguments,
     chosen_configuration,
     chosen_overrides,
+    existing_file,
     number,
 )
 from uav_tracking_mpc.parameters.specification import ParameterError
@@ -55,11 +70,28 @@ def test_a_number_out_of_range_is_explained():
         number(float, 0.0)("nan")
 
 
-def test_help_shows_defaults_where_there_are_any():
-    parser = argparse.ArgumentParser(formatter_class=HelpFormatter)
-    parser.add_argument("--count", default=3, help="how many")
-    parser.add_argument("--file", help="which")
-    parser.add_argument("--fast", action="store_true", help="hurry")
-    text = parser.format_help()
-    assert "how many (default: 3)" in text
-    assert text.count("default") == 1
+def test_the_allowed_range_is_said_where_a_number_is_none(capsys):
+    for words in (["--duration", "long"], ["--domain-id", "300"]):
+        parser = argparse.ArgumentParser()
+        add_mission_arguments(parser, plant="mission.plant")
+        add_domain_argument(parser, "where")
+        with pytest.raises(SystemExit):
+            parser.parse_args(words)
+    said = capsys.readouterr().err
+    assert "'long' is not a number from 1 to 1e+06 s" in said
+    assert "'300' is not an integer from 0 to 232" in said
+
+
+def test_a_parameter_without_effect_has_no_option():
+    parser = argparse.ArgumentParser()
+    add_mission_arguments(parser, plant="mission.plant", without=["speed"])
+    assert "--speed" not in parser.format_help()
+    assert "--duration" in parser.format_help()
+
+
+def test_a_file_that_must_be_there(tmp_path):
+    file = tmp_path / "page.md"
+    with pytest.raises(argparse.ArgumentTypeError, match="there is no file"):
+        existing_file(str(file))
+    file.write_text("")
+    assert existing_file(str(file)) == file

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The command from end to end, killed and resumed, and what it refuses."""
 
 import json
@@ -87,5 +101,5 @@ def test_mistakes_are_explained(arguments, words, tmp_path):
 def test_an_extra_that_is_missing_is_named():
     error = ModuleNotFoundError("No module named 'pyarrow'", name="pyarrow")
     assert explanation(error) == (
-        1, "pyarrow is not installed: `pip install 'uav_tracking_mpc[campaign]'`",
+        2, "pyarrow is not installed: `pip install 'uav_tracking_mpc[campaign]'`",
     )  # fmt: skip

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Errors that a command expects become one line and an exit code."""
 
 import pytest
@@ -23,8 +37,16 @@ from uav_tracking_mpc.simulation.closed_loop import SimulationError
         (KeyboardInterrupt(), 130, "interrupted"),
         (FlightInterruptedError(15), 143, "interrupted before the first command"),
         (FlightInterruptedError(2, link=True), 130, "before the autopilot was engaged"),
-        (ModuleNotFoundError("rclpy", name="rclpy"), 1, "source its setup file"),
-        (ImportError("the proof needs python-flint"), 1, "python-flint"),
+        (ModuleNotFoundError("rclpy", name="rclpy"), 2, "source its setup file"),
+        (
+            ModuleNotFoundError(name="nav_msgs.msg"),
+            2,
+            "nav_msgs is not installed; flying needs ROS",
+        ),
+        (ModuleNotFoundError(name="pyarrow.parquet"), 2, "uav_tracking_mpc[campaign]"),
+        (ModuleNotFoundError(name="viser.transforms"), 2, "uav_tracking_mpc[view]"),
+        (ModuleNotFoundError(name="rich.console"), 2, "`pip install uav_tracking_mpc` brings it"),
+        (ImportError("the proof needs python-flint"), 2, "python-flint"),
     ],
 )
 def test_one_line_and_an_exit_code(error, code, words, capsys):

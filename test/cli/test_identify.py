@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """From an excited flight to the YAML to paste, on the command line."""
 
 import json
@@ -45,7 +59,7 @@ def test_people_get_a_table_and_the_yaml(flight, capsys):
     ("arguments", "code", "words"),
     [
         ([], 2, "either a bag or CSV file, or --validate N"),
-        (["nowhere.mcap"], 1, "nowhere.mcap does not exist"),
+        (["nowhere.mcap"], 2, "there is no bag or CSV file 'nowhere.mcap'"),
     ],
 )
 def test_what_cannot_be_done_is_said_in_a_line(arguments, code, words, capsys):

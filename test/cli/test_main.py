@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 import importlib
 import re
 import subprocess
@@ -26,13 +40,20 @@ def run(*arguments, limit=60):
         (["simulate", "--set", "nmpc_controller.range=1"], 2, "orbit range is 1.0 m"),
         (["simulate", "--duration", "-1"], 2, "parameter 'duration' is -1.0"),
         (["fly", "--speed", "1e9"], 2, "parameter 'speed' is 1000000000.0"),
-        (["simulate", "--duration", "5", "--output", "/proc/nowhere"], 1, "/proc/nowhere"),
+        (["simulate", "--duration", "5", "--output", "/proc/nowhere"], 2, "/proc/nowhere"),
+        (["simulate", "--speed", "2"], 2, "unrecognized arguments: --speed 2"),
+        (["simulate", "--config", "papr"], 2, "did you mean 'paper'?"),
+        (["stability", "--config", "paper.yaml"], 2, "did you mean 'paper'?"),
+        (["benchmark", "--seed", "-1"], 2, "'-1' is not an integer at least 0"),
+        (["torture", "--seed", "-1"], 2, "'-1' is not an integer at least 0"),
+        (["monitor", "--namespace", "7up"], 2, "'7up' is not a namespace"),
+        (["identify", "nowhere.csv"], 2, "nowhere.csv"),
         (
             ["simulate", "--set", "uav_simulator.initial_position=[0,0,50]"],
             1,
             "the Euler plant has no value there",
         ),
-        (["fly", "--domain-id", "500"], 2, "--domain-id"),
+        (["fly", "--domain-id", "500"], 2, "'500' is not an integer from 0 to 232"),
         (["benchmark", "--cold", "-3"], 2, "--cold"),
         (["hover"], 2, "invalid choice: 'hover'"),
         ([], 2, "required: COMMAND"),

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Between modes, at any input, and when parameters change: commands stay finite, inside, steady."""
 
 from dataclasses import replace
@@ -19,6 +33,7 @@ from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
 from uav_tracking_mpc.laws.vector_field import VectorField
 from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.terminal import ingredients
 
 
 @settings(max_examples=50, deadline=None)
@@ -187,7 +202,6 @@ def test_a_change_that_cannot_be_flown_is_refused_in_words(values, told):
 @pytest.mark.parametrize(
     ("name", "value"),
     [
-        ("range", 160.0), ("airspeed", 5.0), ("direction", "counter_clockwise"),
         ("state_weights", (1.0,) * 5), ("yaw_rate_max", 0.5), ("terminal_scaling", 3.0),
     ],
 )  # fmt: skip
@@ -196,6 +210,28 @@ def test_what_the_papers_problem_rests_on_is_fixed_in_flight(controller, start, 
         controller.change(plan_age_max=9.0, **{name: value})
     assert controller.parameters is PAPER
     assert controller._fly(0.0, start).orbit == PAPER.orbit
+
+
+def test_the_papers_problem_takes_a_new_orbit(controller, start):
+    try:
+        controller.change(range=160.0, direction=COUNTER_CLOCKWISE)
+        command = controller._fly(0.0, start)
+        assert command.mode is FallbackMode.OPTIMAL
+        assert (command.orbit.range, command.orbit.direction) == (160.0, COUNTER_CLOCKWISE)
+    finally:
+        controller.change(range=PAPER.range, direction=PAPER.direction)
+
+
+def test_an_orbit_that_the_papers_problem_cannot_hold_is_refused(controller, monkeypatch):
+    def unsolvable(*_):
+        raise np.linalg.LinAlgError("the pencil has eigenvalues on the unit circle")
+
+    monkeypatch.setattr(ingredients, "solve_discrete_are", unsolvable)
+    before = controller.formulation.solver.problem
+    with pytest.raises(ParameterError, match="unit circle"):
+        controller.change(range=171.0, plan_age_max=9.0)
+    assert controller.parameters.plan_age_max == PAPER.plan_age_max
+    assert controller.formulation.solver.problem is before
 
 
 def test_a_time_budget_set_in_flight_holds(controller):

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """From a measurement to a command."""
 
 from dataclasses import replace
@@ -10,7 +24,7 @@ from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.event import Level
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE
-from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
 from uav_tracking_mpc.laws import GuidanceLaw
 from uav_tracking_mpc.parameters.registry import GUIDANCE_LAW
 from uav_tracking_mpc.parameters.specification import ParameterError
@@ -122,16 +136,56 @@ def test_an_answer_that_took_too_long_is_not_given():
 def test_without_air_data_the_air_is_taken_as_still_and_that_is_said_once(constant):
     constant.see_target(0.0, STILL)
     wind = np.array([5.0, 0.0, 0.0])
-    for k in range(4):
+    for k in range(10):
+        constant.see_target(0.1 * k, STILL)
         constant.step(measured(0.1 * k, wind=wind, airspeed=None), 0.1 * k)
     assert [w for w in words(constant) if "air" in w] == [
         "no airspeed is measured: the air is taken as still"
     ]
     np.testing.assert_allclose(constant.drift, 0.0, atol=1e-12)
-    constant.see_air(0.4, 22.0)
-    command = constant.step(measured(0.4, wind=wind, airspeed=None), 0.4)
+    constant.see_air(1.0, 22.0)
+    command = constant.step(measured(1.0, wind=wind, airspeed=None), 1.0)
     assert constant.drift[0] == pytest.approx(5.0, abs=0.5)  # part may be a bias, or a gust
     assert command.present.airspeed == pytest.approx(22.0, abs=0.1)
+
+
+def test_the_first_airspeed_is_heard_after_the_first_state_and_awaited(constant):
+    """As from a simulator or a driver, which sends one after the other."""
+    constant.see_target(0.0, STILL)
+    wind, commands = np.array([5.0, 0.0, 0.0]), []
+    for k in range(8):
+        commands.append(constant.step(measured(0.1 * k, wind=wind, airspeed=None), 0.1 * k))
+        constant.see_air(0.1 * k, 22.0)
+    assert commands[0] is None
+    assert all(command.mode is FallbackMode.OPTIMAL for command in commands[1:])
+    assert commands[1].present.airspeed == pytest.approx(22.0, abs=0.1)
+    assert not [w for w in words(constant) if "air" in w]
+
+
+def test_a_target_is_ahead_only_of_a_vehicle_that_is_heard(constant):
+    """A vehicle that is silent tells nothing of the clocks; once it is heard again it does."""
+    constant.see_target(0.0, STILL)
+    constant.step(measured(0.0), 0.0)
+    late = FLIGHT.target_timeout + 1.0
+    with pytest.raises(MeasurementError, match="ahead of the vehicle's"):
+        constant.see_target(late, STILL)
+    constant.fall_silent("vehicle state is lost")
+    assert constant.see_target(late, STILL)
+    for k in range(4):
+        constant.see_state(measured(late + TICK * k))
+    with pytest.raises(MeasurementError, match="ahead of the vehicle's"):
+        constant.see_target(3.0 * late, STILL)
+
+
+def test_an_airspeed_that_ends_in_flight_is_told(constant):
+    constant.see_target(0.0, STILL)
+    for k in range(20):
+        constant.see_target(0.1 * k, STILL)
+        constant.step(measured(0.1 * k, airspeed=None), 0.1 * k)
+        if k < 5:
+            constant.see_air(0.1 * k, 22.0)
+    told = [w for w in words(constant) if "air" in w]
+    assert told == ["no airspeed is measured: the air is taken as still"]
 
 
 @pytest.mark.parametrize("law", ["l1", "npfg", "vector_field"])

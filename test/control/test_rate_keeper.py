@@ -1,10 +1,24 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 import numpy as np
 import pytest
 
 from uav_tracking_mpc.control.rate_keeper import RateKeeper
 
 
-def kept(states, commands, seconds=5.0):
+def kept(states, commands, seconds=8.0):
     """A keeper of 10 Hz that has seen states and commands at rates in [Hz]."""
     keeper = RateKeeper(10.0)
     for time in np.arange(0.0, seconds, 1.0 / states):
@@ -42,3 +56,40 @@ def test_when_time_begins_anew_nothing_is_known(again):
     keeper = kept(20.0, 5.0)
     again(keeper)
     assert keeper.complaint() == ""
+
+
+def opinions(keeper, rates, begin=0.0):
+    """Whether there is a complaint after each command, at one rate [Hz] after the other."""
+    heard, time = [], begin
+    for rate, seconds in rates:
+        end = time + seconds
+        while time < end:
+            keeper.state(time)
+            keeper.command(time)
+            heard.append(bool(keeper.complaint()))
+            time += 1.0 / rate
+    return heard
+
+
+def changes(heard):
+    return int(np.count_nonzero(np.diff(np.array(heard, dtype=int))))
+
+
+def test_a_rate_that_wavers_about_the_least_one_is_one_complaint():
+    """A loaded machine: between 8.6 and 9.6 Hz of 10, each for a second."""
+    heard = opinions(RateKeeper(10.0), [(8.6, 1.0), (9.6, 1.0)] * 20)
+    assert changes(heard) <= 1
+
+
+def test_missed_and_kept_again_are_each_said_once_and_late():
+    heard = opinions(RateKeeper(10.0), [(10.0, 5.0), (5.0, 8.0), (10.0, 8.0)])
+    assert changes(heard) == 2
+    assert not heard[-1]
+    begin, end = heard.index(True), len(heard) - heard[::-1].index(True)
+    assert begin > 50 + 0.9 * 3.0 * 5.0  # 3 s at 5 Hz after the rate had fallen
+    assert end > 50 + 40 + 0.9 * 3.0 * 10.0
+
+
+def test_a_short_lapse_is_no_complaint():
+    heard = opinions(RateKeeper(10.0), [(10.0, 5.0), (5.0, 1.0), (10.0, 5.0)])
+    assert not any(heard)

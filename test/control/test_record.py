@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """A record comes back as it was written, and is flown again to the same commands."""
 
 import json
@@ -9,8 +23,10 @@ import small_uav
 
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.control.guidance import formulation_of
 from uav_tracking_mpc.control.record import RecordingController, replay
 from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError, SensorNoise
+from uav_tracking_mpc.formulation.formulation import solver_as_told
 from uav_tracking_mpc.parameters.specification import ParameterError
 
 FLIGHT = small_uav.parameters()
@@ -66,8 +82,9 @@ def eventful(controller):
     flown.fly(10)
     controller.fall_silent("vehicle state is lost")
     quiet = Measurement(
-        flown.time + TICK, np.zeros(3), np.ones(3), 0.0, 0.0, noise=SensorNoise(position=100.0)
-    )
+        flown.time + TICK, np.zeros(3), np.ones(3), 0.0, 0.0,
+        noise=SensorNoise(position=(100.0,) * 3),
+    )  # fmt: skip
     controller.see_state(quiet)
     flown.time = 3.0
     flown.fly(20)
@@ -98,6 +115,25 @@ def test_a_record_is_flown_again_bit_for_bit(flight):
     modes = {command.mode for command in commands if command is not None}
     assert modes >= {FallbackMode.OPTIMAL, FallbackMode.LOITER, FallbackMode.HOLD}
     assert commands.count(None) > 10
+
+
+def test_a_flight_that_began_on_another_solver_is_flown_again_bit_for_bit(tmp_path):
+    compiled = []  # nothing, until the machine code is there
+    unhurried = replace(FLIGHT, solve_time_max=10.0)  # whatever else the machine does
+    formulation = formulation_of(unhurried, solver_as_told(lambda: bool(compiled)))
+    path = tmp_path / "controller.jsonl"
+    controller = RecordingController(unhurried, path, formulation, stopwatch=lambda: 0.0)
+    flown = Flown(controller)
+    flown.fly(8)
+    assert formulation.solver.name == "ipopt"
+    assert flown.commands[-1].mode is FallbackMode.OPTIMAL
+    compiled.append(True)
+    flown.fly(8)
+    assert formulation.solver.name == "newton"
+    controller.close()
+    steps = list(replay(path))
+    assert len(steps) == len(flown.commands)
+    assert all(step.same for step in steps)
 
 
 def test_recording_changes_nothing(tmp_path):
@@ -147,3 +183,28 @@ def test_what_is_no_record_is_refused(tmp_path):
     path.write_text("{}\n")
     with pytest.raises(ValueError, match="is not the record of a controller"):
         list(replay(path))
+
+
+def test_the_noise_that_was_told_is_flown_again(tmp_path):
+    """Commands depend on it, and the record keeps it."""
+    path, commands = tmp_path / "told.jsonl", {}
+    for name, told in {"told": 3.0, "untold": 0.0}.items():
+        controller = RecordingController(FLIGHT, tmp_path / f"{name}.jsonl")
+        random, flown = np.random.default_rng(1), []
+        controller.see_target(0.0, np.zeros(3))
+        for tick in range(20):
+            position = np.array([22.0 * TICK * tick, 300.0, 120.0])
+            measurement = Measurement(
+                TICK * tick,
+                position + 3.0 * random.standard_normal(3),
+                np.array([22.0, 0.0, 0.0]),
+                0.0,
+                0.0,
+                airspeed=22.0,
+                noise=SensorNoise((told,) * 3, (0.1,) * 3, 0.01, 0.01),
+            )
+            flown.append(controller.step(measurement, TICK * tick))
+        controller.close()
+        commands[name] = [command.inputs[0] for command in flown if command is not None]
+    assert all(step.same for step in replay(path))
+    assert not np.array_equal(commands["told"], commands["untold"])

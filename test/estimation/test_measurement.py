@@ -1,7 +1,21 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.measurement import Measurement, SensorNoise
 
 
 def test_the_state_has_the_airspeed_that_it_is_given():
@@ -30,3 +44,18 @@ def test_what_is_no_measurement_is_refused(values, words):
     good = {"stamp": 0.0, "position": np.zeros(3), "ground_velocity": np.zeros(3)}
     with pytest.raises(ValueError, match=words):
         Measurement(**{**good, "heading": 0.0, "path_angle": 0.0, **values})
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"position": (1.0, -1.0, 1.0)}, r"noise of position is .*, must be 3 in 0..100"),
+        ({"position": (1.0, 1.0)}, "noise of position"),
+        ({"velocity": (0.1, 0.1, np.nan)}, "noise of velocity is .*nan"),
+        ({"heading": 1e6}, r"noise of heading is 1000000.0, must be 1 in 0..0.5, 0 if unknown"),
+        ({"airspeed": np.inf}, "noise of airspeed is inf"),
+    ],
+)
+def test_what_is_no_noise_is_refused(values, words):
+    with pytest.raises(ValueError, match=words):
+        SensorNoise(**values)

@@ -1,15 +1,61 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """White noise and wander of signals whose statistics are known."""
 
+import casadi as ca
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.estimation.noise_meter import NoiseMeter
+from uav_tracking_mpc.estimation.noise_meter import NoiseMeters, Signal
 
 STEP, COUNT = 0.05, 4000
 
 
+class NoiseMeter:
+    """The meters of one signal, evaluated."""
+
+    def __init__(self, deviation, memory, walk=0.0, size=1):
+        self.meters = NoiseMeters([Signal(size, deviation, walk)], memory)
+        sizes = len(self.meters.state), len(self.meters.compared), size, 1
+        symbols = [ca.SX.sym(f"s{k}", n) for k, n in enumerate(sizes)]
+        after, variance = self.meters.metered(*symbols)
+        self.update = ca.Function("update", symbols, [after, variance])
+        self.walks = ca.Function("walks", symbols[:1], [self.meters.walks(symbols[0])])
+        self.reset()
+
+    def reset(self):
+        self.meters.reset()
+        self.variance = self.meters.state[-1]
+
+    def see(self, time, signal, told=0.0):
+        self.meters.begin(time)
+        after, variance = self.update(self.meters.state, self.meters.compared, signal, told)
+        self.meters.state[:], self.variance = np.array(after).ravel(), float(variance)
+        self.meters.keep(signal)
+
+    @property
+    def walk(self):
+        return float(self.walks(self.meters.state))
+
+    @property
+    def deviation(self):
+        return np.sqrt(self.variance)
+
+
 def met(signal, **prior):
-    meter = NoiseMeter(0.1, 100.0, **prior)
+    meter = NoiseMeter(0.1, 100.0, **prior, size=np.size(signal[0]))
     for k, value in enumerate(signal):
         meter.see(k * STEP, np.atleast_1d(value))
     return meter
@@ -41,8 +87,44 @@ def test_before_anything_is_seen_the_prior_holds_and_reset_brings_it_back():
     meter = NoiseMeter(0.2, 10.0, 1.5)
     for _ in range(2):
         assert meter.deviation == pytest.approx(0.2)
-        assert meter.walk == 1.5
+        assert meter.walk == pytest.approx(1.5)
         for k in range(50):
             meter.see(k * STEP, np.array([3.0 * (-1.0) ** k]))
         assert meter.deviation > 1.0
         meter.reset()
+
+
+def white(deviations, told, seed=4):
+    """Variances after each sample of white noise whose source tells a variance with each."""
+    random, meter, variances = np.random.default_rng(seed), NoiseMeter(0.1, 40.0, size=3), []
+    for k, (deviation, variance) in enumerate(zip(deviations, told, strict=True)):
+        meter.see(k * STEP, deviation * random.standard_normal(3), variance)
+        variances.append(meter.variance)
+    return np.array(variances)
+
+
+def test_what_is_told_counts_until_the_noise_is_measured():
+    variances = white([3.0] * COUNT, [9.0] * COUNT)
+    np.testing.assert_array_equal(variances[:20], 9.0)  # nothing is told: 0.01 of the prior
+    np.testing.assert_allclose(variances[100:], 9.0, rtol=0.5)
+
+
+@pytest.mark.parametrize("lie", [1e-8, 1e-2, 1e2, 1e4])
+def test_what_is_told_wrong_does_not_last(lie):
+    variances = white([3.0] * COUNT, [9.0 * lie] * COUNT)
+    untold = white([3.0] * COUNT, [0.0] * COUNT)
+    np.testing.assert_allclose(variances[60:], untold[60:], rtol=1e-9)
+
+
+def test_a_change_that_is_told_counts_at_once():
+    half = COUNT // 2
+    deviations = np.repeat([0.3, 3.0], half)
+    variances = white(deviations, deviations**2)
+    np.testing.assert_allclose(variances[100:], deviations[100:] ** 2, rtol=0.4)
+    wrong_by_4 = white(deviations, 4.0 * deviations**2)
+    np.testing.assert_allclose(wrong_by_4[100:], variances[100:], rtol=1e-6)
+
+
+def test_what_was_told_last_holds_while_nothing_is_told():
+    variances = white([3.0] * 40, [9.0, 0.0] * 20)
+    np.testing.assert_array_equal(variances, 9.0)

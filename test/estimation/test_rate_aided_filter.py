@@ -1,23 +1,37 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """A quantity from itself and its biased rate."""
 
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.estimation.rate_aided_filter import RateAidedFilter
+from uav_tracking_mpc.estimation.rate_aided_filter import RateAided, RateAidedFilters
 
 STEP = 0.05
 
 
-def filtered(count=2000, noise=0.0, bias=0.0, seed=0):
+def filtered(count=2000, noise=0.0, bias=0.0, seed=0, told=0.0):
     """Filter after a course of turns, the errors of its values and the truth at its end."""
     random, errors = np.random.default_rng(seed), []
-    aided = RateAidedFilter(1e-3, 0.05, 1e-3, circular=True)
+    aided = RateAidedFilters([RateAided(1e-3, 0.05, 1e-3, circular=True)])
     for k in range(count):
         time = k * STEP
         truth, rate = 3.0 * np.sin(0.2 * time) + 0.1 * time, 0.6 * np.cos(0.2 * time) + 0.1
         measured = np.angle(np.exp(1j * (truth + noise * random.standard_normal())))
-        aided.update(time, measured, rate + bias)
-        errors.append(np.angle(np.exp(1j * (aided.value - truth))))
+        aided.update(time, [measured], [rate + bias], [told])
+        errors.append(np.angle(np.exp(1j * (aided.values[0] - truth))))
     return aided, np.array(errors)
 
 
@@ -29,17 +43,25 @@ def test_without_noise_the_measurement_counts():
 @pytest.mark.parametrize("bias", [0.035, -0.1])
 def test_the_bias_of_the_rate_is_found(bias):
     aided, errors = filtered(bias=bias)
-    assert aided.bias == pytest.approx(bias, abs=2e-4)
+    assert aided.biases[0] == pytest.approx(bias, abs=2e-4)
     assert np.abs(errors[-100:]).max() < 1e-4
 
 
 def test_noise_is_smoothed_by_the_rate_though_nobody_tells_how_much_there_is():
     aided, errors = filtered(count=4000, noise=0.02, bias=0.035)
     assert np.sqrt(np.mean(errors[2000:] ** 2)) < 0.2 * 0.02
-    assert aided.bias == pytest.approx(0.035, abs=2e-3)
+    assert aided.biases[0] == pytest.approx(0.035, abs=2e-3)
 
 
 def test_after_a_gap_it_begins_at_the_measurement():
     aided, _ = filtered(count=100)
-    aided.update(100.0, 0.5, 0.0)
-    assert aided.value == 0.5
+    aided.update(100.0, [0.5], [0.0], [0.0])
+    assert aided.values[0] == 0.5
+
+
+def test_noise_that_is_told_is_smoothed_from_the_start():
+    def early(told):
+        return np.array([filtered(10, 0.05, seed=seed, told=told)[1] for seed in range(40)])
+
+    untold, told = (np.sqrt(np.mean(early(noise)[:, 5:] ** 2)) for noise in (0.0, 0.05))
+    assert told < 0.75 * untold

@@ -1,7 +1,31 @@
-import numpy as np
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
 
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import small_uav
+from hypothesis import given
+from hypothesis import strategies as st
+
+from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, DIRECTIONS
+from uav_tracking_mpc.dynamics.relative import relative_state, tracking_error
 from uav_tracking_mpc.dynamics.vehicle import advance
 from uav_tracking_mpc.estimation.situation import Situation
+
+FLIGHT = small_uav.parameters()
 
 
 def test_relative_velocity_is_the_rate_of_the_offset():
@@ -21,3 +45,30 @@ def test_relative_velocity_is_the_rate_of_the_offset():
     np.testing.assert_allclose(now.relative_velocity, rate, atol=1e-6)
     np.testing.assert_allclose(now.offset, vehicle[:3] - target)
     np.testing.assert_allclose(np.linalg.norm(now.air_velocity), 22.0)
+
+
+@pytest.mark.parametrize("direction", DIRECTIONS)
+@given(st.lists(st.floats(-1.0, 1.0), min_size=6, max_size=6))
+def test_without_drift_the_error_is_the_papers(direction, shares):
+    orbit = replace(FLIGHT.orbit, direction=direction)
+    now = small_uav.situation(
+        *np.array([300.0, 300.0, 100.0, 3.0, 0.2, 5.0]) * shares
+        + [0.0, 0.0, 120.0, 0.0, 0.0, 22.0],
+        target=(50.0, -20.0, 3.0),
+    )
+    expected = tracking_error(relative_state(now.vehicle, now.target), orbit)
+    error = now.tracking_error(orbit)
+    difference = error - expected
+    difference[1] = np.sin(difference[1])  # half turns may differ in sign
+    np.testing.assert_allclose(difference, 0.0, atol=1e-9)
+
+
+def test_in_a_drift_the_bearing_is_that_of_the_relative_velocity():
+    """Crabbing: the nose 25 degrees off the circle, the motion along it."""
+    air = np.array([-9.0, 20.0])
+    radius = FLIGHT.orbit.radius
+    now = small_uav.situation(
+        radius, 0.0, 120.0, np.arctan2(*air[::-1]), 0.0, np.hypot(*air), drift=(9.0, 1.0, 0.0)
+    )
+    orbit = replace(FLIGHT.orbit, direction=COUNTER_CLOCKWISE, speed=float(np.hypot(*air)))
+    np.testing.assert_allclose(now.tracking_error(orbit), 0.0, atol=1e-9)

@@ -1,16 +1,30 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from uav_tracking_mpc.estimation.measurement import Measurement, SensorNoise
+from uav_tracking_mpc.estimation.measurement import SILENT, Measurement, SensorNoise
 from uav_tracking_mpc.estimation.state_gate import AGREEING, StateGate, Verdict
 
 TICK = 0.05  # s
 HERE = np.zeros(3)
 
 
-def measurement(stamp, position=HERE, noise=None):
+def measurement(stamp, position=HERE, noise=SILENT):
     return Measurement(stamp, position, np.zeros(3), 0.0, 0.0, noise=noise)
 
 
@@ -62,7 +76,7 @@ def test_a_teleport_is_a_new_beginning_when_states_agree(gate):
 def test_what_the_noise_explains_is_no_jump(gate):
     there = np.array([100.0, 0.0, 0.0])
     assert gate.judge(measurement(10.25, there)) is Verdict.DOUBT
-    assert gate.judge(measurement(10.25, there, SensorNoise(position=20.0))) is Verdict.USE
+    assert gate.judge(measurement(10.25, there, SensorNoise(position=(20.0,) * 3))) is Verdict.USE
 
 
 @given(st.lists(st.tuples(st.floats(-1e10, 1e10), st.floats(-1e7, 1e7)), max_size=30))

@@ -1,3 +1,20 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -53,3 +70,21 @@ def test_a_braking_target_comes_to_rest():
 def test_predictions_are_finite(state, variance, turn_rate):
     motion = predict_turn(np.reshape(state, (3, 3)), variance * np.eye(3), turn_rate, LEADS)
     assert np.all(np.isfinite(motion))
+
+
+def test_threads_that_predict_at_once_share_no_numbers():
+    """Flights of a campaign, and nodes of one process, have a filter each."""
+
+    def furthest(speed):
+        state = np.array([[0.0, 0.0, 0.0], [speed, 0.0, 0.0], [0.0, 0.0, 0.0]])
+        return [predict_turn(state, KNOWN, 0.0, LEADS)[0][-1, 0] for _ in range(2000)]
+
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    try:
+        with ThreadPoolExecutor(2) as threads:
+            one, other = threads.map(furthest, (1.0, 2.0))
+    finally:
+        sys.setswitchinterval(interval)
+    np.testing.assert_allclose(one, 20.0)
+    np.testing.assert_allclose(other, 40.0)

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Wind, gusts and biases from flights whose air is known."""
 
 import math
@@ -10,7 +24,10 @@ from uav_tracking_mpc.estimation.wind_filter import WindFilter
 STEP, SPEED, TURN = 0.05, 22.0, 0.073
 
 
-def flown(duration, wind=(3.0, -5.0, 0.2), bias=(0.0, 0.0, 0.0), share=0.0, heading=0.0, noise=0.0):
+def flown(
+    duration, wind=(3.0, -5.0, 0.2), bias=(0.0, 0.0, 0.0), share=0.0, heading=0.0, noise=0.0,
+    position_noise=(0.0, 0.0, 0.0), told=False,
+):  # fmt: skip
     """Filter after circling in steady wind with sensors that err."""
     random, position = np.random.default_rng(2), np.array([100.0, 50.0, 120.0])
     filter_ = WindFilter()
@@ -21,7 +38,9 @@ def flown(duration, wind=(3.0, -5.0, 0.2), bias=(0.0, 0.0, 0.0), share=0.0, head
             SPEED / (1.0 - share) * np.array([np.cos(psi + heading), np.sin(psi + heading), 0.0])
         )
         ground = air + wind + np.array(bias) + noise * random.standard_normal(3)
-        filter_.update(k * STEP, position, ground, measured, 120.0)
+        place = position + np.array(position_noise) * random.standard_normal(3)
+        known = (position_noise, (noise,) * 3) if told else ()
+        filter_.update(k * STEP, place, ground, measured, 120.0, *known)
         chord = STEP * np.sinc(0.5 * TURN * STEP / np.pi)
         middle = psi + 0.5 * TURN * STEP
         position = position + chord * SPEED * np.array([np.cos(middle), np.sin(middle), 0.0])
@@ -103,3 +122,26 @@ def test_what_slips_while_it_rolls_is_taken_for_no_bias():
     assert abs(found.airspeed_share) < 0.02
     assert abs(found.heading_bias) < 0.02
     np.testing.assert_allclose(found.mean_wind + found.gust, wind, atol=1.0)
+
+
+def test_noise_of_the_position_that_is_told_does_not_become_wind():
+    def error(told):
+        found, _ = flown(3.0, position_noise=(3.0, 3.0, 6.0), noise=0.3, told=told)
+        return np.linalg.norm(found.mean_wind + found.gust - [3.0, -5.0, 0.2])
+
+    assert error(True) < 1.5
+    assert error(True) < 0.3 * error(False)
+
+
+def test_each_axis_is_smoothed_by_its_own_noise():
+    def spread(told):
+        flights = (
+            flown(duration, position_noise=(1.0, 1.0, 9.0), told=told)
+            for duration in range(20, 60, 4)
+        )
+        errors = [found.position - position for found, position in flights]
+        return np.sqrt(np.mean(np.square(errors), axis=0))
+
+    (east, north, up), (_, _, up_untold) = spread(True), spread(False)
+    assert up < 0.7 * up_untold
+    assert max(east, north) < 1.3  # of which 1.1 m are the step that the truth is ahead

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 from dataclasses import replace
 
 import numpy as np
@@ -72,6 +86,27 @@ def test_a_cost_that_rises_is_said_to_be_the_targets_doing(formulation, paper_st
 def test_the_time_budget_changes_in_flight(formulation):
     formulation.change(replace(PARAMETERS, solve_time_max=1.5))
     assert formulation.solver.time_limit == 1.5
+
+
+@pytest.mark.parametrize("solver", ["newton", "ipopt"])
+@pytest.mark.parametrize("constraint", ["none", "hard"])
+def test_a_new_orbit_is_flown_as_if_from_the_start(solver, constraint):
+    kind = {"solver": solver, "terminal_constraint": constraint, "solve_time_max": 5.0}
+    first = replace(PARAMETERS, **kind)
+    second = replace(first, range=170.0, altitude=40.0, airspeed=5.0, direction="counter_clockwise")
+    changed, fresh = PaperFormulation(first), PaperFormulation(second)
+    now = situation_of(second.orbit.steady_state + np.array([10.0, 0.3, -4.0, 0.05, 0.4]))
+    forecast = steady_forecast(now, PARAMETERS.horizon)
+    changed.solve(now, forecast, first.orbit, None)
+    changed.decrease.failed = 3
+    changed.change(second)
+    plan, wanted = (each.solve(now, forecast, second.orbit, None) for each in (changed, fresh))
+    np.testing.assert_allclose(plan.inputs, wanted.inputs, atol=1e-7)
+    assert plan.solution.converged
+    assert plan.decrease is None  # of another orbit the step before says nothing
+    np.testing.assert_array_equal(changed.decrease.weight, fresh.decrease.weight)
+    assert changed.decrease.level == fresh.decrease.level
+    assert changed.decrease.failed == 3
 
 
 def test_ipopt_is_made_when_asked_for():

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The launcher and its processes, for real."""
 
 import contextlib
@@ -10,13 +24,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from processes import INTERRUPT, KILL, TERMINATE, alive, command, environment, nodes_of, wait_for
+from rosbags.rosbag2 import Reader
 
 from uav_tracking_mpc.control.record import replay
 from uav_tracking_mpc.launch.domain import LAST_DOMAIN, own_domain
 from uav_tracking_mpc.launch.shared_memory import SharedMemoryFiles
 from uav_tracking_mpc.nodes.conversions import plan_from_command, vehicle_from_odometry
 from uav_tracking_mpc.nodes.flight_bag import flight_log, messages
-from uav_tracking_mpc.nodes.topics import ALL, COMMAND, DIAGNOSTICS, ODOMETRY
+from uav_tracking_mpc.nodes.topics import ALL, COMMAND, DIAGNOSTICS, ODOMETRY, ROSOUT
 from uav_tracking_mpc.settings.configuration import load_configuration
 
 pytestmark = pytest.mark.nodes
@@ -166,7 +181,7 @@ def test_the_mission_is_flown_recorded_and_reported(flight):
     output, metrics = flight
     files = {
         "metrics.json", "trajectory.png", "states.png", "report.html", "mission.mcap",
-        "controller.jsonl",
+        "metadata.yaml", "controller.jsonl",
     }  # fmt: skip
     assert {path.name for path in output.iterdir()} == files
     assert json.loads((output / "metrics.json").read_text()) == metrics
@@ -194,13 +209,18 @@ def test_what_was_flown_is_flown_again_bit_for_bit(flight):
 @pytest.mark.timeout(150)
 def test_the_bag_holds_every_topic_and_reads_back_equal(flight):
     output, _ = flight
-    counts = dict.fromkeys((topic.name for topic in ALL if not topic.optional), 0)
+    counts = dict.fromkeys((topic.name for topic in ALL), 0)
     times = []
     for topic, time, _ in messages(output / "mission.mcap", *ALL):
         counts[topic.name] += 1
         times.append(time)
-    assert all(counts.values()), counts
+    assert all(counts[topic.name] for topic in ALL if not topic.optional), counts
     assert times == sorted(times)
+    with Reader(output) as reader:  # the folder, by its metadata
+        told = {connection.topic: connection.msgcount for connection in reader.connections}
+    assert told["/tf"] == told["/uav/odometry"] == counts["uav/odometry"]
+    said = {message.name for _, _, message in messages(output / "mission.mcap", ROSOUT)}
+    assert "nmpc_controller" in said
     log = flight_log(output / "mission.mcap", load_configuration("paper"))
     states = [
         vehicle_from_odometry(message)

@@ -1,10 +1,24 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Every limit by its base: what a bound says, and that all its sides agree."""
 
 import casadi as ca
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.limits import Bound, Limit, Motion, OrbitShape
+from uav_tracking_mpc.limits import Ball, Bound, Cylinder, Floor, Limit, Motion, OrbitShape
 from uav_tracking_mpc.limits._envelope import Envelope
 from uav_tracking_mpc.parameters.registry import LIMIT
 from uav_tracking_mpc.parameters.specification import ParameterError
@@ -116,3 +130,16 @@ def test_values_that_are_not_allowed_are_refused_in_words(values, words):
 def test_a_parameter_that_no_limit_has_is_refused():
     with pytest.raises(TypeError, match="no limit has the parameters wingspan"):
         Envelope(wingspan=3.0)
+
+
+def test_limits_that_have_a_place_say_where():
+    """Those that are off, and those of the aircraft itself, have none."""
+    envelope = Envelope(fence_radius=500.0, fence_centre=(3.0, 4.0), height_min=10.0)
+    shapes = {limit.name: limit.shapes for limit in envelope.limits if limit.shapes}
+    assert shapes == {
+        "fence": (Cylinder(3.0, 4.0, 500.0, outside=False),),
+        "height": (Floor(10.0),),
+    }
+    assert [shape for limit in Envelope(distance_min=60.0).limits for shape in limit.shapes] == [
+        Ball(60.0)
+    ]

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -40,9 +54,10 @@ def test_plan_obeys_the_model(paper_solver, paper_start):
     """(16b): the states are those that the inputs make."""
     solution = paper_solver.solve(tracking_error(paper_start, PAPER.orbit))
     problem = paper_solver.problem
-    dynamics = ca.Function("f", [problem.state, problem.inputs], [problem.next_state])
+    symbols = [problem.state, problem.inputs, problem.parameter]
+    dynamics = ca.Function("f", symbols, [problem.next_state])
     for k, inputs in enumerate(solution.inputs):
-        following = np.array(dynamics(solution.states[k], inputs)).ravel()
+        following = np.array(dynamics(solution.states[k], inputs, problem.parameter_values)).ravel()
         np.testing.assert_allclose(solution.states[k + 1], following, atol=1e-6)
 
 
@@ -117,9 +132,9 @@ def test_hard_terminal_set_is_infeasible_from_the_paper_start_with_ten_steps(plu
     problem = problem_of(long)
     solution = CasadiSolver(problem, plugin).solve(tracking_error(paper_start, long.orbit))
     (terminal,) = problem.terminal_inequalities
-    excess = ca.Function("excess", [problem.state], [terminal.expression])
+    excess = ca.Function("excess", [problem.state, problem.parameter], [terminal.expression])
     assert solution.converged
-    assert float(excess(solution.states[-1])) <= 1e-5
+    assert float(excess(solution.states[-1], problem.parameter_values)) <= 1e-5
 
 
 def test_soft_terminal_set_is_exact_where_it_can_be_met(paper_start):

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 from __future__ import annotations
 
 import dataclasses
@@ -61,9 +75,12 @@ def test_papers_problem_agrees_with_ipopt_and_the_published_numbers(solver):
 def test_plan_obeys_the_dynamics(solver):
     problem = paper()
     plan = solver.solve(PAPER_START)
-    model = ca.Function("f", [problem.state, problem.inputs], [problem.next_state])
+    symbols = [problem.state, problem.inputs, problem.parameter]
+    model = ca.Function("f", symbols, [problem.next_state])
     for i in range(problem.horizon):
-        following = np.array(model(plan.states[i], plan.inputs[i])).ravel()
+        following = np.array(
+            model(plan.states[i], plan.inputs[i], problem.parameter_values)
+        ).ravel()
         np.testing.assert_allclose(plan.states[i + 1], following, atol=1e-9)
 
 
@@ -257,5 +274,5 @@ def test_hot_path_keeps_no_memory(solver):
 def test_a_terminal_set_is_the_same_code_whatever_its_penalty():
     soft = NewtonSolver(paper(ellipsoid=True))
     hard = NewtonSolver(with_penalty(paper(ellipsoid=True), HARD))
-    assert soft._run is hard._run
+    assert soft._method is hard._method
     assert TerminalSet(1.0).penalty is None

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -21,11 +35,10 @@ def build(orbit, **changes):
 
 def test_costs_are_14(orbit):
     problem = build(orbit)
-    costs = ca.Function(
-        "costs", [problem.state, problem.inputs], [problem.stage_cost, problem.terminal_cost]
-    )
+    symbols = [problem.state, problem.inputs, problem.parameter]
+    costs = ca.Function("costs", symbols, [problem.stage_cost, problem.terminal_cost])
     x, u = np.array([1.0, 2.0, 3.0, 4.0, 5.0]), np.array([0.1, 0.2, 0.3])
-    stage, terminal = (float(value) for value in costs(x, u))
+    stage, terminal = (float(value) for value in costs(x, u, problem.parameter_values))
     assert stage == pytest.approx(np.sum([0.008, 0.36, 0.45, 0.64, 22.5]) + 0.14)
     assert terminal == pytest.approx(2.0 * 55.0)
 
@@ -33,9 +46,11 @@ def test_costs_are_14(orbit):
 def test_terminal_set_is_16e(orbit):
     problem = build(orbit, terminal_set=TerminalSet(7.0))
     (constraint,) = problem.terminal_inequalities
-    value = ca.Function("excess", [problem.state], [constraint.expression])
+    value = ca.Function("excess", [problem.state, problem.parameter], [constraint.expression])
     assert constraint.penalty is None
-    assert float(value([1.0, 0.0, 0.0, 0.0, 0.0])) == pytest.approx(2.0 - 7.0)
+    assert float(value([1.0, 0.0, 0.0, 0.0, 0.0], problem.parameter_values)) == pytest.approx(
+        2.0 - 7.0
+    )
 
 
 @pytest.mark.parametrize(

@@ -1,17 +1,30 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message
 
+from uav_tracking_mpc.control.planned_path import PlannedPath
+from uav_tracking_mpc.dynamics.frames import quaternion_from_course
 from uav_tracking_mpc.nodes import command_wire
 from uav_tracking_mpc.nodes.command_wire import CommandWire
-from uav_tracking_mpc.nodes.conversions import (
-    MessageError,
-    nanoseconds,
-    plan_from_command,
-    set_command,
-)
+from uav_tracking_mpc.nodes.conversions import nanoseconds, plan_from_command, set_command
+from uav_tracking_mpc.nodes.frame_names import ANY_FRAMES, FRAMES, FrameNames
+from uav_tracking_mpc.nodes.message_checks import MessageError
 from uav_tracking_mpc.nodes.topics import COMMAND
 
 
@@ -33,16 +46,79 @@ def test_bytes_read_as_the_message(plan, stamp, step):
         assert deserialize_message(written, COMMAND.type) == message
 
 
-def test_one_wire_takes_plans_of_any_form():
+def path_of(plan):
+    """A path for a plan, all of whose numbers differ."""
+    random = np.random.default_rng(len(plan))
+    states = random.normal(size=(len(plan) + 1, 6))
+    return PlannedPath(states, random.normal(size=(len(plan) + 1, 3)))
+
+
+@pytest.mark.parametrize("placed", [False, True])
+def test_one_wire_takes_plans_of_any_form(placed):
     wire = CommandWire()
     generator = np.random.default_rng(0)
     for count, step in ((20, 0.5), (1, 1.0), (7, 0.5), (20, 0.5)):
         plan = generator.normal(size=(count, 3))
-        message = deserialize_message(wire.write(5_000_000_007, plan, step), COMMAND.type)
+        path = path_of(plan) if placed else None
+        message = deserialize_message(wire.write(5_000_000_007, plan, step, path), COMMAND.type)
         assert nanoseconds(message.header.stamp) == 5_000_000_007
         heard, starts = plan_from_command(message)
         np.testing.assert_array_equal(heard, plan)
         assert starts == pytest.approx(step * np.arange(count))
+
+
+def test_each_point_carries_its_place_its_attitude_and_its_velocity():
+    wire, generator = CommandWire(), np.random.default_rng(3)
+    for _ in range(2):  # written anew, then in place
+        plan = generator.normal(size=(4, 3))
+        path = path_of(plan)
+        message = deserialize_message(wire.write(1, plan, 0.5, path), COMMAND.type)
+        for point, state, ground in zip(
+            message.points, path.states, path.ground_velocities, strict=False
+        ):
+            (transform,), (velocity,) = point.transforms, point.velocities
+            place, q, linear = transform.translation, transform.rotation, velocity.linear
+            np.testing.assert_array_equal([place.x, place.y, place.z], state[:3])
+            expected = quaternion_from_course(state[3], state[4])
+            assert (q.x, q.y, q.z, q.w) == pytest.approx(expected, abs=1e-15)
+            np.testing.assert_array_equal([linear.x, linear.y, linear.z], ground)
+        heard, _ = plan_from_command(message)
+        np.testing.assert_array_equal(heard, plan)
+
+
+def test_commands_with_a_path_and_without_are_read_in_turns():
+    """A controller of somebody else need not send any."""
+    wire, sender = CommandWire(), CommandWire()
+    for count in range(12):
+        plan = np.full((5, 3), 0.1 * count)
+        path = path_of(plan) if count % 4 < 2 else None
+        stamp, read, step = wire.read(sender.write(count, plan, 0.4, path))
+        assert (stamp, step) == (count, 0.4)
+        np.testing.assert_array_equal(read, plan)
+
+
+def test_as_many_bytes_with_other_parts_are_read_right():
+    """Point 0 has two transforms, point 1 none: the numbers stand elsewhere."""
+    wire, sender, plans = (
+        CommandWire(),
+        CommandWire(),
+        np.random.default_rng(2).normal(size=(3, 2, 3)),
+    )
+    for plan in plans:
+        message = deserialize_message(sender.write(1, plan, 0.4, path_of(plan)), COMMAND.type)
+        first, second = message.points
+        first.transforms, second.transforms = [*first.transforms, *second.transforms], []
+        np.testing.assert_array_equal(wire.read(serialize_message(message))[1], plan)
+
+
+def test_segments_need_not_be_of_one_length():
+    wire, plan = CommandWire(), np.ones((3, 3))
+    uneven = serialized(7, plan, 0.4, lambda m: setattr(m.points[2].time_from_start, "sec", 5))
+    for _ in range(2):
+        stamp, read, starts = wire.segments(uneven)
+        assert stamp == 7
+        np.testing.assert_array_equal(read, plan)
+        assert starts == pytest.approx([0.0, 0.4, 5.8])
 
 
 def serialized(stamp, plan, step, change=lambda message: None):
@@ -105,8 +181,31 @@ def test_bytes_that_are_no_message_are_refused(data):
 
 def test_what_differs_in_numbers_alone_is_not_turned_into_objects(monkeypatch):
     wire, sender = CommandWire(), CommandWire()
-    wire.read(sender.write(1, np.ones((22, 3)), 0.4))
+    plan = np.ones((22, 3))
+    wire.read(sender.write(1, plan, 0.4, path_of(plan)))
+    other = PlannedPath(*(1.0 + numbers for numbers in path_of(plan)))
     monkeypatch.setattr(command_wire, "deserialize_message", None)
-    stamp, plan, step = wire.read(sender.write(2, np.full((22, 3), 0.5), 0.4))
+    stamp, plan, step = wire.read(sender.write(2, np.full((22, 3), 0.5), 0.4, other))
     assert (stamp, step) == (2, 0.4)
     np.testing.assert_array_equal(plan, np.full((22, 3), 0.5))
+
+
+@pytest.mark.parametrize("named", [FRAMES, FrameNames("world", "red/base_link")])
+def test_the_planned_places_are_read_whatever_the_frames(named):
+    writing, reading = CommandWire(named), CommandWire(ANY_FRAMES)
+    for count in (5, 5, 1):
+        path = path_of(np.zeros((count, 3)))
+        data = writing.write(3_000_000_001, np.zeros((count, 3)), 0.5, path)
+        stamp, positions, times = reading.places(data)
+        assert stamp == 3_000_000_001
+        np.testing.assert_array_equal(positions, path.states[:-1, :3])
+        assert times == pytest.approx(0.5 * np.arange(count))
+    _, positions, times = reading.places(writing.write(1, np.zeros((5, 3)), 0.5))
+    assert positions.shape == (0, 3) and times.shape == (0,)
+
+
+def test_a_planned_place_that_is_none_is_refused():
+    path = path_of(np.zeros((5, 3)))
+    path.states[2, 1] = np.nan
+    with pytest.raises(MessageError, match="transforms are at"):
+        CommandWire().places(CommandWire().write(1, np.zeros((5, 3)), 0.5, path))

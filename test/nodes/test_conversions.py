@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 import numpy as np
 import pytest
 from geometry_msgs.msg import PointStamped, TwistStamped
@@ -8,7 +22,6 @@ from rclpy.serialization import deserialize_message, serialize_message
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
 from uav_tracking_mpc.nodes.conversions import (
-    MessageError,
     air_velocity_from_twist,
     measurement_from_odometry,
     nanoseconds,
@@ -20,6 +33,7 @@ from uav_tracking_mpc.nodes.conversions import (
     set_point,
     vehicle_from_odometry,
 )
+from uav_tracking_mpc.nodes.message_checks import MessageError
 
 STATES = st.tuples(
     *[st.floats(-1e5, 1e5)] * 3, st.floats(-3.1, 3.1), st.floats(-1.4, 1.4), st.floats(0, 300)

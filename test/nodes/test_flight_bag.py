@@ -1,9 +1,27 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """A bag written message by message and read back as the record of a flight."""
 
 import numpy as np
 import pytest
+import yaml
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from rclpy.serialization import serialize_message
+from rosbags.rosbag2 import Reader
+from rosbags.typesys import Stores, get_typestore
+from scipy.spatial.transform import Rotation
 
 from uav_tracking_mpc.dynamics.vehicle import velocity
 from uav_tracking_mpc.nodes.conversions import (
@@ -19,12 +37,14 @@ from uav_tracking_mpc.nodes.topics import (
     DIAGNOSTICS,
     ENGAGED,
     ODOMETRY,
+    ROSOUT,
     TARGET,
 )
 from uav_tracking_mpc.settings.configuration import load_configuration
 
 WIND = np.array([3.0, -2.0, 0.5])
 STEP = 50_000_000  # ns
+ROSBAG = "rosbag2_bagfile_information"
 WALL = 1_700_000_000_000_000_000  # ns
 
 
@@ -128,3 +148,115 @@ def test_a_target_on_the_link_is_where_it_said(tmp_path):
 def test_an_autopilot_that_was_never_engaged_did_not_fly(tmp_path):
     with pytest.raises(ValueError, match="never engaged"):
         fly_with_link(tmp_path / "flight.mcap", engaged=False)
+
+
+def test_the_folder_is_a_bag_of_ros_2(tmp_path):
+    """As ``ros2 bag info FOLDER`` reads it: the file by its name, what was offered, all counts."""
+    bag = recorded(tmp_path / "mission.mcap", alone=True)
+    about = yaml.safe_load((tmp_path / "metadata.yaml").read_text())[ROSBAG]
+    assert about["relative_file_paths"] == ["mission.mcap"]
+    assert [entry["path"] for entry in about["files"]] == ["mission.mcap"]
+    assert (about["version"], about["storage_identifier"]) == (9, "mcap")
+    assert about["message_count"] == sum(bag.values())
+    topics = {
+        entry["topic_metadata"]["name"]: entry for entry in about["topics_with_message_count"]
+    }
+    assert {name: topics[name]["message_count"] for name in bag} == bag
+    offered = {
+        name: entry["topic_metadata"]["offered_qos_profiles"] for name, entry in topics.items()
+    }
+    infinite = {"sec": 9223372036, "nsec": 854775807}
+    assert offered["/uav/odometry"] == [
+        {
+            "history": "keep_last",
+            "depth": ODOMETRY.qos.depth,
+            "reliability": "reliable",
+            "durability": "volatile",
+            "deadline": infinite,
+            "lifespan": infinite,
+            "liveliness": "automatic",
+            "liveliness_lease_duration": infinite,
+            "avoid_ros_namespace_conventions": False,
+        }
+    ]
+    (rosout,) = offered["/rosout"]
+    assert (rosout["durability"], rosout["depth"]) == ("transient_local", 1000)
+    assert rosout["lifespan"] == {"sec": 10, "nsec": 0}
+    with Reader(tmp_path) as reader:
+        heard = [connection.topic for connection, _, _ in reader.messages(reader.connections)]
+    assert {name: heard.count(name) for name in bag} == bag
+
+
+def test_the_file_names_itself_and_its_chunks_are_compressed(tmp_path):
+    """As the format's own library reads it."""
+    mcap = pytest.importorskip("mcap.reader")
+    path = tmp_path / "flight.mcap"
+    recorded(path)
+    assert not (tmp_path / "metadata.yaml").exists()  # a folder may hold several
+    with path.open("rb") as file:
+        reader = mcap.make_reader(file)
+        summary = reader.get_summary()
+        (record,) = reader.iter_metadata()
+    about = yaml.safe_load(record.metadata["serialized_metadata"])
+    assert about["relative_file_paths"] == ["flight.mcap"]
+    assert {chunk.compression for chunk in summary.chunk_indexes} == {"zstd"}
+    assert {channel.topic for channel in summary.channels.values()} >= {"/tf", "/rosout"}
+
+
+@pytest.mark.parametrize("frame", ["base_link", "uav1/base_link", "b", "ba", "bas"])
+def test_the_bag_holds_the_transform_of_every_state(tmp_path, frame):
+    """With the frames of the state, however long their names are."""
+    recorded(tmp_path / "flight.mcap", frame)
+    store = get_typestore(Stores.ROS2_JAZZY)
+    with Reader(tmp_path / "flight.mcap") as reader:
+        wanted = [c for c in reader.connections if c.topic == "/tf"]
+        found = [
+            (time, store.deserialize_cdr(data, "tf2_msgs/msg/TFMessage"))
+            for _, time, data in reader.messages(wanted)
+        ]
+    odometry = ODOMETRY.type()
+    for (time, message), (stamp, state) in zip(found, states(), strict=True):
+        set_odometry(odometry, stamp, state, np.zeros(3), velocity(state))
+        (transform,) = message.transforms
+        assert time == stamp + 1
+        assert transform.header.stamp.sec * 10**9 + transform.header.stamp.nanosec == stamp
+        assert (transform.header.frame_id, transform.child_frame_id) == ("map", frame)
+        for part, expected in (
+            (transform.transform.translation, odometry.pose.pose.position),
+            (transform.transform.rotation, odometry.pose.pose.orientation),
+        ):
+            for name in expected.get_fields_and_field_types():
+                assert getattr(part, name) == getattr(expected, name)
+
+
+@pytest.mark.parametrize("frame", ["base_link", "uav1/base_link"])
+def test_the_bag_holds_the_frames_of_autopilots(tmp_path, frame):
+    """Axes of map_ned in map (east, north, up), and of the aircraft's _frd in its own."""
+    recorded(tmp_path / "flight.mcap", frame)
+    store = get_typestore(Stores.ROS2_JAZZY)
+    with Reader(tmp_path / "flight.mcap") as reader:
+        wanted = [c for c in reader.connections if c.topic == "/tf_static"]
+        ((connection, _, data),) = reader.messages(wanted)
+    assert connection.ext.offered_qos_profiles[0].durability.name == "TRANSIENT_LOCAL"
+    ned, frd = store.deserialize_cdr(data, connection.msgtype).transforms
+    for transform, parent, child, axes in (
+        (ned, "map", "map_ned", [[0, 1, 0], [1, 0, 0], [0, 0, -1]]),
+        (frd, frame, f"{frame}_frd", [[1, 0, 0], [0, -1, 0], [0, 0, -1]]),
+    ):
+        assert (transform.header.frame_id, transform.child_frame_id) == (parent, child)
+        q = transform.transform.rotation
+        turned = Rotation.from_quat([q.x, q.y, q.z, q.w]).apply(np.eye(3))
+        np.testing.assert_allclose(turned, axes, atol=1e-15)
+
+
+def recorded(path, frame="base_link", **options):
+    """A bag with the states of above and a line of the log; the number of messages by topic."""
+    bag = FlightBag(path, **options)
+    for stamp, state in states():
+        message = ODOMETRY.type()
+        set_odometry(message, stamp, state, np.zeros(3), velocity(state))
+        message.child_frame_id = frame
+        bag.write(ODOMETRY, stamp + 1, serialize_message(message))
+    bag.write(ROSOUT, STEP, serialize_message(ROSOUT.type(msg="said")))
+    bag.close()
+    return {"/uav/odometry": 20, "/tf": 20, "/tf_static": 1, "/rosout": 1, "/uav/command": 0}

@@ -1,130 +1,38 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The controller as a managed node: its transitions, and parameters set while it flies."""
 
 from __future__ import annotations
 
 import dataclasses
-import os
 import time
 
 import numpy as np
 import pytest
-import rclpy
 from lifecycle_msgs.msg import State, Transition
-from lifecycle_msgs.srv import ChangeState, GetState
+from lifecycle_msgs.srv import GetState
+from node_flight import Flight
 from processes import run_node
-from rcl_interfaces.srv import SetParametersAtomically
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 
+from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.control.record import replay
 from uav_tracking_mpc.nodes.conversions import plan_from_command
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
-from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
-from uav_tracking_mpc.nodes.topics import COMMAND, DIAGNOSTICS, ODOMETRY
-from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
-from uav_tracking_mpc.settings.configuration import load_configuration
 
 pytestmark = pytest.mark.nodes
-
-# On the orbit, in its clockwise turn; solves may take their time on a slow machine.
-ON_ORBIT = (
-    "nmpc_controller.direction=clockwise",
-    "nmpc_controller.solve_time_max=1.0",
-    "uav_simulator.initial_position=[274.95454169735043, 0.0, 120.0]",
-    "uav_simulator.initial_heading=-1.5707963267948966",
-)
-
-
-class Flight:
-    """Simulator, target, controller and somebody who listens and asks, in one process."""
-
-    def __init__(self, name="small_uav", *overrides):
-        self.context = rclpy.Context()
-        self.context.init(args=[], domain_id=110 + os.getpid() % 90)
-        self.executor = SingleThreadedExecutor(context=self.context)
-        chosen = [*ON_ORBIT, *overrides] if name == "small_uav" else list(overrides)
-        self.configuration = load_configuration(name, chosen)
-        self.asker = rclpy.create_node("asker", context=self.context)
-        self.executor.add_node(self.asker)
-        self.commands, self.diagnostics, self.states = [], [], []
-        for topic, heard in (
-            (COMMAND, self.commands),
-            (ODOMETRY, self.states),
-            (DIAGNOSTICS, self.diagnostics),
-        ):
-            self.asker.create_subscription(topic.type, topic.name, heard.append, 100)
-
-    def add(self, node_class, section, **more):
-        parameters = getattr(self.configuration, section)
-        values = {
-            field.name: getattr(parameters, field.name) for field in dataclasses.fields(parameters)
-        }
-        node = node_class(
-            context=self.context,
-            parameter_overrides=[
-                Parameter(name, value=list(value) if isinstance(value, tuple) else value)
-                for name, value in (values | more).items()
-            ],
-        )
-        self.executor.add_node(node)
-        return node
-
-    def add_all(self, **controller):
-        self.add(TargetPublisher, "target")
-        self.simulator = self.add(UavSimulator, "simulator")
-        self.controller = self.add(NmpcController, "controller", **controller)
-
-    def spin(self, until, limit=20.0):
-        deadline = time.monotonic() + limit
-        while time.monotonic() < deadline:
-            self.executor.spin_once(timeout_sec=0.05)
-            if until():
-                return True
-        return False
-
-    def ask(self, kind, service, **request):
-        client = self.asker.create_client(kind, f"nmpc_controller/{service}")
-        assert self.spin(client.service_is_ready)
-        future = client.call_async(kind.Request(**request))
-        assert self.spin(future.done)
-        self.asker.destroy_client(client)
-        return future.result()
-
-    def change(self, transition):
-        return self.ask(ChangeState, "change_state", transition=Transition(id=transition)).success
-
-    def state(self):
-        return self.ask(GetState, "get_state").current_state.id
-
-    def set(self, **values):
-        wanted = [Parameter(name, value=value).to_parameter_msg() for name, value in values.items()]
-        return self.ask(
-            SetParametersAtomically, "set_parameters_atomically", parameters=wanted
-        ).result
-
-    def commanded(self, count=10, limit=20.0):
-        """Whether commands come from now on."""
-        before = len(self.commands)
-        return self.spin(lambda: len(self.commands) >= before + count, limit)
-
-    def told(self):
-        """The controller's latest diagnostics: message and values."""
-        status = next(
-            status
-            for message in reversed(self.diagnostics)
-            for status in message.status
-            if "nmpc_controller" in status.name
-        )
-        return status.message, {value.key: value.value for value in status.values}
-
-    def inputs(self):
-        return np.array([plan_from_command(message)[0][0] for message in self.commands])
-
-    def end(self):
-        for node in self.executor.get_nodes():
-            node.destroy_node()
-        self.executor.shutdown()
-        self.context.try_shutdown()
 
 
 @pytest.fixture
@@ -162,12 +70,129 @@ def test_without_autostart_a_manager_brings_it_up_and_down(flight):
     flight.commands.clear()
     assert flight.spin(lambda: flight.simulator._plant.plan.holding, 15.0)
     assert not flight.commands
-    assert flight.told()[0] == "deactivated: no command is sent"
+    assert flight.told()[0] == "inactive: no command is sent"
     assert flight.simulator._plant.plan.failsafes == 1
 
     assert flight.change(Transition.TRANSITION_ACTIVATE)
     assert flight.commanded()
     assert not flight.simulator._plant.plan.holding
+
+
+@pytest.mark.timeout(90)
+@pytest.mark.parametrize("before", [(), ("deactivate",), ("deactivate", "cleanup")])
+def test_a_node_that_was_shut_down_says_so_and_sends_nothing(flight, before):
+    flight.add_all()
+    assert flight.commanded()
+    for transition in before:
+        assert flight.change(getattr(Transition, f"TRANSITION_{transition.upper()}"))
+    stage = flight.controller.stage.value.upper()
+    assert flight.change(getattr(Transition, f"TRANSITION_{stage}_SHUTDOWN"))
+    assert flight.state() == State.PRIMARY_STATE_FINALIZED
+    flight.spin(lambda: False, 0.3)
+    flight.commands.clear(), flight.diagnostics.clear()
+    flight.spin(lambda: False, 2.5)
+    assert not flight.commands
+    said = [s for m in flight.diagnostics for s in m.status if "nmpc_controller" in s.name]
+    assert len(said) >= 2  # it goes on saying so
+    assert {status.level for status in said} == {b"\x01"}
+    assert all(status.message.startswith("shut down: no command") for status in said)
+    assert {v.value for v in said[-1].values if v.key == "lifecycle state"} == {"finalized"}
+
+
+@pytest.mark.timeout(90)
+def test_after_a_rest_the_first_command_comes_from_an_optimal_plan(flight):
+    """However long the target's position would have been valid."""
+    flight.add_all(target_timeout=1.0)
+    assert flight.commanded()
+    for _ in range(2):
+        assert flight.change(Transition.TRANSITION_DEACTIVATE)
+        flight.spin(lambda: False, 4.0)
+        assert flight.told()[1]["lifecycle state"] == "inactive"
+        modes = flight.controller.controller.modes
+        before = dict(modes.counts)
+        assert flight.change(Transition.TRANSITION_ACTIVATE)
+        flight.commands.clear()
+        assert flight.commanded(20)
+        assert flight.told()[0] == "tracking: optimal plan"
+        flown = {mode for mode in modes.counts if modes.counts[mode] > before[mode]}
+        assert flown <= {FallbackMode.OPTIMAL, FallbackMode.SILENCE}
+    assert flight.controller.report.refused == 0
+
+
+@pytest.mark.timeout(90)
+def test_a_target_is_not_refused_while_the_vehicle_is_silent(flight):
+    """It is the vehicle's state that is missing: nobody's clock is wrong."""
+    flight.add_all(target_timeout=1.0)
+    assert flight.commanded()
+    flight.executor.remove_node(flight.simulator)
+    flight.simulator.destroy_node()
+    assert flight.spin(lambda: "vehicle state is lost" in flight.told()[0], 5.0)
+    assert "uav/odometry" in flight.told()[0]
+    flight.spin(lambda: False, 3.0)
+    assert flight.controller.report.refused == 0
+
+
+@pytest.mark.timeout(60)
+def test_a_transition_that_is_not_possible_is_refused_and_the_node_flies_on(flight):
+    flight.add_all()
+    assert flight.commanded()
+    for transition in ("ACTIVATE", "CLEANUP", "CONFIGURE", "UNCONFIGURED_SHUTDOWN"):
+        assert not flight.change(getattr(Transition, f"TRANSITION_{transition}"))
+    assert flight.state() == State.PRIMARY_STATE_ACTIVE
+    assert flight.commanded()
+
+
+@pytest.mark.timeout(60)
+def test_a_transition_that_fails_leads_back_to_unconfigured_with_the_reason(flight, monkeypatch):
+    flight.add_all(autostart=False)
+    assert flight.change(Transition.TRANSITION_CONFIGURE)
+
+    def broken(self):
+        raise ArithmeticError("no such number")
+
+    monkeypatch.setattr(NmpcController, "activate", broken)
+    assert not flight.change(Transition.TRANSITION_ACTIVATE)
+    monkeypatch.undo()
+    assert flight.state() == State.PRIMARY_STATE_UNCONFIGURED
+    words = "cannot be activated: ArithmeticError: no such number"
+    assert flight.spin(lambda: flight.told()[0] == words, 5.0)
+    assert flight.told()[1]["lifecycle state"] == "unconfigured"
+    assert flight.change(Transition.TRANSITION_CONFIGURE)
+    assert flight.change(Transition.TRANSITION_ACTIVATE)
+    assert flight.commanded()
+
+
+@pytest.mark.timeout(60)
+def test_parameters_may_be_set_while_inactive(flight):
+    flight.add_all()
+    assert flight.commanded()
+    assert flight.change(Transition.TRANSITION_DEACTIVATE)
+    assert flight.set(range=340.0).successful
+    refused = flight.set(horizon=30)
+    assert not refused.successful
+    assert flight.spin(lambda: False, 0.5) is False
+    assert flight.told()[0] == "inactive: no command is sent"
+    assert flight.change(Transition.TRANSITION_ACTIVATE)
+    assert flight.commanded()
+    assert flight.controller.controller.orbit.range == 340.0
+
+
+@pytest.mark.timeout(60)
+def test_in_a_namespace_the_services_and_the_aircraft_have_its_name(flight):
+    node = NmpcController(
+        context=flight.context,
+        namespace="red",
+        parameter_overrides=[Parameter("autostart", value=False)],
+    )
+    flight.executor.add_node(node)
+    client = flight.asker.create_client(GetState, "red/nmpc_controller/get_state")
+    assert flight.spin(client.service_is_ready)
+    future = client.call_async(GetState.Request())
+    assert flight.spin(future.done)
+    assert future.result().current_state.id == State.PRIMARY_STATE_UNCONFIGURED
+    assert flight.spin(
+        lambda: any(s.hardware_id == "red" for m in flight.diagnostics for s in m.status)
+    )
 
 
 @pytest.mark.timeout(60)
@@ -266,16 +291,23 @@ def test_what_is_refused_leaves_everything_as_it_was(flight):
 
 
 @pytest.mark.timeout(60)
-def test_the_papers_orbit_is_fixed_in_flight():
+def test_the_paper_takes_a_new_orbit():
     flight = Flight("paper")
     try:
         flight.add_all()
         assert flight.commanded()
-        answer = flight.set(range=160.0)
+        before = flight.told()[1]["terminal set"]
+        assert flight.set(range=350.0, direction="counter_clockwise").successful  # as in the README
+        assert flight.commanded(20)
+        assert flight.told()[1]["mode"] == "optimal plan"
+        assert flight.told()[1]["direction"] == "counter_clockwise"
+        assert flight.told()[1]["terminal set"] == before == "neither: no terminal set is flown"
+        answer = flight.set(range=51.0, altitude=50.0, airspeed=19.0)
         assert not answer.successful
-        assert "parameter 'range' is 160.0, must stay 150.0 in flight" in answer.reason
-        assert "artificial_orbit" in answer.reason
-        assert flight.set(target_timeout=3.0).successful
+        assert "must exceed" in answer.reason
+        answer = flight.set(state_weights=[1.0] * 5)
+        assert not answer.successful
+        assert "in flight unless terminal_constraint is 'artificial_orbit'" in answer.reason
         assert flight.commanded()
     finally:
         flight.end()
@@ -325,6 +357,17 @@ def test_commands_that_are_overdue_are_counted(flight):
     flight.executor.remove_node(flight.simulator)
     flight.simulator.destroy_node()
     assert flight.spin(lambda: flight.controller.report.deadlines_missed > before, 5.0)
+
+
+@pytest.mark.timeout(60)
+def test_a_lower_control_rate_is_no_rate_that_is_not_kept(flight):
+    flight.add_all()
+    assert flight.commanded()
+    assert flight.set(control_rate=5.0).successful
+    flight.spin(lambda: False, 1.0)
+    before = flight.controller.report.deadlines_missed
+    assert flight.commanded(10)
+    assert flight.controller.report.deadlines_missed == before
 
 
 @pytest.mark.timeout(60)

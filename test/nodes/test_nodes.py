@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """All nodes in one process: they connect by their defaults and fly."""
 
 from __future__ import annotations
@@ -36,6 +50,7 @@ from uav_tracking_mpc.nodes.topics import (
     TARGET,
     TARGET_ODOMETRY,
     TRACKING,
+    TRACKING_ERRORS,
 )
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.parameters.specification import ParameterError
@@ -85,7 +100,7 @@ def spin(executor, until, limit):
 
 @pytest.mark.timeout(120)
 def test_all_nodes_fly_onto_the_orbit(executor):
-    views = (PREDICTED_PATH, MARKERS, DIAGNOSTICS, *TRACKING.values())
+    views = (PREDICTED_PATH, MARKERS, DIAGNOSTICS, TRACKING_ERRORS, *TRACKING.values())
     heard = listen(executor, ODOMETRY, COMMAND, TARGET, *views)
     add(executor, TargetPublisher, use_sim_time=True)
     controller = add(executor, NmpcController, use_sim_time=True)
@@ -107,6 +122,10 @@ def test_all_nodes_fly_onto_the_orbit(executor):
     assert len(states.intersection(stamps)) > 0.9 * len(stamps)  # each bears its state's stamp
     costs = [message.data for message in heard[TRACKING["cost"].name]]
     assert costs[-1] < 1e-2 * costs[0]
+    tracked = heard[TRACKING_ERRORS.name][-1]
+    assert nanoseconds(tracked.header.stamp) in states
+    assert abs(dict(zip(tracked.name, tracked.position, strict=True))["range_error"]) < 2.0
+    assert all(point.transforms for point in heard[COMMAND.name][-1].points)
     names = {status.name for message in heard[DIAGNOSTICS.name] for status in message.status}
     assert names == {"uav_simulator: status", "target_publisher: status", "nmpc_controller: status"}
 
@@ -317,4 +336,5 @@ def test_every_parameter_is_described(executor, node_class):
         descriptor = node.describe_parameter(specification.name)
         assert specification.description in descriptor.description
         assert specification.allowed in descriptor.additional_constraints
-        assert descriptor.read_only == (node_class is not NmpcController)
+        fixed = specification.fixed and node_class is not NmpcController  # that can be unconfigured
+        assert descriptor.read_only == fixed

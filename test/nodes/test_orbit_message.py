@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The orbit that is flown goes through a message unchanged, and what is none is refused."""
 
 import numpy as np
@@ -6,7 +20,8 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
 
 from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
-from uav_tracking_mpc.nodes.conversions import MessageError, nanoseconds
+from uav_tracking_mpc.nodes.conversions import nanoseconds
+from uav_tracking_mpc.nodes.message_checks import MessageError
 from uav_tracking_mpc.nodes.orbit_message import orbit_from_message, orbit_message, set_orbit
 
 ORBIT = FlownOrbit(np.array([1.0, -2.0, 130.0]), np.array([5.0, 0.5, 0.0]), -275.0, 22.0)

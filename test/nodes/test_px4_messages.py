@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """PX4's ROS 2 messages: signs, frames and units, with stand-ins for px4_msgs."""
 
 import math
@@ -29,7 +43,10 @@ def place(up=100.0):
 
 def odometry(roll=0.0, pitch=0.0, yaw=0.0, velocity=(20.0, 0.0, -2.0), rates=(0.0, 0.0, 0.0)):
     q = quaternion_from_euler(roll, pitch, yaw)
-    return SimpleNamespace(q=q, velocity=velocity, angular_velocity=rates, velocity_frame=1)
+    return SimpleNamespace(
+        q=q, velocity=velocity, angular_velocity=rates, velocity_frame=1,
+        position_variance=(0.16, 0.25, 1.0), velocity_variance=(0.01, 0.04, math.nan),
+    )  # fmt: skip
 
 
 def airspeed(speed):
@@ -49,6 +66,13 @@ def test_north_east_down_becomes_map():
     assert seen.heading == pytest.approx(0.5 * math.pi)
     assert seen.path_angle == pytest.approx(math.asin(0.1))
     assert seen.airspeed == 20.0
+
+
+def test_variances_to_north_east_and_down_become_those_of_map():
+    noise = measurement(1.0, place(), odometry(), None, FRAME).noise
+    assert noise.position == pytest.approx((0.5, 0.4, 1.0))
+    assert noise.velocity == (0.0, 0.0, 0.0)  # one axis makes no sense
+    assert noise.heading == noise.path_angle == 0.0
 
 
 def test_a_turn_to_the_right_is_clockwise():

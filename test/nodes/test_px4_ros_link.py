@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """PX4 over ROS 2 as a link, on a wire in memory."""
 
 import math
@@ -29,6 +43,7 @@ class Aircraft:
         odometry = SimpleNamespace(
             q=quaternion_from_euler(0.0, 0.05, 0.0), velocity=(22.0, 0.0, 0.0),
             angular_velocity=(0.0, 0.0, 0.0), velocity_frame=1,
+            position_variance=(0.1, 0.1, 0.2), velocity_variance=(0.01, 0.01, 0.01),
         )  # fmt: skip
         speed = SimpleNamespace(true_airspeed_m_s=22.0)
         come = [("AirspeedValidated", speed), ("VehicleGlobalPosition", place)]

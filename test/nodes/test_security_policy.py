@@ -1,6 +1,21 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The SROS 2 policy grants what the nodes do, no more and no less."""
 
 import os
+import time
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -50,6 +65,15 @@ def profiles():
     return found
 
 
+def asked(nodes):
+    """What the graph says of each node."""
+    return {
+        (kind, node.get_name()): {name for name, _ in getattr(node, question)(node.get_name(), "/")}
+        for node in nodes
+        for kind, question in KINDS.items()
+    }
+
+
 @pytest.fixture(scope="module")
 def graph():
     """What each node does: kind and node to names; every clock driven and followed."""
@@ -66,15 +90,18 @@ def graph():
         make(NmpcController, use_sim_time=True),
         make(AutopilotLink, link=LINK, connection="nobody", target_system=2),
     ]
-    found = {
-        (kind, node.get_name()): {name for name, _ in getattr(node, question)(node.get_name(), "/")}
-        for node in nodes
-        for kind, question in KINDS.items()
-    }
+    found = asked(nodes)
+    deadline = time.monotonic() + 10.0  # the graph learns of endpoints a moment after they are made
+    while "/uav/command" not in found[("topics", "publish"), "nmpc_controller"]:
+        assert time.monotonic() < deadline
+        time.sleep(0.5)
+        found = asked(nodes)
     # The simulator hears /clock when another drives it.
     nodes.append(make(UavSimulator, use_sim_time=True))
     hears = nodes[-1].get_subscriber_names_and_types_by_node("uav_simulator", "/")
     found[("topics", "subscribe"), "uav_simulator"] |= {name for name, _ in hears}
+    for node in ("uav_simulator", "autopilot_link"):  # where tf2_msgs is installed
+        found[("topics", "publish"), node] |= {"/tf", "/tf_static"}
     yield found
     for node in nodes:
         node.destroy_node()

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 import math
 
 import numpy as np
@@ -7,7 +21,8 @@ pytest.importorskip("rclpy")
 
 from nav_msgs.msg import Odometry
 
-from uav_tracking_mpc.nodes.conversions import MessageError, set_orientation, set_vector
+from uav_tracking_mpc.nodes.conversions import set_orientation, set_vector
+from uav_tracking_mpc.nodes.message_checks import MessageError
 from uav_tracking_mpc.nodes.target_odometry import target_from_odometry
 
 
@@ -54,6 +69,7 @@ def test_a_velocity_in_the_targets_frame_is_rotated_with_its_covariance():
         covariance(math.inf, 1.0),
         covariance(1.0, -1.0),
         covariance(1.0, 1.0, xy=2.0),
+        covariance(1e12, 1e12),
     ],
 )
 def test_what_is_no_covariance_is_unknown(entries):
@@ -63,6 +79,12 @@ def test_what_is_no_covariance_is_unknown(entries):
     odometry.twist.covariance = covariance(0.04, 0.04)
     known = target_from_odometry(odometry).covariance
     assert not known[:3, :3].any() and known[3, 3] == 0.04
+
+
+def test_the_height_of_a_planar_tracker_may_be_anything():
+    odometry = message()
+    odometry.pose.covariance = covariance(4.0, 4.0, z=1e12)
+    assert target_from_odometry(odometry).covariance[0, 0] == 4.0
 
 
 def test_a_velocity_that_is_not_measured_is_left_out():

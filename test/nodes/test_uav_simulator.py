@@ -1,15 +1,33 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The simulator node flies any plant, and outlives one that fails."""
 
 import os
+import time
 
 import numpy as np
 import pytest
 import rclpy
 from rclpy.parameter import Parameter
+from std_srvs.srv import Trigger
 
 from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
 from uav_tracking_mpc.nodes.diagnostics import ERROR
 from uav_tracking_mpc.nodes.orbit_message import orbit_message, set_orbit
+from uav_tracking_mpc.nodes.outage import DURATION
+from uav_tracking_mpc.nodes.topics import ODOMETRY
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.parameters.specification import ParameterError
 
@@ -40,6 +58,7 @@ def simulator():
         nodes.append(UavSimulator(context=context, parameter_overrides=overrides))
         return nodes[-1]
 
+    make.context, make.nodes = context, nodes
     yield make
     for node in nodes:
         node.destroy_node()
@@ -57,8 +76,8 @@ def test_a_plant_of_ones_own_is_flown_until_it_fails(simulator, tmp_path):
     for _ in range(10):
         node._step()
     assert len(published) == 4  # at 0.05, 0.1, 0.15 and 0.2 s
-    assert node._diagnostics._status.level == ERROR
-    assert "the wing came off" in node._diagnostics._status.message
+    assert node._diagnostics.level == ERROR
+    assert "the wing came off" in node._diagnostics.message
     assert node._now == 500_000_000  # time goes on
     assert node._values()["x [m]"] == pytest.approx(published[-1])
 
@@ -86,3 +105,45 @@ def test_an_autopilot_that_holds_altitude_and_airspeed_is_told_the_orbit(simulat
     message.position[2] = float("nan")
     node._on_orbit(message)  # refused
     assert node._plant.altitude == 40.0
+
+
+def test_time_begins_for_who_needs_the_state_and_not_for_who_looks(simulator):
+    """A page or a monitor may be there first; the record would lack the begin."""
+    node = simulator(publish_clock=True, wait_for_subscribers=1, initial_speed=8.0)
+
+    def add(name):
+        listener = rclpy.create_node(name, context=simulator.context)
+        simulator.nodes.append(listener)
+        listener.create_subscription(ODOMETRY.type, ODOMETRY.name, lambda message: None, 1)
+        deadline = time.monotonic() + 60.0
+        known = []
+        while name not in known and time.monotonic() < deadline:
+            known = [one.node_name for one in node.get_subscriptions_info_by_topic(ODOMETRY.name)]
+            time.sleep(0.05)
+        assert name in known
+
+    for name in ("flight_watcher", "monitor"):
+        add(name)
+        node._step()
+        assert node._now == 0
+    add("flight_recorder")
+    node._step()
+    assert node._now > 0
+
+
+def test_a_lost_state_comes_again_by_itself(simulator):
+    node = simulator(publish_clock=True, initial_speed=8.0)
+    published = []
+    node._odometry_publisher.publish = lambda message: published.append(node._now)
+    node._step()
+    (lose,) = [each for each in node.services if each.srv_name.endswith("lose_state")]
+    assert lose.callback(Trigger.Request(), Trigger.Response()).success
+    begin = node._now
+    node._step()
+    assert node._diagnostics.message == "the state is kept back for 15 s by the service lose_state"
+    for _ in range(round(DURATION * node.parameters.state_rate)):
+        node._step()
+    gap = (published[1] - published[0]) * 1e-9
+    assert gap == pytest.approx(DURATION)
+    assert (published[0], node._now > begin) == (begin, True)
+    assert node._diagnostics.message == "waiting for the first command"

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The report: complete, self-contained, and honest about offsets and failures."""
 
 from __future__ import annotations
@@ -12,11 +26,14 @@ import numpy as np
 import pytest
 from example_flights import log_of, orbiting, paper_flight
 
+from uav_tracking_mpc import load_configuration
+from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
 from uav_tracking_mpc.report.flight_findings import quantity, range_offset_finding, verdict
 from uav_tracking_mpc.report.metrics import metrics
 from uav_tracking_mpc.report.mission_report import render_page, write_report
-from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, Latency
+from uav_tracking_mpc.report.replay import Replay
+from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, FlownMode, Latency
 
 FILES = {"metrics.json", "trajectory.png", "states.png", "report.html"}
 
@@ -190,6 +207,65 @@ def test_latency_and_counts_of_a_real_flight():
     assert "9.5 times real time" in text
     assert "state to command, median 812 µs" in text
     assert "sent 150" in text and "flown from an earlier plan 2" in text
+
+
+SCENE = Replay('<!doctype html><script>play("it\'s" & on)</script>', pace=20.0, frames=2)
+
+
+def test_the_scene_is_inside_and_waits_until_it_is_asked_for():
+    """Word for word in a frame of its own that nothing loads before it is opened."""
+    log = orbiting(3)
+    page = render_page(log, metrics(log), b"", b"", replay=SCENE)
+    frames = []
+    structure = Structure()
+    start = structure.handle_starttag
+    structure.handle_starttag = lambda tag, attrs: (  # type: ignore[method-assign]
+        frames.append((list(structure.open), dict(attrs))) if tag == "iframe" else None,
+        start(tag, attrs),
+    )
+    structure.feed(page)
+    ((above, frame),) = frames
+    assert above[-1] == "details"  # closed
+    assert frame["data-scene"] == SCENE.html
+    assert "src" not in frame and "srcdoc" not in frame
+    assert "script" not in structure.tags
+    text = words(page)
+    assert "One second of the replay is 20 s of the flight" in text
+    assert "pip install" not in text
+
+
+def test_without_viser_one_line_says_how_to_get_the_scene(tmp_path):
+    """The rest is as it was."""
+    log = orbiting(3)
+    write_report(log, tmp_path / "none", lambda _: None)
+    write_report(log, tmp_path / "unasked")
+    page = (tmp_path / "none" / "report.html").read_text()
+    assert page == (tmp_path / "unasked" / "report.html").read_text()
+    assert 'pip install "uav_tracking_mpc[view]"' in words(page).replace("&#34;", '"')
+    assert "<iframe" not in page
+
+
+def test_a_real_aircraft_has_a_picture_of_its_limits(tmp_path):
+    """Beside the others, and in the page."""
+    small_uav = load_configuration("small_uav").controller
+    log = orbiting(20, small_uav.orbit, tracking=small_uav)
+    write_report(log, tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == FILES | {"conditions.png"}
+    picture = base64.b64encode((tmp_path / "conditions.png").read_bytes()).decode()
+    assert picture in (tmp_path / "report.html").read_text()
+
+
+def test_fallbacks_are_listed_with_their_reasons():
+    """The twelve longest, in the order in which they were flown."""
+    modes = [FlownMode(0.0, FallbackMode.OPTIMAL)]
+    for k in range(20):
+        modes.append(FlownMode(4.0 * k + 1.0, FallbackMode.LOITER, f"reason {k}"))
+        modes.append(FlownMode(4.0 * k + 1.0 + 0.1 * (k + 1), FallbackMode.OPTIMAL))
+    page = words(page_of(orbiting(101, modes=tuple(modes))))
+    assert "Fallback mode" in page
+    assert re.findall(r"reason (\d+)", page) == [str(k) for k in range(8, 20)]
+    assert "loiter law 33 s 0.9 s reason 8" in page
+    assert "Fallback mode" not in words(page_of(orbiting(3)))
 
 
 def test_names_are_escaped():

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 import numpy as np
 import pytest
 
@@ -6,7 +20,7 @@ from uav_tracking_mpc.report.metrics import metrics
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation import closed_loop
-from uav_tracking_mpc.simulation.closed_loop import simulate
+from uav_tracking_mpc.simulation.closed_loop import ClosedLoop, simulate
 from uav_tracking_mpc.simulation.plants import SimulationError
 from uav_tracking_mpc.simulation.plants.held import HeldPlant
 from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
@@ -364,3 +378,70 @@ def test_no_two_loops_hold_the_altitude():
     difference = np.abs(wanted).max(axis=0)
     assert difference[0] < 0.01  # rad/s
     assert difference[1] < 0.02  # m/s^2
+
+
+def flown(loop, seconds):
+    """Ticks of the next seconds."""
+    end = loop.time + seconds
+    return [loop.tick() for _ in range(round((end - loop.time) * loop.rate))]
+
+
+def test_a_loop_that_is_stepped_is_the_flight_of_simulate():
+    configuration = load_configuration("small_uav", ["mission.duration=5", BUDGET], "gusts")
+    loop = ClosedLoop(configuration)
+    ticks = flown(loop, 5.0)
+    stepped, whole = loop.log(5.0), simulate(configuration)
+    assert loop.time == 5.0
+    np.testing.assert_array_equal(stepped.vehicle, whole.vehicle)
+    np.testing.assert_array_equal(stepped.inputs, whole.inputs)
+    np.testing.assert_array_equal([tick.time for tick in ticks], whole.time[:-1])
+    np.testing.assert_array_equal([tick.truth.position for tick in ticks], whole.vehicle[:-1, :3])
+
+
+def test_a_record_that_is_asked_for_twice_is_the_same():
+    loop = ClosedLoop(load_configuration("small_uav", ["nmpc_controller.law=l1"]))
+    flown(loop, 2.0)
+    first, second = loop.log(2.0), loop.log(2.0)
+    np.testing.assert_array_equal(first.time, second.time)
+    assert len(first.time) == 41
+    flown(loop, 1.0)
+    np.testing.assert_allclose(np.diff(loop.log(3.0).time), 0.05)
+
+
+def test_errors_count_from_the_orbit_that_was_asked_for_at_each_time():
+    loop = ClosedLoop(load_configuration("small_uav", ["nmpc_controller.law=l1"]))
+    flown(loop, 40.0)
+    loop.controller.change(range=250.0)
+    flown(loop, 40.0)
+    log = loop.log(80.0)
+    assert [(time, orbit.range) for time, orbit in log.orbits] == [(0.0, 300.0), (40.0, 250.0)]
+    assert abs(log.error[799, 0]) < 1.0
+    assert abs(log.error[-1, 0]) < 1.0
+    assert log.orbit.range == 250.0
+
+
+def test_a_reset_puts_the_aircraft_back_and_leaves_time_and_target():
+    loop = ClosedLoop(load_configuration("small_uav", ["nmpc_controller.law=l1"]))
+    flown(loop, 3.0)
+    loop.target.go_to(loop.time, (40.0, 0.0, 0.0))
+    flown(loop, 20.0)
+    loop.reset()
+    assert loop.time == 23.0
+    first, *_, last = flown(loop, 60.0)
+    np.testing.assert_array_equal(
+        first.truth.position, loop.configuration.simulator.initial_position
+    )
+    assert first.measured.stamp == pytest.approx(23.0)
+    assert np.linalg.norm(last.truth.position - [40.0, 0.0, 0.0]) == pytest.approx(300.0, abs=1.0)
+
+
+def test_a_new_controller_knows_nothing_and_flies_on():
+    loop = ClosedLoop(load_configuration("small_uav", ["nmpc_controller.law=l1"]))
+    flown(loop, 3.0)
+    loop.controller.change(range=250.0)
+    before = loop.controller
+    loop.restart_controller()
+    assert loop.controller is not before
+    assert not loop.controller.flying
+    assert loop.controller.parameters.range == 300.0
+    assert all(tick.command is not None for tick in flown(loop, 1.0)[2:])

@@ -1,9 +1,23 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 import dataclasses
 
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.measurement import SILENT, Measurement, SensorNoise
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.vehicle_sensors import VehicleSensors
 
@@ -43,6 +57,14 @@ def test_noise_is_as_large_as_told():
     told = np.array([2.0, 2.0, 2.0, 0.02, 0.02, 0.5, 0.3, 0.3, 0.3])
     np.testing.assert_allclose(errors.std(axis=0), told, rtol=0.06)
     np.testing.assert_array_less(np.abs(errors.mean(axis=0)), 5.0 * told / np.sqrt(4000))
+
+
+def test_they_tell_their_noise_but_not_that_of_the_airspeed_nor_biases():
+    """The topic of the airspeed has no covariance."""
+    measured = sensors(**NOISE, heading_bias=0.1).measure(TRUTH)
+    assert measured.noise == SensorNoise((2.0,) * 3, (0.3,) * 3, 0.02, 0.02)
+    assert sensors(heading_bias=0.1).measure(TRUTH).noise == SILENT
+    assert sensors(position_noise=500.0).measure(TRUTH).noise == SILENT
 
 
 def test_the_same_seed_measures_the_same():

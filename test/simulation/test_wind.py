@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The wind against the closed forms of MIL-F-8785C."""
 
 import numpy as np
@@ -163,3 +177,23 @@ def test_a_vehicle_that_stands_meets_no_new_gusts():
     before = wind.velocity
     wind.advance(5.0, 0.0, HEIGHT, heading=0.0, turn=0.0)
     np.testing.assert_array_equal(wind.velocity, before)
+
+
+def test_another_mean_moves_the_gust_of_now_and_leaves_its_course():
+    """The same random numbers are drawn: the gusts go on as they would have."""
+    changed, left = (Wind((1.0, 2.0, 0.0), INTENSITY, seed(), 0.3, HEIGHT) for _ in range(2))
+    changed.change((4.0, 2.0, -1.0), INTENSITY, 0.3, HEIGHT)
+    for _ in range(5):
+        np.testing.assert_allclose(changed.velocity - left.velocity, [3.0, 0.0, -1.0], atol=1e-12)
+        for wind in (changed, left):
+            wind.advance(0.05, AIRSPEED, HEIGHT, heading=0.3, turn=0.0)
+
+
+def test_the_gust_of_now_grows_with_its_strength():
+    wind = Wind((0.0, 0.0, 0.0), INTENSITY, seed(), 0.3, HEIGHT)
+    before = wind.velocity
+    wind.change((0.0, 0.0, 0.0), 2.0 * INTENSITY, 0.3, HEIGHT)
+    np.testing.assert_allclose(wind.velocity, 2.0 * before)
+    wind.change((5.0, 0.0, 0.0), 0.0, 0.3, HEIGHT)
+    np.testing.assert_array_equal(wind.velocity, [5.0, 0.0, 0.0])
+    np.testing.assert_array_equal(wind.advance(2.0, 20.0, HEIGHT, 0.3, 0.0), [10.0, 0.0, 0.0])

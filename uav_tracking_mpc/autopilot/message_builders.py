@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Telemetry: messages of the dialect from the state of an autopilot, by name.
 
 What both autopilots send alike; what one of them alone sends stands in its own dialect. Units and
@@ -20,6 +34,7 @@ Builder = Callable[[AutopilotCore], Any]
 SENSORS = 0b11111 | 1 << 5 | 1 << 21
 GOOD_RATIO = 0.1  # of an innovation to its gate
 GPS_FIX_3D, SATELLITES = 3, 12
+GPS_ACCURACY = 900, 1500, 200  # mm, mm, mm/s: horizontal, vertical, of the velocity
 UNKNOWN = 65535  # of an unsigned field of 16 bits
 IN_AIR, ON_GROUND = 2, 1  # MAV_LANDED_STATE
 
@@ -143,6 +158,9 @@ def _gps(core: AutopilotCore) -> Any:
         min(round(state.groundspeed * 100.0), UNKNOWN),
         round(course * 100.0) % 36000,
         SATELLITES,
+        h_acc=GPS_ACCURACY[0],
+        v_acc=GPS_ACCURACY[1],
+        vel_acc=GPS_ACCURACY[2],
     )
 
 

@@ -1,8 +1,23 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The ``uav_tracking`` command: one file a command, and what the commands share.
 
-===================  =============================================================================
+===================  =================================================================
 ``main``             entry point: chooses the command
 ``fly``              a mission with real ROS 2 nodes
+``view``             a page that shows a flight, live or recorded, and steers it
 ``link``             what a real autopilot says before a flight
 ``simulate``         the same mission without ROS
 ``compare``          the predictive controller beside classical laws
@@ -10,16 +25,22 @@
 ``stability``        the stability analysis, its proof and its certificate
 ``margins``          stability margins about the orbit, and a search for weights
 ``benchmark``        solve times beside other solvers
+``compile``          the solver of a configuration compiled before it flies
 ``identify``         lag, dead time and gain from a recorded flight
 ``torture``          faults injected into real nodes
 ``monitor``          a live table of a flight
 ``autopilot``        a simulated ArduPlane or PX4 behind MAVLink
 ``launch_tracking``  entry point of the executable that only starts the nodes
+``node_programs``    entry points of the nodes' executables
+``completion``       what the shell offers at the Tab key
+``command_parser``   help with every default, errors that say what may have been meant
+``output_folder``    whether a folder can be written
 ``arguments``        options that several commands have
 ``link_arguments``   options that say which autopilot flies, and what was found there
+``page_arguments``   options of commands that show a page, and how the page starts
 ``answer``           how a command prints what it found: JSON or words
 ``ending``           how a command that failed reports it
-===================  =============================================================================
+===================  =================================================================
 
 A command's module holds ``HELP`` (one line), ``DESCRIPTION``, ``add_arguments(parser)`` and
 ``run(arguments)``, which returns the exit code. Whatever takes long to import is imported in

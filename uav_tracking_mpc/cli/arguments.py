@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Options that several commands have, and the configuration that they choose.
 
 Options that set a parameter (``--law``, ``--duration``) are short forms of ``--set``: they add to
@@ -8,22 +22,20 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from uav_tracking_mpc.parameters.registry import Kind
+    from uav_tracking_mpc.parameters.specification import Specification
     from uav_tracking_mpc.settings.configuration import Configuration
 
 
-class HelpFormatter(argparse.ArgumentDefaultsHelpFormatter):
-    """Help that shows the default of every option that has one."""
-
-    def _get_help_string(self, action: argparse.Action) -> str | None:
-        if action.default in (None, False, []):
-            return action.help
-        return super()._get_help_string(action)
+DOMAIN_WORDS = (
+    "ROS domain to fly in (default: ROS_DOMAIN_ID where it is exported, else one that no other "
+    "launch uses)"
+)
 
 
 def add_configuration_arguments(parser: argparse.ArgumentParser, default: str = "paper") -> None:
@@ -46,12 +58,15 @@ def add_configuration_arguments(parser: argparse.ArgumentParser, default: str = 
     )
 
 
-def add_mission_arguments(parser: argparse.ArgumentParser, plant: str) -> None:
+def add_mission_arguments(
+    parser: argparse.ArgumentParser, plant: str, without: Collection[str] = ()
+) -> None:
     """Options of every command that flies a mission.
 
     Args:
         parser: Gets the options.
         plant: Parameter that ``--plant`` sets, as ``SECTION.PARAMETER``.
+        without: Parameters of the mission that have no effect there, and hence no option.
     """
     from uav_tracking_mpc.parameters.registry import GUIDANCE_LAW, PLANT
     from uav_tracking_mpc.parameters.specification import specifications
@@ -64,12 +79,12 @@ def add_mission_arguments(parser: argparse.ArgumentParser, plant: str) -> None:
         help=f"wind, target and measurements: {', '.join(scenario_names())}",
     )
     for specification in specifications(MissionParameters):
-        if isinstance(specification.default, float):
+        if isinstance(specification.default, float) and specification.name not in without:
             _add_setting(
                 parser,
                 specification.name,
                 f"mission.{specification.name}",
-                float,
+                _number_of(specification),
                 "NUMBER",
                 f"{specification.description} ({specification.allowed}; default: the "
                 "configuration's)",
@@ -121,9 +136,11 @@ def add_domain_argument(parser: argparse.ArgumentParser, words: str) -> None:
         parser: Gets the option.
         words: What the domain is for, and what is taken without the option.
     """
-    from uav_tracking_mpc.launch.domain import domain_number
+    from uav_tracking_mpc.launch.domain import GREATEST_DOMAIN
 
-    parser.add_argument("--domain-id", type=domain_number, metavar="N", help=words)
+    parser.add_argument(
+        "--domain-id", type=number(int, 0, GREATEST_DOMAIN), metavar="N", help=words
+    )
 
 
 def add_output_arguments(
@@ -141,11 +158,26 @@ def add_output_arguments(
         type=Path,
         default=None if default is None else Path(default),
         metavar="DIR",
-        help=f"folder for {content}",
+        help=f"folder for {content}{'' if default else ' (default: nothing is written)'}",
     )
     parser.add_argument(
         "--json", action="store_true", help="print one JSON object and nothing else"
     )
+
+
+def existing_file(text: str) -> Path:
+    """Type of an option that takes a file which must be there.
+
+    Args:
+        text: As typed.
+
+    Raises:
+        argparse.ArgumentTypeError: There is no such file.
+    """
+    path = Path(text)
+    if not path.is_file():
+        raise argparse.ArgumentTypeError(f"there is no file {text!r}")
+    return path
 
 
 def number(
@@ -234,7 +266,6 @@ def _add_setting(
     def override(text: str) -> str:
         return _override(parameter, convert(text))
 
-    override.__name__ = metavar  # argparse names it where the value cannot be converted
     parser.add_argument(
         f"--{name}",
         dest="overrides",
@@ -249,3 +280,15 @@ def _add_setting(
 def _override(parameter: str, value: Any) -> str:
     """``SECTION.PARAMETER=VALUE`` with the value in JSON, which is YAML."""
     return f"{parameter}={json.dumps(value)}"
+
+
+def _number_of(specification: Specification) -> Callable[[str], float]:
+    """A number as text; its range is checked with all other parameters."""
+
+    def convert(text: str) -> float:
+        try:
+            return float(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"{text!r} is not {specification.allowed}") from None
+
+    return convert

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """``uav_tracking benchmark``: solve times of this package's solver and of others."""
 
 from __future__ import annotations
@@ -7,11 +21,15 @@ import argparse
 from uav_tracking_mpc.cli.answer import answer
 from uav_tracking_mpc.cli.arguments import add_output_arguments, number
 
-HELP = "time the solver against CasADi with fatrop and IPOPT"
+HELP = "time the solver against fatrop, IPOPT and acados"
 DESCRIPTION = (
     "Time the solver against others: same problems, same starts, one run. Exit code 0 if it "
     "converged from at least 99 % of the cold starts of every case."
 )
+
+NODES_OVERRIDES = ("nmpc_controller.control_rate=50.0", "uav_simulator.state_rate=50.0")
+NODES_TIME = {False: 60.0, True: 10.0}  # s, with and without --quick
+VIEWED_AIRCRAFT = (1, 3)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,13 +44,49 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_output_arguments(parser, "benchmark.json and solve_time.png")
     count = number(int, 1)
     parser.add_argument(
-        "--cold", type=count, default=2000, help="random cold starts for this package's solver"
+        "--cold",
+        type=count,
+        default=2000,
+        metavar="N",
+        help="random cold starts for this package's solver",
     )
     parser.add_argument(
-        "--peers-cold", type=count, default=20, help="how many of them the others solve as well"
+        "--peers-cold",
+        type=count,
+        default=20,
+        metavar="N",
+        help="how many of them the others solve as well",
     )
-    parser.add_argument("--seed", type=int, default=0, help="of the random states")
+    parser.add_argument(
+        "--seed", type=number(int, 0), default=0, metavar="N", help="of the random states"
+    )
+    parser.add_argument(
+        "--acados",
+        metavar="PYTHON",
+        help="time acados, too: a Python interpreter that has acados_template (default: this one, "
+        "if it has)",
+    )
+    parser.add_argument(
+        "--start",
+        action="store_true",
+        help="instead, time from the start of processes to the first optimal plan",
+    )
     parser.add_argument("--quick", action="store_true", help="few repetitions, no figure")
+    parser.add_argument(
+        "--nodes",
+        action="store_true",
+        help="instead: fly small_uav in wind at 50 Hz with three real nodes, and time them from a "
+        "state to its command, beside an echo of the same messages",
+    )
+    parser.add_argument(
+        "--view",
+        nargs="?",
+        type=number(float, 1.0),
+        const=0.0,
+        metavar="SECONDS",
+        help="with --nodes: time them in turns without and with a page that shows the flight, for "
+        "one aircraft and for three; a turn lasts SECONDS (default: 60, with --quick 10)",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -44,14 +98,28 @@ def run(arguments: argparse.Namespace) -> int:
     Returns:
         Exit code.
     """
+    if arguments.nodes or arguments.view is not None:
+        return _nodes(arguments)
+    from uav_tracking_mpc.studies.benchmark.acados_peer import own_interpreter
     from uav_tracking_mpc.studies.benchmark.benchmark_report import converged, in_words, save
     from uav_tracking_mpc.studies.benchmark.benchmark_study import benchmark
 
+    if arguments.start:
+        from uav_tracking_mpc.studies.benchmark import start_timing
+
+        starts = [
+            start_timing.start_timing(config, repetitions=1 if arguments.quick else 5)
+            for config in start_timing.CONFIGURATIONS
+        ]
+        lines = [line for found in starts for line in start_timing.in_words(found)]
+        answer({"start": starts}, lines, arguments.json)
+        return 0
     results = benchmark(
         cold=arguments.cold,
         peers_cold=arguments.peers_cold,
         seed=arguments.seed,
         quick=arguments.quick,
+        acados=arguments.acados or own_interpreter(),
     )
     words = in_words(results)
     if arguments.output is not None:
@@ -59,3 +127,29 @@ def run(arguments: argparse.Namespace) -> int:
         words.append(f"saved in {arguments.output}")
     answer(results, words, arguments.json)
     return 0 if converged(results) else 1
+
+
+def _nodes(arguments: argparse.Namespace) -> int:
+    from rich.console import Console
+
+    from uav_tracking_mpc.report.atomic_write import write_json
+    from uav_tracking_mpc.settings.configuration import load_configuration
+    from uav_tracking_mpc.studies.benchmark import node_latency, watched_latency
+
+    configuration = load_configuration("small_uav", NODES_OVERRIDES, "crosswind")
+    duration = arguments.view or NODES_TIME[arguments.quick]
+    with Console(stderr=True).status("nodes") as status:
+        if arguments.view is None:
+            results = node_latency.node_latency(configuration, duration, status.update)
+            words = node_latency.in_words(results)
+        else:
+            flights = watched_latency.watched_latency(
+                configuration, VIEWED_AIRCRAFT, duration, status.update
+            )
+            results, words = {"view": flights}, watched_latency.in_words(flights)
+    if arguments.output is not None:
+        arguments.output.mkdir(parents=True, exist_ok=True)
+        write_json(arguments.output / "nodes.json", results)
+        words.append(f"saved in {arguments.output}")
+    answer(results, words, arguments.json)
+    return 0

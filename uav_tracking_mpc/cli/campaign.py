@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """``uav_tracking campaign``: many flights of what is uncertain, and how many of them fail."""
 
 from __future__ import annotations
@@ -7,7 +21,8 @@ from contextlib import closing
 from pathlib import Path
 
 from uav_tracking_mpc.cli.answer import answer
-from uav_tracking_mpc.cli.arguments import number
+from uav_tracking_mpc.cli.arguments import existing_file, number
+from uav_tracking_mpc.cli.output_folder import check_writable
 
 HELP = "Monte-Carlo over what is uncertain, on all cores or on a Dask cluster"
 DESCRIPTION = (
@@ -72,7 +87,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--json", action="store_true", help="print one JSON object and nothing else"
     )
     parser.add_argument(
-        "--page", type=Path, metavar="FILE", help="put the tables into a page of the documentation"
+        "--page",
+        type=existing_file,
+        metavar="FILE",
+        help="put the tables into a page of the documentation",
     )
 
 
@@ -100,6 +118,7 @@ def run(arguments: argparse.Namespace) -> int:
         else DaskExecutor(arguments.scheduler)
     )
     folder = arguments.output or Path("output") / "campaigns" / campaign.name
+    check_writable(folder)
     with closing(executor):
         results = run_campaign(campaign, executor, folder)
     content = as_json(results)

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """``uav_tracking compare``: every law through every scenario, measured by the same rule."""
 
 from __future__ import annotations
@@ -12,6 +26,7 @@ from uav_tracking_mpc.cli.arguments import (
     add_output_arguments,
     chosen_configuration,
     chosen_overrides,
+    existing_file,
 )
 
 HELP = "the controller beside classical laws: in wind, about moving targets, told wrong"
@@ -63,7 +78,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser, "compare.json, compare.html, figures; with --mismatch mismatches.json and so on"
     )
     parser.add_argument(
-        "--page", type=Path, metavar="FILE", help="put the table into a page of the documentation"
+        "--page",
+        type=existing_file,
+        metavar="FILE",
+        help="put the table into a page of the documentation",
     )
 
 

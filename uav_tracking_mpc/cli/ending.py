@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """How a command that failed reports it: one line on stderr and an exit code."""
 
 from __future__ import annotations
@@ -9,7 +23,15 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 # That bring a module.
-EXTRAS = {"distributed": "dask", "pyarrow": "campaign", "pymavlink": "mavlink"}
+EXTRAS = {
+    "distributed": "dask",
+    "mcap": "view",
+    "pyarrow": "campaign",
+    "pymavlink": "mavlink",
+    "viser": "view",
+    "websockets": "view",
+}
+ROS_ENDINGS = ("rclpy", "_msgs", "_srvs", "_interfaces")
 
 
 @dataclass
@@ -17,7 +39,9 @@ class Ending:
     """How a command ended.
 
     Attributes:
-        code: Exit code: 0 done, 1 failed, 2 asked for what is not allowed, 128 + n by signal n.
+        code: Exit code: 0 done; 1 failed; 2 asked for what is not allowed, or something is missing
+            that must be there before it can run at all; 3 flown but not settled (`fly`); 128 + n by
+            signal n.
     """
 
     code: int = 0
@@ -52,10 +76,11 @@ def explanation(error: BaseException) -> tuple[int, str] | None:
     if isinstance(error, ImportError):
         return _missing(error)
     # Only now: what raises these errors takes longer to import than help takes to print.
-    from uav_tracking_mpc.launch.domain import DomainError
+    from uav_tracking_mpc.launch.domain import DomainError, DomainValueError
     from uav_tracking_mpc.launch.flight import FlightInterruptedError
     from uav_tracking_mpc.launch.supervisor import LaunchError
     from uav_tracking_mpc.links import LinkError
+    from uav_tracking_mpc.mpc.compilation import CompilationError
     from uav_tracking_mpc.parameters.registry import ExtensionError
     from uav_tracking_mpc.parameters.specification import ParameterError
     from uav_tracking_mpc.simulation.closed_loop import SimulationError
@@ -63,9 +88,10 @@ def explanation(error: BaseException) -> tuple[int, str] | None:
 
     if isinstance(error, FlightInterruptedError):
         return 128 + error.signal, str(error)
-    if isinstance(error, (ParameterError, ExtensionError, LinkError)):
+    if isinstance(error, (ParameterError, ExtensionError, LinkError, DomainValueError)):
         return 2, str(error)
-    if isinstance(error, (LaunchError, DomainError, SimulationError, CampaignError, OSError)):
+    expected = (LaunchError, DomainError, SimulationError, CampaignError, CompilationError, OSError)
+    if isinstance(error, expected):
         return 1, str(error)
     return None
 
@@ -73,13 +99,15 @@ def explanation(error: BaseException) -> tuple[int, str] | None:
 def _missing(error: ImportError) -> tuple[int, str] | None:
     """A package that is not installed; a module of this one that is missing is a mistake in it."""
     if not isinstance(error, ModuleNotFoundError):
-        return 1, str(error)
+        return 2, str(error)
     if error.name is None or error.name.startswith("uav_tracking_mpc"):
         return None
-    extra = EXTRAS.get(error.name.partition(".")[0])
-    if extra is not None:
-        return 1, f"{error.name} is not installed: `pip install 'uav_tracking_mpc[{extra}]'`"
-    return 1, (
-        f"{error.name} is not installed; flying needs ROS 2 Jazzy: source its setup file, or "
+    package = error.name.partition(".")[0]
+    if package in EXTRAS:
+        return 2, f"{package} is not installed: `pip install 'uav_tracking_mpc[{EXTRAS[package]}]'`"
+    if not package.endswith(ROS_ENDINGS):
+        return 2, f"{package} is not installed: `pip install uav_tracking_mpc` brings it"
+    return 2, (
+        f"{package} is not installed; flying needs ROS 2 Jazzy: source its setup file, or "
         "`pip install 'uav_tracking_mpc[ros]'`"
     )

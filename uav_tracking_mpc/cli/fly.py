@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """``uav_tracking fly``: a mission with real ROS 2 nodes, recorded and reported."""
 
 from __future__ import annotations
@@ -5,12 +19,14 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from contextlib import ExitStack
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from uav_tracking_mpc.cli.answer import answer
 from uav_tracking_mpc.cli.arguments import (
+    DOMAIN_WORDS,
     add_domain_argument,
     add_excite_argument,
     add_mission_arguments,
@@ -25,8 +41,12 @@ from uav_tracking_mpc.cli.link_arguments import (
     told_names,
     with_connection,
 )
+from uav_tracking_mpc.cli.page_arguments import add_view_argument, check_page, told_page_arguments
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
+    from uav_tracking_mpc.launch.page_process import PageProcess
     from uav_tracking_mpc.settings.configuration import Configuration
 
 HELP = "fly a mission with real ROS 2 nodes, record and report"
@@ -34,10 +54,13 @@ DESCRIPTION = (
     "Start simulator, target and controller as processes, fly a mission and report it. With --link "
     "a real autopilot flies in the simulator's place: it is looked at first (see `link check`), "
     "its limits become the controller's, and the duration counts from when it is engaged. Nothing "
-    "here arms it or takes off."
+    "here arms it or takes off. Exit code 0: range, altitude, speed and bearing came to stay "
+    "within 1 m, 1 m, 0.1 m/s and 0.05 rad of the orbit asked for; 3: one of them never did, which "
+    "in gusts or in a short flight may be as it should."
 )
 BAG = "mission.mcap"
 RECORD = "controller.jsonl"
+NOT_SETTLED = 3  # exit code
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -49,7 +72,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_mission_arguments(parser, plant="uav_simulator.plant")
     add_excite_argument(parser)
     add_link_arguments(parser, flown=True)
-    add_domain_argument(parser, "ROS domain to fly in (default: one that no other launch uses)")
+    add_domain_argument(parser, DOMAIN_WORDS)
+    add_view_argument(
+        parser,
+        "show the flight on a page, see `view`; it is flown and reported as without, then the page "
+        "stays until Ctrl-C",
+    )
     add_output_arguments(
         parser, f"{BAG}, {RECORD}, metrics.json, figures and report.html", "output"
     )
@@ -64,48 +92,92 @@ def run(arguments: argparse.Namespace) -> int:
     Returns:
         Exit code.
     """
+    from rich.console import Console
+
     from uav_tracking_mpc.launch.flight import launch
 
+    console = Console(stderr=True)
     bag, record = arguments.output / BAG, (arguments.output / RECORD).resolve()
     setting = f"nmpc_controller.record={json.dumps(str(record))}"
     arguments.overrides = [setting, *arguments.overrides]
     check_link_arguments(arguments)
+    page_words = told_page_arguments(arguments)
     if arguments.link is not None:
         arguments.overrides = [*arguments.overrides, "mission.speed=1.0"]  # real time has one
     configuration = chosen_configuration(arguments, arguments.scenario)
-    try:
-        if arguments.link is None:
-            number = launch(configuration, domain=arguments.domain_id, bag=bag)
-        else:
-            number, configuration = _fly_link(configuration, arguments, bag)
-    except BaseException:
-        record.unlink(missing_ok=True)
-        raise
+    with ExitStack() as stack:
+        page = (
+            stack.enter_context(_page(arguments, page_words, console)) if arguments.view else None
+        )
+        try:
+            if arguments.link is None:
+                number = launch(configuration, domain=arguments.domain_id, bag=bag, console=console)
+            else:
+                number, configuration = _fly_link(configuration, arguments, bag, console)
+        except BaseException:
+            record.unlink(missing_ok=True)
+            raise
+        code = _reported(configuration, arguments, bag, number)
+        if page is not None and number is None:
+            page.stay()
+    return code
+
+
+@contextmanager
+def _page(
+    arguments: argparse.Namespace, words: Sequence[str], console: Console
+) -> Iterator[PageProcess]:
+    """A page of the domain in which is flown from now on."""
+    from uav_tracking_mpc.launch.domain import exported_domain, own_domain
+    from uav_tracking_mpc.launch.page_process import page_process
+
+    check_page()
+    asked = exported_domain() if arguments.domain_id is None else arguments.domain_id
+    with own_domain(asked) as domain:
+        if asked is None:
+            arguments.domain_id = domain
+        with page_process(domain, words, console) as page:
+            yield page
+
+
+def _reported(
+    configuration: Configuration, arguments: argparse.Namespace, bag: Path, number: int | None
+) -> int:
+    """Report what was flown until its end or until a signal came; exit code."""
     from uav_tracking_mpc.nodes.flight_bag import flight_log
-    from uav_tracking_mpc.report.flight_findings import in_short
+    from uav_tracking_mpc.report.flight_findings import in_short, unsettled
     from uav_tracking_mpc.report.mission_report import write_report
+    from uav_tracking_mpc.view.recorded_scene import recorded_scene
 
     log = flight_log(bag, configuration)
-    metrics = write_report(log, arguments.output)
+    metrics = write_report(log, arguments.output, recorded_scene)
     answer(metrics, in_short(metrics, arguments.output), arguments.json)
     if number is None:
-        return 0
+        if words := unsettled(metrics):
+            print(_not_settled(words, log.duration, bag), file=sys.stderr)
+        return NOT_SETTLED if words else 0
     wanted = configuration.mission.duration
     print(f"interrupted: {log.duration:.1f} s of {wanted:g} s were flown", file=sys.stderr)
     return 128 + number
 
 
+def _not_settled(words: str, duration: float, bag: Path) -> str:
+    """That a flight did not settle, and what its nodes complained of, in one line."""
+    from uav_tracking_mpc.nodes.flight_complaint import last_complaint
+
+    line, complaint = f"not settled in {duration:.1f} s: {words}", last_complaint(bag)
+    line = line if complaint is None else f"{line}; {complaint}"
+    return " ".join(line.split())
+
+
 def _fly_link(
-    configuration: Configuration, arguments: argparse.Namespace, bag: Path
+    configuration: Configuration, arguments: argparse.Namespace, bag: Path, console: Console
 ) -> tuple[int | None, Configuration]:
     """Look at the autopilot, then fly it; what was flown has its limits."""
-    from rich.console import Console
-
     from uav_tracking_mpc.launch.autopilot_process import autopilot_process
     from uav_tracking_mpc.launch.flight import launch
     from uav_tracking_mpc.launch.preflight import preflight, refuse
 
-    console = Console(stderr=True)
     with ExitStack() as stack:
         if arguments.simulated:
             place = stack.enter_context(autopilot_process(configuration, console))

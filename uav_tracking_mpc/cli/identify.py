@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """``uav_tracking identify``: how an aircraft answers commands, from a recorded flight."""
 
 from __future__ import annotations
@@ -6,7 +20,12 @@ import argparse
 from pathlib import Path
 
 from uav_tracking_mpc.cli.answer import answer
-from uav_tracking_mpc.cli.arguments import add_configuration_arguments, add_output_arguments, number
+from uav_tracking_mpc.cli.arguments import (
+    add_configuration_arguments,
+    add_output_arguments,
+    existing_file,
+    number,
+)
 
 HELP = "lag, dead time, gain and limits of an aircraft, from a recorded flight"
 DESCRIPTION = (
@@ -43,7 +62,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seed", type=number(int, 0), default=0, help="of the flights' draws")
     parser.add_argument(
-        "--page", type=Path, metavar="FILE", help="put the counts into a page of the documentation"
+        "--page",
+        type=existing_file,
+        metavar="FILE",
+        help="put the counts into a page of the documentation",
     )
     add_configuration_arguments(parser, default="small_uav")
 
@@ -64,6 +86,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     if (arguments.record is None) == (arguments.validate is None):
         raise ParameterError("identify needs either a bag or CSV file, or --validate N")
+    if arguments.record is not None and not arguments.record.exists():
+        raise ParameterError(f"there is no bag or CSV file {str(arguments.record)!r}")
     return _identify(arguments) if arguments.validate is None else _validate(arguments)
 
 

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """``uav_tracking link check``: what an autopilot says before a flight, and what follows from it."""
 
 from __future__ import annotations
@@ -5,12 +19,7 @@ from __future__ import annotations
 import argparse
 
 from uav_tracking_mpc.cli.answer import answer
-from uav_tracking_mpc.cli.arguments import (
-    HelpFormatter,
-    add_configuration_arguments,
-    chosen_configuration,
-    number,
-)
+from uav_tracking_mpc.cli.arguments import add_configuration_arguments, chosen_configuration, number
 from uav_tracking_mpc.cli.link_arguments import (
     CONNECT_LIMIT,
     add_link_arguments,
@@ -33,8 +42,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     Args:
         parser: Of this command.
     """
-    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
-    check = actions.add_parser("check", help=HELP, description=CHECK, formatter_class=HelpFormatter)
+    actions = parser.add_subparsers(
+        dest="action", required=True, metavar="ACTION", help="what to do"
+    )
+    check = actions.add_parser("check", help=HELP, description=CHECK)
     add_configuration_arguments(check, default="small_uav")
     add_link_arguments(check, flown=False)
     check.add_argument(

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Options that say which autopilot flies and where it is, and how what is found there is told."""
 
 from __future__ import annotations
@@ -59,7 +73,8 @@ def add_link_arguments(parser: argparse.ArgumentParser, flown: bool) -> None:
     def add(name: str, metavar: str, words: str, convert: Callable[[str], Any] = str) -> None:
         parser.add_argument(f"--{name}", action=_Setting, type=convert, metavar=metavar, help=words)
 
-    add("link", "NAME|FILE.py:CLASS", f"{words}: {', '.join(names)}")
+    default = "none: the simulator flies" if flown else "the configuration's"
+    add("link", "NAME|FILE.py:CLASS", f"{words}: {', '.join(names)} (default: {default})")
     add("connection", "KIND:PLACE", f"where it is: {FORMS} (default: udpin:127.0.0.1:14550)")
     add(
         "origin",

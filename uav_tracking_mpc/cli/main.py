@@ -1,4 +1,19 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The ``uav_tracking`` command."""
+# PYTHON_ARGCOMPLETE_OK
 
 from __future__ import annotations
 
@@ -9,12 +24,14 @@ import sys
 from collections.abc import Sequence
 
 from uav_tracking_mpc import __version__
-from uav_tracking_mpc.cli.arguments import HelpFormatter
+from uav_tracking_mpc.cli import completion
+from uav_tracking_mpc.cli.command_parser import CommandParser
 from uav_tracking_mpc.cli.ending import explained
+from uav_tracking_mpc.cli.output_folder import check_writable
 
 COMMANDS = (
-    "fly", "autopilot", "link", "simulate", "compare", "campaign", "margins", "identify",
-    "stability", "benchmark", "torture", "monitor",
+    "fly", "view", "autopilot", "link", "simulate", "compare", "campaign", "margins", "identify",
+    "stability", "benchmark", "compile", "torture", "monitor",
 )  # fmt: skip
 EPILOG = """\
 examples:
@@ -36,8 +53,10 @@ examples:
   uav_tracking simulate --config small_uav --excite --output out
   uav_tracking identify out/record.csv          lag and dead time from this flight
   uav_tracking benchmark                        the solver beside its peers
+  uav_tracking compile --config small_uav       compile the solver before the first flight
   uav_tracking torture --minutes 10             faults injected into real nodes
   uav_tracking torture --soak 2                 hours of flight, watched for growth
+  uav_tracking view output/mission.mcap         a recorded flight on a page in the browser
   uav_tracking monitor --domain-id 7            watch a flight from another terminal
   uav_tracking autopilot --dialect ardupilot    a simulated ArduPlane behind MAVLink
 """
@@ -52,16 +71,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns:
         Exit code, see :class:`uav_tracking_mpc.cli.ending.Ending`.
     """
+    completion.offer(_parser)
     words = sys.argv[1:] if arguments is None else list(arguments)
     with explained("uav_tracking") as ending:
         parsed = _parser(words).parse_args(words)
         logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr)
+        if getattr(parsed, "output", None) is not None:
+            check_writable(parsed.output)
         ending.code = int(parsed.run(parsed))
     return ending.code
 
 
 def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = CommandParser(
         prog="uav_tracking",
         description="Nonlinear MPC of a fixed-wing UAV that circles a ground target.",
         epilog=EPILOG,
@@ -72,9 +94,7 @@ def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
     asked = next((word for word in words if not word.startswith("-")), None)
     for name in COMMANDS:
         module = importlib.import_module(f"uav_tracking_mpc.cli.{name}")
-        command = commands.add_parser(
-            name, help=module.HELP, description=module.DESCRIPTION, formatter_class=HelpFormatter
-        )
+        command = commands.add_parser(name, help=module.HELP, description=module.DESCRIPTION)
         command.set_defaults(run=module.run)
         if name == asked:  # options name configurations and extensions, which takes time to find
             module.add_arguments(command)

@@ -1,9 +1,22 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """``uav_tracking margins``: how much the closed loop bears beyond what the controller is told."""
 
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from uav_tracking_mpc.cli.answer import answer
@@ -12,6 +25,7 @@ from uav_tracking_mpc.cli.arguments import (
     add_limit_argument,
     add_output_arguments,
     chosen_configuration,
+    existing_file,
 )
 
 if TYPE_CHECKING:
@@ -52,7 +66,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_output_arguments(parser, "margins.json and margins.png, or search.json")
     parser.add_argument(
-        "--page", type=Path, metavar="FILE", help="put the table into a page of the documentation"
+        "--page",
+        type=existing_file,
+        metavar="FILE",
+        help="put the table into a page of the documentation",
     )
 
 

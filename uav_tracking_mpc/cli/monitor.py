@@ -1,14 +1,32 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """``uav_tracking monitor``: a live table of a flight in the terminal."""
 
 from __future__ import annotations
 
 import argparse
 import os
+import re
 
 from uav_tracking_mpc.cli.arguments import add_domain_argument
 
 HELP = "a live table of a flight in the terminal"
-DESCRIPTION = "Watch a flight that is under way: a live table of its errors and messages."
+DESCRIPTION = (
+    "Watch a flight that is under way: a live table of its errors and messages, until Ctrl-C. "
+    "Where several aircraft fly in the domain, the others are named below the table."
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,6 +38,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_domain_argument(
         parser, "ROS domain to watch (default: ROS_DOMAIN_ID, or 0); a launch prints its own"
     )
+
+    parser.add_argument(
+        "--namespace",
+        type=_namespace,
+        default="/",
+        metavar="NAME",
+        help="of the aircraft to watch, such as red",
+    )
+
+
+def _namespace(text: str) -> str:
+    """A ROS namespace, with or without its first slash."""
+    name = text.strip("/")
+    if name and not re.fullmatch(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*", name, re.ASCII):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a namespace: letters, digits and underscores, no digit first"
+        )
+    return f"/{name}"
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -37,4 +73,4 @@ def run(arguments: argparse.Namespace) -> int:
     from uav_tracking_mpc.nodes.monitor import Monitor
     from uav_tracking_mpc.nodes.run import run as run_node
 
-    return run_node("monitor", Monitor, [])
+    return run_node("monitor", Monitor, ["--ros-args", "-r", f"__ns:={arguments.namespace}"])

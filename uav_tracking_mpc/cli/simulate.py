@@ -1,9 +1,24 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """``uav_tracking simulate``: a mission without ROS."""
 
 from __future__ import annotations
 
 import argparse
 import logging
+from typing import TYPE_CHECKING
 
 from uav_tracking_mpc.cli.answer import answer
 from uav_tracking_mpc.cli.arguments import (
@@ -12,11 +27,27 @@ from uav_tracking_mpc.cli.arguments import (
     add_output_arguments,
     chosen_configuration,
 )
+from uav_tracking_mpc.cli.page_arguments import (
+    add_view_argument,
+    check_page,
+    opened_page,
+    serve_until_signal,
+    told_page_arguments,
+)
+
+if TYPE_CHECKING:
+    from uav_tracking_mpc.settings.configuration import Configuration
+    from uav_tracking_mpc.simulation.closed_loop import Witness
+    from uav_tracking_mpc.simulation.flight_log import FlightLog
 
 logger = logging.getLogger(__name__)
 
 HELP = "the same mission without ROS, deterministic"
-DESCRIPTION = "Fly a mission without ROS: plant and controller in turn, the same every time."
+DESCRIPTION = (
+    "Fly a mission without ROS: plant and controller in turn, the same every time. With --view it "
+    "is flown at the configuration's mission.speed and shown on a page, where it is steered, until "
+    "Ctrl-C, whatever its duration; the report is of all that was flown."
+)
 RECORD = "record.csv"
 
 
@@ -26,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     Args:
         parser: Of this command.
     """
-    add_mission_arguments(parser, plant="mission.plant")
+    add_mission_arguments(parser, plant="mission.plant", without=["speed"])
     add_excite_argument(parser)
     add_output_arguments(
         parser, "metrics.json, figures and report.html; with an excitation record.csv", "output"
@@ -34,6 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--animation", action="store_true", help="also draw flight.gif, the flight from above"
     )
+    add_view_argument(parser, "watch and steer the flight on a page, until Ctrl-C")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -53,18 +85,23 @@ def run(arguments: argparse.Namespace) -> int:
     from uav_tracking_mpc.report.mission_report import write_report
     from uav_tracking_mpc.simulation.closed_loop import simulate
     from uav_tracking_mpc.studies.identification.csv_record import FlightWitness, write_record
+    from uav_tracking_mpc.view.recorded_scene import recorded_scene
 
+    told_page_arguments(arguments)
     configuration = chosen_configuration(arguments, arguments.scenario)
     warning = margin_warning(configuration.controller)
     if warning:
         logger.warning(warning)
     witness = FlightWitness() if any(configuration.controller.excitation) else None
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task("simulating", total=configuration.mission.duration)
-        log = simulate(
-            configuration, lambda time: progress.update(task, completed=time), witness=witness
-        )
-    metrics = write_report(log, arguments.output)
+    if arguments.view:
+        log = _watched(configuration, arguments, witness)
+    else:
+        with Progress(console=Console(stderr=True), transient=True) as progress:
+            task = progress.add_task("simulating", total=configuration.mission.duration)
+            log = simulate(
+                configuration, lambda time: progress.update(task, completed=time), witness=witness
+            )
+    metrics = write_report(log, arguments.output, recorded_scene)
     if witness is not None:
         write_record(witness.record(), arguments.output / RECORD)
     if arguments.animation:
@@ -73,3 +110,16 @@ def run(arguments: argparse.Namespace) -> int:
         save_animation(log, arguments.output / "flight.gif")
     answer(metrics, in_short(metrics, arguments.output), arguments.json)
     return 0
+
+
+def _watched(
+    configuration: Configuration, arguments: argparse.Namespace, witness: Witness | None
+) -> FlightLog:
+    """Fly on a page until SIGINT or SIGTERM."""
+    from uav_tracking_mpc.view.simulated_source import SimulatedSource
+
+    check_page()
+    source = SimulatedSource(configuration, witness)
+    with opened_page(source, arguments) as page:
+        serve_until_signal(page, source)
+    return source.log()

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """``uav_tracking stability``: what is proved of a configuration, and campaigns that show it."""
 
 from __future__ import annotations
@@ -12,6 +26,7 @@ from uav_tracking_mpc.cli.arguments import (
     add_configuration_arguments,
     add_output_arguments,
     chosen_configuration,
+    existing_file,
     number,
 )
 
@@ -40,7 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_configuration_arguments(parser)
     add_output_arguments(parser, "stability.json, certificate.json and figures")
     count = number(int, 1)
-    parser.add_argument("--verify", type=_file, metavar="FILE", help="check a certificate")
+    parser.add_argument("--verify", type=existing_file, metavar="FILE", help="check a certificate")
     parser.add_argument("--design", action="store_true", help="search rho and the weights")
     parser.add_argument("--maps", action="store_true", help="map the domain of attraction")
     parser.add_argument("--points", type=count, default=25, help="of a map along each coordinate")
@@ -50,13 +65,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--jobs", type=count, metavar="N", help="processes for maps and campaigns (default: cores)"
     )
-
-
-def _file(text: str) -> Path:
-    path = Path(text)
-    if not path.is_file():
-        raise argparse.ArgumentTypeError(f"there is no file {text!r}")
-    return path
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Flies by the response that the aircraft shows in place of the one that was told, slowly."""
 
 from __future__ import annotations
@@ -52,6 +66,8 @@ class ResponseAdaptation:
         self._engaged = True
         self._stamp = 0.0
         self._learns_from: float | None = -math.inf  # s; None: from the next state on
+        self._seen: tuple[Measurement, bool] | None = None  # not yet learnt from; so is
+        self._sent: tuple[float, float, NDArray[np.float64], float] | None = None
         self._begin()
 
     @property
@@ -75,6 +91,7 @@ class ResponseAdaptation:
         Returns:
             What was told; None if it has been flown by.
         """
+        self._seen = self._sent = None
         self.estimator.reset()
         self.oscillation.reset()
         same = self.flown is self._told
@@ -105,6 +122,7 @@ class ResponseAdaptation:
 
     def interrupt(self) -> None:
         """Forget commands and times, keep what was learnt."""
+        self._seen = self._sent = None
         self.estimator.interrupt()
         self.oscillation.reset()
         self._time = None
@@ -116,6 +134,7 @@ class ResponseAdaptation:
             engaged: Whether it does; so at the start.
         """
         if engaged != self._engaged:
+            self.learn()
             self._engaged = engaged
             self._learns_from = None
             self.interrupt()
@@ -129,6 +148,7 @@ class ResponseAdaptation:
         Returns:
             What to fly by.
         """
+        self.learn()
         before, self._told = self._told, parameters
         told = [(p.rate_lag, p.dead_time, p.response_estimation) for p in (before, parameters)]
         if told[0] != told[1]:
@@ -154,25 +174,18 @@ class ResponseAdaptation:
     def see(
         self, measurement: Measurement, vehicle: NDArray[np.float64], airspeed_measured: bool
     ) -> None:
-        """Take in a measurement.
+        """Take in a measurement; :meth:`learn` learns from it.
 
         Args:
             measurement: Of the aircraft.
             vehicle: (x, y, z, psi, chi, v), shape (6,).
             airspeed_measured: Whether v is measured.
         """
-        *_, airspeed = vehicle.tolist()
-        self._airspeed, self._stamp = airspeed, measurement.stamp
+        self.learn()
+        self._airspeed, self._stamp = float(vehicle[5]), measurement.stamp
         if self._engaged and self._learns_from is None:
             self._learns_from = measurement.stamp + TAKING_OVER
-        if self.enabled:
-            self.estimator.see(
-                measurement.stamp,
-                measurement.turn_rate,
-                measurement.path_angle_rate,
-                airspeed if airspeed_measured else None,
-                self._told.envelope.turn_rate_max(airspeed),
-            )
+        self._seen = measurement, airspeed_measured
 
     def commanded(
         self, stamp: float, delay: float, plan: NDArray[np.float64], step: float
@@ -188,14 +201,34 @@ class ResponseAdaptation:
         Returns:
             What the aircraft makes of it at its gain, shape (n, 3).
         """
+        self._sent = stamp, delay, plan, step
+        return plan * self.gain
+
+    def learn(self) -> None:
+        """Learn from the latest measurement and plan.
+
+        No command waits for it: at the latest the next measurement does it.
+        """
+        seen, sent = self._seen, self._sent
+        self._seen = self._sent = None
+        if seen is not None and self.enabled:
+            measurement, airspeed_measured = seen
+            self.estimator.see(
+                measurement.stamp,
+                measurement.turn_rate,
+                measurement.path_angle_rate,
+                self._airspeed if airspeed_measured else None,
+                self._told.envelope.turn_rate_max(self._airspeed),
+            )
+        if sent is None:
+            return
+        stamp, delay, plan, step = sent
         if self.enabled:
             self.estimator.commanded(stamp + delay, stamp, plan, step)
-        if not self._engaged:
-            return plan * self.gain
-        rates = plan[0, : min(self._commanded, 2)].tolist()
-        delays = (self.lag + self.dead_time).tolist()
-        self.oscillation.see(stamp, rates, self._airspeed, self.channels, delays)
-        return plan * self.gain
+        if self._engaged:
+            rates = plan[0, : min(self._commanded, 2)].tolist()
+            delays = (self.lag + self.dead_time).tolist()
+            self.oscillation.see(stamp, rates, self._airspeed, self.channels, delays)
 
     def follow(self, time: float) -> TrackingParameters | None:
         """Move what is flown towards what is trusted.

@@ -1,9 +1,24 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """What may be claimed of the terminal set that the parameters fly."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+from uav_tracking_mpc.dynamics.symbolic_work import one_at_a_time
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, TrackingParameters
 from uav_tracking_mpc.terminal.claim import CertificateStatus
@@ -15,6 +30,7 @@ WHY = (
 )
 
 
+@one_at_a_time
 def certification(parameters: TrackingParameters, folder: Path) -> CertificateStatus:
     """Certified, sampled, neither, or given by construction, with the reason.
 

@@ -1,6 +1,22 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Commands inside their limits, faded where one kind of guidance takes over from another."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,7 +87,7 @@ class CommandShaper:
         Returns:
             Finite inputs inside their limits, shape (n, 3).
         """
-        if np.isfinite(airspeed):
+        if math.isfinite(airspeed):
             self._upper[TURN] = self._envelope.turn_rate_max(airspeed)
             self._lower[TURN] = -self._upper[TURN]
         inside = self._clipped(inputs)
@@ -90,7 +106,7 @@ class CommandShaper:
             mode is not self._mode and not (mode.planned and self._mode.planned)
         ):
             self._offset, self._begin = self._sent - inputs[0], time
-        if not 0.0 <= time - self._begin < FADE_TIME or not np.any(self._offset):
+        if not 0.0 <= time - self._begin < FADE_TIME or not self._offset.any():
             return inputs
         ahead = time - self._begin + step * np.arange(len(inputs))
         share = np.clip(1.0 - ahead / FADE_TIME, 0.0, 1.0)

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The whole control step, from a measurement to a command; knows nothing of ROS.
 
 A step judges the measurement, estimates where the aircraft will be when the command takes effect,
@@ -79,9 +93,8 @@ class Controller:
         self.rate = RateKeeper(parameters.control_rate)
         self.drift, self.events = np.zeros(3), EventLog()
         self.response = ResponseAdaptation(parameters, self.events)
-        self._shortfall = OrbitShortfall(self.events)
-        self._gate = StateGate(parameters.state_timeout)
-        self._pace, self._plan = Pace(parameters.control_rate), PlanMemory()
+        self._gate, self._pace = StateGate(parameters.state_timeout), Pace(parameters.control_rate)
+        self._plan, self._shortfall = PlanMemory(), OrbitShortfall(self.events)
         self._shaper = CommandShaper(parameters, self.events)
         self.reset()
         self._choose()
@@ -103,7 +116,6 @@ class Controller:
             self.formulation.reset()
         self._direction: str | None = None
         self._solve_time: float | None = None
-        self._air_missing = False
 
     @property
     def state_time(self) -> float | None:
@@ -120,6 +132,8 @@ class Controller:
             ParameterError: A fixed one differs, or the orbit cannot be flown in the present drift.
         """
         refuse_fixed(self.parameters, parameters)
+        if self.formulation is not None:
+            self.formulation.check(parameters)
         if refusal := parameters.envelope.refusal(parameters.orbit, self.drift):
             raise ParameterError(f"parameters 'range', 'altitude', 'airspeed': {refusal}")
 
@@ -138,9 +152,8 @@ class Controller:
         if parameters.direction != self.parameters.direction:
             self._direction = None
         self._shaper.change(parameters)
-        self._gate.timeout = parameters.state_timeout
         self._pace, self.rate.rate = Pace(parameters.control_rate), parameters.control_rate
-        self.parameters = parameters
+        self._gate.timeout, self.parameters = parameters.state_timeout, parameters
         self._choose()
         self.events.add(Level.INFO, f"from now on {self.orbit.in_short}, {parameters.direction}")
 
@@ -186,8 +199,7 @@ class Controller:
         Raises:
             MeasurementError: Not finite, not of its shape, or stamped by another clock.
         """
-        lead = 0.0 if self.state_time is None else stamp - self.state_time
-        if lead > self.parameters.target_timeout:
+        if (lead := self._gate.lead(stamp)) > self.parameters.target_timeout:
             raise MeasurementError(
                 f"target: its stamp is {lead:.3f} s ahead of the vehicle's, may be "
                 f"{self.parameters.target_timeout:g} s: do the clocks agree?"
@@ -219,8 +231,9 @@ class Controller:
         target = self.navigator.target
         if target.time is not None and target.time - stamp > self.parameters.target_timeout:
             target.reset()  # it was seen in a time that is no more
-        if target.time is None and not self.flying:
-            self.fall_silent("no target position")
+        if not self.flying and (target.time is None or self.navigator.air.awaited):
+            missing = "no target position" if target.time is None else "no airspeed yet"
+            self._select(Available(state=False, trouble=missing))
             return None
         if not self._pace.due(stamp):
             return None
@@ -254,6 +267,7 @@ class Controller:
         Args:
             reason: Why, in words.
         """
+        self._gate.lost = True  # what is stamped later is not ahead of the aircraft
         self._shaper.reset()
         self._select(Available(state=False, trouble=reason))
 
@@ -279,9 +293,8 @@ class Controller:
             # No measurement should make the navigation fail; the aircraft is not lost over it.
             trouble = str(error) if seen is None else f"the navigation failed: {error}"
             return self._hold(stamp, self.navigator.vehicle_state(measurement), trouble)
-        if self.navigator.air.missing and not self._air_missing:
-            self._air_missing = True
-            self.events.add(Level.WARNING, "no airspeed is measured: the air is taken as still")
+        if words := self.navigator.air.complaint():
+            self.events.add(Level.WARNING, words)
         self.drift = estimate.present.drift
         fresh = seen is not None and stamp - seen <= self.parameters.target_timeout
         return self._fly(stamp, estimate, fresh)
@@ -346,5 +359,5 @@ class Controller:
     def _select(self, available: Available) -> FallbackMode:
         """Choose the mode and report its change."""
         if (change := self.modes.select(available)) is not None:
-            self.events.add(Level.INFO if change.after.nominal else Level.WARNING, str(change))
+            self.events.add(Level.MODE, str(change))
         return self.modes.mode

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Fallback modes: from the optimal plan down to silence, one for everything that can fail.
 
 A pure state machine: from what is available it chooses what to fly, and says why.
@@ -75,7 +89,9 @@ class ModeChange:
 
     def __str__(self) -> str:
         """The change in a sentence."""
-        words = f"now flying {self.after.value}, before {self.before.value}"
+        silent = self.after is FallbackMode.SILENCE
+        now = "no command is sent" if silent else f"now flying {self.after.value}"
+        words = f"{now}, before {self.before.value}"
         return f"{words}: {self.reason}" if self.reason else words
 
 

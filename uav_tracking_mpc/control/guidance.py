@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The guidance that the parameters ask for: an optimal control problem to solve, or a law."""
 
 from __future__ import annotations
@@ -7,20 +21,25 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.control.bank_alone import BankAlone
 from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.dynamics.symbolic_work import one_at_a_time
 from uav_tracking_mpc.estimation.navigator import Estimate
 from uav_tracking_mpc.estimation.situation import Situation
-from uav_tracking_mpc.formulation.formulation import Formulation, Plan
+from uav_tracking_mpc.formulation.formulation import Formulation, Plan, SolverMaker, solver_of
 from uav_tracking_mpc.laws import GuidanceLaw
 from uav_tracking_mpc.parameters.registry import GUIDANCE_LAW, ExtensionError
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, PREDICTIVE, TrackingParameters
 
 
-def formulation_of(parameters: TrackingParameters) -> Formulation | None:
+@one_at_a_time
+def formulation_of(
+    parameters: TrackingParameters, make_solver: SolverMaker = solver_of
+) -> Formulation | None:
     """Formulation that the parameters ask for; only this one is loaded.
 
     Args:
         parameters: What is flown.
+        make_solver: Makes the solver of its problem.
 
     Returns:
         None where a guidance law is flown.
@@ -30,10 +49,10 @@ def formulation_of(parameters: TrackingParameters) -> Formulation | None:
     if parameters.terminal_constraint == ARTIFICIAL_ORBIT:
         from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
 
-        return FlightFormulation(parameters)
+        return FlightFormulation(parameters, make_solver=make_solver)
     from uav_tracking_mpc.formulation.paper_formulation import PaperFormulation
 
-    return PaperFormulation(parameters)
+    return PaperFormulation(parameters, make_solver=make_solver)
 
 
 def law_of(parameters: TrackingParameters) -> type[GuidanceLaw] | None:

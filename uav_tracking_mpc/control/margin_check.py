@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Whether the margins of the closed loop are as large as the parameters ask, in words.
 
 It takes some tenths of a second and belongs where nothing waits for a command: where a flight is
@@ -7,13 +21,17 @@ configured, and after a change in flight in a thread of its own (:class:`MarginW
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 
 import numpy as np
 
+from uav_tracking_mpc.control.latest_job import LatestJob
 from uav_tracking_mpc.control.loop_margins import CHANNELS, LoopMargins
 from uav_tracking_mpc.control.orbit_loop import OrbitLoop
 from uav_tracking_mpc.settings.tracking import TrackingParameters
+
+LOOK_PERIOD = 0.1  # s between looks at whether the program ends
 
 
 def margin_warning(parameters: TrackingParameters) -> str:
@@ -51,14 +69,15 @@ class MarginWatch:
 
     Args:
         report: Called in that thread with a warning in words.
+        patience: How long the first judgement waits in [s], so that it takes no time from the start
+            of a flight.
     """
 
-    def __init__(self, report: Callable[[str], None]) -> None:
+    def __init__(self, report: Callable[[str], None], patience: float = 0.0) -> None:
         self._report = report
+        self._begin = time.monotonic() + patience
         self._loop: OrbitLoop | None = None
-        self._lock = threading.Lock()
-        self._next: TrackingParameters | None = None
-        self._thread: threading.Thread | None = None
+        self._job = LatestJob("margins", self._work)
 
     def judge(self, parameters: TrackingParameters) -> None:
         """Judge parameters soon; returns at once.
@@ -66,28 +85,20 @@ class MarginWatch:
         Args:
             parameters: What is flown from now on; fixed ones are those of the first call.
         """
-        with self._lock:
-            self._next = parameters
-            if self._thread is None:
-                self._thread = threading.Thread(target=self._work, name="margins")
-                self._thread.start()
+        self._job.ask(parameters)
 
     def wait(self) -> None:
         """Return when all that was asked is judged."""
-        thread = self._thread
-        if thread is not None:
-            thread.join()
+        self._job.wait()
 
-    def _work(self) -> None:
-        while True:
-            with self._lock:
-                parameters, self._next = self._next, None
-                if parameters is None:
-                    self._thread = None
-                    return
-            self._loop, words = _warning(parameters, self._loop)
-            if words:
-                self._report(words)
+    def _work(self, parameters: TrackingParameters) -> None:
+        while time.monotonic() < self._begin:
+            if not threading.main_thread().is_alive():  # the program ends
+                return
+            time.sleep(LOOK_PERIOD)
+        self._loop, words = _warning(parameters, self._loop)
+        if words:
+            self._report(words)
 
 
 def _warning(

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 r"""Motion near the orbit, linearised at one azimuth.
 
 In a still air the motion relative to the target, seen in axes that turn with the azimuth phi, does
@@ -27,6 +41,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics.drifting_orbit import orbit_motion
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
+from uav_tracking_mpc.dynamics.symbolic_work import one_at_a_time
 from uav_tracking_mpc.estimation.situation import Situation
 
 SLOPE_STEP = 1e-4  # rad of azimuth
@@ -78,6 +93,7 @@ class FrozenOrbit:
     drift: NDArray[np.float64]
     azimuth: float
 
+    @one_at_a_time
     def motion(self, azimuth: float | None = None) -> NDArray[np.float64]:
         """The orbit's own :class:`Deviation` components at an azimuth, shape (8,).
 

@@ -1,6 +1,22 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Tells people when the orbit that is flown is not the one they asked for, and which it is."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +27,7 @@ from uav_tracking_mpc.formulation.formulation import Plan
 
 # Differences in range [m], altitude [m] and airspeed [m/s] that are worth a word, and by how much
 # an orbit that stays may still change.
-NOTABLE = np.array([1.0, 2.0, 0.5])
+NOTABLE = 1.0, 2.0, 0.5
 LASTING = 10.0  # s for which it must have been different, and the same
 
 
@@ -35,7 +51,7 @@ class OrbitShortfall:
     def reset(self) -> None:
         """Forget what was flown."""
         self.flown: NDArray[np.float64] | None = None
-        self._candidate, self._begin = np.full(3, np.inf), 0.0
+        self._candidate, self._begin = [math.inf] * 3, 0.0
 
     def see(self, time: float, plan: Plan | None, wanted: Orbit) -> None:
         """Take in a plan.
@@ -47,21 +63,26 @@ class OrbitShortfall:
         """
         if plan is None or plan.orbit is None:
             return
-        asked = np.array([wanted.range, wanted.altitude, wanted.speed])
-        if np.all(np.abs(plan.orbit - asked) < NOTABLE):
+        asked, flown = [wanted.range, wanted.altitude, wanted.speed], plan.orbit.tolist()
+        if _alike(flown, asked):
             if self.flown is not None:
                 self._events.add(Level.INFO, "the orbit that was asked for is flown again")
             self.reset()
-        elif np.any(np.abs(plan.orbit - self._candidate) > NOTABLE):
-            self._candidate, self._begin = plan.orbit, time
+        elif not _alike(flown, self._candidate):
+            self._candidate, self._begin = flown, time
         elif self.flown is None and time - self._begin >= LASTING:
             self.flown = plan.orbit
             self._events.add(
                 Level.WARNING,
-                f"limits and drift leave no orbit of {_words(asked)}: flying {_words(plan.orbit)}",
+                f"limits and drift leave no orbit of {_words(asked)}: flying {_words(flown)}",
             )
 
 
-def _words(orbit: NDArray[np.float64]) -> str:
-    distance, altitude, speed = orbit.tolist()
+def _alike(one: list[float], other: list[float]) -> bool:
+    """Whether the difference of two orbits is worth no word."""
+    return all(abs(a - b) < least for a, b, least in zip(one, other, NOTABLE, strict=True))
+
+
+def _words(orbit: list[float]) -> str:
+    distance, altitude, speed = orbit
     return f"{distance:.1f} m at {altitude:.1f} m and {speed:.1f} m/s"

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The last plan, as far as it can stand in for one that cannot be had."""
 
 from __future__ import annotations
@@ -30,7 +44,7 @@ class PlanMemory:
 
     @property
     def orbit(self) -> NDArray[np.float64] | None:
-        """Orbit that the plan ends on, shape (3,): see :class:`Plan`; None without a plan."""
+        """Range, altitude and airspeed of the orbit that the plan ends on, shape (3,), or None."""
         return None if self._plan is None else self._plan.orbit
 
     def remaining(self, time: float, age_max: float) -> tuple[NDArray[np.float64], float] | None:

@@ -1,11 +1,32 @@
-"""Whether the control rate is kept, and by how much it is not."""
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Whether the control rate is kept, and by how much it is not.
+
+The rate of a loaded machine wavers about the least one that counts as kept. The opinion changes
+only when the other one has held for some seconds, and from missed to kept at a higher rate than
+from kept to missed.
+"""
 
 from __future__ import annotations
 
 from collections import deque
 
 WINDOW = 2.0  # s of the stamps
-KEPT = 0.9  # share of the rate that counts as kept
+KEPT = 0.9  # share of the rate, below which it is missed
+KEPT_AGAIN = 0.95  # share of the rate, from which on it is kept again
+LASTING = 3.0  # s for which the other opinion must hold: longer than one lapse is in the window
 LATE = 1.5  # periods from command to command, beyond which one came late
 
 
@@ -30,6 +51,7 @@ class RateKeeper:
         """Forget the latest seconds."""
         self._states: deque[float] = deque()
         self._commands: deque[float] = deque()
+        self._kept, self._agreed = True, -float("inf")
 
     def state(self, time: float) -> None:
         """Count a state.
@@ -45,16 +67,28 @@ class RateKeeper:
         Args:
             time: Stamp of the state that it answers in [s].
         """
+        if self._commands and time < self._commands[-1]:
+            self.reset()
         if self._commands:
             periods = (time - self._commands[-1]) * self.rate
             self.missed += max(0, round(periods) - 1)
             self.late += periods > LATE
         _add(self._commands, time)
+        self._judge(time)
+
+    def _judge(self, time: float) -> None:
+        """Change the opinion where the other one has lasted."""
+        rate = _rate(self._commands)
+        least = (KEPT if self._kept else KEPT_AGAIN) * self.rate
+        if rate is None or (rate >= least) == self._kept:
+            self._agreed = time
+        elif time - self._agreed >= LASTING:
+            self._kept, self._agreed = not self._kept, time
 
     def complaint(self) -> str:
         """How the rate is missed, in words; empty while it is kept or not yet known."""
         commands, states = _rate(self._commands), _rate(self._states)
-        if commands is None or commands >= KEPT * self.rate:
+        if self._kept or commands is None:
             return ""
         words = f"keeps {commands:.1f} Hz of the {self.rate:g} Hz asked for"
         if states is not None and states < KEPT * self.rate:

@@ -1,7 +1,22 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """What a controller was given and what it answered, as a file that can be flown again.
 
 The file holds JSON lines: a header with version and parameters, then one line a call, in order,
-with the clock at the call, what the stopwatch showed and, of a step, the command. Numbers are
+with the clock at the call, what the stopwatch showed and, of a step, which solver was ready and the
+command. Numbers are
 written so that they come back bit for bit. A controller that is given the same calls answers the
 same commands on the same machine, as long as no solve runs out of time: that is up to the clock.
 """
@@ -23,7 +38,9 @@ from numpy.typing import NDArray
 from uav_tracking_mpc import __version__
 from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.control.controller import Controller
+from uav_tracking_mpc.control.guidance import formulation_of
 from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError, SensorNoise
+from uav_tracking_mpc.formulation.formulation import Formulation, solver_as_told
 from uav_tracking_mpc.parameters.specification import ParameterError, from_mapping
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
@@ -52,6 +69,7 @@ class RecordingController(Controller):
     Args:
         parameters: What to fly and how.
         path: File to write, with its folder; an existing one is replaced.
+        formulation: Of these parameters; made from them by default.
         stopwatch: Clock in [s] with which the controller measures how long it takes.
 
     Raises:
@@ -62,6 +80,7 @@ class RecordingController(Controller):
         self,
         parameters: TrackingParameters,
         path: Path,
+        formulation: Formulation | None = None,
         stopwatch: Callable[[], float] = time.perf_counter,
     ) -> None:
         self._readings: list[float] = []
@@ -71,7 +90,7 @@ class RecordingController(Controller):
             return self._readings[-1]
 
         self._calls: list[dict[str, Any]] = []
-        super().__init__(parameters, stopwatch=read)
+        super().__init__(parameters, formulation, read)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file = path.open("w", encoding="utf-8")
@@ -80,6 +99,8 @@ class RecordingController(Controller):
                 f"parameter 'record' is {str(path)!r}, must be a file that can be written: {error}"
             ) from error
         self._calls = [{"version": __version__, "parameters": dataclasses.asdict(parameters)}]
+        if self.formulation is not None:
+            self._calls[0]["solver"] = self.formulation.solver.name
         self.flush()
 
     def flush(self) -> None:
@@ -124,6 +145,8 @@ class RecordingController(Controller):
         call = self.note("step", (measurement, now), {})
         command = super().step(measurement, now)
         call["stopwatch"] = list(self._readings)
+        if self.formulation is not None:
+            call["solver"] = self.formulation.solver.name
         if command is not None:
             call["command"] = {
                 "inputs": command.inputs,
@@ -183,14 +206,16 @@ def replay(path: Path) -> Iterator[ReplayedStep]:
         ValueError: It is no such file.
     """
     with path.open(encoding="utf-8") as file:
-        header = json.loads(next(file, "{}"))
-        if "parameters" not in header:
-            raise ValueError(f"{path} is not the record of a controller")
+        header = _header(path, file)
         readings: list[float] = []
         parameters = from_mapping(TrackingParameters, header["parameters"])
-        controller = Controller(parameters, stopwatch=lambda: readings.pop(0))
+        solver = header.get("solver")
+        told = solver_as_told(lambda: solver in (None, parameters.solver))
+        formulation = formulation_of(parameters, told)
+        controller = Controller(parameters, formulation, lambda: readings.pop(0))
         for line in file:
             call = json.loads(line)
+            solver = call.pop("solver", solver)
             readings[:] = call.pop("stopwatch", ())
             recorded = call.pop("command", None)
             if controller.formulation is not None:
@@ -200,14 +225,36 @@ def replay(path: Path) -> Iterator[ReplayedStep]:
                 yield ReplayedStep(recorded and _recorded(recorded), command)
 
 
+def recorded_parameters(path: Path) -> TrackingParameters:
+    """Parameters with which the controller of a record began.
+
+    Args:
+        path: File that a :class:`RecordingController` has written.
+
+    Raises:
+        ValueError: It is no such file, or its parameters are not allowed here.
+        OSError: It cannot be read.
+    """
+    with path.open(encoding="utf-8") as file:
+        return from_mapping(TrackingParameters, _header(path, file)["parameters"])
+
+
+def _header(path: Path, file: Iterator[str]) -> dict[str, Any]:
+    header = json.loads(next(file, "{}"))
+    if not (isinstance(header, dict) and "parameters" in header):
+        raise ValueError(f"{path} is not the record of a controller")
+    return header
+
+
 def _repeat(
     controller: Controller, call: str, arguments: list[Any], named: dict[str, Any]
 ) -> Command | None:
     """Make a call again; one that was refused is refused again."""
     if call in ("step", "see_state"):
         values = arguments[0]
-        noise = values["noise"] and SensorNoise(**values["noise"])
-        arguments[0] = Measurement(**{**values, "noise": noise})
+        noise = values["noise"]
+        axes = {name: tuple(noise[name]) for name in ("position", "velocity")}
+        arguments[0] = Measurement(**{**values, "noise": SensorNoise(**{**noise, **axes})})
     try:
         answer = getattr(controller, call)(*arguments, **named)
     except (MeasurementError, ParameterError):

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 r"""The sampled closed loop near the orbit: lag, dead time, prediction and a static gain.
 
 Every T seconds the controller measures the deviation :math:`\delta_k`, predicts it to when the new
@@ -21,7 +35,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from uav_tracking_mpc.control.orbit_deviation import ACCELERATION, SIZE
 from uav_tracking_mpc.estimation.navigator import LONGEST_SUBSTEP, ROUNDING
@@ -202,6 +215,8 @@ def _held(
     a, b = dynamics
     both = np.zeros((SIZE + 3, SIZE + 3))
     both[:SIZE, :SIZE], both[:SIZE, SIZE:] = a, b
+    from scipy.linalg import expm  # takes long to import, and no command waits for margins
+
     both = expm(both * duration)
     return both[:SIZE, :SIZE], both[:SIZE, SIZE:]
 

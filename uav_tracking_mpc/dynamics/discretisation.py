@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Discrete-time models: forward Euler (10), Runge-Kutta 4, and the linearisation (12)."""
 
 from __future__ import annotations
@@ -87,6 +101,42 @@ def error_dynamics(model: str, orbit: Orbit, step: float, scheme: str = "euler")
     x_ss, u_ss = ca.DM(orbit.steady_state), ca.DM(steady_inputs(model, orbit))
     following = error_step(model, scheme, x, u, x_ss, u_ss, step)
     return ca.Function(f"{model}_{scheme}", [x, u], [following], ["x", "u"], ["x_next"])
+
+
+def orbit_dynamics(model: str, step: float, scheme: str = "euler") -> ca.Function:
+    """The same of every orbit: what it depends on is the third argument.
+
+    Args:
+        model: Name of a relative model.
+        step: T_s in [s].
+        scheme: Name in :data:`SCHEMES`.
+
+    Returns:
+        CasADi function (x (5,), u (3,), orbit (5,)) -> x+ (5,), where orbit is
+        :func:`orbit_numbers`.
+    """
+    x, u, orbit = ca.SX.sym("x", NX), ca.SX.sym("u", NU), ca.SX.sym("orbit", NX)
+    range_, bearing, altitude, speed, turn_rate = ca.vertsplit(orbit)
+    x_ss = ca.vertcat(range_, bearing, altitude, 0.0, speed)
+    u_ss = ca.vertcat(turn_rate, 0.0, 0.0)
+    following = error_step(model, scheme, x, u, x_ss, u_ss, step)
+    names = ["x", "u", "orbit"], ["x_next"]
+    return ca.Function(f"{model}_{scheme}", [x, u, orbit], [following], *names)
+
+
+def orbit_numbers(model: str, orbit: Orbit) -> NDArray[np.float64]:
+    """What is not zero in x_ss and u_ss of an orbit: r_d, theta_ss, z_d, v_d and the turn rate.
+
+    Args:
+        model: Name of a relative model.
+        orbit: Reference.
+
+    Returns:
+        Shape (5,), in [m], [rad], [m], [m/s] and [rad/s].
+    """
+    range_, bearing, altitude, _, speed = orbit.steady_state
+    turn_rate, _, _ = steady_inputs(model, orbit)
+    return np.array([range_, bearing, altitude, speed, turn_rate])
 
 
 def linearise(

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 r"""Frames and signs (REP-103): the only module that knows them.
 
 World ``map`` is East-North-Up, body ``base_link`` is Forward-Left-Up. The heading psi turns
@@ -13,25 +27,35 @@ that moves along its own x axis.
 from __future__ import annotations
 
 import math
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
 
+# Rotations of frames with an autopilot's axes, (x, y, z, w): of North-East-Down in East-North-Up,
+# where x and y change places, and of Forward-Right-Down in Forward-Left-Up, half a turn about x.
+NORTH_EAST_DOWN = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
+FORWARD_RIGHT_DOWN = (1.0, 0.0, 0.0, 0.0)
 
-def quaternion_from_course(heading: float, path_angle: float) -> tuple[float, float, float, float]:
+
+def quaternion_from_course(
+    heading: Any, path_angle: Any, xp: ModuleType = math
+) -> tuple[Any, Any, Any, Any]:
     """Attitude of ``base_link`` in ``map``.
 
     Args:
-        heading: psi in [rad].
-        path_angle: chi in [rad].
+        heading: psi in [rad]: number, or array of any shape.
+        path_angle: chi in [rad], likewise.
+        xp: Module with ``sin`` and ``cos`` of such values: ``math`` or ``numpy``.
 
     Returns:
-        Unit quaternion (x, y, z, w), the order of geometry_msgs.
+        Unit quaternion (x, y, z, w), the order of geometry_msgs, each of the arguments' shape.
     """
-    sin_psi, cos_psi = math.sin(heading / 2.0), math.cos(heading / 2.0)
-    sin_chi, cos_chi = math.sin(path_angle / 2.0), math.cos(path_angle / 2.0)
+    sin_psi, cos_psi = xp.sin(heading / 2.0), xp.cos(heading / 2.0)
+    sin_chi, cos_chi = xp.sin(path_angle / 2.0), xp.cos(path_angle / 2.0)
     return (sin_psi * sin_chi, -cos_psi * sin_chi, sin_psi * cos_chi, cos_psi * cos_chi)
 
 

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The kinematic fixed-wing vehicle, equation (3) of the paper, advanced exactly.
 
 Inputs ``(u_psi, u_chi, u_v)``: rates of heading and path angle [rad/s], acceleration [m/s^2].
@@ -112,5 +126,5 @@ def velocity(state: ArrayLike) -> NDArray[np.float64]:
     Args:
         state: (x, y, z, psi, chi, v), shape (6,).
     """
-    _, _, _, psi, chi, v = np.asarray(state, dtype=float)
-    return np.array(air_velocity(psi, chi, v, np))
+    _, _, _, psi, chi, v = np.asarray(state, dtype=float).tolist()
+    return np.array(air_velocity(psi, chi, v, np))  # also of what is not finite

@@ -1,23 +1,39 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """What is known of aircraft, air and target.
 
-=========================  ==============================================================
-``measurement``            what is measured of the aircraft at one time
-``state_gate``             which measurements are believed
-``air_data``               the airspeed that belongs to a measurement
-``noise_meter``            how noisy a signal is, and how much it wanders
-``rate_aided_filter``      an angle or a speed, from itself and its rate, whose bias is taken out
-``wind_filter``            mean wind, gusts and sensor biases, from positions and velocities
-``target_filter``          where the target is and will be, from positions that may be wrong
-``target_track``           several models of the target's motion side by side, behind it
-``measurement_noise``      how noisy the positions are, from the positions alone
-``singer_motion``          how a target moves whose acceleration is random
-``turn_prediction``        where a target will be that goes on turning
-``command_history``        commands that were sent, as the aircraft flies them
-``response_candidates``    responses to those commands, for a grid of lags and dead times
-``response_estimator``     lag, dead time and gain, from commands and response
-``channel_response``       what is known of them
-``navigator``              measurements in, situations and forecast out
-``situation``              aircraft, target and the drift between them at one time
-``forecast``               target and drift over a horizon
-=========================  ==============================================================
+=======================  =======================================================================
+``measurement``          what is measured of the aircraft at one time
+``state_gate``           which measurements are believed
+``air_data``             the airspeed that belongs to a measurement
+``noise_meter``          how noisy a signal is, and how much it wanders
+``rate_aided_filter``    angles and speeds, from themselves and rates whose biases are taken out
+``wind_filter``          mean wind, gusts and sensor biases, from positions and velocities
+``target_filter``        where the target is and will be, from positions that may be wrong
+``target_track``         several models of the target's motion side by side, behind it
+``told_noise``           what a source tells of its noise, as far as it makes sense
+``measurement_noise``    how noisy the positions are, from the positions alone
+``singer_motion``        how a target moves whose acceleration is random
+``turn_prediction``      where a target will be that goes on turning
+``command_history``      commands that were sent, as the aircraft flies them
+``response_candidates``  responses to those commands, for a grid of lags and dead times
+``response_estimator``   lag, dead time and gain, from commands and response
+``channel_response``     what is known of them
+``outlook``              target and drift from now on, from what is known of both
+``navigator``            measurements in, situations and forecast out
+``situation``            aircraft, target and the drift between them at one time
+``forecast``             target and drift over a horizon
+=======================  =======================================================================
 """

@@ -1,4 +1,22 @@
-"""The airspeed that belongs to a measurement; without one the air is taken as still."""
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The airspeed that belongs to a measurement; without one the air is taken as still.
+
+An airspeed that comes by itself is heard after the state that it belongs to: the first state has
+none. It is awaited for a time before it counts as one that nobody measures.
+"""
 
 from __future__ import annotations
 
@@ -16,10 +34,12 @@ class AirData:
     """The newest airspeed that came by itself, beside the measurements of the aircraft.
 
     Args:
-        timeout: Greatest difference of its stamp from that of a measurement in [s].
+        timeout: Greatest difference of its stamp from that of a measurement, and how long the
+            first one is awaited, in [s].
 
     Attributes:
         missing: Whether the latest vehicle state had no airspeed to go by.
+        awaited: Whether it had none because the first airspeed may still come.
     """
 
     def __init__(self, timeout: float) -> None:
@@ -29,7 +49,8 @@ class AirData:
     def reset(self) -> None:
         """Forget the airspeed."""
         self._stamp, self._airspeed = -math.inf, math.nan
-        self.missing = False
+        self.missing = self.awaited = self._told = False
+        self._first: float | None = None  # stamp of the first measurement; -inf after an airspeed
 
     def see(self, stamp: float, airspeed: float) -> None:
         """Take in a measured airspeed.
@@ -59,6 +80,9 @@ class AirData:
         if airspeed is None and abs(measurement.stamp - self._stamp) <= self.timeout:
             airspeed = self._airspeed
         self.missing = airspeed is None
+        if airspeed is not None or self._first is None:
+            self._first = measurement.stamp if airspeed is None else -math.inf
+        self.awaited = self.missing and measurement.stamp - self._first < self.timeout
         if airspeed is not None:
             return measurement.state(airspeed)
         east, north, up = (float(value) for value in measurement.ground_velocity)
@@ -67,3 +91,10 @@ class AirData:
             return measurement.state(speed)
         heading, path_angle = math.atan2(north, east), math.atan2(up, math.hypot(east, north))
         return np.array([*measurement.position, heading, path_angle, speed])
+
+    def complaint(self) -> str:
+        """That the air is taken as still, in words, the first time that it is; else empty."""
+        if self._told or self.awaited or not self.missing:
+            return ""
+        self._told = True
+        return "no airspeed is measured: the air is taken as still"

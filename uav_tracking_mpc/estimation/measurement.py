@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """What is measured of the aircraft at one time."""
 
 from __future__ import annotations
@@ -8,6 +22,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+# Standard deviations beyond which a source says nothing of where the aircraft is and how it flies
+NOISE_LIMITS = {
+    "position": 100.0,  # m
+    "velocity": 10.0,  # m/s
+    "heading": 0.5,  # rad
+    "path_angle": 0.5,  # rad
+    "airspeed": 10.0,  # m/s
+}
+
 
 class MeasurementError(ValueError):
     """A measurement cannot be used; the text names the value and what is allowed."""
@@ -15,19 +38,38 @@ class MeasurementError(ValueError):
 
 @dataclass(frozen=True)
 class SensorNoise:
-    """Standard deviations of a measurement, as far as its source knows them.
+    """Standard deviations of a measurement, as far as its source knows them; 0 where it does not.
 
     Attributes:
-        position: Of the position on each axis in [m].
-        velocity: Of the ground velocity on each axis in [m/s].
-        attitude: Of heading and path angle in [rad].
+        position: Of the position on each axis of ``map``, shape (3,), in [m].
+        velocity: Of the ground velocity on each axis of ``map``, shape (3,), in [m/s].
+        heading: In [rad].
+        path_angle: In [rad].
         airspeed: In [m/s].
+
+    Raises:
+        MeasurementError: One is negative, not finite, or so large that it says nothing.
     """
 
-    position: float = 0.0
-    velocity: float = 0.0
-    attitude: float = 0.0
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    heading: float = 0.0
+    path_angle: float = 0.0
     airspeed: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse what is no standard deviation."""
+        for name, limit in NOISE_LIMITS.items():
+            values = getattr(self, name)
+            axes = values if isinstance(values, tuple) else (values,)
+            wanted = 3 if name in ("position", "velocity") else 1
+            if len(axes) != wanted or not all(0.0 <= value <= limit for value in axes):
+                raise MeasurementError(
+                    f"noise of {name} is {values!r}, must be {wanted} in 0..{limit:g}, 0 if unknown"
+                )
+
+
+SILENT = SensorNoise()  # of a source that tells nothing of its noise
 
 
 @dataclass(frozen=True)
@@ -43,7 +85,7 @@ class Measurement:
         turn_rate: psi' in [rad/s].
         path_angle_rate: chi' in [rad/s].
         airspeed: v in [m/s]; None where the source has no air data.
-        noise: What is known of the sensors' noise; None for nothing.
+        noise: What is known of the sensors' noise.
 
     Raises:
         MeasurementError: A value is not finite, or not of its shape.
@@ -57,13 +99,13 @@ class Measurement:
     turn_rate: float = 0.0
     path_angle_rate: float = 0.0
     airspeed: float | None = None
-    noise: SensorNoise | None = None
+    noise: SensorNoise = SILENT
 
     def __post_init__(self) -> None:
         """Refuse what is no measurement; copy the vectors, which must not change afterwards."""
         for name in ("position", "ground_velocity"):
             vector = np.array(getattr(self, name), dtype=float)
-            if vector.shape != (3,) or not np.isfinite(vector).all():
+            if vector.shape != (3,) or not all(map(math.isfinite, vector.tolist())):
                 raise MeasurementError(
                     f"{name} is {getattr(self, name)!r}, must be three finite numbers"
                 )
@@ -82,4 +124,5 @@ class Measurement:
         Returns:
             (x, y, z, psi, chi, v), shape (6,).
         """
-        return np.array([*self.position, self.heading, self.path_angle, airspeed])
+        x, y, z = self.position.tolist()
+        return np.array([x, y, z, self.heading, self.path_angle, airspeed])

@@ -1,23 +1,39 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Where the aircraft is relative to the target, in which drift, when a command takes effect."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics import vehicle as vehicle_model
-from uav_tracking_mpc.dynamics.vehicle_models import Drift
+from uav_tracking_mpc.dynamics.buffered_function import BufferedFunction
+from uav_tracking_mpc.dynamics.symbolic_work import one_at_a_time
+from uav_tracking_mpc.dynamics.vehicle_models import step_function
 from uav_tracking_mpc.estimation.air_data import AirData
 from uav_tracking_mpc.estimation.command_history import CommandHistory
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.estimation.rate_aided_filter import RateAidedFilter
+from uav_tracking_mpc.estimation.outlook import FADE_TIME, Outlook
+from uav_tracking_mpc.estimation.rate_aided_filter import RateAided, RateAidedFilters
 from uav_tracking_mpc.estimation.situation import Situation
-from uav_tracking_mpc.estimation.target_filter import TargetFilter
+from uav_tracking_mpc.estimation.target_filter import REWIND, TargetFilter
 from uav_tracking_mpc.estimation.wind_filter import WindFilter
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
@@ -25,9 +41,6 @@ LONGEST_SUBSTEP = 0.05  # s, in which dead time is flown through
 ROUNDING = 1e-9
 LATENCY_LIMIT = 0.5  # s
 LATENCY_SHARE = 0.05  # of a new measurement in the latency that the prediction starts with
-# A measurement corrects the target's track by steps. They are faded in with this time constant
-# [s], or those of a noisy track would go straight into the bank angle.
-FADE_TIME = 0.8
 # What the filters begin with: noise of a rate per root of Hz and standard deviation of its bias, in
 # [rad/s] as measured and in [m/s^2] as computed from the commands; least noise of what is measured.
 GYRO, ACCELERATION_MODEL = (1e-3, 0.05), (0.1, 0.5)
@@ -80,16 +93,20 @@ class Navigator:
         latency: Time from a measurement to the command that answers it, averaged, in [s].
     """
 
+    @one_at_a_time
     def __init__(self, parameters: TrackingParameters) -> None:
         self.air = AirData(parameters.state_timeout)
         self.air_filter = WindFilter()
-        self._heading = RateAidedFilter(*GYRO, ATTITUDE_NOISE, circular=True)
-        self._path_angle = RateAidedFilter(*GYRO, ATTITUDE_NOISE, circular=True)
-        self._airspeed = RateAidedFilter(*ACCELERATION_MODEL, AIRSPEED_NOISE, circular=False)
+        angle = RateAided(*GYRO, ATTITUDE_NOISE, circular=True)
+        speed = RateAided(*ACCELERATION_MODEL, AIRSPEED_NOISE, circular=False)
+        self._air_motion = RateAidedFilters([angle, angle, speed])  # heading, path angle, airspeed
         self.target = TargetFilter(parameters.target_noise, parameters.target_agility)
         self.latency = self.airspeed = 0.0
         self._history = CommandHistory(0.0)
         self._engaged = True
+        self._times = np.zeros(0)
+        self._model = parameters.vehicle
+        self._step = BufferedFunction(step_function(self._model))
         self.change(parameters)
         self.reset()
 
@@ -99,13 +116,16 @@ class Navigator:
         Args:
             parameters: The new ones.
         """
+        if type(parameters.vehicle) is not type(self._model):
+            self._step = BufferedFunction(step_function(parameters.vehicle))
         self._model = parameters.vehicle
         self._estimating = parameters.air_estimation
         self._lag = float(self._model.lags[ACCELERATION])
         self._dead_time = parameters.commanded_dead_time.tolist()
         self._stages = parameters.horizon_step * np.arange(parameters.horizon + 1)
-        self._times = np.zeros(len(self._stages) + 1)
-        self._shares = np.exp(-self._stages / FADE_TIME)[:, np.newaxis]
+        if len(self._times) != len(self._stages) + 1:
+            self._times = np.zeros(len(self._stages) + 1)
+            self._outlook = Outlook(len(self._times), REWIND)
         self._history.memory = 2.0 * max(self._dead_time) + 1.0
         self.air.timeout = parameters.state_timeout
         self.target.tune(parameters.target_noise, parameters.target_agility)
@@ -115,7 +135,7 @@ class Navigator:
         self.air.reset()
         self.target.reset()
         self._history.reset()
-        for part in (self.air_filter, self._heading, self._path_angle, self._airspeed):
+        for part in (self.air_filter, self._air_motion):
             part.reset()
         self.wind = np.zeros(3)
         self._faded, self._fade_begin = np.zeros((2, 3)), 0.0
@@ -203,49 +223,42 @@ class Navigator:
         time, vehicle = measurement.stamp, self.vehicle_state(measurement)
         self.airspeed = float(vehicle[5])
         delay = max(self._dead_time) + min(max(self.latency, 0.0), LATENCY_LIMIT)
-        self._times[0] = time
-        self._times[1:] = time + delay + self._stages
-        positions, velocities, accelerations = self.target.ahead(self._times)
-        position_fading, velocity_fading = self._fading(time)
+        track = self.target.track
+        motion, height = track.state.reshape(-1), float(vehicle[2] - track.state[0, 2])
+        turning = float(track.covariance[2, 2]), track.turn_rate, *self.target.bridge(time)
         self._follow_acceleration(time)
-        air = self._aircraft_in_air(measurement, vehicle, positions[0])
-        present = Situation(
-            vehicle=air.vehicle,
-            target=positions[0] + position_fading,
-            drift=air.wind + air.gust - velocities[0] - velocity_fading,
-            drift_rate=-accelerations[0] - air.gust / air.correlation_times,
-            rates=air.rates,
-        )
+        air = self._aircraft_in_air(measurement, vehicle, height)
+        np.add(self._stages, delay, out=self._times[1:])
+        blowing = air.wind, air.gust, air.correlation_times
+        faded = self._fading(time).reshape(-1)
+        ahead = self._outlook(motion, turning, faded, blowing, self._times)
+        target, drift, drift_rate = (rows[0] for rows in ahead)
+        present = Situation(air.vehicle, target, drift, drift_rate, air.rates)
         self.wind = air.wind + air.gust
-        later_position, later_velocity = self._fading(time + delay)[:, np.newaxis] * self._shares
-        left = np.exp(-(delay + self._stages)[:, np.newaxis] / air.correlation_times)
-        forecast = Forecast(
-            positions[1:] + later_position,
-            air.wind + left * air.gust - velocities[1:] - later_velocity,
-            -accelerations[1:] - left * (air.gust / air.correlation_times),
-        )
+        forecast = Forecast(*(rows[1:] for rows in ahead))
         if delay == 0.0:
             return Estimate(present, present, forecast)
         return Estimate(present, self._at_effect(time, delay, present, forecast), forecast)
 
     def _aircraft_in_air(
-        self, measurement: Measurement, vehicle: NDArray[np.float64], target: NDArray[np.float64]
+        self, measurement: Measurement, vehicle: NDArray[np.float64], height: float
     ) -> _AircraftInAir:
         """What is measured, without noise and biases as far as they are known."""
         rates = np.array([measurement.turn_rate, measurement.path_angle_rate, self._acceleration])
         if self.air.missing or not self._estimating:
             wind = measurement.ground_velocity - vehicle_model.velocity(vehicle)
             return _AircraftInAir(vehicle, rates, wind, np.zeros(3), np.ones(3))
-        filters = (self._heading, self._path_angle, self._airspeed)
-        for each, value, rate in zip(filters, vehicle[3:].tolist(), rates.tolist(), strict=True):
-            each.update(measurement.stamp, value, rate)
-        heading, path_angle, airspeed = (each.value for each in filters)
-        seen = vehicle_model.velocity([*vehicle[:3], heading, path_angle, airspeed])
-        air, height = self.air_filter, float(vehicle[2] - target[2])
-        air.update(measurement.stamp, vehicle[:3], measurement.ground_velocity, seen, height)
+        filters, noise = self._air_motion, measurement.noise
+        told = noise.heading, noise.path_angle, noise.airspeed
+        filters.update(measurement.stamp, vehicle[3:], rates, told)
+        heading, path_angle, airspeed = filters.values.tolist()
+        seen = np.array(vehicle_model.air_velocity(heading, path_angle, airspeed, math))
+        air = self.air_filter
+        ground, by_source = measurement.ground_velocity, (noise.position, noise.velocity)
+        air.update(measurement.stamp, vehicle[:3], ground, seen, height, *by_source)
         heading = math.remainder(heading - air.heading_bias, 2.0 * math.pi)
         airspeed *= 1.0 - air.airspeed_share
-        rates[:2] -= self._heading.bias, self._path_angle.bias
+        rates[:2] -= filters.biases[:2]
         return _AircraftInAir(
             np.array([*air.position, heading, path_angle, airspeed]),
             rates,
@@ -258,33 +271,37 @@ class Navigator:
         self, time: float, delay: float, present: Situation, forecast: Forecast
     ) -> Situation:
         """Situation when a command sent now takes effect."""
-        x, y, z, heading, path_angle, airspeed, *rates = self._flown_through(time, delay, present)
-        offset, target = np.array([x, y, z]), forecast.target[0]
+        state = self._flown_through(time, delay, present)
+        x, y, z, heading, path_angle, airspeed, *rates = state.tolist()
+        target = forecast.target[0]
+        east, north, up = target.tolist()
         turns = [math.remainder(angle, 2.0 * math.pi) for angle in (heading, path_angle)]
-        return replace(
-            present,
-            vehicle=np.array([*(offset + target), *turns, airspeed]),
+        return Situation(
+            vehicle=np.array([x + east, y + north, z + up, *turns, airspeed]),
             target=target,
             drift=forecast.drift[0],
             drift_rate=forecast.drift_rate[0],
             rates=np.array(rates[:3]),
         )
 
-    def _flown_through(self, time: float, delay: float, present: Situation) -> Any:
+    def _flown_through(self, time: float, delay: float, present: Situation) -> NDArray[np.float64]:
         """State relative to the target after the delay, by the commands already under way."""
-        model = self._model
-        state = model.initial(present.vehicle, present.target, present.rates)
-        drift, rate = present.drift.tolist(), present.drift_rate.tolist()
+        model, step = self._model, self._step
         count = max(1, math.ceil(delay / LONGEST_SUBSTEP - ROUNDING))
         substep = delay / count
-        numbers = model.numbers(substep).tolist()
+        state, inputs, numbers, drift, rate, duration = step.arguments
+        state[:] = model.initial(present.vehicle, present.target, present.rates)
+        numbers[:] = model.numbers(substep)
+        drift[:], rate[:], duration[0] = present.drift, present.drift_rate, substep
+        change, demanded = substep * rate, self._history.demanded
         for index in range(count):
             middle = time + (index + 0.5) * substep
-            inputs = [
-                self._history.demanded(middle - self._dead_time[axis], axis) for axis in range(3)
+            inputs[:] = [
+                demanded(middle - dead_time, axis) for axis, dead_time in enumerate(self._dead_time)
             ]
-            now = [drift[axis] + index * substep * rate[axis] for axis in range(3)]
-            state = model.step(state, inputs, substep, numbers, Drift(now, rate))
+            step.evaluate()
+            state[:] = step.results[0]
+            drift += change
         return state
 
     def _follow_acceleration(self, time: float) -> None:

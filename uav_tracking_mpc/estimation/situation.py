@@ -1,13 +1,29 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """What a guidance law needs to know: the aircraft, the target, and the drift between them."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.vehicle import velocity
+from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.dynamics.vehicle import air_velocity, velocity
 
 
 @dataclass(frozen=True)
@@ -60,4 +76,32 @@ class Situation:
     @property
     def relative_velocity(self) -> NDArray[np.float64]:
         """Rate of :attr:`offset`: air velocity plus drift, shape (3,), in [m/s]."""
-        return self.air_velocity + self.drift
+        *_, heading, path_angle, airspeed = self.vehicle.tolist()
+        east, north, up = self.drift.tolist()
+        x, y, z = air_velocity(heading, path_angle, airspeed, np)  # also of what is not finite
+        return np.array([x + east, y + north, z + up])
+
+    def tracking_error(self, orbit: Orbit) -> NDArray[np.float64]:
+        """Tracking error of the relative motion (Section 3.1), shape (5,), angles wrapped.
+
+        The bearing is that of the relative velocity: on the orbit it is right whatever the drift.
+
+        Args:
+            orbit: What is wanted.
+
+        Returns:
+            Errors of range [m], bearing [rad], altitude [m], path angle [rad] and airspeed [m/s].
+        """
+        x, y, z = self.offset.tolist()
+        east, north, _ = self.relative_velocity.tolist()
+        *_, path_angle, airspeed = self.vehicle.tolist()
+        theta = math.atan2(north, east) - math.atan2(y, x) - math.pi - orbit.bearing
+        return np.array(
+            [
+                math.sqrt(x * x + y * y + z * z) - orbit.range,
+                math.remainder(theta, 2.0 * math.pi),
+                z - orbit.altitude,
+                path_angle,
+                airspeed - orbit.speed,
+            ]
+        )

@@ -1,10 +1,23 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Which measurements are believed: an odd one is an outlier, several that agree are a fact."""
 
 from __future__ import annotations
 
+import math
 from enum import Enum
-
-import numpy as np
 
 from uav_tracking_mpc.estimation.measurement import Measurement
 
@@ -31,6 +44,7 @@ class StateGate:
 
     Attributes:
         newest: The newest measurement that was believed; None before the first.
+        lost: Whether the measurements are known to have ended; until one is believed again.
         reason: Why the last measurement was doubted or made a restart, in words.
     """
 
@@ -41,9 +55,18 @@ class StateGate:
     def reset(self) -> None:
         """Believe the next measurement, whatever it is."""
         self.newest: Measurement | None = None
+        self.lost = False
         self._outlier: Measurement | None = None
         self._agreeing = 0
         self.reason = ""
+
+    def lead(self, stamp: float) -> float:
+        """How far a stamp is ahead of the newest measurement in [s]; 0 while none come.
+
+        Args:
+            stamp: Of something else, by the same clock, in [s].
+        """
+        return 0.0 if self.newest is None or self.lost else stamp - self.newest.stamp
 
     def judge(self, measurement: Measurement) -> Verdict:
         """What to do with a measurement.
@@ -76,6 +99,7 @@ class StateGate:
 
     def _believe(self, measurement: Measurement, verdict: Verdict) -> Verdict:
         self.newest, self._outlier, self._agreeing = measurement, None, 0
+        self.lost = False
         return verdict
 
     def _agrees(self, measurement: Measurement) -> bool:
@@ -88,11 +112,11 @@ class StateGate:
 
 def _change(before: Measurement, after: Measurement) -> tuple[float, float]:
     """Time [s] and distance [m] from one measurement to another."""
-    moved = after.position - before.position
-    return after.stamp - before.stamp, float(np.linalg.norm(moved))
+    x, y, z = (after.position - before.position).tolist()
+    return after.stamp - before.stamp, math.sqrt(x * x + y * y + z * z)
 
 
 def _explained(measurement: Measurement, step: float) -> float:
     """Greatest distance [m] that motion and noise explain in a time [s]."""
-    noise = 0.0 if measurement.noise is None else measurement.noise.position
+    noise = max(measurement.noise.position)
     return JUMP_MIN + NOISE_MULTIPLE * noise + SPEED_LIMIT * step

@@ -1,7 +1,22 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Where the target is and will be, from measured positions that may be wrong, late or missing.
 
 How noisy the positions are and how hard the target accelerates is found from the positions
-themselves (:mod:`measurement_noise`, :mod:`target_track`); what is told is only where both begin.
+themselves (:mod:`~uav_tracking_mpc.estimation.measurement_noise`,
+:mod:`~uav_tracking_mpc.estimation.target_track`); what is told is only where both begin.
 
 A position that the track can hardly explain is left out. Should the next ones be left out too and
 agree with each other, then the target has jumped and the track starts anew from them. The noise is
@@ -215,11 +230,21 @@ class TargetFilter:
         Raises:
             ValueError: Nothing has been measured yet.
         """
-        track = self._known()
         positions, velocities, accelerations = self.ahead(np.array([time]))
-        # Back in time that of the newest position stands in.
-        deviation = track.position_std(min(max(time - track.time, 0.0), FORGOTTEN))
+        deviation = self.position_std(time)
         return TargetEstimate(positions[0], velocities[0], accelerations[0], deviation)
+
+    def position_std(self, time: float) -> float:
+        """Standard deviation of the position on each axis in [m].
+
+        Args:
+            time: When, in [s]; before the newest position that of the newest one stands in.
+
+        Raises:
+            ValueError: Nothing has been measured yet.
+        """
+        track = self._known()
+        return track.position_std(min(max(time - track.time, 0.0), FORGOTTEN))
 
     def ahead(
         self, times: ArrayLike
@@ -238,12 +263,32 @@ class TargetFilter:
         """
         track = self._known()
         ages = np.asarray(times, dtype=float) - track.time
-        travelled, left = bridged(min(float(ages[0]), FORGOTTEN))
+        travelled, left = self.bridge(float(ages[0]) + track.time)
         leads = np.maximum(travelled + left * (ages - ages[0]), -REWIND)
         positions, velocities, accelerations = predict_turn(
             track.state, track.covariance, track.turn_rate, leads
         )
         return positions, left * velocities, left * left * accelerations
+
+    def bridge(self, time: float) -> tuple[float, float]:
+        """See :func:`bridged`, from the time of the track on.
+
+        Args:
+            time: Now in [s].
+
+        Raises:
+            ValueError: Nothing has been measured yet.
+        """
+        return bridged(min(time - self._known().time, FORGOTTEN))
+
+    @property
+    def track(self) -> TargetTrack:
+        """What is known of the target's motion.
+
+        Raises:
+            ValueError: Nothing has been measured yet.
+        """
+        return self._known()
 
     def _known(self) -> TargetTrack:
         if self._track is None:

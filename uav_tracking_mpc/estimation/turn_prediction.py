@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 r"""Where a target will be that goes on turning: constant turn rate, fading change of speed.
 
 With the horizontal velocity as a complex number, u its direction, omega the turn rate and
@@ -16,10 +30,14 @@ it.
 
 from __future__ import annotations
 
-import math
+import functools
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
+
+from uav_tracking_mpc.dynamics.buffered_function import BufferedFunction
+from uav_tracking_mpc.dynamics.symbolic_work import one_at_a_time
 
 TURN_RATE_MAX = 1.0  # rad/s
 SPEED_TIME = 2.0  # tau [s]: vehicles change their speed for a few seconds
@@ -43,27 +61,77 @@ def predict_turn(
     Returns:
         Shape (3, n, 3): positions, velocities, accelerations.
     """
-    _, (vx, vy, vz), (ax, ay, _) = state.tolist()
-    level = complex(vx, vy)
-    speed = abs(level)
-    rate = min(max(turn_rate, -TURN_RATE_MAX), TURN_RATE_MAX)
-    direction = level / speed if speed > 0.0 else 1.0 + 0.0j
-    along = (complex(ax, ay) * direction.conjugate()).real
-    along *= along * along / (along * along + float(covariance[2, 2]))
-    # Speed gained after a long time; braking ends at rest.
-    gained = max(along * SPEED_TIME, -speed)
-    # v = lasting exp(turn t) - passing exp(fade t), and so are its derivative and integral.
-    turn = 1j * math.copysign(max(abs(rate), STRAIGHT), rate)
-    fade = turn - 1.0 / SPEED_TIME
-    lasting, passing = direction * (speed + gained), -direction * gained
-    integral = np.array([lasting / turn, passing / fade])
-    factors = np.array([integral, [lasting, passing], [lasting * turn, passing * fade]])
-    motion = factors @ np.exp(np.multiply.outer([turn, fade], leads))
-    motion[0] -= integral[0] + integral[1]
+    # Threads share the function, and no array of it.
+    turns = BufferedFunction(_turns(len(leads)))
+    told = state.reshape(-1), covariance[2, 2], turn_rate, leads
+    for kept, values in zip(turns.arguments, told, strict=True):
+        kept[:] = values
+    turns.evaluate()
+    return turns.results[0].reshape(len(leads), 3, 3).swapaxes(0, 1)
 
-    ahead = np.zeros((3, len(leads), 3))
-    ahead[:, :, 0], ahead[:, :, 1] = motion.real, motion.imag
-    ahead[0] += state[0]
-    ahead[0, :, 2] += vz * leads
-    ahead[1, :, 2] = vz
-    return ahead
+
+def turned(motion: ca.SX, variance: ca.SX, turn_rate: ca.SX, lead: ca.SX) -> list[ca.SX]:
+    """Position, velocity and acceleration a time ahead of now, shape (3,) each, as expressions.
+
+    Args:
+        motion: Position, velocity, acceleration now, shape (9,).
+        variance: Of the acceleration on each axis, positive, in [m^2/s^4].
+        turn_rate: omega in [rad/s].
+        lead: Time ahead in [s].
+    """
+    position, velocity, acceleration = motion[:3], motion[3:6], motion[6:]
+    speed = ca.sqrt(velocity[0] ** 2 + velocity[1] ** 2)
+    u_x = ca.if_else(speed > 0.0, velocity[0] / speed, 1.0)
+    u_y = ca.if_else(speed > 0.0, velocity[1] / speed, 0.0)
+    rate = ca.fmin(ca.fmax(turn_rate, -TURN_RATE_MAX), TURN_RATE_MAX)
+    rate = ca.if_else(rate < 0.0, ca.fmin(rate, -STRAIGHT), ca.fmax(rate, STRAIGHT))
+    along = acceleration[0] * u_x + acceleration[1] * u_y
+    along *= along * along / (along * along + variance)
+    # Speed gained after a long time; braking ends at rest.
+    gained = ca.fmax(along * SPEED_TIME, -speed)
+    # Along u and across it, v = lasting e^(turn t) - gained e^(fade t), turn = i omega and
+    # fade = i omega - 1 / tau, and so are its derivative and integral.
+    lasting, decay = speed + gained, ca.exp(-lead / SPEED_TIME)
+    cosine, sine = ca.cos(rate * lead), ca.sin(rate * lead)
+    fading = decay * cosine, decay * sine
+    passed = _quotient((fading[0] - 1.0, fading[1]), rate)
+    moved = [
+        lasting * sine / rate - gained * passed[0],
+        lasting * (1.0 - cosine) / rate - gained * passed[1],
+    ]
+    speeds = lasting * cosine - gained * fading[0], lasting * sine - gained * fading[1]
+    changes = (
+        -rate * lasting * sine - gained * (-fading[0] / SPEED_TIME - rate * fading[1]),
+        rate * lasting * cosine - gained * (rate * fading[0] - fading[1] / SPEED_TIME),
+    )
+    level = [
+        (u_x * ahead - u_y * left, u_y * ahead + u_x * left)
+        for ahead, left in (moved, speeds, changes)
+    ]
+    return [
+        position + ca.vertcat(*level[0], velocity[2] * lead),
+        ca.vertcat(*level[1], velocity[2]),
+        ca.vertcat(*level[2], 0.0),
+    ]
+
+
+def _quotient(dividend: tuple[ca.SX, ca.SX], rate: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """A complex number over i omega - 1 / tau."""
+    real, imaginary = dividend
+    size = rate**2 + 1.0 / SPEED_TIME**2
+    return (
+        (rate * imaginary - real / SPEED_TIME) / size,
+        (-rate * real - imaginary / SPEED_TIME) / size,
+    )
+
+
+@functools.lru_cache(maxsize=8)
+@one_at_a_time
+def _turns(count: int) -> ca.Function:
+    """Of as many times ahead."""
+    symbols = [ca.SX.sym(name, size) for name, size in (("m", 9), ("q", 1), ("w", 1), ("t", 1))]
+    turn = ca.Function("turn", symbols, [ca.densify(ca.vertcat(*turned(*symbols)))])
+    return turn.map("turns", "serial", count, [0, 1, 2], [])
+
+
+_turns(1)  # that of every measurement: made before a flight, not in it

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 r"""Mean wind, gusts and sensor biases, from positions, ground velocities and air velocities.
 
 A Kalman filter. With a the air velocity as heading, path angle and airspeed tell it,
@@ -12,22 +26,27 @@ velocity,
 
 Gusts are coloured noise, :math:`g' = -g / T + n`, with the correlation time T = L / V of the
 Dryden spectra (:mod:`~uav_tracking_mpc.dynamics.dryden`; the longitudinal form on all axes).
-Everything else wanders slowly. How strong the gusts are and how noisy the velocities is not told
-but seen. A bias of the ground velocity shows at once beside the positions, those of heading and
-airspeed while the aircraft turns, for they turn with it and the wind does not. While it rolls into
-a turn or out of it a real aircraft slips: its heading is then off by degrees, and alpha and beta
-are considered (Schmidt 1966) but not estimated.
+Everything else wanders slowly. How strong the gusts are is seen, and so is how noisy positions and
+velocities are, which until then counts as their source tells it. A bias of the ground velocity
+shows at once beside the positions, those of heading and airspeed while the aircraft turns, for they
+turn with it and the wind does not. While it rolls into a turn or out of it a real aircraft slips:
+its heading is then off by degrees, and alpha and beta are considered (Schmidt 1966) but not
+estimated.
 """
 
 from __future__ import annotations
 
+import functools
 import math
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.dynamics.buffered_function import BufferedFunction
 from uav_tracking_mpc.dynamics.dryden import gust_scales
-from uav_tracking_mpc.estimation.noise_meter import MEMORY, NoiseMeter
+from uav_tracking_mpc.estimation.noise_meter import MEMORY, NoiseMeters, Signal
+from uav_tracking_mpc.estimation.told_noise import UNKNOWN
 
 # Standard deviations before anything is measured
 WIND, GUST, GROUND_BIAS = 10.0, 2.5, 2.0  # m/s
@@ -51,29 +70,36 @@ class WindFilter:
     """The filter of the module's docstring; its state is (p, w, g, b, alpha, beta)."""
 
     def __init__(self) -> None:
-        self._position_meter = NoiseMeter(POSITION_NOISE, MEMORY)
-        self._level_meter = NoiseMeter(VELOCITY_NOISE, MEMORY, GUST_WALK)
-        self._vertical_meter = NoiseMeter(VELOCITY_NOISE, MEMORY, GUST_WALK)
-        self._transition = np.eye(SIZE)
-        self._sensed = np.zeros((6, SIZE))  # of position and ground velocity
-        axes = np.arange(3)
-        self._sensed[axes, axes] = 1.0
-        for part in (W, G, B):
-            self._sensed[3 + axes, part.start + axes] = 1.0
-        self._spread, self._noise = np.zeros(SIZE), np.zeros(6)
+        self._meters = _meters()
+        # The upper triangle of the covariance, by columns.
+        self._state, self._covariance = np.zeros(SIZE), np.zeros(SIZE * (SIZE + 1) // 2)
+        self._air, self._air_before = np.zeros(3), np.zeros(3)
+        self._steady_air, self._times = np.zeros(3), np.ones(3)
+        self._scalars = np.zeros(2)  # elapsed time [s], turn rate [rad/s]
+        self._measured = np.zeros(12)  # position, ground velocity, and what is told of their noise
+        air = self._air_before, self._air, self._steady_air
+        meters = self._meters.state, self._meters.compared
+        self._update = BufferedFunction(
+            _function(),
+            [
+                self._scalars, *air, self._times, self._state, self._covariance, *meters,
+                self._measured,
+            ],
+        )  # fmt: skip
         self.reset()
 
     def reset(self) -> None:
         """Forget air and biases."""
-        for meter in (self._position_meter, self._level_meter, self._vertical_meter):
-            meter.reset()
+        self._meters.reset()
         self._time: float | None = None
-        self._state = np.zeros(SIZE)
+        self._state[:] = 0.0
         deviations = [POSITION_NOISE, WIND, GUST, GROUND_BIAS]
         prior = [*np.repeat(deviations, 3), AIRSPEED_SHARE, HEADING_BIAS]
-        self._covariance = np.diag(np.square(prior))
-        self._air, self._steady_air, self._turn_rate = np.zeros(3), np.zeros(3), 0.0
-        self.correlation_times = np.ones(3)
+        self._covariance[:] = 0.0
+        self._covariance[_DIAGONAL] = np.square(prior)
+        self._air[:] = self._steady_air[:] = 0.0
+        self._scalars[:] = 0.0
+        self._times[:] = 1.0
 
     @property
     def position(self) -> NDArray[np.float64]:
@@ -89,6 +115,11 @@ class WindFilter:
     def gust(self) -> NDArray[np.float64]:
         """G at the newest measurement, shape (3,), in [m/s]."""
         return self._state[G].copy()
+
+    @property
+    def correlation_times(self) -> NDArray[np.float64]:
+        """How long gusts last on each axis, shape (3,), in [s]."""
+        return self._times.copy()
 
     @property
     def ground_velocity_bias(self) -> NDArray[np.float64]:
@@ -112,6 +143,8 @@ class WindFilter:
         ground_velocity: NDArray[np.float64],
         air_velocity: NDArray[np.float64],
         height: float,
+        position_noise: tuple[float, ...] = UNKNOWN,
+        velocity_noise: tuple[float, ...] = UNKNOWN,
     ) -> None:
         """Take in a measurement.
 
@@ -121,98 +154,182 @@ class WindFilter:
             ground_velocity: As measured, shape (3,), in [m/s].
             air_velocity: a, as measured, shape (3,), in [m/s].
             height: Above ground in [m], for the length of the gusts.
+            position_noise: Standard deviation on each axis of ``map`` by the source, shape (3,), in
+                [m]; zeros where it is unknown.
+            velocity_noise: Of the ground velocity, likewise, in [m/s].
         """
         elapsed = math.inf if self._time is None else time - self._time
         self._time = time
+        self._air_before[:], self._air[:] = self._air, air_velocity
+        self._measured[:3], self._measured[3:6] = position, ground_velocity
+        self._measured[6:9], self._measured[9:] = position_noise, velocity_noise
         if not 0.0 <= elapsed <= LONGEST_GAP:
-            self._state[P] = position
-            self._covariance[P, :] = self._covariance[:, P] = 0.0
-            self._covariance[P, P] = POSITION_NOISE**2 * np.eye(3)
-            self._steady_air, self._turn_rate = air_velocity.copy(), 0.0
+            self._begin(position_noise)
         else:
-            self._average(elapsed, air_velocity)
-            self._predict(elapsed, air_velocity, height)
-        self._air = air_velocity
-        self._see_noise(time, position, ground_velocity)
-        self._correct(position, ground_velocity)
+            self._go_on(elapsed, height)
+        self._meters.begin(time)
+        self._update.evaluate()
+        results = self._update.results
+        self._steady_air[:], (self._scalars[1],) = results[:2]
+        self._state[:], self._covariance[:], self._meters.state[:] = results[2:5]
+        self._meters.keep(results[5])
 
-    def _average(self, elapsed: float, air_velocity: NDArray[np.float64]) -> None:
-        """Follow the air velocity slowly, without a lag where it turns steadily."""
-        share = min(elapsed / AVERAGING_TIME, 1.0)
-        (x, y, _), (x_after, y_after, _) = self._air.tolist(), air_velocity.tolist()
-        turned = math.atan2(x * y_after - y * x_after, x * x_after + y * y_after)
-        self._turn_rate += (turned - elapsed * self._turn_rate) / AVERAGING_TIME
-        turn = elapsed * self._turn_rate
-        steady = self._steady_air
-        turned_air = math.cos(turn) * steady + math.sin(turn) * _across(steady)
-        turned_air[2] = steady[2]
-        self._steady_air = turned_air + share * (air_velocity - turned_air)
+    def _begin(self, noise: tuple[float, ...]) -> None:
+        """The position begins anew, whatever was known of it."""
+        self._state[P] = self._measured[:3]
+        self._covariance[_OF_POSITION] = 0.0
+        self._covariance[_DIAGONAL[P]] = np.square(np.maximum(noise, POSITION_NOISE))
+        self._air_before[:] = self._steady_air[:] = self._air
+        self._scalars[:] = 0.0
 
-    def _predict(self, elapsed: float, air_velocity: NDArray[np.float64], height: float) -> None:
-        air = 0.5 * (self._air + air_velocity)
-        speed = max(float(np.linalg.norm(air)), 1.0)
+    def _go_on(self, elapsed: float, height: float) -> None:
+        """How far it goes on, and how long gusts last there."""
+        self._scalars[0] = elapsed
+        east, north, up = (0.5 * (self._air + self._air_before)).tolist()
+        speed = max(math.sqrt(east * east + north * north + up * up), 1.0)
         scales = gust_scales(height, 0.0)
-        self.correlation_times[:] = scales.long / speed, scales.long / speed, scales.short / speed
-        decay = np.exp(-elapsed / self.correlation_times)
-        axes, transition = np.arange(3), self._transition
-        transition[G.start + axes, G.start + axes] = decay
-        transition[axes, W.start + axes] = elapsed
-        transition[axes, G.start + axes] = 0.5 * elapsed * (1.0 + decay)
-        transition[P, ALPHA] = -elapsed * self._steady_air
-        transition[P, BETA] = -elapsed * _across(self._steady_air)
-        self._state = transition @ self._state
-        self._state[P] += elapsed * (air - self._beside(air))
-        # A random walk of intensity q is a short piece of a gust of variance q T / 2.
-        walks = np.array([self._level_meter.walk] * 2 + [self._vertical_meter.walk])
-        self._spread[G] = 0.5 * walks * self.correlation_times * (1.0 - decay**2)
-        self._spread[W], self._spread[B] = WIND_WALK**2 * elapsed, GROUND_WALK**2 * elapsed
-        self._spread[ALPHA:] = SHARE_WALK**2 * elapsed, HEADING_WALK**2 * elapsed
-        self._covariance = transition @ self._covariance @ transition.T
-        self._covariance.flat[:: SIZE + 1] += self._spread
-
-    def _beside(self, air: NDArray[np.float64]) -> NDArray[np.float64]:
-        """What alpha and beta change of an air velocity beyond what they do of the average."""
-        apart = air - self._steady_air
-        return self._state[ALPHA] * apart + self._state[BETA] * _across(apart)
-
-    def _see_noise(
-        self, time: float, position: NDArray[np.float64], ground_velocity: NDArray[np.float64]
-    ) -> None:
-        air, alpha, beta = self._air, self._state[ALPHA], self._state[BETA]
-        wind = ground_velocity - (air - alpha * air - beta * _across(air))
-        self._level_meter.see(time, wind[:2])
-        self._vertical_meter.see(time, wind[2:])
-        self._position_meter.see(time, position - self._state[P])
-        self._noise[:3] = max(self._position_meter.variance, POSITION_NOISE**2)
-        self._noise[3:5] = max(self._level_meter.variance, VELOCITY_NOISE**2)
-        self._noise[5] = max(self._vertical_meter.variance, VELOCITY_NOISE**2)
-
-    def _correct(self, position: NDArray[np.float64], ground_velocity: NDArray[np.float64]) -> None:
-        sensed, air = self._sensed, self._air
-        sensed[3:, ALPHA], sensed[3:, BETA] = -self._steady_air, -_across(self._steady_air)
-        innovation = np.concatenate([position, ground_velocity - air]) - sensed @ self._state
-        innovation[3:] += self._beside(air)
-        crossed = sensed @ self._covariance
-        variance = crossed @ sensed.T
-        variance.flat[::7] += self._noise
-        gain = np.linalg.solve(variance, crossed).T
-        if not self._steady:
-            gain[ALPHA:] = 0.0
-        self._state = self._state + gain @ innovation
-        change = gain @ crossed
-        covariance = self._covariance - change
-        if not self._steady:
-            covariance[ALPHA:, :ALPHA] = covariance[:ALPHA, ALPHA:].T
-        self._covariance = 0.5 * (covariance + covariance.T)
-
-    @property
-    def _steady(self) -> bool:
-        """Whether the aircraft turns as it did over the average: heading and airspeed are sure."""
-        apart = self._air - self._steady_air
-        return float(apart @ apart) <= (STEADY_SHARE * float(np.linalg.norm(self._air))) ** 2
+        self._times[:2], self._times[2] = scales.long / speed, scales.short / speed
 
 
-def _across(velocity: NDArray[np.float64]) -> NDArray[np.float64]:
+_ROWS, _COLUMNS = (index.T[np.tril_indices(SIZE)] for index in np.indices((SIZE, SIZE)))
+_DIAGONAL = np.flatnonzero(_ROWS == _COLUMNS)
+_OF_POSITION = np.flatnonzero(P.stop > _ROWS)
+
+
+def _meters() -> NoiseMeters:
+    """Of the horizontal wind triangle, the vertical one, and the position."""
+    level, vertical = Signal(2, VELOCITY_NOISE, GUST_WALK), Signal(1, VELOCITY_NOISE, GUST_WALK)
+    return NoiseMeters([level, vertical, Signal(3, POSITION_NOISE)], MEMORY)
+
+
+@functools.cache
+def _function() -> ca.Function:
+    """An update as a CasADi function, of and to what :class:`WindFilter` holds."""
+    scalars = ca.SX.sym("scalars", 2)
+    elapsed, turn_rate = scalars[0], scalars[1]
+    before, air, steady, times = (ca.SX.sym(n, 3) for n in ("before", "air", "steady", "T"))
+    state, triangle = ca.SX.sym("state", SIZE), ca.SX.sym("P", len(_ROWS))
+    meters = _meters()
+    known, compared = ca.SX.sym("m", len(meters.state)), ca.SX.sym("c", len(meters.compared))
+    measured = ca.SX.sym("measured", 12)
+    position, velocity, position_noise, velocity_noise = ca.vertsplit(measured, 3)
+    arguments = [scalars, before, air, steady, times, state, triangle, known, compared, measured]
+
+    steady, turn_rate = _averaged(elapsed, turn_rate, before, air, steady)
+    covariance = ca.triu2symm(ca.SX(ca.Sparsity.upper(SIZE), triangle))
+    mean = 0.5 * (before + air)
+    level_walk, vertical_walk, _ = ca.vertsplit(meters.walks(known))
+    walk = ca.vertcat(level_walk, level_walk, vertical_walk)
+    state, covariance = _predicted(elapsed, mean, steady, state, covariance, times, walk)
+    wind = velocity - air + _beside(state, air)
+    sample = ca.vertcat(wind, position - state[P])
+    told, told_velocity = position_noise**2, velocity_noise**2
+    told_mean = ca.sum1(told) / 3.0
+    told_level = 0.5 * (told_velocity[0] + told_velocity[1])
+    by_source = ca.vertcat(told_level, told_velocity[2], told_mean)
+    metered, variance = meters.metered(known, compared, sample, by_source)
+    share = ca.if_else(told_mean > 0.0, told / told_mean, 1.0)
+    noise = ca.vertcat(
+        ca.fmax(variance[2] * share, POSITION_NOISE**2),
+        *[ca.fmax(variance[k], VELOCITY_NOISE**2) for k in (0, 0, 1)],
+    )
+    seen = ca.vertcat(position, velocity)
+    state, covariance = _corrected(air, steady, state, covariance, seen, noise)
+    upper = ca.vertcat(*[covariance[r, c] for r, c in zip(_ROWS, _COLUMNS, strict=True)])
+    return ca.Function("wind_filter", arguments, [steady, turn_rate, state, upper, metered, sample])
+
+
+def _averaged(
+    elapsed: ca.SX, turn_rate: ca.SX, before: ca.SX, air: ca.SX, steady: ca.SX
+) -> tuple[ca.SX, ca.SX]:
+    """Air velocity followed slowly, without a lag where it turns steadily; and its turn rate."""
+    share = ca.fmin(elapsed / AVERAGING_TIME, 1.0)
+    x, y, x_after, y_after = before[0], before[1], air[0], air[1]
+    turned = ca.atan2(x * y_after - y * x_after, x * x_after + y * y_after)
+    turn_rate += (turned - elapsed * turn_rate) / AVERAGING_TIME
+    turn = elapsed * turn_rate
+    level = ca.cos(turn) * steady + ca.sin(turn) * _across(steady)
+    turned_air = ca.vertcat(level[:2], steady[2])
+    return turned_air + share * (air - turned_air), turn_rate
+
+
+def _predicted(
+    elapsed: ca.SX,
+    air: ca.SX,
+    steady: ca.SX,
+    state: ca.SX,
+    covariance: ca.SX,
+    times: ca.SX,
+    walks: ca.SX,
+) -> tuple[ca.SX, ca.SX]:
+    """State and covariance after a time in a mean air velocity."""
+    decay = ca.exp(-elapsed / times)
+    transition = ca.SX(ca.DM.eye(SIZE))
+    for axis in range(3):
+        transition[G.start + axis, G.start + axis] = decay[axis]
+        transition[axis, W.start + axis] = elapsed
+        transition[axis, G.start + axis] = 0.5 * elapsed * (1.0 + decay[axis])
+        transition[axis, ALPHA] = -elapsed * steady[axis]
+    for axis, across in enumerate(ca.vertsplit(-elapsed * _across(steady))[:2]):
+        transition[axis, BETA] = across
+    after = transition @ state
+    after[P] += elapsed * (air - _beside(state, air - steady))
+    spread = ca.SX.zeros(SIZE)
+    # A random walk of intensity q is a short piece of a gust of variance q T / 2.
+    spread[G] = 0.5 * walks * times * (1.0 - decay**2)
+    spread[W], spread[B] = WIND_WALK**2 * elapsed, GROUND_WALK**2 * elapsed
+    spread[ALPHA], spread[BETA] = SHARE_WALK**2 * elapsed, HEADING_WALK**2 * elapsed
+    return after, transition @ covariance @ transition.T + ca.diag(spread)
+
+
+def _corrected(
+    air: ca.SX, steady: ca.SX, state: ca.SX, covariance: ca.SX, measured: ca.SX, noise: ca.SX
+) -> tuple[ca.SX, ca.SX]:
+    """State and covariance, in its upper triangle, with position and ground velocity measured."""
+    sensed = ca.SX(6, SIZE)
+    across = _across(steady)
+    for axis in range(3):
+        sensed[axis, axis] = 1.0
+        for part in (W, G, B):
+            sensed[3 + axis, part.start + axis] = 1.0
+        sensed[3 + axis, ALPHA] = -steady[axis]
+    sensed[3, BETA], sensed[4, BETA] = -across[0], -across[1]
+    apart = air - steady
+    explained = sensed @ state + ca.vertcat(ca.SX.zeros(3), air - _beside(state, apart))
+    crossed = sensed @ covariance
+    gain = _solved(crossed @ sensed.T + ca.diag(noise), crossed).T
+    # Heading and airspeed are sure while the aircraft turns as it did over the average.
+    is_steady = ca.sumsqr(apart) <= STEADY_SHARE**2 * ca.sumsqr(air)
+    gain[ALPHA:, :] *= is_steady
+    # Of the consider filter too this is the upper triangle: alpha and beta come last.
+    return state + gain @ (measured - explained), covariance - gain @ crossed
+
+
+def _beside(state: ca.SX, apart: ca.SX) -> ca.SX:
+    """What alpha and beta change of an air velocity beyond what they do of the average.
+
+    Args:
+        state: Of the filter, shape (14,).
+        apart: The air velocity less its average, shape (3,), in [m/s].
+    """
+    return state[ALPHA] * apart + state[BETA] * _across(apart)
+
+
+def _across(velocity: ca.SX) -> ca.SX:
     """e_z x v, shape (3,)."""
-    east, north, _ = velocity
-    return np.array([-north, east, 0.0])
+    return ca.vertcat(-velocity[1], velocity[0], 0.0)
+
+
+def _solved(matrix: ca.SX, right: ca.SX) -> ca.SX:
+    """A^-1 B of a positive definite A, by its Cholesky factor."""
+    factor = ca.chol(matrix)  # upper: A = R^T R
+    size = matrix.size1()
+    rows: list[ca.SX] = []
+    for row in range(size):
+        known = sum((factor[k, row] * rows[k] for k in range(row)), ca.SX.zeros(right[0, :].shape))
+        rows.append((right[row, :] - known) / factor[row, row])
+    for row in reversed(range(size)):
+        for k in range(row + 1, size):
+            rows[row] = rows[row] - factor[row, k] * rows[k]
+        rows[row] = rows[row] / factor[row, row]
+    return ca.vertcat(*rows)

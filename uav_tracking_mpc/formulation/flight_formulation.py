@@ -1,20 +1,34 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The flight problem, fed with what is known: parameters, situation, forecast."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.dynamics.buffered_function import BufferedFunction
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
-from uav_tracking_mpc.dynamics.vehicle_models import Drift
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.flight_problem import DECISION_SCALE, FlightProblem, part_of
-from uav_tracking_mpc.formulation.formulation import Plan, solver_of
+from uav_tracking_mpc.formulation.formulation import Plan, SolverMaker, solver_of
 from uav_tracking_mpc.laws.vector_field import VectorField
+from uav_tracking_mpc.mpc.solution import Solution
 from uav_tracking_mpc.mpc.solver import Guess, Solver
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
@@ -29,7 +43,8 @@ class FlightFormulation:
 
     Args:
         parameters: What is flown; :meth:`change` takes new ones while flying.
-        solver: Of this problem; made as the parameters say by default.
+        solver: Of this problem; made by default.
+        make_solver: Makes it, as the parameters say.
 
     Attributes:
         flight: The problem, with the layout of its parameter.
@@ -38,25 +53,30 @@ class FlightFormulation:
         decrease: None: (54) is about a fixed terminal set.
     """
 
-    def __init__(self, parameters: TrackingParameters, solver: Solver | None = None) -> None:
+    def __init__(
+        self,
+        parameters: TrackingParameters,
+        solver: Solver | None = None,
+        make_solver: SolverMaker = solver_of,
+    ) -> None:
         self.step = parameters.horizon_step
         self.decrease = None
         self._stages = parameters.horizon
         self.flight = flight_problem(parameters)
-        self.solver = solver or solver_of(self.flight.problem, parameters)
-        function = self.flight.turn_acceleration
-        self._arguments = [np.zeros(function.size1_in(k)) for k in range(3)]
-        self._turn_acceleration = np.zeros(1)
-        # A call of the function converts its arguments, which takes 200 times as long.
-        self._buffer, self._evaluate = function.buffer()
-        for k, argument in enumerate(self._arguments):
-            self._buffer.set_arg(k, memoryview(argument))  # type: ignore
-        self._buffer.set_res(0, memoryview(self._turn_acceleration))  # type: ignore
+        self.solver = solver or make_solver(self.flight.problem, parameters)
         self._data = np.zeros((self._stages + 1, self.flight.layout.size))
+        self._turn_acceleration = BufferedFunction(
+            self.flight.turn_acceleration, [None, self._data[0]]
+        )
+        commands = self.flight.commands.map(self._stages).expand()
+        self._commands = BufferedFunction(commands, [None, self._data[:-1]])
         # Altitude above the target [m] and airspeed [m/s] that the last plan has decided on, and
         # the height above the target with which it ends [m].
         self._held: tuple[float, float, float] | None = None
         self.change(parameters)
+
+    def check(self, parameters: TrackingParameters) -> None:
+        """See :meth:`Formulation.check`: every orbit inside the envelope can be taken."""
 
     def change(self, parameters: TrackingParameters) -> None:
         """Fly other orbits, weights, limits and lags from now on.
@@ -96,27 +116,6 @@ class FlightFormulation:
         self.solver.reset()
         self._held = None
 
-    def error(self, situation: Situation, orbit: Orbit) -> NDArray[np.float64]:
-        """Tracking error of the relative motion (Section 3.1), shape (5,), angles wrapped.
-
-        Args:
-            situation: Aircraft and target.
-            orbit: What is wanted.
-        """
-        x, y, z = situation.offset
-        w_x, w_y, _ = situation.relative_velocity
-        theta = math.atan2(w_y, w_x) - math.atan2(y, x) - math.pi - orbit.bearing
-        _, _, _, _, path_angle, airspeed = situation.vehicle
-        return np.array(
-            [
-                math.sqrt(x * x + y * y + z * z) - orbit.range,
-                math.remainder(theta, 2.0 * math.pi),
-                z - orbit.altitude,
-                path_angle,
-                airspeed - orbit.speed,
-            ]
-        )
-
     def solve(
         self, situation: Situation, forecast: Forecast, orbit: Orbit, elapsed: float | None
     ) -> Plan:
@@ -124,11 +123,10 @@ class FlightFormulation:
         x_0 = self.initial_state(situation)
         data = self.data(forecast, orbit)
         solution = self.solver.solve(
-            x_0, data, elapsed, lambda: self.guess(x_0, situation, forecast, orbit, data)
+            x_0, data, elapsed, lambda: self.guess(x_0, forecast, orbit, data)
         )
-        states = self.model.State(*solution.states[:-1].T)
-        inputs = np.array(self.flight.inputs(solution.inputs.T, states, data[:-1].T)).T
-        inputs[0, 0] -= self._lead_of_stage(x_0, data[0], solution.decision)
+        inputs = self._inputs(solution)
+        inputs[0, 0] -= self._lead_of_stage(x_0, solution.decision)
         radius, altitude, airspeed = (solution.decision * DECISION_SCALE).tolist()
         height = altitude
         if self.flight.holds:
@@ -136,19 +134,24 @@ class FlightFormulation:
             if solution.converged:
                 self._held = altitude, airspeed, height
         held = np.array([math.hypot(radius, height), altitude, airspeed])
-        return Plan(inputs, self.step, self.error(situation, orbit), solution, held)
+        return Plan(inputs, self.step, situation.tracking_error(orbit), solution, held)
 
-    def _lead_of_stage(
-        self, x_0: NDArray[np.float64], data: NDArray[np.float64], decision: NDArray[np.float64]
-    ) -> float:
+    def _inputs(self, solution: Solution) -> NDArray[np.float64]:
+        """(u_psi, u_chi, u_v) of each stage, shape (N, 3)."""
+        states, _, shares = self._commands.arguments
+        states[:], shares[:] = solution.states[:-1].reshape(-1), solution.inputs.reshape(-1)
+        self._commands.evaluate()
+        return self._commands.results[0].reshape(-1, 3).copy()
+
+    def _lead_of_stage(self, x_0: NDArray[np.float64], decision: NDArray[np.float64]) -> float:
         """By how much the first input leads the turn rate of the orbit when it is flown, [rad/s].
 
         It is that of the middle of its stage, but the next command comes after a control period.
         """
-        for kept, value in zip(self._arguments, (x_0, data, decision), strict=True):
-            kept[:] = value
-        self._evaluate()
-        (acceleration,) = self._turn_acceleration
+        state, _, decided = self._turn_acceleration.arguments
+        state[:], decided[:] = x_0, decision
+        self._turn_acceleration.evaluate()
+        (acceleration,) = self._turn_acceleration.results[0].tolist()
         return 0.5 * (self.step - 1.0 / self.parameters.control_rate) * float(acceleration)
 
     def initial_state(self, situation: Situation) -> NDArray[np.float64]:
@@ -179,18 +182,12 @@ class FlightFormulation:
         return data
 
     def guess(
-        self,
-        x_0: NDArray[np.float64],
-        situation: Situation,
-        forecast: Forecast,
-        orbit: Orbit,
-        data: NDArray[np.float64],
+        self, x_0: NDArray[np.float64], forecast: Forecast, orbit: Orbit, data: NDArray[np.float64]
     ) -> Guess | None:
         """A flight by the vector field: a plan that is flyable and leads to the orbit.
 
         Args:
             x_0: State of the problem where the plan begins, shape (nx,).
-            situation: What else is known of the aircraft.
             forecast: Drift and target over the horizon.
             orbit: What is wanted.
             data: P of every stage, shape (N + 1, np).
@@ -201,29 +198,21 @@ class FlightFormulation:
         if not (np.all(np.isfinite(x_0)) and np.all(np.isfinite(data))):
             return None
         law, free = VectorField(orbit, self.envelope), self.model.commanded
-        state, shares = self.model.State(*x_0.tolist()), np.zeros((self._stages, free))
-        numbers = self.model.numbers(self.step).tolist()
+        state, shares = np.array(x_0, dtype=float), np.zeros((self._stages, free))
         for stage in range(self._stages):
             target = forecast.target[stage]
-            x, y, z, psi, chi, v, *rates = state
-            now = replace(
-                situation,
-                vehicle=np.array([x + target[0], y + target[1], z + target[2], psi, chi, v]),
-                target=target,
-                drift=forecast.drift[stage],
-                drift_rate=forecast.drift_rate[stage],
-                rates=np.array(rates[:3]),
+            vehicle = state[:6].copy()
+            vehicle[:3] += target
+            now = Situation(
+                vehicle, target, forecast.drift[stage], forecast.drift_rate[stage], state[6:9]
             )
-            middle, half = (np.array(part) for part in self.flight.span(state, data[stage]))
-            shares[stage] = np.clip((law.inputs(now) - middle) / half, -1.0, 1.0)[:free]
-            drift = Drift(now.drift.tolist(), now.drift_rate.tolist())
-            flown = [float(u) for u in self.flight.inputs(shares[stage], state, data[stage])]
-            state = self.model.step(state, flown, self.step, numbers, drift)
+            shares[stage], state = self.flight.law_stage(state, law.inputs(now), data[stage])
+        x, y, z, _, _, airspeed = state[:6].tolist()
         least, most = self.envelope.airspeed_min, self.envelope.airspeed_max
-        speed = float(np.clip(state.airspeed, least, most))
+        speed = float(np.clip(airspeed, least, most))
         smallest = self.envelope.smallest_radius(max(speed, 0.1), forecast.drift[-1])
-        radius = max(math.hypot(state.x, state.y), 1.1 * min(smallest, 1e4))
-        return Guess(shares, np.array([radius, state.z, speed]) / DECISION_SCALE)
+        radius = max(math.hypot(x, y), 1.1 * min(smallest, 1e4))
+        return Guess(shares, np.array([radius, z, speed]) / DECISION_SCALE)
 
 
 def flight_problem(parameters: TrackingParameters) -> FlightProblem:

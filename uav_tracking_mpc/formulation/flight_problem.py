@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 r"""The tracking problem of a real flight: drift, envelope, lag, and an artificial orbit.
 
 The state is that of a :class:`~uav_tracking_mpc.dynamics.vehicle_models.VehicleModel`: position
@@ -48,6 +62,7 @@ from uav_tracking_mpc.dynamics.drifting_orbit import OrbitMotion, orbit_motion
 from uav_tracking_mpc.dynamics.vehicle import air_velocity
 from uav_tracking_mpc.dynamics.vehicle_models import Drift, VehicleModel
 from uav_tracking_mpc.formulation.input_span import BLENDS, input_span
+from uav_tracking_mpc.formulation.law_stage import LawStage
 from uav_tracking_mpc.formulation.layout import Layout
 from uav_tracking_mpc.limits import Bound, Limit, Motion, OrbitShape
 from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
@@ -95,6 +110,8 @@ class FlightProblem:
             :func:`part_of`.
         holds: Whether the autopilot itself holds altitude and airspeed.
         problem: For a solver.
+        commands: CasADi function of (x, p, u): (u_psi, u_chi, u_v), see :meth:`inputs`.
+        law_stage: One stage of it where a law flies.
         turn_acceleration: CasADi function of (x, p, a): how quickly the turn rate of the orbit
             changes there, in [rad/s^2].
     """
@@ -116,6 +133,7 @@ class FlightProblem:
         self.layout = Layout({**own, "model": len(model.numbers(step)), **sizes})
         self._penalty = penalty
         self.problem = self._problem(horizon)
+        self.law_stage = self._law_stage()
 
     def _problem(self, horizon: int) -> OptimalControlProblem:
         model, p = self.model, ca.SX.sym("p", self.layout.size)
@@ -125,6 +143,8 @@ class FlightProblem:
         self._steered = ca.vertcat(state.x, state.y, state.heading, state.turn_rate, shares)
         told = {name: p[where] for name, where in self.layout.where.items()}
         inputs = self._inputs(shares, state, p, ca)
+        at = [ca.vertcat(*state), p, shares]
+        self.commands = ca.Function("commands", at, [ca.densify(ca.vertcat(*inputs))])
         drift = Drift(ca.vertsplit(told["drift"]), ca.vertsplit(told["drift_rate"]))
         following = model.step(state, inputs, self.step, told["model"], drift)
 
@@ -143,7 +163,7 @@ class FlightProblem:
         error = self._error(state, orbit, told["drift"], (r_a, z_a, v_a))
         turn_rate = orbit.turn_rate + told["lead"] * orbit.turn_acceleration
         self.turn_acceleration = ca.Function(
-            "turn_acceleration", [ca.vertcat(*state), p, decision], [orbit.turn_acceleration]
+            "turn_acceleration", [*at[:2], decision], [ca.densify(orbit.turn_acceleration)]
         )
         deviation = ca.vertcat(inputs[0] - turn_rate, inputs[1], inputs[2])
         changes = [
@@ -182,6 +202,11 @@ class FlightProblem:
             terminal_equality=ca.vertcat(*scaled[:errors], *model.settled(state, orbit)[:free]),
             continuation=self._shares([turn_rate, 0.0, 0.0], state, p),
         )
+
+    def _law_stage(self) -> LawStage:
+        wanted, state = ca.SX.sym("wanted", 3), self.model.State(*ca.vertsplit(self.problem.state))
+        shares = self._shares([wanted[k] for k in range(3)], state, self.problem.parameter)
+        return LawStage(self.problem, wanted, shares)
 
     def _error(self, state: Any, orbit: OrbitMotion, drift: ca.SX, wanted: Sequence[Any]) -> ca.SX:
         """Tracking error x of Section 3.1, of the motion relative to the target."""
@@ -257,8 +282,8 @@ class FlightProblem:
         for limit, bound in self._stage_bounds(motion, p):
             if limit.by_squares:
                 bounds.append(bound)
-        beyond = [ca.fmax(side, 0.0) for bound in bounds for side in bound.inequalities()]
-        return SQUARES * self._penalty * ca.sumsqr(ca.vertcat(*beyond))
+        sides = ca.vertcat(*(side for bound in bounds for side in bound.inequalities()))
+        return SQUARES * self._penalty * ca.sum1(_rounded_square(sides))
 
     def _stage_bounds(self, motion: Motion, p: ca.SX) -> list[tuple[Limit, Bound]]:
         found = []
@@ -296,6 +321,21 @@ def _motion(state: Any) -> Motion:
 
 def _inequality(bound: Bound, penalty: float | None, name: str) -> Inequality:
     return Inequality(ca.vertcat(*bound.inequalities()), penalty, name)
+
+
+def _rounded_square(side: ca.SX) -> ca.SX:
+    """Cost of passing a limit: 0 inside, at last a square, and twice continuously differentiable.
+
+    Its curvature rises from 0 to 2 (smoothstep) while the side goes from -1/2 to 3/2. That of
+    max(0, side)^2 jumps at 0, where plans like to stay, and Newton steps fail there by the dozen.
+
+    Args:
+        side: By how much each limit is passed, in its scale, negative inside, shape (n, 1).
+    """
+    begun = ca.fmax(side + 0.5, 0.0)
+    rising = ca.fmin(begun, 2.0)
+    beyond = begun - rising
+    return rising**4 * (5.0 - rising) / 40.0 + beyond * (2.0 + beyond)
 
 
 def _distance(offset: ca.SX, reach: ca.SX) -> ca.SX:

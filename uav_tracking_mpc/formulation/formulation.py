@@ -1,7 +1,22 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """What a formulation of the tracking problem offers: from a situation to a plan."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
@@ -11,6 +26,7 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.mpc.bridged_solver import BridgedSolver, MachineCode
 from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
@@ -60,6 +76,17 @@ class Formulation(Protocol):
         """Watches (54); None where it says nothing."""
         ...
 
+    def check(self, parameters: TrackingParameters) -> None:
+        """Whether other parameters, of which no fixed one differs, can be taken.
+
+        Args:
+            parameters: All of them.
+
+        Raises:
+            ParameterError: They give no problem that can be solved.
+        """
+        ...
+
     def change(self, parameters: TrackingParameters) -> None:
         """Fly other parameters from now on, of which no fixed one differs.
 
@@ -86,6 +113,9 @@ class Formulation(Protocol):
         ...
 
 
+SolverMaker = Callable[[OptimalControlProblem, TrackingParameters], Solver]
+
+
 def solver_of(problem: OptimalControlProblem, parameters: TrackingParameters) -> Solver:
     """The solver that parameters ask for.
 
@@ -97,3 +127,36 @@ def solver_of(problem: OptimalControlProblem, parameters: TrackingParameters) ->
     if parameters.solver == "newton":
         return NewtonSolver(problem, time_limit=budget)
     return CasadiSolver(problem, parameters.solver, time_limit=budget)
+
+
+def solver_at_once(report: Callable[[str], None]) -> SolverMaker:
+    """Like :func:`solver_of`, but what is to be compiled is compiled while another one solves.
+
+    Args:
+        report: Called with what happens, in words.
+    """
+
+    def make(problem: OptimalControlProblem, parameters: TrackingParameters) -> Solver:
+        if parameters.solver != "newton":
+            return solver_of(problem, parameters)
+        code = MachineCode(problem, report)
+        solver = BridgedSolver(problem, code, parameters.solve_time_max)
+        solver.prepare()
+        return solver
+
+    return make
+
+
+def solver_as_told(compiled: Callable[[], bool]) -> SolverMaker:
+    """What :func:`solver_at_once` makes, for a flight in which it is known which one solved.
+
+    Args:
+        compiled: Whether the compiled one solves from now on.
+    """
+
+    def make(problem: OptimalControlProblem, parameters: TrackingParameters) -> Solver:
+        if parameters.solver != "newton":
+            return solver_of(problem, parameters)
+        return BridgedSolver(problem, compiled, parameters.solve_time_max)
+
+    return make

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """A ROS domain of one's own, so that two flights on one machine do not mix."""
 
 from __future__ import annotations
@@ -11,8 +25,35 @@ FIRST_DOMAIN, LAST_DOMAIN = 1, 101  # what Linux's ephemeral ports leave free
 GREATEST_DOMAIN = 232  # what DDS's port numbers leave room for
 
 
+VARIABLE = "ROS_DOMAIN_ID"
+
+
 class DomainError(RuntimeError):
     """No domain is free."""
+
+
+class DomainValueError(ValueError):
+    """ROS_DOMAIN_ID is exported with a value that is not allowed; the message says which are."""
+
+
+def exported_domain() -> int | None:
+    """Domain that the environment asks for, as every ROS program understands it.
+
+    Returns:
+        None where it asks for none.
+
+    Raises:
+        DomainValueError: It is no integer from 0 to 232.
+    """
+    text = os.environ.get(VARIABLE, "").strip()
+    if not text:
+        return None
+    if not (text.isascii() and text.isdigit() and int(text) <= GREATEST_DOMAIN):
+        raise DomainValueError(
+            f"environment variable {VARIABLE} is {text!r}, must be an integer from 0 to "
+            f"{GREATEST_DOMAIN}"
+        )
+    return int(text)
 
 
 @contextmanager
@@ -44,18 +85,3 @@ def own_domain(domain: int | None) -> Iterator[int]:
             yield candidate
             return
     raise DomainError(f"all ROS domains from {FIRST_DOMAIN} to {LAST_DOMAIN} are in use")
-
-
-def domain_number(text: str) -> int:
-    """ROS_DOMAIN_ID given as text.
-
-    Args:
-        text: What was typed.
-
-    Raises:
-        ValueError: Not an integer from 0 to 232.
-    """
-    number = int(text)
-    if not 0 <= number <= GREATEST_DOMAIN:
-        raise ValueError(f"domain is {number}, must be from 0 to {GREATEST_DOMAIN}")
-    return number

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """One flight with real nodes, recorded: what ``launch_tracking`` and ``uav_tracking fly`` do."""
 
 from __future__ import annotations
@@ -5,7 +19,7 @@ from __future__ import annotations
 import math
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -14,6 +28,7 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
+from uav_tracking_mpc.launch.domain import VARIABLE, exported_domain
 from uav_tracking_mpc.launch.node_process import STOP_LIMIT
 from uav_tracking_mpc.launch.supervisor import LaunchError, Supervisor, supervised
 from uav_tracking_mpc.settings.configuration import Configuration
@@ -60,8 +75,9 @@ def launch(
 
     Args:
         configuration: What to fly.
-        domain: ROS_DOMAIN_ID; by default one of its own.
-        bag: MCAP file to record every topic to.
+        domain: ROS_DOMAIN_ID; by default the exported one, else one of its own.
+        bag: MCAP file to record every topic to, the only one in its folder: ``metadata.yaml`` comes
+            beside it.
         console: Where output and progress go, stderr by default.
         link: Fly a real autopilot through the configuration's link, in wall time; the duration
             counts from when it is engaged.
@@ -70,13 +86,17 @@ def launch(
         Number of the signal that ended the flight, None if it was flown to its end.
 
     Raises:
+        DomainValueError: The exported domain is not allowed.
         LaunchError: A node died, or nothing flew.
         ModuleNotFoundError: There is no rclpy.
     """
     console = console or Console(stderr=True)
+    exported = domain is None
+    domain = exported_domain() if exported else domain
+    of_whom = f" (from {VARIABLE})" if exported and domain is not None else ""
     with _signals() as received, supervised(console, domain) as supervisor:
         console.print(
-            f"domain {supervisor.domain}: watch with "
+            f"domain {supervisor.domain}{of_whom}: watch with "
             f"`uav_tracking monitor --domain-id {supervisor.domain}`",
             highlight=False,
             soft_wrap=True,
@@ -94,11 +114,17 @@ def _fly(
 ) -> int | None:
     from rclpy.experimental.events_executor import EventsExecutor
 
+    from uav_tracking_mpc.launch.controller_kill import ControllerKill
+    from uav_tracking_mpc.launch.simulated_pace import SimulatedPace
     from uav_tracking_mpc.nodes.flight_bag import FlightBag
     from uav_tracking_mpc.nodes.flight_recorder import FlightRecorder
 
-    bag = None if bag_path is None else FlightBag(bag_path)
+    bag = None if bag_path is None else FlightBag(bag_path, alone=True)
     recorder = FlightRecorder(bag, link)
+    pace = None if link else SimulatedPace(configuration, recorder, console)
+    meanwhile: list[Callable[[], None]] = []
+    if pace is not None:  # nobody kills what commands a real aircraft
+        meanwhile = [pace.follow, ControllerKill(recorder, supervisor).follow]
     executor = EventsExecutor()
     executor.add_node(recorder)
     try:
@@ -109,9 +135,11 @@ def _fly(
                 if not configuration.link.engage:
                     console.print(_how_to_engage(configuration.link), soft_wrap=True)
                     limit = math.inf
-            else:
-                supervisor.start_flight(configuration, configuration.mission.speed)
-            _watch(configuration, supervisor, recorder, executor, received, console, limit)
+            elif pace is not None:
+                supervisor.start_flight(configuration, pace.speed)
+            _watch(
+                configuration, supervisor, recorder, executor, received, console, limit, meanwhile
+            )
         finally:
             supervisor.end(lambda: _drain(supervisor, executor))
         if received and recorder.progress().time is None:
@@ -136,6 +164,7 @@ def _watch(
     received: list[int],
     console: Console,
     limit: float,
+    meanwhile: Sequence[Callable[[], None]],
 ) -> None:
     """Spin the recorder and show progress until the mission ends, a signal comes or a node dies."""
     duration = configuration.mission.duration
@@ -156,6 +185,8 @@ def _watch(
             if now - looked < LOOK_PERIOD:  # decoding costs what the recorder needs to keep up
                 continue
             looked = now
+            for follow in meanwhile:
+                follow()
             progress = recorder.progress()
             if progress.time is None:
                 if now - begin > limit:

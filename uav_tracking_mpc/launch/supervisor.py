@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The one supervisor of node processes: starts, watches, freezes, kills, restarts and ends them.
 
 Discovery stays on this machine and each launch has a domain of its own, so that two do not mix.
@@ -14,9 +28,10 @@ from pathlib import Path
 
 from rich.console import Console
 
-from uav_tracking_mpc.launch.domain import own_domain
+from uav_tracking_mpc.launch.domain import VARIABLE, own_domain
 from uav_tracking_mpc.launch.node_process import NodeProcess
 from uav_tracking_mpc.launch.shared_memory import SharedMemoryFiles
+from uav_tracking_mpc.nodes.log_folder import ensure_log_folder
 from uav_tracking_mpc.settings.configuration import Configuration
 
 NODES = ("uav_simulator", "target_publisher", "nmpc_controller")
@@ -194,6 +209,7 @@ def supervised(console: Console, domain: int | None = None) -> Iterator[Supervis
         ModuleNotFoundError: There is no rclpy.
     """
     with own_domain(domain) as claimed, tempfile.TemporaryDirectory() as folder:
+        before = os.environ.get(VARIABLE)
         os.environ.update(
             ROS_DOMAIN_ID=str(claimed),
             ROS_AUTOMATIC_DISCOVERY_RANGE=os.environ.get(
@@ -201,6 +217,8 @@ def supervised(console: Console, domain: int | None = None) -> Iterator[Supervis
             ),
             RCUTILS_COLORIZED_OUTPUT="0",
         )
+        if changed := ensure_log_folder():
+            console.print(changed, highlight=False, soft_wrap=True)
         import rclpy
         from rclpy.signals import SignalHandlerOptions
 
@@ -212,3 +230,8 @@ def supervised(console: Console, domain: int | None = None) -> Iterator[Supervis
             supervisor.end()
             rclpy.try_shutdown()
             supervisor.remove_shared_memory()
+            # A later launch of this process is to choose anew.
+            if before is None:
+                os.environ.pop(VARIABLE, None)
+            else:
+                os.environ[VARIABLE] = before

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 r"""Limits of the aircraft and of where it may fly, one file each.
 
 ===================  =============================================================
@@ -121,6 +135,45 @@ class Bound(NamedTuple):
         return beyond
 
 
+class Cylinder(NamedTuple):
+    """An upright cylinder without end, fixed to the ground.
+
+    Attributes:
+        east: Of its axis in [m].
+        north: Of its axis in [m].
+        radius: In [m].
+        outside: Whether flight is allowed outside of it, else inside.
+    """
+
+    east: float
+    north: float
+    radius: float
+    outside: bool
+
+
+class Floor(NamedTuple):
+    """A horizontal plane that is not to be flown below.
+
+    Attributes:
+        height: z in [m].
+    """
+
+    height: float
+
+
+class Ball(NamedTuple):
+    """A sphere about the target that is not to be flown into.
+
+    Attributes:
+        radius: In [m].
+    """
+
+    radius: float
+
+
+Shape = Cylinder | Floor | Ball
+
+
 @dataclass(frozen=True)
 class Limit:
     """Base of all limits. The fields of a subclass are its parameters.
@@ -153,6 +206,11 @@ class Limit:
     def label(self) -> str:
         """Name for people and in results."""
         return self.name.replace("_", " ")
+
+    @property
+    def shapes(self) -> tuple[Shape, ...]:
+        """Where in space it stands, for people to see; empty where it has no place."""
+        return ()
 
     def numbers(self, targets: NDArray[np.float64]) -> NDArray[np.float64]:
         """What the problem is told of this limit at each stage: its parameters by default.

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Least distance to the target."""
 
 from __future__ import annotations
@@ -9,7 +23,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.limits import Bound, Limit, Motion, OrbitShape
+from uav_tracking_mpc.limits import Ball, Bound, Limit, Motion, OrbitShape
 from uav_tracking_mpc.parameters.specification import parameter
 
 SMALL = 0.01  # [m] keeps the distance smooth where it vanishes
@@ -23,6 +37,11 @@ class Distance(Limit):
     name = "distance"
 
     distance_min: float = parameter(0.0, "Least distance to the target.", "m", 0.0, 1e5)
+
+    @property
+    def shapes(self) -> tuple[Ball, ...]:
+        """See :attr:`Limit.shapes`."""
+        return (Ball(self.distance_min),) if self.distance_min > 0.0 else ()
 
     def stage(self, motion: Motion, numbers: Any, xp: ModuleType) -> Bound:
         """See :meth:`Limit.stage`."""

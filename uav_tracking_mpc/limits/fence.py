@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """A circle on the ground that is not to be left."""
 
 from __future__ import annotations
@@ -9,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.limits import Bound, Limit, Motion, OrbitShape
+from uav_tracking_mpc.limits import Bound, Cylinder, Limit, Motion, OrbitShape
 from uav_tracking_mpc.parameters.specification import parameter
 
 NO_FENCE = 1e6  # m, radius
@@ -31,6 +45,13 @@ class Fence(Limit):
         (0.0, 0.0), "Its centre in map.", "m", -1e7, 1e7, size=2
     )
 
+    @property
+    def shapes(self) -> tuple[Cylinder, ...]:
+        """See :attr:`Limit.shapes`."""
+        east, north = self.fence_centre
+        fence = Cylinder(east, north, self.fence_radius, outside=False)
+        return (fence,) if self.fence_radius > 0.0 else ()
+
     def numbers(self, targets: NDArray[np.float64]) -> NDArray[np.float64]:
         """See :meth:`Limit.numbers`.
 
@@ -38,7 +59,7 @@ class Fence(Limit):
             Centre seen from the target (x, y) and radius in [m], shape (n, 3).
         """
         if self.fence_radius == 0.0:
-            return np.tile([0.0, 0.0, NO_FENCE], (len(targets), 1))
+            return np.broadcast_to([0.0, 0.0, NO_FENCE], (len(targets), 3))
         centre = np.array(self.fence_centre) - targets[:, :2]
         return np.column_stack([centre, np.full(len(targets), self.fence_radius)])
 

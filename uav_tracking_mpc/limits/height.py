@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Least height above the origin of ``map``."""
 
 from __future__ import annotations
@@ -9,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.limits import Bound, Limit, Motion, OrbitShape
+from uav_tracking_mpc.limits import Bound, Floor, Limit, Motion, OrbitShape
 from uav_tracking_mpc.parameters.specification import parameter
 
 DEEPEST = 1e4  # m below the target, as deep as the problem is told
@@ -24,6 +38,11 @@ class Height(Limit):
     on_ground = True
 
     height_min: float = parameter(-1e5, "Least height z in map.", "m", -1e5, 1e5)
+
+    @property
+    def shapes(self) -> tuple[Floor, ...]:
+        """See :attr:`Limit.shapes`; none where it is deeper than any flight."""
+        return (Floor(self.height_min),) if self.height_min > -DEEPEST else ()
 
     def numbers(self, targets: NDArray[np.float64]) -> NDArray[np.float64]:
         """See :meth:`Limit.numbers`.

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Links to what flies, one autopilot a file: measurements in, commands out.
 
 ==============  ==================================================================
@@ -85,6 +99,7 @@ class VehicleLink(ABC):
         holds: Whether the autopilot itself holds altitude and airspeed, so that of the commands
             only the turn rate is flown.
         address: As above.
+        identity: Which aircraft it is, as its autopilot says; empty where it is not known.
         events: What has happened since it was last asked.
     """
 
@@ -94,6 +109,7 @@ class VehicleLink(ABC):
 
     def __init__(self, address: str = "") -> None:
         self.address = address
+        self.identity = ""
         self.events = EventLog()
 
     @classmethod

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """A cold start: several attempts, the best of which is kept.
 
 The problem has local minima. So a cold start tries inputs at rest, feedback to the goal, and that
@@ -6,18 +20,19 @@ feedback after a few stages with inputs held near a bound ("openings").
 A long horizon has many local minima and a short one few. So beyond :data:`SHORT_HORIZON` every
 opening is tried on a horizon of that length, without terminal constraints, which belong to the end
 of the whole one; the two best plans, extended by the feedback, are then the guesses for the whole
-horizon, next to inputs at rest and plain feedback.
+horizon, next to inputs at rest and plain feedback. If none of these converges, the openings are
+tried on the whole horizon, until one does.
 """
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.mpc.compiled_method import CompiledMethod
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.mpc.solver import Guess
 
@@ -26,10 +41,12 @@ COARSE_TOLERANCE, COARSE_ITERATIONS = 1e-3, 40  # of the attempts on the short h
 DISTINCT = 1e-3  # relative difference in cost between two local minima
 OPENING_STAGES = 4
 OPENING_SHARE = 0.9  # of the way from the middle of the box to its bound
-COMBINED_INPUTS = 3  # so many inputs are held at their bounds together, in every combination
 MULTIPLIER_WEIGHT = 10.0  # rho to begin with
-# A guess nearly meets the constraints and should not leave them far behind for a lower cost.
-GUESS_WEIGHT = 1000.0  # rho to begin with from there
+# rho to begin with from a guess, one after the other until one converges. A guess nearly meets the
+# constraints and should not leave them far behind for a lower cost: on the other side of a bearing
+# of pi there may be no way back to them. Yet some get stuck on them.
+GUESS_WEIGHTS = (10000.0, 10.0, 1000.0)
+RESCUE_WEIGHTS = (1000.0, 10.0)  # of the openings on a whole long horizon
 PLAN_FIELDS = ("x", "u", "a", "c", "value", "mu", "rho")
 
 Attempt = Callable[[int, float, int], int]
@@ -44,7 +61,9 @@ class ColdStart:
         record: Its workspace.
     """
 
-    def __init__(self, problem: OptimalControlProblem, method: ModuleType, record: np.void) -> None:
+    def __init__(
+        self, problem: OptimalControlProblem, method: CompiledMethod, record: np.void
+    ) -> None:
         self._codes = method.minimise
         self._record = {field: record[field] for field in record.dtype.names or ()}  # views
         self._plan = [record[field] for field in PLAN_FIELDS]
@@ -52,11 +71,13 @@ class ColdStart:
         rows = method.workspace
         self._kept, self._reference = int(rows.KEPT), int(rows.SECOND)
         self._working, spare = int(rows.WORKING), int(rows.SPARE)
-        self._best, self._short = spare, (spare + 1, spare + 2)
+        self._best, self._short = int(rows.ASIDE), (spare, spare + 1)
         self._rest = problem.input_rest
-        self._openings = list(openings(problem, self._rest))
-        self._goal = record["goal"]
-        self._policy = np.zeros((problem.nu, method.stage.NS))
+        self._openings = list(openings(problem, self._rest, rows.COMBINED_INPUTS))
+        self._policy = record["policy"]
+        for number, inputs in enumerate(self._openings):
+            record["opening"][number] = inputs[0] if len(inputs) else self._rest
+            record["held"][number] = len(inputs)
 
     def __call__(
         self, attempt: Attempt, tolerance: float, iteration_limit: int, guess: Guess | None = None
@@ -76,25 +97,36 @@ class ColdStart:
         self._set_horizon(self._horizon)
         iterations = 0
         if guess is not None:
-            self._prepare(np.asarray(guess.inputs), np.asarray(guess.decision), GUESS_WEIGHT)
-            end = attempt(codes.PREPARED, tolerance, iteration_limit)
-            iterations = int(record["outcome"][0])
-            if end in (codes.CONVERGED, codes.TIME_LIMIT):
-                return end, iterations
-        self._feedback_to_goal(attempt)
+            for weight in GUESS_WEIGHTS:
+                self._prepare(np.asarray(guess.inputs), np.asarray(guess.decision), weight)
+                end = attempt(codes.PREPARED, tolerance, iteration_limit)
+                iterations += int(record["outcome"][0])
+                if end in (codes.CONVERGED, codes.TIME_LIMIT):
+                    return end, iterations
+        if self._horizon <= SHORT_HORIZON:
+            end = attempt(codes.ALL_OPENINGS, tolerance, iteration_limit)
+            return end, iterations + int(record["outcome"][0])
+        end, count = self._long_horizon(attempt, tolerance, iteration_limit)
+        return end, iterations + count
+
+    def _long_horizon(
+        self, attempt: Attempt, tolerance: float, iteration_limit: int
+    ) -> tuple[int, int]:
+        """How the best attempt of those on a long horizon ended; iterations of all."""
+        codes, record = self._codes, self._record
+        attempt(codes.FEEDBACK, tolerance, 1)
+        found, iterations = self._shorter_horizon(attempt)
+        self._set_horizon(self._horizon)
+        plans = [(record["u"][row, :SHORT_HORIZON].copy(), row) for row in found]
+        guesses = [(inputs, record["a"][row].copy(), MULTIPLIER_WEIGHT) for inputs, row in plans]
+        guesses += self._guesses(2, MULTIPLIER_WEIGHT)
+        rescues = [guess for weight in RESCUE_WEIGHTS for guess in self._guesses(None, weight)]
         best: tuple[bool, float, float] | None = None
         best_end, best_gradient = codes.NO_START, np.nan
-        if self._horizon > SHORT_HORIZON:
-            found, count = self._shorter_horizon(attempt)
-            iterations += count
-            self._set_horizon(self._horizon)
-            plans = [(record["u"][row, :SHORT_HORIZON].copy(), row) for row in found]
-            guesses = [(inputs, record["a"][row].copy()) for inputs, row in plans]
-            guesses += [(inputs, record["a_guess"]) for inputs in self._openings[:2]]
-        else:
-            guesses = [(inputs, record["a_guess"]) for inputs in self._openings]
-        for inputs, decision in guesses:
-            self._prepare(inputs, decision)
+        for number, (inputs, decision, weight) in enumerate([*guesses, *rescues]):
+            if number >= len(guesses) and best_end == codes.CONVERGED:
+                break
+            self._prepare(inputs, decision, weight)
             end = attempt(codes.PREPARED, tolerance, iteration_limit)
             if end == codes.NO_START:
                 continue
@@ -110,6 +142,12 @@ class ColdStart:
             self._copy(self._best, self._kept)
         record["outcome"][1] = best_gradient
         return best_end, iterations
+
+    def _guesses(
+        self, count: int | None, weight: float
+    ) -> list[tuple[NDArray[np.float64], NDArray[np.float64], float]]:
+        """Inputs, decision and weight of the first ``count`` openings."""
+        return [(inputs, self._record["a_guess"], weight) for inputs in self._openings[:count]]
 
     def _shorter_horizon(self, attempt: Attempt) -> tuple[list[int], int]:
         """Rows of the best distinct plans of a shorter horizon, at most two; iterations spent."""
@@ -142,16 +180,6 @@ class ColdStart:
         self._record["horizon"][0] = stages
         self._record["ends"][0] = self._ends if stages == self._horizon else 0
 
-    def _feedback_to_goal(self, attempt: Attempt) -> None:
-        """Gains at stage 0 of a Riccati recursion about the plan that rests at the goal."""
-        record, row = self._record, self._reference
-        self._prepare(self._openings[0], record["a_guess"])
-        record["c"][row] = -1e6  # far inside: the sweep sees no inequality
-        record["c"][row, self._horizon] = 0.0
-        attempt(self._codes.SWEEP, 1.0, 1)
-        gains = record["K"][0]
-        self._policy[:] = gains if np.all(np.isfinite(gains)) else 0.0
-
     def _prepare(
         self,
         inputs: NDArray[np.float64],
@@ -160,10 +188,10 @@ class ColdStart:
     ) -> None:
         """Reference of a rollout: given inputs at the first stages, then feedback to the goal."""
         record, row, held = self._record, self._reference, len(inputs)
-        record["x"][row] = self._goal
+        record["x"][row] = record["goal"]
         record["u"][row] = self._rest
         record["u"][row, :held] = inputs
-        record["a"][row] = decision
+        record["a"][row, : len(decision)] = decision
         record["k"][:] = record["k_a"][:] = 0.0
         record["K"][:held] = 0.0
         record["K"][held:] = self._policy
@@ -177,7 +205,7 @@ class ColdStart:
 
 
 def openings(
-    problem: OptimalControlProblem, rest: NDArray[np.float64]
+    problem: OptimalControlProblem, rest: NDArray[np.float64], combined: int
 ) -> list[NDArray[np.float64]]:
     """Inputs of the first stages, shape (stages, nu), of each opening.
 
@@ -187,13 +215,14 @@ def openings(
     Args:
         problem: Its box and horizon.
         rest: The inputs at rest, shape (nu,).
+        combined: So many inputs are held at their bounds together, in every combination.
     """
     lower, upper = problem.input_lower, problem.input_upper
     bounded = np.isfinite(lower) & np.isfinite(upper)
     lower, upper = np.where(bounded, lower, rest), np.where(bounded, upper, rest)
     middle, reach = 0.5 * (lower + upper), 0.5 * OPENING_SHARE * (upper - lower)
     signs = [sign * unit for unit in np.eye(problem.nu) for sign in (1.0, -1.0)]
-    together = min(problem.nu, COMBINED_INPUTS)
+    together = min(problem.nu, combined)
     for corner in itertools.product((1.0, -1.0), repeat=together):
         signs.append(np.array([*corner, *np.zeros(problem.nu - together)]))
     held = [np.where(sign == 0.0, rest, middle + sign * reach) for sign in signs]

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The problem solved by a stagewise Newton method, compiled for it on first use.
 
 The method stands in :mod:`uav_tracking_mpc.mpc.newton`; here its data enter and its results leave.
@@ -12,6 +26,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
+from uav_tracking_mpc.dynamics.symbolic_work import one_at_a_time
 from uav_tracking_mpc.mpc.cold_start import ColdStart
 from uav_tracking_mpc.mpc.compiled_method import compile_method
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
@@ -44,6 +59,7 @@ class NewtonSolver:
         NotImplementedError: The problem uses an operation that has no translation.
     """
 
+    @one_at_a_time
     def __init__(
         self,
         problem: OptimalControlProblem,
@@ -64,11 +80,16 @@ class NewtonSolver:
         self.iteration_limit = int(iteration_limit)
         self.time_limit = float(time_limit)
         method = compile_method(problem)
-        self._run = method.minimise.minimise
+        self._method, self._run = method, method.entry()
         self._workspace = np.zeros(1, method.workspace.WORKSPACE)
         self._address = self._workspace.ctypes.data
-        self._fill(int(method.workspace.KEPT))
-        self._cold_start = ColdStart(problem, method, self._workspace[0])
+        self.change(problem)
+
+    def change(self, problem: OptimalControlProblem) -> None:
+        """See :meth:`uav_tracking_mpc.mpc.solver.Solver.change`."""
+        self.problem = problem
+        self._fill(int(self._method.workspace.KEPT))
+        self._cold_start = ColdStart(problem, self._method, self._workspace[0])
         self._warm = False
 
     def _fill(self, row: int) -> None:
@@ -89,6 +110,8 @@ class NewtonSolver:
             record["m_upper"][kind, : upper.size] = upper
         self._x_0 = record["x_0"]
         self._p = record["p"][:, : problem.np]
+        self._p[:] = problem.usual_parameter
+        self._usual = True  # whether p is the problem's own
         self._states = record["x"][row]
         self._inputs = record["u"][row]
         self._decision = record["a"][row][: problem.na]
@@ -111,8 +134,9 @@ class NewtonSolver:
         begin = time.perf_counter()
         try:
             self._x_0[:] = initial_state
-            if self._p.size:
-                self._p[:] = 0.0 if parameters is None else parameters
+            if parameters is not None or not self._usual:
+                self._p[:] = self.problem.usual_parameter if parameters is None else parameters
+                self._usual = parameters is None
             warm = self._warm and elapsed is not None
             stages = max(0.0, (elapsed or 0.0) / self.problem.step)  # 0 for nan as well
         except (TypeError, ValueError) as error:

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 r"""An optimal control problem over a finite horizon, as data.
 
 .. math::
@@ -65,6 +79,7 @@ class OptimalControlProblem:
         input_lower: Lower bounds of u, shape (nu,).
         input_upper: Upper bounds of u, shape (nu,).
         parameter: p, SX symbol (np, 1), values given per stage 0..N at each solve.
+        parameter_values: p of every stage where a solve is given none, shape (np,), 0 by default.
         decision: a, SX symbol (na, 1), free but constant over the horizon.
         decision_lower: Lower bounds of a, shape (na,).
         decision_upper: Upper bounds of a, shape (na,).
@@ -88,6 +103,7 @@ class OptimalControlProblem:
     input_lower: NDArray[np.float64]
     input_upper: NDArray[np.float64]
     parameter: ca.SX = field(default_factory=_no_symbols)
+    parameter_values: NDArray[np.float64] | None = None
     decision: ca.SX = field(default_factory=_no_symbols)
     decision_lower: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     decision_upper: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
@@ -123,6 +139,9 @@ class OptimalControlProblem:
                 raise ValueError(
                     f"{name} bounds are {lower} and {upper}: lower must be below upper"
                 )
+        values = self.parameter_values
+        if values is not None and np.shape(values) != (self.np,):
+            raise ValueError(f"parameter_values has shape {np.shape(values)}, must be ({self.np},)")
         if np.shape(self.decision_guess) != (self.na,):
             raise ValueError(
                 f"decision_guess has shape {np.shape(self.decision_guess)}, must be ({self.na},)"
@@ -139,6 +158,11 @@ class OptimalControlProblem:
     def input_rest(self) -> NDArray[np.float64]:
         """The inputs of the box that are nearest to 0, shape (nu,)."""
         return np.clip(np.zeros(self.nu), self.input_lower, self.input_upper)
+
+    @property
+    def usual_parameter(self) -> NDArray[np.float64]:
+        """The p of every stage where a solve is given none, shape (np,)."""
+        return np.zeros(self.np) if self.parameter_values is None else self.parameter_values
 
     @property
     def nx(self) -> int:

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The interface that every solver shares."""
 
 from __future__ import annotations
@@ -32,14 +46,17 @@ class Solver(Protocol):
     data gives :attr:`Status.REFUSED` and leaves everything that the solver holds as it was.
 
     Attributes:
-        name: By which it is chosen.
         problem: What it solves.
         time_limit: Time budget of one solve in [s], may be set between solves; inf for none.
     """
 
-    name: str
     problem: OptimalControlProblem
     time_limit: float
+
+    @property
+    def name(self) -> str:
+        """By which it is chosen."""
+        ...
 
     def solve(
         self,
@@ -52,11 +69,20 @@ class Solver(Protocol):
 
         Args:
             initial_state: x_0, shape (nx,).
-            parameters: p_0..p_N, shape (N + 1, np), or (np,) where they do not change.
+            parameters: p_0..p_N, shape (N + 1, np), or (np,) where they do not change; None for
+                those of the problem.
             elapsed: Time in [s] since the state of the last solve, for the warm start; None for a
                 cold start.
             guess: Called where a cold start is needed, also after a warm one has failed. The cold
                 start tries the plan that it returns first, and others only if that fails.
+        """
+        ...
+
+    def change(self, problem: OptimalControlProblem) -> None:
+        """Solve the problem with other numbers from now on, starting cold.
+
+        Args:
+            problem: Of the same expressions; bounds, goal and ``parameter_values`` may differ.
         """
         ...
 

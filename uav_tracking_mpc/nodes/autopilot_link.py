@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Node ``autopilot_link``: a real aircraft in the simulator's place, through a vehicle link."""
 
 from __future__ import annotations
@@ -18,23 +32,24 @@ from uav_tracking_mpc.links import LinkError, VehicleLink
 from uav_tracking_mpc.nodes import diagnostics
 from uav_tracking_mpc.nodes.clock_offset import ClockOffset
 from uav_tracking_mpc.nodes.command_wire import CommandWire
-from uav_tracking_mpc.nodes.conversions import (
-    MessageError,
-    nanoseconds,
-    set_air_velocity,
-    set_measurement,
-)
+from uav_tracking_mpc.nodes.conversions import nanoseconds, set_air_velocity, set_measurement
 from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
+from uav_tracking_mpc.nodes.endpoints import listen, publish
+from uav_tracking_mpc.nodes.frame_names import frame_names
 from uav_tracking_mpc.nodes.link_reader import LinkReader
+from uav_tracking_mpc.nodes.message_checks import MessageError
 from uav_tracking_mpc.nodes.orbit_message import orbit_from_message
 from uav_tracking_mpc.nodes.peers import Peers, Promise
 from uav_tracking_mpc.nodes.run import run
 from uav_tracking_mpc.nodes.sighting_publisher import SightingPublisher
+from uav_tracking_mpc.nodes.sole_sender import SoleSenders
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, COMMAND, ENGAGED, ODOMETRY, ORBIT
+from uav_tracking_mpc.nodes.transform_broadcaster import TransformBroadcaster
 from uav_tracking_mpc.parameters.registry import VEHICLE_LINK, ExtensionError
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.link import LinkParameters
 
+FLOWN = (COMMAND, ODOMETRY, AIR_VELOCITY)  # topics with one sender
 LOOK_PERIOD = 0.1  # s between looks at how the link is
 TELL_PERIOD = 1.0  # s between messages that say whether the commands are flown
 SILENCE = 1.0  # s without a state, after which it is missed
@@ -61,39 +76,41 @@ class AutopilotLink(Node):
     def __init__(self, **options: Any) -> None:
         super().__init__("autopilot_link", **options)
         self.parameters = declare_parameters(self, LinkParameters)
+        self._frames = frame_names(self, self.parameters)
         self._link = _link(self.parameters)
         self._clocks = ClockOffset(lambda: self.get_clock().now().nanoseconds, self._link.now)
         self._wanted = self.parameters.engage
         self._engaged, self._told = False, -math.inf
         self._ready = False  # whether the link has something to fly
-        self._wire = CommandWire()
+        self._wire = CommandWire(self._frames)
         self._orbit: tuple[FlownOrbit, int] | None = None
         self._states = self._received = self._refused = 0
         self._state_time, self._refusal = -math.inf, ""
         self._odometry, self._air_velocity = ODOMETRY.type(), AIR_VELOCITY.type()
         self._promise = Promise(self.parameters.telemetry_rate)
-        self._odometry_publisher = self.create_publisher(
-            ODOMETRY.type,
-            ODOMETRY.name,
+        self._odometry_publisher = publish(
+            self,
+            ODOMETRY,
             self._promise.qos(ODOMETRY.qos),
             event_callbacks=self._promise.callbacks(lambda: None),
         )
-        self._air_publisher = self.create_publisher(
-            AIR_VELOCITY.type, AIR_VELOCITY.name, AIR_VELOCITY.qos
-        )
-        self._sightings = SightingPublisher(self) if self.parameters.target_system else None
-        self._engaged_publisher = self.create_publisher(ENGAGED.type, ENGAGED.name, ENGAGED.qos)
+        self._air_publisher = publish(self, AIR_VELOCITY)
+        self._transforms = TransformBroadcaster(self, self._frames)
+        self._sightings = None
+        if self.parameters.target_system:
+            self._sightings = SightingPublisher(self, self._frames)
+        self._engaged_publisher = publish(self, ENGAGED)
         self._diagnostics = diagnostics.Diagnostics(self, self._values)
+        self._senders = SoleSenders(self, FLOWN, self._diagnostics.alarm)
         self._peers = Peers(lambda words: self._diagnostics.report(diagnostics.WARN, words))
-        self.create_subscription(
-            COMMAND.type,
-            COMMAND.name,
+        listen(
+            self,
+            COMMAND,
             self._on_command,
-            COMMAND.qos,
             event_callbacks=self._peers.listening(COMMAND),
             raw=True,
         )
-        self.create_subscription(ORBIT.type, ORBIT.name, self._on_orbit, ORBIT.qos)
+        listen(self, ORBIT, self._on_orbit)
         self.create_service(SetBool, "~/engage", self._on_engage)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(LOOK_PERIOD, self._look, clock=steady)
@@ -108,11 +125,12 @@ class AutopilotLink(Node):
     def _on_measured(self, seen: Measurement) -> None:
         """Publish a measurement at once, in the thread that received it."""
         stamp = self._clocks.ros(seen.stamp)
-        set_measurement(self._odometry, stamp, seen)
+        set_measurement(self._odometry, stamp, seen, self._frames)
         if self._states or seen.airspeed is None:  # the first airspeed goes before the first state
             self._odometry_publisher.publish(self._odometry)
+            self._transforms.publish(self._odometry)
         if seen.airspeed is not None:
-            set_air_velocity(self._air_velocity, stamp, seen.airspeed)
+            set_air_velocity(self._air_velocity, stamp, seen.airspeed, self._frames)
             self._air_publisher.publish(self._air_velocity)
         self._states += 1
         self._state_time = time.monotonic()
@@ -142,7 +160,10 @@ class AutopilotLink(Node):
 
     def _on_orbit(self, message: Any) -> None:
         try:
-            self._orbit = orbit_from_message(message), nanoseconds(message.header.stamp)
+            self._orbit = (
+                orbit_from_message(message, self._frames),
+                nanoseconds(message.header.stamp),
+            )
         except MessageError as error:
             self._refused += 1
             self.get_logger().warning(
@@ -192,6 +213,7 @@ class AutopilotLink(Node):
             else:
                 logger.warning(words)
         self._tell(now)
+        self._diagnostics.hardware_id = self._link.identity or self._diagnostics.hardware_id
         self._diagnostics.report(*self._status(now))
         if self._wanted and self._ready and now - self._state_time < SILENCE:
             words = self._engage()

@@ -1,9 +1,24 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """What the controller has done and how it is: in the log, and as /diagnostics."""
 
 from __future__ import annotations
 
 from rclpy.node import Node
 
+from uav_tracking_mpc.control.claim_watch import ClaimWatch
 from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.event import Level
@@ -11,12 +26,23 @@ from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.estimation.channel_response import CHANNELS
 from uav_tracking_mpc.nodes import diagnostics
 from uav_tracking_mpc.nodes.air_values import air_values
+from uav_tracking_mpc.nodes.managed_node import Stage
 from uav_tracking_mpc.nodes.peers import Peers
+from uav_tracking_mpc.nodes.reported_mode import MODE, REASON
+from uav_tracking_mpc.nodes.reported_orbit import orbit_values
 from uav_tracking_mpc.nodes.response_values import response_values
 from uav_tracking_mpc.nodes.sample_window import SampleWindow
-from uav_tracking_mpc.terminal.claim import CertificateStatus
+from uav_tracking_mpc.nodes.throttled_warnings import ThrottledWarnings
+from uav_tracking_mpc.nodes.topics import TARGET, TARGET_ODOMETRY
+from uav_tracking_mpc.settings.tracking import TrackingParameters
 
 WARNING_PERIOD = 5.0  # s between warnings of one kind that may come with every message
+STAGES = {
+    Stage.UNCONFIGURED: "unconfigured: no command is sent",
+    Stage.INACTIVE: "inactive: no command is sent",
+    Stage.ACTIVE: "active: waiting for the first state",
+    Stage.FINALIZED: "shut down: no command is sent until the node is started anew",
+}
 
 
 class ControllerReport:
@@ -26,7 +52,7 @@ class ControllerReport:
         node: Whose log and diagnostics they are.
 
     Attributes:
-        certification: What may be claimed of the terminal set; None while not configured.
+        alarm: Shows an error while it lasts: see :meth:`Diagnostics.alarm`.
         peers: Who publishes what the node listens to.
         refused: Messages that could not be used.
         deadlines_missed: How often no command came for two control periods of wall time.
@@ -34,56 +60,94 @@ class ControllerReport:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self.certification: CertificateStatus | None = None
+        self._claims: ClaimWatch | None = None
         self.refused = self.deadlines_missed = 0
         self._controller: Controller | None = None
+        self._stage = Stage.UNCONFIGURED
         self._sent = self._failures = 0
         self._trouble = self._failure = self._decrease = ""
         self._solve_times, self._response_times = SampleWindow(), SampleWindow()
         self._diagnostics = diagnostics.Diagnostics(node, self._values)
         self.peers = Peers(lambda words: self._diagnostics.report(diagnostics.WARN, words))
+        self.alarm, self._throttled = self._diagnostics.alarm, ThrottledWarnings(node)
 
-    def configured(self, controller: Controller, certification: CertificateStatus) -> None:
+    def configured(self, controller: Controller, claims: ClaimWatch) -> None:
         """Report a controller from now on.
 
         Args:
             controller: Ready to fly.
-            certification: What may be claimed of its terminal set.
+            claims: What may be claimed of its terminal set.
         """
-        self._controller, self.certification = controller, certification
+        self._controller, self._claims = controller, claims
         parameters = controller.parameters
         orbit = parameters.orbit
         self._node.get_logger().info(
             f"orbit of {orbit.range:g} m at {orbit.altitude:g} m and {orbit.speed:g} m/s, "
             f"{parameters.direction}, {parameters.model} model, N = {parameters.horizon}; "
-            f"terminal set {certification.status}: {certification.reason}"
+            f"terminal set {claims.claim.status}: {claims.claim.reason}"
         )
 
-    def unconfigured(self, trouble: str) -> None:
-        """Report that there is no controller.
+    def changed(self, parameters: TrackingParameters) -> None:
+        """Report other parameters of the controller.
 
         Args:
+            parameters: What is flown from now on.
+        """
+        if self._claims is not None:
+            self._claims.change(parameters)
+        self.tell()
+        self.publish()  # what is claimed of the terminal set may hold no longer
+
+    def claimed(self, words: str) -> None:
+        """Report what may be claimed of the terminal set of a new orbit.
+
+        Args:
+            words: What.
+        """
+        self._node.get_logger().info(words)
+
+    def at(self, stage: Stage, trouble: str) -> None:
+        """Report at which stage of its life the node is.
+
+        Args:
+            stage: Where it is.
             trouble: What went wrong, in words; empty if nothing did.
         """
-        self._controller, self._trouble = None, trouble
+        self._stage, self._trouble = stage, trouble
+        if stage in (Stage.UNCONFIGURED, Stage.FINALIZED):
+            self._controller = None
+        self._log_events()
         if trouble:
-            self._diagnostics.report(diagnostics.ERROR, trouble)
+            self._diagnostics.announce(diagnostics.ERROR, trouble)
+        else:
+            self._diagnostics.announce(diagnostics.WARN, STAGES[stage])
 
-    def refuse(self, words: str) -> None:
+    def refuse(self, words: str, topic: str = "") -> None:
         """Report a message that cannot be used.
 
         Args:
             words: Why.
+            topic: From which it came, if it is known: each has its own throttle.
         """
         self.refused += 1
-        self._node.get_logger().warning(
-            f"message refused: {words}", throttle_duration_sec=WARNING_PERIOD
-        )
+        self._throttled.warn(f"{topic} refused", f"message refused: {words}")
+
+    def leave_out(self, topic: str, words: str) -> None:
+        """Report a message that is sound and has not been used.
+
+        Args:
+            topic: From which it came.
+            words: Why not.
+        """
+        self._throttled.warn(f"{topic} left out", f"{topic}: message left out: {words}")
 
     def late(self) -> None:
         """Report that no command came in two control periods of wall time."""
-        if self._controller is not None and self._controller.flying:
-            self.deadlines_missed += 1
+        controller = self._controller
+        if controller is None or not controller.flying:
+            return
+        self.deadlines_missed += 1
+        if controller.modes.mode is not FallbackMode.SILENCE:  # else that is said already
             self._node.get_logger().warning(
                 "the control rate is not kept: a command is overdue",
                 throttle_duration_sec=WARNING_PERIOD,
@@ -91,6 +155,11 @@ class ControllerReport:
 
     def tell(self) -> None:
         """Log what has happened to the controller, and say how it is if that is news."""
+        self._log_events()
+        if self._controller is not None and self._stage is Stage.ACTIVE:
+            self._diagnostics.report(*_status(self._controller))
+
+    def _log_events(self) -> None:
         if self._controller is None:
             return
         for level, words in self._controller.events.take():
@@ -98,9 +167,14 @@ class ControllerReport:
                 self.refuse(words)
             elif level is Level.INFO:
                 self._node.get_logger().info(words)
-            else:
+            elif level is Level.WARNING:
                 self._node.get_logger().warning(words)
-        self._diagnostics.report(*_status(self._controller))
+            # The status tells of the mode: it does not change with every command.
+
+    def stands(self) -> None:
+        """Report that simulated time stands still: nothing is due, and nothing is lost."""
+        if self._stage is Stage.ACTIVE:
+            self._diagnostics.report(diagnostics.WARN, "simulated time stands still")
 
     def publish(self) -> None:
         """Publish the present diagnostics."""
@@ -129,15 +203,17 @@ class ControllerReport:
         """Keys, with units, and values."""
         controller = self._controller
         if controller is None:
-            return {"configured": False, "reason": self._trouble}
+            stage = {"lifecycle state": self._stage.value}
+            return {**stage, "configured": False, "reason": self._trouble}
         solve, response, modes = self._solve_times, self._response_times, controller.modes
         formulation, navigator = controller.formulation, controller.navigator
         east, north, up = controller.drift.tolist()
         envelope = controller.parameters.envelope
-        claim = self.certification
+        claim = None if self._claims is None else self._claims.claim
         values: dict[str, object] = {
-            "mode": modes.mode.value,
-            "mode reason": modes.reason,
+            "lifecycle state": self._stage.value,
+            MODE: modes.mode.value,
+            REASON: modes.reason,
             "mode changes": modes.changes,
             "commands sent": self._sent,
             "commands late": controller.rate.late,
@@ -148,7 +224,7 @@ class ControllerReport:
             **{f"mode {mode.value}": count for mode, count in modes.counts.items()},
             "messages refused": self.refused,
             "orbit refused": envelope.refusal(controller.orbit, controller.drift) or "no",
-            "direction": controller.orbit.direction,
+            **orbit_values(controller.orbit),
             "drift east [m/s]": east,
             "drift north [m/s]": north,
             "drift up [m/s]": up,
@@ -183,20 +259,23 @@ class ControllerReport:
         return values
 
 
-def _status(controller: Controller) -> tuple[bytes, str]:
-    """Level and words of how the controller is."""
+def _status(controller: Controller) -> tuple[bytes, str] | tuple[bytes, str, str]:
+    """Level and words of how the active controller is, and why."""
     mode, reason = controller.modes.mode, controller.modes.reason
+    heard = f"nothing usable comes on {TARGET.name} or {TARGET_ODOMETRY.name}"
     if mode is FallbackMode.SILENCE:
-        return diagnostics.WARN, f"{reason}: no command is sent"
+        level = diagnostics.ERROR if controller.flying else diagnostics.WARN
+        return level, f"{reason}: no command is sent", heard if "target" in reason else ""
     if mode is FallbackMode.HOLD:
         return diagnostics.ERROR, f"{reason}: wings level"
     if not mode.nominal:
         level = diagnostics.WARN if mode.planned else diagnostics.ERROR
-        return level, f"flying {mode.value}, not the optimal one"
+        why = f"{reason}, {heard}" if reason == "target position is lost" else reason
+        return level, f"flying {mode.value}, not the optimal one", why
     for axis, swing in enumerate(controller.response.oscillation.swings):
         if swing is not None:
             cause = controller.response.oscillation.causes[axis]  # the figures are in the values
             return diagnostics.WARN, f"limit cycle of the {CHANNELS[axis]}, likely {cause}"
     if controller.rate.complaint():  # the figures are in the values
-        return diagnostics.WARN, "the control rate is not kept"
+        return diagnostics.WARN, "the control rate is not kept", controller.rate.complaint()
     return diagnostics.OK, f"tracking: {mode.value}"

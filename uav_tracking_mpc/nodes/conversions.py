@@ -1,4 +1,20 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Messages to arrays and back: the one place that knows both.
+
+Reading needs no ROS: messages of a bag, decoded by another library, will do.
 
 Jazzy's Python messages do not check what is put into a float field, hence ``float()`` on every
 scalar; NaN would pass, hence the checks on everything that comes in.
@@ -8,14 +24,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Point, PointStamped, Quaternion, Twist, TwistStamped, Vector3
-from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
-from std_msgs.msg import Header
-from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
 
 from uav_tracking_mpc.dynamics.frames import (
     body_rates,
@@ -26,16 +38,24 @@ from uav_tracking_mpc.dynamics.frames import (
     rotation_from_course,
     rotation_from_quaternion,
 )
-from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
+from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.nodes.frame_names import FRAMES, FrameNames
+from uav_tracking_mpc.nodes.message_checks import (
+    POSITION_LIMIT,
+    RATE_LIMIT,
+    SPEED_LIMIT,
+    MessageError,
+    check_frame,
+    check_header,
+    finite_vector,
+)
+from uav_tracking_mpc.nodes.odometry_noise import noise_from_odometry, set_noise
 
-MAP, BASE_LINK = "map", "base_link"
-POSITION_LIMIT = 1e7  # m; what lies beyond is no position on this earth
-SPEED_LIMIT = 1e3  # m/s
-RATE_LIMIT = 1e2  # rad/s
-
-
-class MessageError(MeasurementError):
-    """A message cannot be used; the text names topic, field and value."""
+if TYPE_CHECKING:
+    from builtin_interfaces.msg import Time
+    from geometry_msgs.msg import Point, PointStamped, Quaternion, TwistStamped, Vector3
+    from nav_msgs.msg import Odometry
+    from trajectory_msgs.msg import MultiDOFJointTrajectory
 
 
 def nanoseconds(stamp: Time) -> int:
@@ -63,6 +83,7 @@ def set_odometry(
     state: NDArray[np.float64],
     rates: NDArray[np.float64],
     ground_velocity: NDArray[np.float64] | None = None,
+    frames: FrameNames = FRAMES,
 ) -> None:
     """Fill an Odometry message.
 
@@ -72,9 +93,10 @@ def set_odometry(
         state: (x, y, z, psi, chi, v), shape (6,).
         rates: (u_psi, u_chi, u_v) flown at the time, shape (3,).
         ground_velocity: In ``map``, shape (3,), in [m/s]; None in still air.
+        frames: Of the message.
     """
     set_stamp(message.header.stamp, stamp)
-    message.header.frame_id, message.child_frame_id = MAP, BASE_LINK
+    message.header.frame_id, message.child_frame_id = frames
     set_vector(message.pose.pose.position, state[:3])
     _, _, _, heading, path_angle, speed = state.tolist()
     set_orientation(message.pose.pose.orientation, heading, path_angle)
@@ -87,57 +109,70 @@ def set_odometry(
     set_vector(message.twist.twist.angular, body_rates(path_angle, rates))
 
 
-def set_measurement(message: Odometry, stamp: int, seen: Measurement) -> None:
+def set_measurement(
+    message: Odometry, stamp: int, seen: Measurement, frames: FrameNames = FRAMES
+) -> None:
     """Fill an Odometry message with what was measured.
 
     Args:
         message: Changed in place.
         stamp: Time of the measurement in [ns].
         seen: Of the aircraft.
+        frames: Of the message.
     """
     rates = np.array([seen.turn_rate, seen.path_angle_rate, 0.0])
     state = seen.state(math.nan if seen.airspeed is None else seen.airspeed)
-    set_odometry(message, stamp, state, rates, seen.ground_velocity)
+    set_odometry(message, stamp, state, rates, seen.ground_velocity, frames)
+    set_noise(message, seen.noise, rotation_from_course(seen.heading, seen.path_angle))
 
 
-def set_air_velocity(message: TwistStamped, stamp: int, speed: float) -> None:
+def set_air_velocity(
+    message: TwistStamped, stamp: int, speed: float, frames: FrameNames = FRAMES
+) -> None:
     """Fill the velocity through the air: along the body's x axis.
 
     Args:
         message: Changed in place.
         stamp: When it was measured in [ns].
         speed: Airspeed v in [m/s].
+        frames: Of the message.
     """
     set_stamp(message.header.stamp, stamp)
-    message.header.frame_id = BASE_LINK
+    message.header.frame_id = frames.base
     set_vector(message.twist.linear, (speed, 0.0, 0.0))
 
 
-def set_point(message: PointStamped, stamp: int, position: NDArray[np.float64]) -> None:
+def set_point(
+    message: PointStamped, stamp: int, position: NDArray[np.float64], frames: FrameNames = FRAMES
+) -> None:
     """Fill a stamped point in ``map``.
 
     Args:
         message: Changed in place.
         stamp: When it was measured in [ns].
         position: Shape (3,), in [m].
+        frames: Of the message.
     """
     set_stamp(message.header.stamp, stamp)
-    message.header.frame_id = MAP
+    message.header.frame_id = frames.map
     set_vector(message.point, position)
 
 
-def measurement_from_odometry(message: Odometry, stamp: float = 0.0) -> Measurement:
+def measurement_from_odometry(
+    message: Odometry, stamp: float = 0.0, frames: FrameNames = FRAMES
+) -> Measurement:
     """Measurement of an Odometry message, whose body may roll.
 
     Args:
         message: As in ``uav/odometry``.
         stamp: Its time by whatever clock the measurement is to have, in [s].
+        frames: In which it must be.
 
     Raises:
         MessageError: Wrong frame, no time, not finite, absurd, or no unit quaternion.
     """
-    check_header("uav/odometry", message.header, MAP)
-    _check_frame("uav/odometry", "child_frame_id", message.child_frame_id, BASE_LINK)
+    check_header("uav/odometry", message.header, frames.map)
+    check_frame("uav/odometry", "child_frame_id", message.child_frame_id, frames.base)
     pose, twist = message.pose.pose, message.twist.twist
     position = finite_vector("uav/odometry", "pose.position", pose.position, POSITION_LIMIT)
     ground = finite_vector("uav/odometry", "twist.linear", twist.linear, SPEED_LIMIT)
@@ -149,52 +184,61 @@ def measurement_from_odometry(message: Odometry, stamp: float = 0.0) -> Measurem
         raise MessageError(f"uav/odometry: pose.orientation: {error}") from error
     rotation = rotation_from_quaternion(q.x, q.y, q.z, q.w)
     turn_rate, path_angle_rate = course_rates(rotation, angular)
-    return Measurement(
-        stamp, position, rotation @ ground, heading, path_angle, turn_rate, path_angle_rate
-    )
+    course = heading, path_angle, turn_rate, path_angle_rate
+    noise = noise_from_odometry(message, rotation)
+    return Measurement(stamp, position, rotation @ ground, *course, noise=noise)
 
 
-def vehicle_from_odometry(message: Odometry) -> NDArray[np.float64]:
+def vehicle_from_odometry(message: Odometry, frames: FrameNames = FRAMES) -> NDArray[np.float64]:
     """State (x, y, z, psi, chi, v), shape (6,), of an Odometry message in still air.
 
     Args:
         message: As in ``uav/odometry``.
+        frames: In which it must be.
 
     Raises:
         MessageError: As in :func:`measurement_from_odometry`.
     """
-    measurement = measurement_from_odometry(message)
+    measurement = measurement_from_odometry(message, frames=frames)
     return measurement.state(math.hypot(*measurement.ground_velocity))
 
 
-def air_velocity_from_twist(message: TwistStamped) -> NDArray[np.float64]:
+def air_velocity_from_twist(
+    message: TwistStamped, frames: FrameNames = FRAMES
+) -> NDArray[np.float64]:
     """Velocity through the air in ``base_link``, shape (3,), in [m/s].
 
     Args:
         message: As in ``uav/air_velocity``.
+        frames: In which it must be.
 
     Raises:
         MessageError: Wrong frame, no time, not finite, or absurd.
     """
-    check_header("uav/air_velocity", message.header, BASE_LINK)
+    check_header("uav/air_velocity", message.header, frames.base)
     return finite_vector("uav/air_velocity", "twist.linear", message.twist.linear, SPEED_LIMIT)
 
 
-def position_from_point(message: PointStamped) -> NDArray[np.float64]:
+def position_from_point(message: PointStamped, frames: FrameNames = FRAMES) -> NDArray[np.float64]:
     """Position, shape (3,), in [m].
 
     Args:
         message: As in ``target/position``.
+        frames: In which it must be.
 
     Raises:
         MessageError: Wrong frame, no time, not finite, or absurd.
     """
-    check_header("target/position", message.header, MAP)
+    check_header("target/position", message.header, frames.map)
     return finite_vector("target/position", "point", message.point, POSITION_LIMIT)
 
 
 def set_command(
-    message: MultiDOFJointTrajectory, stamp: int, plan: NDArray[np.float64], step: float
+    message: MultiDOFJointTrajectory,
+    stamp: int,
+    plan: NDArray[np.float64],
+    step: float,
+    frames: FrameNames = FRAMES,
 ) -> None:
     """Fill a command: the inputs now and the plan after them.
 
@@ -203,10 +247,11 @@ def set_command(
         stamp: Time at which the plan begins in [ns].
         plan: (u_psi, u_chi, u_v) at 0, step, 2 step, ..., shape (n, 3).
         step: T_s in [s].
+        frames: Of the message: that of its header, and the joint's name.
     """
     set_stamp(message.header.stamp, stamp)
-    message.header.frame_id = MAP
-    message.joint_names = [BASE_LINK]
+    message.header.frame_id = frames.map
+    message.joint_names = [frames.base]
     if len(message.points) != len(plan) or nanoseconds(message.points[-1].time_from_start) != round(
         (len(plan) - 1) * step * 1e9
     ):
@@ -220,6 +265,9 @@ def set_command(
 
 def _set_points(message: MultiDOFJointTrajectory, count: int, step: float) -> None:
     """As many points as the plan has, with their times."""
+    from geometry_msgs.msg import Twist
+    from trajectory_msgs.msg import MultiDOFJointTrajectoryPoint
+
     while len(message.points) < count:
         point = MultiDOFJointTrajectoryPoint()
         point.velocities, point.accelerations = [Twist()], [Twist()]
@@ -230,12 +278,13 @@ def _set_points(message: MultiDOFJointTrajectory, count: int, step: float) -> No
 
 
 def plan_from_command(
-    message: MultiDOFJointTrajectory,
+    message: MultiDOFJointTrajectory, frames: FrameNames = FRAMES
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Plan of a command.
 
     Args:
         message: As in ``uav/command``.
+        frames: In which it must be.
 
     Returns:
         Inputs (u_psi, u_chi, u_v), shape (n, 3), and the times from the stamp at which each
@@ -245,10 +294,10 @@ def plan_from_command(
         MessageError: Wrong frame or joint, no time, no points, a point without rates or
             accelerations, values that are not finite.
     """
-    check_header("uav/command", message.header, MAP)
-    if list(message.joint_names) != [BASE_LINK]:
+    check_header("uav/command", message.header, frames.map)
+    if frames.base and list(message.joint_names) != [frames.base]:
         raise MessageError(
-            f"uav/command: joint_names is {list(message.joint_names)}, must be ['{BASE_LINK}']"
+            f"uav/command: joint_names is {list(message.joint_names)}, must be ['{frames.base}']"
         )
     if not message.points:
         raise MessageError("uav/command: points is empty, must hold at least the command now")
@@ -288,49 +337,3 @@ def set_orientation(message: Quaternion, heading: float, path_angle: float) -> N
     message.x, message.y, message.z, message.w = quaternion_from_course(
         float(heading), float(path_angle)
     )
-
-
-def finite_vector(
-    topic: str, name: str, message: Point | Vector3, limit: float
-) -> NDArray[np.float64]:
-    """A vector of a message, shape (3,), in the unit of the field.
-
-    Args:
-        topic: From which it came.
-        name: Of the field.
-        message: The vector.
-        limit: Greatest absolute value of a component, in [m], [m/s] or [rad/s] as the field.
-
-    Raises:
-        MessageError: A component is not finite or beyond the limit.
-    """
-    values = np.array([message.x, message.y, message.z], dtype=float)
-    for axis, value in zip("xyz", values, strict=True):
-        if not abs(value) <= limit:
-            raise MessageError(
-                f"{topic}: {name}.{axis} is {value}, must be finite and within {limit:g}"
-            )
-    return values
-
-
-def check_header(topic: str, header: Header, frame: str) -> None:
-    """Check frame and stamp of a message.
-
-    Args:
-        topic: From which it came.
-        header: Of the message.
-        frame: In which it must be.
-
-    Raises:
-        MessageError: Another frame, or a stamp that is no time.
-    """
-    _check_frame(topic, "header.frame_id", header.frame_id, frame)
-    if header.stamp.nanosec >= 1_000_000_000:  # as a time it could lie past the last one there is
-        raise MessageError(
-            f"{topic}: header.stamp.nanosec is {header.stamp.nanosec}, must be below 1000000000"
-        )
-
-
-def _check_frame(topic: str, name: str, frame: str, expected: str) -> None:
-    if frame != expected:
-        raise MessageError(f"{topic}: {name} is '{frame}', must be '{expected}'")

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Parameter dataclasses as ROS parameters: described, ranged, checked as a whole."""
 
 from __future__ import annotations
@@ -12,6 +26,7 @@ from rcl_interfaces.msg import (
     ParameterDescriptor,
     SetParametersResult,
 )
+from rclpy.lifecycle import LifecycleNode
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -38,7 +53,8 @@ def declare_parameters(node: Node, parameters: type[T], changeable: bool = False
     Args:
         node: Whose they are.
         parameters: The dataclass.
-        changeable: Whether they may be set later on; see :func:`follow_parameters`.
+        changeable: Whether they may be set later on; see :func:`follow_parameters`. Fixed ones may
+            only be set on a managed node, while it is not configured.
 
     Raises:
         ParameterError: A value of the wrong type, out of range, or at odds with another.
@@ -56,7 +72,7 @@ def declare_parameters(node: Node, parameters: type[T], changeable: bool = False
             node.declare_parameter(
                 specification.name,
                 _ros_value(specification.default),
-                _descriptor(specification, changeable),
+                _descriptor(specification, changeable, isinstance(node, LifecycleNode)),
             ).value
         )
         for specification in known
@@ -107,15 +123,18 @@ def follow_parameters(
     node.add_post_set_parameters_callback(after_set)
 
 
-def _descriptor(specification: Specification, changeable: bool) -> ParameterDescriptor:
+def _descriptor(
+    specification: Specification, changeable: bool, managed: bool
+) -> ParameterDescriptor:
     unit = f" [{specification.unit}]" if specification.unit else ""
     constraints = f"must be {specification.allowed}"
-    if changeable and specification.fixed:
+    read_only = not changeable or (specification.fixed and not managed)
+    if specification.fixed and not read_only:
         constraints += "; stays as it is while the node is configured"
     descriptor = ParameterDescriptor(
         description=specification.description + unit,
         additional_constraints=constraints,
-        read_only=not changeable,
+        read_only=read_only,
         dynamic_typing=True,
     )
     lower, upper = specification.lower, specification.upper

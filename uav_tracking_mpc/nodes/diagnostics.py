@@ -1,65 +1,146 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """/diagnostics: how a node is, in words and numbers, once a second and on change."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 
+from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
+from uav_tracking_mpc.nodes.endpoints import publish
+from uav_tracking_mpc.nodes.steady_status import SteadyStatus
 from uav_tracking_mpc.nodes.topics import DIAGNOSTICS
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
+STARTING = 3.0  # s for which it is ordinary at the start that something is not there yet
+AIRCRAFT = "uav"  # the aircraft of nodes without a namespace
 
 
 class Diagnostics:
     """Diagnostics of one node.
 
-    The timer runs on a steady clock: a stopped simulation must not silence it.
+    The timer runs on a steady clock: a stopped simulation must not silence it. A status that
+    changes with every message is shown as :class:`SteadyStatus` says. Until it was
+    fine for the first time, a warning is logged as information, and as a warning only if it stands
+    for some seconds.
 
     Args:
         node: Whose they are.
         values: Called at each report for keys (with units) and values.
+        now: Stamp of a report, by the node's clock unless the node itself makes the time.
+
+    Attributes:
+        hardware_id: Which aircraft it is: the namespace, or what its autopilot says of itself.
     """
 
-    def __init__(self, node: Node, values: Callable[[], Mapping[str, object]]) -> None:
-        self._node = node
-        self._values = values
-        name = node.get_fully_qualified_name().lstrip("/")
-        self._status = DiagnosticStatus(level=WARN, name=f"{name}: status", message="starting")
-        self._status.hardware_id = "uav_tracking_mpc"
-        self._message = DiagnosticArray(status=[self._status])
-        self._publisher = node.create_publisher(DIAGNOSTICS.type, DIAGNOSTICS.name, DIAGNOSTICS.qos)
+    def __init__(
+        self,
+        node: Node,
+        values: Callable[[], Mapping[str, object]],
+        now: Callable[[], Time] | None = None,
+    ) -> None:
+        self._node, self._values = node, values
+        self._now = now or (lambda: node.get_clock().now().to_msg())
+        self._name = f"{node.get_fully_qualified_name().lstrip('/')}: status"
+        self.hardware_id = node.get_namespace().strip("/") or AIRCRAFT
+        self._status = SteadyStatus(WARN, "starting")
+        self._alarm = ""
+        self._unlogged, self._since = "", 0.0  # a warning logged as information, and when [s]
+        self._publisher = publish(node, DIAGNOSTICS)
         self._timer = node.create_timer(
-            1.0, self.publish, clock=Clock(clock_type=ClockType.STEADY_TIME)
+            1.0, self._repeat, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
 
-    def report(self, level: bytes, message: str) -> None:
-        """Say how the node is; published and logged at once when it has changed.
+    @property
+    def level(self) -> bytes:
+        """That is shown: OK, WARN or ERROR."""
+        return self._status.level
+
+    @property
+    def message(self) -> str:
+        """That is shown."""
+        return self._status.message
+
+    def report(self, level: bytes, message: str, reason: str = "") -> None:
+        """Say how the node is; published and logged when another status is shown.
+
+        Args:
+            level: OK, WARN or ERROR.
+            message: For people.
+            reason: Added to the line in the log: why, with figures that may change.
+        """
+        if self._status.see(level, message, time.monotonic()):
+            self._log(f"{message}: {reason}" if reason else message)
+            self.publish()
+
+    def announce(self, level: bytes, message: str) -> None:
+        """Say how the node is from now on, because somebody asked for it; not logged.
 
         Args:
             level: OK, WARN or ERROR.
             message: For people.
         """
-        if (level, message) == (self._status.level, self._status.message):
-            return
-        self._status.level, self._status.message = level, message
-        logger = self._node.get_logger()
-        # rclpy ties each call site to one severity, hence one line each.
-        if level == OK:
-            logger.info(message)
-        elif level == WARN:
-            logger.warning(message)
-        else:
-            logger.error(message)
+        self._status.begin(level, message)
+        self._unlogged = ""
+        self.publish()
+
+    def alarm(self, words: str) -> None:
+        """Show an error in place of what is reported, as long as it lasts.
+
+        Args:
+            words: What is wrong; empty when it is over.
+        """
+        if words:
+            self._node.get_logger().error(words)
+        elif self._alarm:
+            self._node.get_logger().info(f"over: {self._alarm}")
+        self._alarm = words
         self.publish()
 
     def publish(self) -> None:
         """Publish the present state."""
-        self._status.values = [
+        level, words = (ERROR, self._alarm) if self._alarm else (self.level, self.message)
+        status = DiagnosticStatus(level=level, name=self._name, message=words)
+        status.hardware_id = self.hardware_id
+        status.values = [
             KeyValue(key=key, value=f"{value:.6g}" if isinstance(value, float) else str(value))
             for key, value in self._values().items()
         ]
-        self._message.header.stamp = self._node.get_clock().now().to_msg()
-        self._publisher.publish(self._message)
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = self._now()
+        self._publisher.publish(message)
+
+    def _log(self, words: str) -> None:
+        # rclpy ties each call site to one severity, hence one line each.
+        logger, self._unlogged = self._node.get_logger(), ""
+        if self.level == WARN and self._status.starting:
+            self._unlogged, self._since = words, time.monotonic()
+        if self.level == OK or self._unlogged:
+            logger.info(words)
+        elif self.level == WARN:
+            logger.warning(words)
+        else:
+            logger.error(words)
+
+    def _repeat(self) -> None:
+        if self._unlogged and time.monotonic() - self._since >= STARTING:
+            self._node.get_logger().warning(self._unlogged)
+            self._unlogged = ""
+        self.publish()

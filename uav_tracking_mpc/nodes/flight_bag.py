@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """A flight as an MCAP bag: written message by message, read back as a FlightLog."""
 
 from __future__ import annotations
@@ -11,12 +25,16 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import deserialize_message
-from rosbags.rosbag2 import Reader, StoragePlugin, Writer
+from rosbags.interfaces import Connection
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.nodes.bag_series import airspeeds, beside_commands, latency
 from uav_tracking_mpc.nodes.conversions import (
     air_velocity_from_twist,
     measurement_from_odometry,
@@ -25,7 +43,13 @@ from uav_tracking_mpc.nodes.conversions import (
     position_from_point,
 )
 from uav_tracking_mpc.nodes.flown_target import sighted_target, simulated_target
+from uav_tracking_mpc.nodes.frame_names import ANY_FRAMES
+from uav_tracking_mpc.nodes.offered_quality import offered_quality
+from uav_tracking_mpc.nodes.recorded_transform import TYPE, recorded_transform
+from uav_tracking_mpc.nodes.reported_mode import mode_changes, reported_mode
+from uav_tracking_mpc.nodes.reported_orbit import orbit_changes, reported_orbit
 from uav_tracking_mpc.nodes.target_odometry import target_from_odometry
+from uav_tracking_mpc.nodes.target_truth import truth_from_odometry
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     ALL,
@@ -35,39 +59,60 @@ from uav_tracking_mpc.nodes.topics import (
     ODOMETRY,
     TARGET,
     TARGET_ODOMETRY,
+    TARGET_TRUTH,
     TRACKING,
     Topic,
 )
 from uav_tracking_mpc.settings.configuration import Configuration
-from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, Latency, LinkFigures
+from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, LinkFigures
+
+METADATA = "metadata.yaml"  # as ROS 2 calls it
+MOVING = QoSProfile(depth=100)  # as tf2's broadcasters offer
+STATIC = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class FlightBag:
     """Bag being written: one MCAP file, moved to its place when it is complete.
 
+    Where it holds ``uav/odometry``, it also holds the aircraft's transform on ``/tf`` and the
+    frames of autopilots on ``/tf_static``.
+
     Args:
         path: The file to write; replaced if it exists.
         topics: What it may hold.
+        alone: It is the only bag in its folder: ``metadata.yaml`` is put beside it, by which the
+            folder is a bag of ROS 2.
 
     Raises:
         OSError: The folder cannot be written.
     """
 
-    def __init__(self, path: Path, topics: Sequence[Topic] = ALL) -> None:
-        self.path = path
+    def __init__(self, path: Path, topics: Sequence[Topic] = ALL, alone: bool = False) -> None:
+        self.path, self._alone = path, alone
         path.parent.mkdir(parents=True, exist_ok=True)
         self._folder = Path(tempfile.mkdtemp(prefix=".recording-", dir=path.parent))
+        # The metadata name the file after the folder in which it is written.
         self._writer = Writer(
-            self._folder / "bag", version=Writer.VERSION_LATEST, storage_plugin=StoragePlugin.MCAP
+            self._folder / path.stem,
+            version=Writer.VERSION_LATEST,
+            storage_plugin=StoragePlugin.MCAP,
         )
+        self._writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
         self._writer.open()
         typestore = get_typestore(Stores.ROS2_JAZZY)
-        self._connections = {
-            topic.name: self._writer.add_connection(
-                absolute(topic), topic.type_name, typestore=typestore
+
+        def connect(name: str, kind: str, profile: QoSProfile) -> Connection:
+            offered = [offered_quality(profile)]
+            return self._writer.add_connection(
+                name, kind, typestore=typestore, offered_qos_profiles=offered
             )
-            for topic in topics
+
+        self._connections = {
+            topic.name: connect(absolute(topic), topic.type_name, topic.qos) for topic in topics
         }
+        if ODOMETRY in topics:
+            self._transforms = connect("/tf", TYPE, MOVING)
+            self._statics: Connection | None = connect("/tf_static", TYPE, STATIC)  # not yet sent
 
     def write(self, topic: Topic, time: int, message: bytes) -> None:
         """Append a message.
@@ -78,12 +123,19 @@ class FlightBag:
             message: Serialized.
         """
         self._writer.write(self._connections[topic.name], time, message)
+        if topic is ODOMETRY and (transform := recorded_transform(message)) is not None:
+            self._writer.write(self._transforms, time, transform.message())
+            if self._statics is not None:
+                self._writer.write(self._statics, time, transform.statics())
+                self._statics = None
 
     def close(self) -> None:
         """Complete the file and move it to its place."""
         self._writer.close()
-        (recorded,) = (self._folder / "bag").glob("*.mcap")
-        recorded.replace(self.path)
+        written = self._folder / self.path.stem
+        (written / self.path.name).replace(self.path)
+        if self._alone:
+            (written / METADATA).replace(self.path.parent / METADATA)
         shutil.rmtree(self._folder)
 
     def discard(self) -> None:
@@ -128,6 +180,9 @@ class _Contents:
         sent: Wall time in [ns] at which it heard each command.
         values: Wall time in [ns] and value of the figures ``cost`` and ``solve_time``.
         sightings: Stamp in [ns] and position of each measurement of the target.
+        truths: Stamp in [ns], position and velocity of what a simulated target says of itself.
+        orbits: Stamp in [ns] and orbit of each report of the controller.
+        modes: Stamp in [ns], mode and reason of each report of the controller.
         engaged: Wall time in [ns] at which an autopilot first flew the commands; None if none did.
         reports: Latest diagnostics of each node.
     """
@@ -140,6 +195,9 @@ class _Contents:
         self.sent: list[int] = []
         self.values: dict[str, list[tuple[int, float]]] = {"cost": [], "solve_time": []}
         self.sightings: list[tuple[int, NDArray[np.float64]]] = []
+        self.truths: list[tuple[int, NDArray[np.float64], NDArray[np.float64]]] = []
+        self.orbits: list[tuple[int, Orbit]] = []
+        self.modes: list[tuple[int, FallbackMode, str]] = []
         self.engaged: int | None = None
         self.reports: dict[str, dict[str, str]] = {}
         figures = {TRACKING[name].name: name for name in self.values}
@@ -150,6 +208,7 @@ class _Contents:
             ENGAGED,
             TARGET,
             TARGET_ODOMETRY,
+            TARGET_TRUTH,
             DIAGNOSTICS,
             *(TRACKING[name] for name in self.values),
         )
@@ -177,6 +236,14 @@ class _Contents:
             for status in message.status:
                 node = status.name.partition(":")[0].rpartition("/")[2]
                 self.reports[node] = {entry.key: entry.value for entry in status.values}
+                stamp = nanoseconds(message.header.stamp)
+                if (orbit := reported_orbit(self.reports[node])) is not None:
+                    self.orbits.append((stamp, orbit))
+                if (mode := reported_mode(self.reports[node])) is not None:
+                    self.modes.append((stamp, *mode))
+            return
+        if topic is TARGET_TRUTH:
+            self.truths.append(truth_from_odometry(message))
             return
         if topic is ENGAGED:
             if message.data and self.engaged is None:
@@ -184,17 +251,17 @@ class _Contents:
             return
         stamp = nanoseconds(message.header.stamp)
         if topic is ODOMETRY:
-            self.states.append((stamp, measurement_from_odometry(message)))
+            self.states.append((stamp, measurement_from_odometry(message, frames=ANY_FRAMES)))
             self.heard.append(time)
         elif topic is AIR_VELOCITY:
-            speed = float(np.linalg.norm(air_velocity_from_twist(message)))
+            speed = float(np.linalg.norm(air_velocity_from_twist(message, ANY_FRAMES)))
             self.airspeeds.append((stamp, speed))
         elif topic is TARGET:
-            self.sightings.append((stamp, position_from_point(message)))
+            self.sightings.append((stamp, position_from_point(message, ANY_FRAMES)))
         elif topic is TARGET_ODOMETRY:
-            self.sightings.append((stamp, target_from_odometry(message).position))
+            self.sightings.append((stamp, target_from_odometry(message, ANY_FRAMES).position))
         else:
-            inputs, _ = plan_from_command(message)
+            inputs, _ = plan_from_command(message, ANY_FRAMES)
             self.commands.append((stamp, inputs[0]))
             self.sent.append(time)
 
@@ -234,23 +301,25 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
         target = sighted_target(bag.sightings, stamps)
     else:
         began = int(bag.reports.get("target_publisher", {}).get("began [ns]", 0))
-        target = simulated_target(configuration.target, began, stamps)
+        target = simulated_target(configuration.target, began, stamps, bag.truths)
     # With the nearest direction asked for, the controller tells which one it chose.
     direction = controller.get("direction", tracking.orbit.direction)
     orbit = replace(tracking.orbit, direction=direction)
+    orbits = orbit_changes(bag.orbits, start)
     modes = (FallbackMode.LOITER, FallbackMode.HOLD)
     unplanned = (int(controller.get(f"mode {mode.value}", 0)) for mode in modes)
     vehicle = [
         motion.state(speed)
-        for (_, motion), speed in zip(flown, _airspeeds(flown, bag.airspeeds), strict=True)
+        for (_, motion), speed in zip(flown, airspeeds(flown, bag.airspeeds), strict=True)
     ]
     return FlightLog(
         config=configuration.name,
         duration=min(configuration.mission.duration, span),
-        speed=configuration.mission.speed,
+        speed=float(simulator.get("speed", configuration.mission.speed)),
         model=tracking.model,
         plant=configuration.simulator.plant if link is None else configuration.link.link,
-        orbit=orbit,
+        orbit=orbits[-1][1] if orbits else orbit,
+        orbits=orbits,
         input_lower=tracking.input_lower,
         input_upper=tracking.input_upper,
         time=np.array([(stamp - start) * 1e-9 for stamp, _ in flown]),
@@ -258,8 +327,8 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
         target=target.position,
         command_time=np.array([(stamp - start) * 1e-9 for stamp, _ in commands]),
         inputs=np.array([inputs for _, inputs in commands]),
-        cost=_beside_commands(sent, bag.values["cost"]),
-        solve_time=_beside_commands(sent, bag.values["solve_time"]),
+        cost=beside_commands(sent, bag.values["cost"]),
+        solve_time=beside_commands(sent, bag.values["solve_time"]),
         solver=controller.get("solver", tracking.solver),
         failures=int(controller.get("solver failures", 0)),
         commands=CommandCounts(
@@ -269,9 +338,15 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
             plan_reused=int(controller.get("plan reused", 0)),
             failsafe=int(simulator.get("failsafe", 0)) + sum(unplanned),
         ),
-        latency=_latency(bag),
+        latency=latency(
+            [(stamp, time) for (stamp, _), time in zip(bag.states, bag.heard, strict=True)],
+            [(stamp, time) for (stamp, _), time in zip(bag.commands, bag.sent, strict=True)],
+        ),
         ground_velocity=np.array([motion.ground_velocity for _, motion in flown]),
         target_velocity=target.velocity,
+        turn_rate=np.array([motion.turn_rate for _, motion in flown]),
+        modes=mode_changes(bag.modes, start, end),
+        tracking=tracking,
         link=None if link is None else _figures(link),
     )
 
@@ -286,44 +361,3 @@ def _figures(link: dict[str, str]) -> LinkFigures:
         lost=int(link.get("messages lost", 0)),
         refused=int(link.get("commands refused", 0)) + int(link.get("plans refused", 0)),
     )
-
-
-def _airspeeds(
-    flown: list[tuple[int, Measurement]], measured: list[tuple[int, float]]
-) -> NDArray[np.float64]:
-    """Airspeed at each state, shape (n,), in [m/s]; of still air where none was measured."""
-    if not measured:
-        return np.array([np.linalg.norm(motion.ground_velocity) for _, motion in flown])
-    stamps, speeds = zip(*sorted(measured), strict=True)
-    first = stamps[0]  # differences keep their nanoseconds as floats
-    return np.interp(
-        [stamp - first for stamp, _ in flown], [stamp - first for stamp in stamps], speeds
-    )
-
-
-def _latency(bag: _Contents) -> Latency | None:
-    """From a state on the wire to the command computed from it, as the recorder heard them.
-
-    A command bears the stamp of its state. Simulated stamps are not wall time: the times at which
-    the recorder heard state and command are compared instead.
-    """
-    arrival = {stamp: time for (stamp, _), time in zip(bag.states, bag.heard, strict=True)}
-    delays = [
-        (time - arrival[stamp]) * 1e-3
-        for (stamp, _), time in zip(bag.commands, bag.sent, strict=True)
-        if stamp in arrival
-    ]
-    if not delays:
-        return None
-    median, p99 = np.percentile(delays, [50.0, 99.0])
-    return Latency(median=float(median), p99=float(p99), max=float(max(delays)))
-
-
-def _beside_commands(sent: list[int], values: list[tuple[int, float]]) -> NDArray[np.float64]:
-    """Values in the order of the commands: each was sent right after its command."""
-    beside = np.full(len(sent), np.nan)
-    for time, value in values:
-        index = int(np.searchsorted(sent, time, side="right")) - 1
-        if index >= 0:
-            beside[index] = value
-    return beside

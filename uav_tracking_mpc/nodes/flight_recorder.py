@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Node ``flight_recorder``: every topic of a flight into a bag, and what a progress line shows."""
 
 from __future__ import annotations
@@ -12,18 +26,18 @@ import numpy as np
 from numpy.typing import NDArray
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
-from rclpy.subscription import Subscription
 
 from uav_tracking_mpc.nodes.conversions import (
-    MessageError,
     air_velocity_from_twist,
     measurement_from_odometry,
     nanoseconds,
     position_from_point,
 )
 from uav_tracking_mpc.nodes.flight_bag import FlightBag
+from uav_tracking_mpc.nodes.frame_names import ANY_FRAMES
+from uav_tracking_mpc.nodes.message_checks import MessageError
+from uav_tracking_mpc.nodes.overhearing import Overhearing
 from uav_tracking_mpc.nodes.target_odometry import target_from_odometry
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
@@ -37,7 +51,7 @@ from uav_tracking_mpc.nodes.topics import (
     Topic,
 )
 
-QUEUE = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
+QUEUE = 100  # messages of a topic; as many as come while a chunk of the bag is compressed
 
 
 @dataclass(frozen=True)
@@ -79,17 +93,17 @@ class FlightRecorder(Node):
         # The simulator's time may wait for this node: it listens to the state, and so releases
         # the simulator, only when it hears everything else.
         others = [(topic, self._listen(topic)) for topic in ALL if topic is not ODOMETRY]
-        self._needed = [subscription for topic, subscription in others if not topic.optional]
+        self._needed = [overhearing for topic, overhearing in others if not topic.optional]
         self._waiting = self.create_timer(
             0.05, self._release, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
 
-    def _listen(self, topic: Topic) -> Subscription:
+    def _listen(self, topic: Topic) -> Overhearing:
         callback = functools.partial(self._on_message, topic)
-        return self.create_subscription(topic.type, topic.name, callback, QUEUE, raw=True)
+        return Overhearing(self, topic, callback, QUEUE, raw=True)
 
     def _release(self) -> None:
-        if self._link or all(each.get_publisher_count() for each in self._needed):
+        if self._link or all(each.senders for each in self._needed):
             self._waiting.cancel()
             self._listen(ODOMETRY)
 
@@ -111,9 +125,13 @@ class FlightRecorder(Node):
     def _target(self) -> NDArray[np.float64]:
         """Where the target was measured last, shape (3,), in [m]; nan if it never was."""
         if (point := self._message(TARGET)) is not None:
-            return position_from_point(point)
+            return position_from_point(point, ANY_FRAMES)
         track = self._message(TARGET_ODOMETRY)
-        return np.full(3, np.nan) if track is None else target_from_odometry(track).position
+        return (
+            np.full(3, np.nan)
+            if track is None
+            else target_from_odometry(track, ANY_FRAMES).position
+        )
 
     def progress(self) -> Progress:
         """Where the flight stands by the latest messages."""
@@ -122,8 +140,13 @@ class FlightRecorder(Node):
         if odometry is None:
             return Progress()
         try:
-            motion, position = measurement_from_odometry(odometry), self._target()
-            velocity = motion.ground_velocity if air is None else air_velocity_from_twist(air)
+            motion, position = (
+                measurement_from_odometry(odometry, frames=ANY_FRAMES),
+                self._target(),
+            )
+            velocity = (
+                motion.ground_velocity if air is None else air_velocity_from_twist(air, ANY_FRAMES)
+            )
         except MessageError:
             return Progress()
         solve_time = self._message(TRACKING["solve_time"])

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Node ``monitor``: a live table of the flight, for terminals without ``ros2 topic``."""
 
 from __future__ import annotations
@@ -16,12 +30,14 @@ from rich.markup import escape
 from rich.table import Table
 
 from uav_tracking_mpc.nodes.conversions import (
-    MessageError,
     air_velocity_from_twist,
     measurement_from_odometry,
     plan_from_command,
     position_from_point,
 )
+from uav_tracking_mpc.nodes.frame_names import ANY_FRAMES
+from uav_tracking_mpc.nodes.message_checks import MessageError
+from uav_tracking_mpc.nodes.overhearing import Overhearing
 from uav_tracking_mpc.nodes.run import run
 from uav_tracking_mpc.nodes.target_odometry import target_from_odometry
 from uav_tracking_mpc.nodes.topics import (
@@ -36,8 +52,10 @@ from uav_tracking_mpc.nodes.topics import (
 )
 
 SHOWN = (ODOMETRY, AIR_VELOCITY, TARGET, TARGET_ODOMETRY, COMMAND, *TRACKING.values())
+QUEUE = 10  # messages that may wait
 REFRESH_PERIOD = 0.25  # s
 STALE = 2.0  # s of wall time after which a topic counts as silent
+GONE = 5.0  # s of wall time after which a node counts as silent that reports once a second
 LEVELS = {b"\x00": "ok", b"\x01": "[yellow]warning[/]", b"\x02": "[red]error[/]", b"\x03": "stale"}
 
 
@@ -53,21 +71,34 @@ class Monitor(Node):
         super().__init__("monitor", **options)
         self._latest: dict[str, Any] = {}
         self._arrivals: dict[str, list[float]] = {}
-        self._statuses: dict[str, Any] = {}
+        self._statuses: dict[str, tuple[Any, float]] = {}  # and when it came, steady [s]
+        self._others: list[str] = []  # namespaces of other aircraft
         for topic in (*SHOWN, DIAGNOSTICS):
             callback = functools.partial(self._on_message, topic)
-            self.create_subscription(topic.type, topic.name, callback, topic.qos)
+            Overhearing(self, topic, callback, QUEUE)
         self._live = Live(self.table(), console=console, refresh_per_second=4)
         self._live.start()
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(REFRESH_PERIOD, self._refresh, clock=steady)
 
     def _refresh(self) -> None:
+        own = self.get_namespace()
+        self._others = [namespace for namespace in self._aircraft() if namespace != own]
         self._live.update(self.table())
+
+    def _aircraft(self) -> list[str]:
+        """Namespaces in which somebody publishes where an aircraft is."""
+        suffix = f"/{ODOMETRY.name}"
+        return sorted(
+            name.removesuffix(suffix) or "/"
+            for name, _ in self.get_topic_names_and_types()
+            if name.endswith(suffix) and self.count_publishers(name)
+        )
 
     def _on_message(self, topic: Topic, message: Any) -> None:
         if topic is DIAGNOSTICS:
-            self._statuses.update({status.name: status for status in message.status})
+            now = time.monotonic()
+            self._statuses.update({status.name: (status, now) for status in message.status})
             return
         self._latest[topic.name] = message
         arrivals = self._arrivals.setdefault(topic.name, [])
@@ -76,19 +107,36 @@ class Monitor(Node):
 
     def table(self) -> Group:
         """What is known now, as tables."""
-        flight = Table(title="flight", expand=True)
+        namespace = self.get_namespace()
+        flight = Table(
+            title="flight" if namespace == "/" else f"flight of {namespace}",
+            caption=self._elsewhere(),
+            expand=True,
+        )
         for heading in ("topic", "rate", "value"):
             flight.add_column(heading)
         for topic in SHOWN:
             flight.add_row(topic.name, self._rate(topic), escape(self._words(topic)))
         nodes = Table(title="nodes", expand=True)
-        for heading in ("node", "level", "says"):
+        for heading in ("node", "aircraft", "level", "says"):
             nodes.add_column(heading)
-        for name, status in sorted(self._statuses.items()):
+        for name, (status, came) in sorted(self._statuses.items()):
+            if any(name.startswith(f"{other[1:]}/") for other in self._others if other != "/"):
+                continue
+            silent = time.monotonic() - came > GONE
+            level = "[red]silent[/]" if silent else LEVELS.get(status.level, "?")
             # Others publish here too: their words are text, not markup.
-            level = LEVELS.get(status.level, "?")
-            nodes.add_row(escape(name.partition(":")[0]), level, escape(status.message))
+            words = (name.partition(":")[0], status.hardware_id, status.message)
+            node, aircraft, says = map(escape, words)
+            nodes.add_row(node, aircraft, level, says)
         return Group(flight, nodes)
+
+    def _elsewhere(self) -> str | None:
+        """Which other aircraft could be watched."""
+        if not self._others:
+            return None
+        words = f"other aircraft in this domain: {', '.join(self._others)}"
+        return f"{words}; watch one with `uav_tracking monitor --namespace {self._others[0]}`"
 
     def _rate(self, topic: Topic) -> str:
         arrivals = self._arrivals.get(topic.name, [])
@@ -105,7 +153,7 @@ class Monitor(Node):
             return ""
         try:
             if topic is ODOMETRY:
-                motion = measurement_from_odometry(message)
+                motion = measurement_from_odometry(message, frames=ANY_FRAMES)
                 x, y, z = motion.position
                 return (
                     f"x {x:.2f}  y {y:.2f}  z {z:.2f} m   "
@@ -114,16 +162,18 @@ class Monitor(Node):
                     f"ground speed {math.hypot(*motion.ground_velocity):.2f} m/s"
                 )
             if topic is AIR_VELOCITY:
-                return f"airspeed {math.hypot(*air_velocity_from_twist(message)):.2f} m/s"
+                return (
+                    f"airspeed {math.hypot(*air_velocity_from_twist(message, ANY_FRAMES)):.2f} m/s"
+                )
             if topic is TARGET:
-                x, y, z = position_from_point(message)
+                x, y, z = position_from_point(message, ANY_FRAMES)
                 return f"x {x:.2f}  y {y:.2f}  z {z:.2f} m"
             if topic is TARGET_ODOMETRY:
-                (x, y, z), velocity, _ = target_from_odometry(message)
+                (x, y, z), velocity, _ = target_from_odometry(message, ANY_FRAMES)
                 speed = "" if velocity is None else f"   speed {math.hypot(*velocity):.2f} m/s"
                 return f"x {x:.2f}  y {y:.2f}  z {z:.2f} m{speed}"
             if topic is COMMAND:
-                yaw, pitch, acceleration = plan_from_command(message)[0][0]
+                yaw, pitch, acceleration = plan_from_command(message, ANY_FRAMES)[0][0]
                 return (
                     f"yaw rate {yaw:+.4f}  path-angle rate {pitch:+.4f} rad/s   "
                     f"acceleration {acceleration:+.4f} m/s^2"

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Node ``nmpc_controller``: state, air velocity and target in, command and orbit out; managed."""
 
 from __future__ import annotations
@@ -12,22 +26,32 @@ from typing import Any
 
 import numpy as np
 from rclpy.clock import Clock, ClockType
-from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
-from uav_tracking_mpc.control.certification import certification
+from uav_tracking_mpc.control.claim_watch import ClaimWatch
+from uav_tracking_mpc.control.command import Command
+from uav_tracking_mpc.control.commanded_path import CommandPaths
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.event import Level
+from uav_tracking_mpc.control.guidance import formulation_of
 from uav_tracking_mpc.control.margin_check import MarginWatch
 from uav_tracking_mpc.control.record import RecordingController
-from uav_tracking_mpc.estimation.measurement import MeasurementError
+from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
+from uav_tracking_mpc.formulation.formulation import solver_at_once
 from uav_tracking_mpc.nodes import conversions
 from uav_tracking_mpc.nodes.command_wire import CommandWire
 from uav_tracking_mpc.nodes.controller_report import ControllerReport
 from uav_tracking_mpc.nodes.controller_views import ControllerViews
 from uav_tracking_mpc.nodes.declared_parameters import declare_parameters, follow_parameters
+from uav_tracking_mpc.nodes.endpoints import listen, publish
+from uav_tracking_mpc.nodes.engage_service import DISENGAGED, EngageService
+from uav_tracking_mpc.nodes.frame_names import frame_names
+from uav_tracking_mpc.nodes.managed_node import ManagedNode, Stage, TransitionError
+from uav_tracking_mpc.nodes.message_times import MessageTimes
+from uav_tracking_mpc.nodes.odometry_wire import OdometryWire
 from uav_tracking_mpc.nodes.orbit_message import orbit_message, set_orbit
 from uav_tracking_mpc.nodes.peers import Promise
 from uav_tracking_mpc.nodes.run import run
+from uav_tracking_mpc.nodes.sole_sender import SoleSenders
 from uav_tracking_mpc.nodes.stall_guard import StallGuard
 from uav_tracking_mpc.nodes.target_odometry import target_from_odometry
 from uav_tracking_mpc.nodes.topics import (
@@ -38,20 +62,22 @@ from uav_tracking_mpc.nodes.topics import (
     ORBIT,
     TARGET,
     TARGET_ODOMETRY,
+    Topic,
 )
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import configuration_folder
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
+HEARD = (ODOMETRY, AIR_VELOCITY, TARGET, TARGET_ODOMETRY)
+MARGIN_PATIENCE = 3.0  # s, in which a flight begins before its margins are judged
 STALL_MARGIN = 0.15  # s, by which the watchdog may be late without the process having stood still
-SUCCESS, FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 
 
-class NmpcController(LifecycleNode):
+class NmpcController(ManagedNode):
     """Hands messages to a :class:`Controller` and publishes its commands.
 
     Configured and activated at the start unless ``autostart`` is false. Configuring builds and
-    checks everything; while inactive it listens and sends nothing.
+    checks everything; while inactive it takes note of aircraft, air and target and sends nothing.
 
     Args:
         options: Those of rclpy's Node.
@@ -66,118 +92,99 @@ class NmpcController(LifecycleNode):
         follow_parameters(self, self.parameters, self._check, self._take)
         self.controller: Controller | None = None
         self._margins: MarginWatch | None = None  # of the present controller
-        self._active = False
-        self._failure = ""
-        self._origin: int | None = None  # first stamp seen [ns]; the controller's times are since
+        self._times = MessageTimes(self)
         self._tracked, self._both_told = -math.inf, False  # stamp of the newest target/odometry [s]
         self._arrival = -math.inf  # of the newest state that was believed, steady [s]
+        self._activated = -math.inf  # when it was activated, steady [s]
         self._engaged = True  # until an autopilot's link says otherwise
-        self._wire, self._orbit = CommandWire(), orbit_message()
-        self._views = ControllerViews(self)
+        self._paths = CommandPaths()
+        self._views, self._odometry = ControllerViews(self), OdometryWire()
+        self._name_frames()
         self.report = ControllerReport(self)
+        self._senders = SoleSenders(self, (*HEARD, COMMAND), self.report.alarm)
         simulated = bool(self.get_parameter("use_sim_time").value)
         self._promise = Promise(None if simulated else self.parameters.control_rate)
-        self._commands = self.create_publisher(
-            COMMAND.type,
-            COMMAND.name,
+        self._commands = publish(
+            self,
+            COMMAND,
             self._promise.qos(COMMAND.qos),
             event_callbacks=self._promise.callbacks(self.report.late),
         )
-        self._orbits = self.create_publisher(ORBIT.type, ORBIT.name, ORBIT.qos)
-        self.create_subscription(ENGAGED.type, ENGAGED.name, self._on_engaged, ENGAGED.qos)
-        for topic, callback in (
-            (ODOMETRY, self._on_odometry),
-            (AIR_VELOCITY, self._on_air),
-            (TARGET, self._on_target),
-            (TARGET_ODOMETRY, self._on_target_odometry),
-        ):
-            heard, events = self._refusing(callback), self.report.peers.listening(topic)
-            self.create_subscription(
-                topic.type, topic.name, heard, topic.qos, event_callbacks=events
-            )
+        self._orbits = publish(self, ORBIT)
+        listen(self, ENGAGED, self._on_engaged)
+        self._consent = EngageService(self, self._on_consent)
+        callbacks = self._on_state, self._on_air, self._on_target, self._on_target_odometry
+        for topic, callback in zip(HEARD, callbacks, strict=True):
+            heard, events = self._refusing(topic, callback), self.report.peers.listening(topic)
+            listen(self, topic, heard, event_callbacks=events, raw=topic is ODOMETRY)
         period = self.parameters.state_timeout / 2.0
         self._stall = StallGuard(period + STALL_MARGIN)
         self.create_timer(period, self._watch, clock=Clock(clock_type=ClockType.STEADY_TIME))
         if self.parameters.autostart:
             self.trigger_configure()
             if self.controller is None:
-                raise ParameterError(self._failure)
+                raise ParameterError(self.trouble)
             self.trigger_activate()
 
-    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Build and check everything; failure says why and leaves the node unconfigured.
+    def configure(self) -> None:
+        """Build and check everything.
 
-        Args:
-            state: Before the transition.
+        Raises:
+            TransitionError: The parameters cannot be flown.
         """
         parameters = self.parameters
         try:
-            claim = certification(parameters, configuration_folder() / "certificates")
+            folder = configuration_folder() / "certificates"
+            claims = ClaimWatch(parameters, folder, self.report.claimed)
+            self._name_frames()
+            formulation = formulation_of(parameters, solver_at_once(self.get_logger().info))
             if parameters.record:
-                self.controller = RecordingController(parameters, Path(parameters.record))
+                path = Path(parameters.record)
+                controller: Controller = RecordingController(parameters, path, formulation)
             else:
-                self.controller = Controller(parameters)
+                controller = Controller(parameters, formulation)
         except (ParameterError, RuntimeError, ValueError) as error:
-            self._failure = str(error)
-            self.report.unconfigured(f"cannot be configured: {error}")
-            return FAILURE
-        self.controller.engage(self._engaged)
-        self.report.configured(self.controller, claim)
-        events = self.controller.events  # the next state reports them
-        self._margins = MarginWatch(lambda words: events.add(Level.WARNING, words))
+            raise TransitionError(str(error)) from error
+        controller.engage(False)  # nothing is learnt from what it does not command
+        self.controller = controller
+        self.report.configured(controller, claims)
+        events = controller.events  # the next state reports them
+        self._margins = MarginWatch(lambda words: events.add(Level.WARNING, words), MARGIN_PATIENCE)
         self._margins.judge(parameters)
-        return SUCCESS
 
-    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Answer states from now on.
+    def activate(self) -> None:
+        """Answer states from now on."""
+        self._activated = time.monotonic()
+        if self.controller is not None:
+            self.controller.fall_silent("waiting for the next vehicle state")
+            self.controller.engage(self._engaged and self._consent.engaged)
 
-        Args:
-            state: Before the transition.
-        """
-        self._active = True
-        return SUCCESS
+    def deactivate(self) -> None:
+        """Send nothing from now on; the vehicle flies its plan to the end, then holds."""
+        self._stop("deactivated")
 
-    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Send nothing from now on; the vehicle flies its plan to the end, then holds.
-
-        Args:
-            state: Before the transition.
-        """
-        self._active = False
+    def _stop(self, reason: str) -> None:
         if self.controller is not None:
             self.controller.reset()
-            self.controller.fall_silent("deactivated")
+            self.controller.engage(False)
+            self.controller.fall_silent(reason)
+
+    def _on_consent(self) -> None:
+        """Somebody has taken the commands away, or given them back."""
+        if not self._consent.engaged:
+            self._stop(DISENGAGED)
+        elif self.controller is not None:
+            self.controller.engage(self._engaged)
         self.report.tell()
-        return SUCCESS
 
-    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Forget everything; parameters may then be set that are fixed while configured.
-
-        Args:
-            state: Before the transition.
-        """
+    def release(self) -> None:
+        """Forget everything; parameters may then be set that are fixed while configured."""
         self._end_record()
-        self._active, self.controller = False, None
-        self.report.unconfigured("")
-        return SUCCESS
+        self.controller = self._margins = None
 
-    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Send nothing any more.
-
-        Args:
-            state: Before the transition.
-        """
-        return self.on_cleanup(state)
-
-    def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Whatever went wrong: back to unconfigured.
-
-        Args:
-            state: Before the transition.
-        """
-        self.on_cleanup(state)
-        self.report.unconfigured("a transition failed: unconfigured")
-        return SUCCESS
+    def show(self, trouble: str) -> None:
+        """See :meth:`ManagedNode.show`."""
+        self.report.at(self.stage, trouble)
 
     def _check(self, parameters: TrackingParameters) -> None:
         if self.controller is not None:
@@ -185,20 +192,21 @@ class NmpcController(LifecycleNode):
 
     def _take(self, parameters: TrackingParameters) -> None:
         self.parameters = parameters
+        self._promise.rate = parameters.control_rate
         if self.controller is not None:
             self.controller.change(**asdict(parameters))
             if self._margins is not None:
                 self._margins.judge(parameters)
-            self.report.tell()
+            self.report.changed(parameters)
 
-    def _seconds(self, message: Any) -> float:
-        """Stamp of a message since the first one that was seen."""
-        stamp = conversions.nanoseconds(message.header.stamp)
-        if self._origin is None:
-            self._origin = stamp
-        return (stamp - self._origin) * 1e-9
+    def _name_frames(self) -> None:
+        """Write and expect the frames that the parameters name."""
+        self._frames = self._views.frames = frame_names(self, self.parameters)
+        self._wire, self._orbit = CommandWire(self._frames), orbit_message(self._frames)
 
-    def _refusing(self, callback: Callable[[Any, Controller], None]) -> Callable[[Any], None]:
+    def _refusing(
+        self, topic: Topic, callback: Callable[[Any, Controller], None]
+    ) -> Callable[[Any], None]:
         """The callback of a message while there is a controller; what it refuses is reported."""
 
         def on_message(message: Any) -> None:
@@ -207,70 +215,117 @@ class NmpcController(LifecycleNode):
             try:
                 callback(message, self.controller)
             except MeasurementError as error:
-                self.report.refuse(str(error))
+                self.report.refuse(str(error), topic.name)
 
         return on_message
 
     def _on_air(self, message: Any, controller: Controller) -> None:
-        airspeed = float(np.linalg.norm(conversions.air_velocity_from_twist(message)))
-        controller.see_air(self._seconds(message), airspeed)
+        velocity = conversions.air_velocity_from_twist(message, self._frames)
+        stamp = self._times.measured(AIR_VELOCITY, message)
+        controller.see_air(stamp, float(np.linalg.norm(velocity)))
 
     def _on_target(self, message: Any, controller: Controller) -> None:
-        position, stamp = conversions.position_from_point(message), self._seconds(message)
+        position = conversions.position_from_point(message, self._frames)
+        stamp = self._times.measured_or_now(TARGET, message)
         if abs(stamp - self._tracked) > self.parameters.target_timeout:
-            controller.see_target(stamp, position)
+            self._see_target(TARGET, controller, stamp, position)
         elif not self._both_told:  # one after the other they would count as two measurements
             self._both_told = True
             words = "target/odometry comes as well: target/position is left out while it comes"
             self.get_logger().warning(words)
 
     def _on_target_odometry(self, message: Any, controller: Controller) -> None:
-        measured, stamp = target_from_odometry(message), self._seconds(message)
-        controller.see_target(stamp, *measured)
+        measured = target_from_odometry(message, self._frames)
+        stamp = self._times.measured_or_now(TARGET_ODOMETRY, message)
+        self._see_target(TARGET_ODOMETRY, controller, stamp, *measured)
         self._tracked = stamp
+
+    def _see_target(
+        self, topic: Topic, controller: Controller, stamp: float, *measured: Any
+    ) -> None:
+        late = controller.navigator.target.late
+        if controller.see_target(stamp, *measured):
+            return
+        old = controller.navigator.target.late > late
+        self.report.leave_out(
+            topic.name, "it is no newer than the one before" if old else "an outlier, or a jump"
+        )
 
     def _on_engaged(self, message: Any) -> None:
         self._engaged = message.data
         if self.controller is not None:
-            self.controller.engage(self._engaged)
+            commanding = self.stage is Stage.ACTIVE and self._consent.engaged
+            self.controller.engage(self._engaged and commanding)
+
+    def _on_state(self, data: bytes, controller: Controller) -> None:
+        self._on_odometry(self._odometry.read(data), controller)
 
     def _on_odometry(self, message: Any, controller: Controller) -> None:
         arrival, before = time.monotonic(), controller.state_time
         fresh = self._stall.alive(arrival)
-        if not self._active:
-            return
-        measurement = conversions.measurement_from_odometry(message, self._seconds(message))
+        stamp = self._times.measured(ODOMETRY, message)
+        measurement = conversions.measurement_from_odometry(message, stamp, self._frames)
         command = None
-        if fresh:
-            now = (self.get_clock().now().nanoseconds - (self._origin or 0)) * 1e-9
-            command = controller.step(measurement, now)
-        else:  # it was queued while the process was stopped
+        active = self.stage is Stage.ACTIVE
+        if fresh and active and self._consent.engaged:
+            command = controller.step(measurement, self._times.now())
+        else:  # it is not to be answered, or was queued while the process was stopped
             controller.see_state(measurement)
+            if active and not self._consent.engaged:
+                controller.fall_silent(DISENGAGED)
         if controller.state_time != before:
             self._arrival = arrival
-        if time.monotonic() - arrival > self.parameters.state_timeout:
-            if command is not None:
-                self.report.refuse("uav/odometry: the process was stopped while it answered")
-        elif command is not None:
-            stamp = conversions.nanoseconds(message.header.stamp)
-            self._commands.publish(self._wire.write(stamp, command.inputs, command.step))
-            self.report.command(command, (time.monotonic() - arrival) * 1e6)
-            if command.flown_orbit is not None:
-                set_orbit(self._orbit, stamp, command.flown_orbit)
-                self._orbits.publish(self._orbit)
-            self._views.publish(stamp, controller.navigator.wind, command)
+        elif before is not None and 0.0 <= before - stamp <= self.parameters.state_timeout:
+            self.report.leave_out(ODOMETRY.name, "it is no newer than the one before")
+        if command is not None:
+            self._send(message, controller, measurement, command, arrival)
+        controller.response.learn()
         self.report.tell()
+
+    def _send(
+        self,
+        message: Any,
+        controller: Controller,
+        measurement: Measurement,
+        command: Command,
+        arrival: float,
+    ) -> None:
+        """Publish the answer to a state that arrived at a time, unless it has become old."""
+        answered = conversions.nanoseconds(message.header.stamp)
+        path = self._paths.path(controller, measurement, command)
+        data = self._wire.write(answered, command.inputs, command.step, path)
+        # Looked at last: a process may be stopped anywhere, and an old command must not follow.
+        if time.monotonic() - arrival > self.parameters.state_timeout:
+            self.report.refuse("uav/odometry: the process was stopped while it answered")
+            return
+        self._commands.publish(data)
+        self.report.command(command, (time.monotonic() - arrival) * 1e6)
+        if command.flown_orbit is not None:
+            set_orbit(self._orbit, answered, command.flown_orbit)
+            self._orbits.publish(self._orbit)
+        self._views.publish(answered, path, command, controller.navigator)
 
     def _watch(self) -> None:
         now = time.monotonic()
         self._stall.alive(now)
         if isinstance(self.controller, RecordingController):
             self.controller.flush()
-        silent = now - self._arrival
-        if self.controller is not None and self._active and silent > self.parameters.state_timeout:
-            never = math.isinf(silent)
-            self.controller.fall_silent("no vehicle state" if never else "vehicle state is lost")
-            self.report.tell()
+        silent = now - max(self._arrival, self._activated)
+        if self.controller is None or silent <= self.parameters.state_timeout:
+            return
+        if self._time_stands(self.controller):
+            self.report.stands()
+            return
+        words = "vehicle state is lost: nothing" if math.isfinite(self._arrival) else "nothing"
+        self.controller.fall_silent(f"{words} usable comes on {ODOMETRY.name}")
+        self.report.tell()
+
+    def _time_stands(self, controller: Controller) -> bool:
+        """Whether no state comes because simulated time itself stands still."""
+        newest, simulated = controller.state_time, self.get_parameter("use_sim_time").value
+        if newest is None or not simulated:
+            return False
+        return abs(self._times.now() - newest) <= self.parameters.state_timeout
 
     def _end_record(self) -> None:
         if isinstance(self.controller, RecordingController):

@@ -1,30 +1,54 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The orbit that is flown as a message, ``uav/orbit``, and back."""
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
-from sensor_msgs.msg import JointState
 
 from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
-from uav_tracking_mpc.nodes.conversions import (
-    MAP,
+from uav_tracking_mpc.nodes.conversions import set_stamp
+from uav_tracking_mpc.nodes.frame_names import FRAMES, FrameNames
+from uav_tracking_mpc.nodes.message_checks import (
     POSITION_LIMIT,
     SPEED_LIMIT,
     MessageError,
     check_header,
-    set_stamp,
 )
-from uav_tracking_mpc.nodes.topics import ORBIT
 
+if TYPE_CHECKING:
+    from sensor_msgs.msg import JointState
+
+TOPIC = "uav/orbit"
 NAMES = ["east", "north", "up", "radius", "airspeed"]
 LIMITS = np.array([POSITION_LIMIT] * 4 + [SPEED_LIMIT])  # of centre, radius [m] and airspeed [m/s]
 
 
-def orbit_message() -> JointState:
-    """A message to be filled by :func:`set_orbit` again and again."""
+def orbit_message(frames: FrameNames = FRAMES) -> JointState:
+    """A message to be filled by :func:`set_orbit` again and again.
+
+    Args:
+        frames: Of the message.
+    """
+    from sensor_msgs.msg import JointState
+
     message = JointState(name=NAMES, position=[0.0] * len(NAMES), velocity=[0.0] * len(NAMES))
-    message.header.frame_id = MAP
+    message.header.frame_id = frames.map
     return message
 
 
@@ -43,18 +67,19 @@ def set_orbit(message: JointState, stamp: int, orbit: FlownOrbit) -> None:
     velocity[0], velocity[1], velocity[2] = orbit.velocity.tolist()
 
 
-def orbit_from_message(message: JointState) -> FlownOrbit:
+def orbit_from_message(message: JointState, frames: FrameNames = FRAMES) -> FlownOrbit:
     """The orbit of a message.
 
     Args:
         message: As in ``uav/orbit``.
+        frames: In which it must be.
 
     Raises:
         MessageError: Wrong frame, names or numbers of values, no time, not finite, or absurd.
     """
-    check_header(ORBIT.name, message.header, MAP)
+    check_header(TOPIC, message.header, frames.map)
     if list(message.name) != NAMES:
-        raise MessageError(f"{ORBIT.name}: name is {list(message.name)}, must be {NAMES}")
+        raise MessageError(f"{TOPIC}: name is {list(message.name)}, must be {NAMES}")
     position = _checked("position", message.position, LIMITS)
     velocity = _checked("velocity", message.velocity, np.full(len(NAMES), SPEED_LIMIT))
     _, _, _, radius, airspeed = position.tolist()
@@ -65,7 +90,7 @@ def _checked(field: str, values: object, limits: NDArray[np.float64]) -> NDArray
     numbers = np.array(values, dtype=float)
     if numbers.shape != limits.shape or not (np.abs(numbers) <= limits).all():
         raise MessageError(
-            f"{ORBIT.name}: {field} is {numbers.tolist()}, must be {len(NAMES)} finite numbers "
+            f"{TOPIC}: {field} is {numbers.tolist()}, must be {len(NAMES)} finite numbers "
             f"within {limits.tolist()}"
         )
     return numbers

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Whether anybody is at the other end of a topic, as the middleware reports it.
 
 A publisher that ends is gone at once, one that is killed only when its lease has run out, which in
@@ -67,11 +81,13 @@ class Promise:
             nothing.
 
     Attributes:
+        rate: Messages a second that are meant to be sent in [Hz]; a lower one than promised is no
+            message too late.
         broken: How often the next message was too late.
     """
 
     def __init__(self, rate: float | None) -> None:
-        self._rate = rate
+        self._rate = self.rate = rate
         self.broken = 0
 
     def qos(self, qos: QoSProfile) -> QoSProfile:
@@ -95,11 +111,13 @@ class Promise:
         Args:
             missed: Called when the next message is too late.
         """
+        if (promised := self._rate) is None:
+            return PublisherEventCallbacks()
 
         def on_missed(event: object) -> None:
+            if self.rate is None or self.rate < promised:
+                return
             self.broken += 1
             missed()
 
-        if self._rate is None:
-            return PublisherEventCallbacks()
         return PublisherEventCallbacks(deadline=on_missed)

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 r"""Messages of PX4's ROS 2 interface (px4_msgs) to measurements, and inputs to its set-points.
 
 Fixed-wing set-points are there from PX4 1.17 on. In PX4's signs and frames (forward, right, down;
@@ -24,7 +38,8 @@ from uav_tracking_mpc.dynamics.atmosphere import true_over_equivalent
 from uav_tracking_mpc.dynamics.frames import course_rates_from_euler, heading_from_yaw
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
-from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.measurement import Measurement, SensorNoise
+from uav_tracking_mpc.estimation.told_noise import axes_noise
 
 VELOCITY_FRAME_NED = 1  # of VehicleOdometry
 LEAST_AIRSPEED = 3.0  # m/s
@@ -81,7 +96,17 @@ def measurement(
         turn_rate=turn_rate,
         path_angle_rate=nose_rate,
         airspeed=speed,
+        noise=SensorNoise(
+            _axes_noise("position", odometry.position_variance),
+            _axes_noise("velocity", odometry.velocity_variance),
+        ),
     )
+
+
+def _axes_noise(name: str, variances: Any) -> tuple[float, float, float]:
+    """On the axes of ``map``, of variances to north, east and down."""
+    north, east, down = (float(value) for value in variances)
+    return axes_noise(name, (east, north, down))
 
 
 class PathDemand:

@@ -1,4 +1,18 @@
-"""Start a node, spin it, stop it; exit codes 0 (stopped), 1 (died), 2 (bad arguments)."""
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Start a node, spin it, stop it; exit codes as in docs/reference/command_line.md."""
 
 from __future__ import annotations
 
@@ -8,6 +22,7 @@ import shlex
 import signal
 import sys
 from collections.abc import Callable, Sequence
+from itertools import takewhile
 from types import FrameType
 
 import rclpy
@@ -17,6 +32,9 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
+from uav_tracking_mpc.nodes.log_folder import ensure_log_folder
+from uav_tracking_mpc.nodes.node_help import help_text
+from uav_tracking_mpc.nodes.qos_overrides import warn_of_vain_overrides
 from uav_tracking_mpc.parameters.specification import ParameterError
 
 # Arguments of ROS that a word follows.
@@ -55,14 +73,20 @@ def run(name: str, create: Callable[[], Node], arguments: Sequence[str] | None =
     )
     try:
         arguments = list(sys.argv[1:] if arguments is None else arguments)
+        if {"-h", "--help"} & set(takewhile(lambda word: word != "--ros-args", arguments)):
+            print(help_text(name, _described(create)))
+            return 0
         try:
             refused = refusal(name, arguments)
             if refused:
                 return _fatal(name, refused)
+            if changed := ensure_log_folder():
+                logging.getLogger(__name__).info(changed)
             rclpy.init(args=[name, *arguments], signal_handler_options=SignalHandlerOptions.NO)
         except Exception as error:  # rclpy has no common base for what a command line can do wrong
             return _fatal(name, str(error))
         node = create()
+        warn_of_vain_overrides(node)
         # What exists now lives as long as the node: the collector need not look at it again, which
         # would take tens of milliseconds in the middle of a flight.
         gc.collect()
@@ -79,12 +103,17 @@ def run(name: str, create: Callable[[], Node], arguments: Sequence[str] | None =
         return 0
     except (ParameterError, ParameterException) as error:
         return _fatal(name, str(error))
+    except ImportError as error:  # of what a parameter asks for, such as JSBSim
+        if (error.name or "").startswith("uav_tracking_mpc"):
+            raise
+        return _fatal(name, str(error))
     finally:
         if node is not None:
             node.destroy_node()
         rclpy.try_shutdown()
         for number, handler in previous.items():
-            signal.signal(number, handler)
+            # The process ends: whoever signals it once more must not break that off.
+            signal.signal(number, signal.SIG_IGN if stopped else handler)
 
 
 def refusal(name: str, arguments: Sequence[str]) -> str:
@@ -110,6 +139,13 @@ def refusal(name: str, arguments: Sequence[str]) -> str:
         words.append(word)
     right = " ".join([name, "--ros-args", *words])
     return f"what is not behind --ros-args has no effect: {shlex.join(stray)}; write: {right}"
+
+
+def _described(create: Callable[[], Node]) -> str:
+    """What a node does: the first line of its module, without its name."""
+    words = sys.modules[create.__module__].__doc__ or ""
+    does = words.partition("\n")[0].partition(": ")[2]
+    return does[:1].upper() + does[1:]
 
 
 def _fatal(name: str, message: str) -> int:

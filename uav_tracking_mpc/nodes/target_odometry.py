@@ -1,26 +1,41 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """What a tracker says of the target in ``target/odometry``: position, velocity, covariance.
 
 As nav_msgs defines it, the pose is in ``header.frame_id`` and the twist in ``child_frame_id``. The
-pose must be in ``map``. Where ``child_frame_id`` is empty or ``map`` the velocity is taken as one
-in ``map``; otherwise it is in the target's own frame and is rotated by the pose's orientation.
+pose must be in ``map``. Where ``child_frame_id`` is empty or that same frame the velocity is taken
+as one in ``map``; otherwise it is in the target's own frame and is rotated by the pose's
+orientation.
 
 A covariance counts from its position or velocity entries (x, y, z). By ROS convention one whose
-first entry is not positive is unknown, and so is one that is not finite or has a negative variance
-in some direction. A velocity is left out if its covariance is declared missing (a negative first
-entry), or if it is zero and has no covariance, which is what a tracker sends that knows none.
+first entry is not positive is unknown, and so is one that is not finite, has a negative variance in
+some direction, or so large a horizontal one that it says nothing. A velocity is left out if its
+covariance is declared missing (a negative first entry), or if it is zero and has no covariance,
+which is what a tracker sends that knows none.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.frames import course_from_quaternion, rotation_from_quaternion
-from uav_tracking_mpc.nodes.conversions import (
-    MAP,
+from uav_tracking_mpc.nodes.frame_names import FRAMES, FrameNames
+from uav_tracking_mpc.nodes.message_checks import (
     POSITION_LIMIT,
     SPEED_LIMIT,
     MessageError,
@@ -28,7 +43,11 @@ from uav_tracking_mpc.nodes.conversions import (
     finite_vector,
 )
 
+if TYPE_CHECKING:
+    from nav_msgs.msg import Odometry
+
 TOPIC = "target/odometry"
+VARIANCE_LIMIT = 1e8  # m^2 or m^2/s^2, beyond which it says nothing
 ROUNDING = 1e-9  # of the greatest variance, by which another may be negative
 
 
@@ -47,17 +66,18 @@ class TargetMeasurement(NamedTuple):
     covariance: NDArray[np.float64] | None
 
 
-def target_from_odometry(message: Odometry) -> TargetMeasurement:
+def target_from_odometry(message: Odometry, frames: FrameNames = FRAMES) -> TargetMeasurement:
     """Measurement of the target.
 
     Args:
         message: As in ``target/odometry``.
+        frames: In which it must be.
 
     Raises:
         MessageError: Wrong frame, no time, not finite, absurd, or no unit quaternion where the
             velocity is to be rotated.
     """
-    check_header(TOPIC, message.header, MAP)
+    check_header(TOPIC, message.header, frames.map)
     position = finite_vector(TOPIC, "pose.position", message.pose.pose.position, POSITION_LIMIT)
     spread = _covariance(message.pose.covariance)
     velocity, velocity_spread = _velocity(message)
@@ -78,7 +98,7 @@ def _velocity(message: Odometry) -> tuple[NDArray[np.float64] | None, NDArray[np
     spread = _covariance(twist.covariance)
     if twist.covariance[0] < 0.0 or (spread is None and not velocity.any()):
         return None, None
-    if message.child_frame_id in ("", MAP):
+    if message.child_frame_id in ("", message.header.frame_id):
         return velocity, spread
     q = message.pose.pose.orientation
     try:
@@ -95,6 +115,8 @@ def _covariance(entries: NDArray[np.float64]) -> NDArray[np.float64] | None:
     """The first three rows and columns of a covariance of six; None if it says nothing."""
     matrix = np.array(entries, dtype=float).reshape(6, 6)[:3, :3]
     if not (np.isfinite(matrix).all() and matrix[0, 0] > 0.0):
+        return None
+    if max(matrix[0, 0], matrix[1, 1]) > VARIANCE_LIMIT:  # that of a height may be anything
         return None
     matrix = 0.5 * (matrix + matrix.T)
     variances = np.linalg.eigvalsh(matrix)

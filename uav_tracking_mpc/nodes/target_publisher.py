@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Node ``target_publisher``: publishes the target's measured position."""
 
 from __future__ import annotations
@@ -6,16 +20,23 @@ import sys
 from typing import Any
 
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 from uav_tracking_mpc.nodes import diagnostics
 from uav_tracking_mpc.nodes.conversions import set_point
-from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
+from uav_tracking_mpc.nodes.declared_parameters import declare_parameters, follow_parameters
+from uav_tracking_mpc.nodes.endpoints import listen, publish
+from uav_tracking_mpc.nodes.frame_names import FrameNames, map_frame
+from uav_tracking_mpc.nodes.message_checks import MessageError
+from uav_tracking_mpc.nodes.outage import Outage
 from uav_tracking_mpc.nodes.run import run
-from uav_tracking_mpc.nodes.topics import TARGET
+from uav_tracking_mpc.nodes.target_truth import goal_from_point, set_truth
+from uav_tracking_mpc.nodes.topics import TARGET, TARGET_GOAL, TARGET_TRUTH
 from uav_tracking_mpc.settings.target import TargetParameters
-from uav_tracking_mpc.simulation.motions import motion_of
+from uav_tracking_mpc.simulation.steered_target import STATIONARY, SteeredTarget
 from uav_tracking_mpc.simulation.target_sensor import TargetSensor
 
+TRUTH_PERIOD = 0.05  # s
 DELIVERY_PERIOD = 0.01  # s; how closely a delay is kept
 
 
@@ -31,16 +52,22 @@ class TargetPublisher(Node):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("target_publisher", **options)
-        self.parameters = declare_parameters(self, TargetParameters)
-        self._motion = motion_of(self.parameters)
-        self._sensor = TargetSensor(self.parameters, self._motion)
+        self.parameters = declare_parameters(self, TargetParameters, changeable=True)
+        self._frames = FrameNames(map_frame(self.parameters.map_frame))
+        self._target = SteeredTarget(self.parameters)
+        self._sensor = TargetSensor(self.parameters, self._target)
+        follow_parameters(self, self.parameters, self._target.check, self._take)
         simulated = bool(self.get_parameter("use_sim_time").value)
         self._start = 0 if simulated else self.get_clock().now().nanoseconds
-        self._message = TARGET.type()
-        self._position = self._motion.position(0.0)
-        self._publisher = self.create_publisher(TARGET.type, TARGET.name, TARGET.qos)
+        self._message, self._truth = TARGET.type(), TARGET_TRUTH.type()
+        self._position, self._refused = self._target.position(0.0), 0
+        self._publisher = publish(self, TARGET)
+        self._truths = publish(self, TARGET_TRUTH)
+        listen(self, TARGET_GOAL, self._on_goal)
         self._diagnostics = diagnostics.Diagnostics(self, self._values)
+        self._outage = Outage(self, "lose_target", "the target's position", self._time)
         self._timer = self.create_timer(1.0 / self.parameters.rate, self._measure)
+        self._truth_timer = self.create_timer(TRUTH_PERIOD, self._tell_truth)
         if self.parameters.delay > 0.0:
             self._delivery = self.create_timer(DELIVERY_PERIOD, self._deliver)
 
@@ -48,22 +75,77 @@ class TargetPublisher(Node):
         """Since the target's start in [s]."""
         return (self.get_clock().now().nanoseconds - self._start) * 1e-9
 
+    def _take(self, parameters: TargetParameters) -> None:
+        now = self._time()
+        self._target.change(now, parameters)
+        self._sensor.change(parameters)
+        self.parameters = parameters
+        self._tell_truth()
+        self._report(now)
+
+    def _on_goal(self, message: Any) -> None:
+        """Go and stand there: the parameters say so as well."""
+        try:
+            goal = goal_from_point(message, self._frames)
+        except MessageError as error:
+            self._refused += 1
+            self.get_logger().warning(f"goal refused: {error}")
+            return
+        values = {"motion": STATIONARY, "position": goal.tolist()}
+        changes = [Parameter(name, value=value) for name, value in values.items()]
+        answer = self.set_parameters_atomically(changes)
+        if not answer.successful:
+            self._refused += 1
+            self.get_logger().warning(f"goal refused: {answer.reason}")
+            return
+        # It may stand elsewhere although its position was this one already.
+        self._target.go_to(self._time(), goal)
+        self._tell_truth()
+        self._report(self._time())
+
+    def _tell_truth(self) -> None:
+        stamp = self.get_clock().now().nanoseconds
+        now = (stamp - self._start) * 1e-9
+        set_truth(
+            self._truth, stamp, self._target.position(now), self._target.velocity(now), self._frames
+        )
+        self._truths.publish(self._truth)
+
     def _measure(self) -> None:
         now = self._time()
-        self._position = self._motion.position(now)
+        self._position = self._target.position(now)
         self._sensor.measure(now)
         self._deliver()
-        self._diagnostics.report(diagnostics.OK, f"target is {self.parameters.motion}")
+        self._report(now)
+
+    def _report(self, now: float) -> None:
+        if self._outage.lasts:
+            self._diagnostics.report(diagnostics.WARN, self._outage.words)
+            return
+        motion, place = self.parameters.motion, self._target.heading_for(now)
+        if place is None:
+            words = f"target is {motion}"
+        else:
+            x, y, z = place.tolist()
+            words = f"target drives to ({x:.6g}, {y:.6g}, {z:.6g}), then is {motion}"
+        self._diagnostics.report(diagnostics.OK, words)
 
     def _deliver(self) -> None:
-        for measured, position in self._sensor.delivered(self._time()):
-            set_point(self._message, self._start + round(measured * 1e9), position)
+        arrived = self._sensor.delivered(self._time())
+        for measured, position in () if self._outage.lasts else arrived:
+            set_point(self._message, self._start + round(measured * 1e9), position, self._frames)
             self._publisher.publish(self._message)
 
     def _values(self) -> dict[str, object]:
         x, y, z = self._position.tolist()
-        rate, began = self.parameters.rate, str(self._start)
-        return {"x [m]": x, "y [m]": y, "z [m]": z, "rate [Hz]": rate, "began [ns]": began}
+        return {
+            "x [m]": x,
+            "y [m]": y,
+            "z [m]": z,
+            "rate [Hz]": self.parameters.rate,
+            "began [ns]": str(self._start),
+            "goals refused": self._refused,
+        }
 
     def finish(self) -> None:
         """Publish the last diagnostics."""

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Every topic of the package: name, type, quality of service, who sends it and what it means."""
 
 from __future__ import annotations
@@ -7,7 +21,9 @@ from dataclasses import dataclass
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PointStamped, TwistStamped
 from nav_msgs.msg import Odometry, Path
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rcl_interfaces.msg import Log
+from rclpy.duration import Duration
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
@@ -15,7 +31,15 @@ from trajectory_msgs.msg import MultiDOFJointTrajectory
 from visualization_msgs.msg import MarkerArray
 
 LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
+SENSED = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 MANY_SENDERS = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
+
+LOG = QoSProfile(  # as rcl publishes it
+    depth=1000,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+    lifespan=Duration(seconds=10),
+)
 
 
 @dataclass(frozen=True)
@@ -25,10 +49,11 @@ class Topic:
     Attributes:
         name: Relative, so that a namespace moves it; absolute where ROS fixes it.
         type: Message class.
-        qos: Offered and asked for.
+        qos: Offered by who sends it.
         sender: Node that publishes it.
         meaning: For people.
         optional: Whether a flight may go without it.
+        sensed: Whether drivers, which often publish best effort, may be its senders.
     """
 
     name: str
@@ -37,6 +62,12 @@ class Topic:
     sender: str
     meaning: str
     optional: bool = False
+    sensed: bool = False
+
+    @property
+    def heard(self) -> QoSProfile:
+        """Quality of service that is asked for: what connects with every sender there may be."""
+        return SENSED if self.sensed else self.qos
 
     @property
     def type_name(self) -> str:
@@ -51,6 +82,7 @@ ODOMETRY = Topic(
     LATEST,
     "uav_simulator or autopilot_link",
     "Pose in `map`; twist in `base_link`: ground velocity and body rates.",
+    sensed=True,
 )
 AIR_VELOCITY = Topic(
     "uav/air_velocity",
@@ -58,6 +90,7 @@ AIR_VELOCITY = Topic(
     LATEST,
     "uav_simulator or autopilot_link",
     "Velocity through the air, in `base_link`.",
+    sensed=True,
 )
 TARGET = Topic(
     "target/position",
@@ -65,6 +98,7 @@ TARGET = Topic(
     LATEST,
     "target_publisher, or autopilot_link with `target_system`",
     "Measured position of the target in `map`, noisy, at any rate.",
+    sensed=True,
 )
 TARGET_ODOMETRY = Topic(
     "target/odometry",
@@ -74,6 +108,25 @@ TARGET_ODOMETRY = Topic(
     "Instead of `target/position`: pose in `map`; twist in `child_frame_id`, which is the target's "
     "own frame by its orientation, or `map` if empty; covariances count where given.",
     optional=True,
+    sensed=True,
+)
+TARGET_GOAL = Topic(
+    "target/goal",
+    PointStamped,
+    LATEST,
+    "people",
+    "Where the target is to go and stand, in `map`: at its `speed`, or 5 m/s if that is 0.",
+    optional=True,
+    sensed=True,
+)
+TARGET_TRUTH = Topic(
+    "target/truth",
+    Odometry,
+    LATEST,
+    "target_publisher",
+    "Where the target truly is and how it moves, pose and twist in `map`: 20 Hz, for records and "
+    "plots. The controller does not listen.",
+    optional=True,
 )
 COMMAND = Topic(
     "uav/command",
@@ -82,7 +135,9 @@ COMMAND = Topic(
     "nmpc_controller",
     "points[0]: the command now; the rest: the plan, time_from_start = k T_s. "
     "velocities[0].angular.z = yaw rate, .y = FLU pitch rate (minus the path-angle rate), "
-    "accelerations[0].linear.x = acceleration.",
+    "accelerations[0].linear.x = acceleration along the body's x axis: these are flown. For who "
+    "flies by places, in `map`: transforms[0] = planned place and attitude with wings level, "
+    "velocities[0].linear = planned velocity over ground.",
 )
 ORBIT = Topic(
     "uav/orbit",
@@ -115,13 +170,16 @@ MARKERS = Topic(
 DIAGNOSTICS = Topic(
     "/diagnostics", DiagnosticArray, MANY_SENDERS, "every node", "1 Hz and on change."
 )
+ROSOUT = Topic(
+    "/rosout", Log, LOG, "every node", "What the nodes log; ROS itself sends it.", optional=True
+)
 CLOCK = Topic(
     "/clock", Clock, LATEST, "uav_simulator", "Simulated time, with `publish_clock` only."
 )
 TRACKING = {
     name: Topic(f"uav/tracking/{name}", Float64, LATEST, "nmpc_controller", meaning)
     for name, meaning in {
-        "range_error": "r - r_d [m].",
+        "range_error": "r - r_d [m], of the state that is answered, as are the other errors.",
         "bearing_error": "theta - theta_d, wrapped [rad].",
         "altitude_error": "z - z_d [m].",
         "pitch_error": "chi, whose reference is 0 [rad].",
@@ -130,17 +188,34 @@ TRACKING = {
         "solve_time": "Wall time of the solve [s].",
     }.items()
 }
+TRACKING_ERRORS = Topic(
+    "uav/tracking_errors",
+    JointState,
+    LATEST,
+    "nmpc_controller",
+    "What the controller tracks by in one message, stamped as the state; with each command, once a "
+    "target is known. Names (more may follow): range_error, bearing_error, altitude_error, "
+    "pitch_error, speed_error as in `uav/tracking/...`; bank (of a coordinated turn, right wing "
+    "down [rad]); target_east, target_north, target_up (as estimated, in `map`); target_std (of "
+    "each [m]); wind_east, wind_north, wind_up (as estimated, with gust); mode (0 optimal plan, 1 "
+    "guidance law, 2 feasible plan, 3 earlier plan, 4 loiter law, 5 wings level). Values in "
+    "`position`.",
+)
 ALL = (
     ODOMETRY,
     AIR_VELOCITY,
     TARGET,
     TARGET_ODOMETRY,
+    TARGET_GOAL,
+    TARGET_TRUTH,
     COMMAND,
     ORBIT,
     ENGAGED,
     PREDICTED_PATH,
     MARKERS,
     *TRACKING.values(),
+    TRACKING_ERRORS,
     DIAGNOSTICS,
+    ROSOUT,
     CLOCK,
 )

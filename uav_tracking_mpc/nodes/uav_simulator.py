@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Node ``uav_simulator``: flies a plant on the commands and publishes its state."""
 
 from __future__ import annotations
@@ -5,28 +19,35 @@ from __future__ import annotations
 import sys
 from typing import Any
 
+from builtin_interfaces.msg import Time as TimeMessage
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from rclpy.time import Time
+from rclpy.timer import Timer
+from std_srvs.srv import SetBool, Trigger
 
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes import diagnostics
-from uav_tracking_mpc.nodes.conversions import (
-    MessageError,
-    nanoseconds,
-    plan_from_command,
-    set_air_velocity,
-    set_measurement,
-    set_stamp,
-)
-from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
+from uav_tracking_mpc.nodes.command_wire import CommandWire
+from uav_tracking_mpc.nodes.conversions import set_air_velocity, set_measurement, set_stamp
+from uav_tracking_mpc.nodes.declared_parameters import declare_parameters, follow_parameters
+from uav_tracking_mpc.nodes.endpoints import listen, publish
+from uav_tracking_mpc.nodes.frame_names import frame_names
+from uav_tracking_mpc.nodes.message_checks import MessageError
 from uav_tracking_mpc.nodes.orbit_message import orbit_from_message
+from uav_tracking_mpc.nodes.outage import Outage
 from uav_tracking_mpc.nodes.peers import Peers, Promise
 from uav_tracking_mpc.nodes.run import run
+from uav_tracking_mpc.nodes.sole_sender import SoleSenders
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY, ORBIT
+from uav_tracking_mpc.nodes.transform_broadcaster import TransformBroadcaster
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.plants import Plant, SimulationError, plant_named
 
+FLOWN = (COMMAND, ODOMETRY, AIR_VELOCITY)  # topics with one sender
+# Who only looks comes and goes: time does not begin for them. The first has no name yet.
+LOOKERS = ("_NODE_NAME_UNKNOWN_", "flight_watcher", "monitor")
 LONGEST_STEP = 0.5  # s; a jump of the clock beyond this is not flown through
 WARNING_PERIOD = 5.0  # s
 
@@ -43,53 +64,117 @@ class UavSimulator(Node):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("uav_simulator", **options)
-        self.parameters = declare_parameters(self, SimulatorParameters)
+        self.parameters = declare_parameters(self, SimulatorParameters, changeable=True)
+        follow_parameters(self, self.parameters, self._check, self._take)
+        self._frames = frame_names(self, self.parameters)
         self._plant = _plant(self.parameters)
         self._truth, self._failure = self._plant.truth, ""
         self._tick = round(1e9 / self.parameters.state_rate)
         self._now = 0 if self.parameters.publish_clock else self.get_clock().now().nanoseconds
         self._start = self._now
         self._received = self._rejected = 0
-        self._started = False
+        self._started = self._paused = False
+        self._reset_at, self._failsafes = 0, 0  # [ns], and counted before it
         self._odometry, self._air_velocity = ODOMETRY.type(), AIR_VELOCITY.type()
         self._clock_message = CLOCK.type()
         driven = self.parameters.publish_clock
         self._promise = Promise(None if driven else self.parameters.state_rate)
-        self._odometry_publisher = self.create_publisher(
-            ODOMETRY.type,
-            ODOMETRY.name,
+        self._odometry_publisher = publish(
+            self,
+            ODOMETRY,
             self._promise.qos(ODOMETRY.qos),
             event_callbacks=self._promise.callbacks(lambda: None),
         )
-        self._air_publisher = self.create_publisher(
-            AIR_VELOCITY.type, AIR_VELOCITY.name, AIR_VELOCITY.qos
-        )
+        self._air_publisher = publish(self, AIR_VELOCITY)
+        self._transforms = TransformBroadcaster(self, self._frames)
         self._clock_publisher = None
         if self.parameters.publish_clock:
-            self._clock_publisher = self.create_publisher(CLOCK.type, CLOCK.name, CLOCK.qos)
+            self._clock_publisher = publish(self, CLOCK)
         self._peers = Peers(lambda words: self._diagnostics.report(diagnostics.WARN, words))
-        self.create_subscription(
-            COMMAND.type,
-            COMMAND.name,
+        self._wire = CommandWire(self._frames)
+        listen(
+            self,
+            COMMAND,
             self._on_command,
-            COMMAND.qos,
             event_callbacks=self._peers.listening(COMMAND),
+            raw=True,
         )
-        self.create_subscription(ORBIT.type, ORBIT.name, self._on_orbit, ORBIT.qos)
-        self._diagnostics = diagnostics.Diagnostics(self, self._values)
-        period = self._tick * 1e-9
-        if self.parameters.publish_clock:
-            steady = Clock(clock_type=ClockType.STEADY_TIME)
-            self._timer = self.create_timer(
-                period / self.parameters.speed, self._step, clock=steady
-            )
-        else:
-            self._timer = self.create_timer(period, self._step)
+        listen(self, ORBIT, self._on_orbit)
+        # Whoever makes the time does not follow it: its own clock is the wall's.
+        stamp = self._time if self.parameters.publish_clock else None
+        self._diagnostics = diagnostics.Diagnostics(self, self._values, stamp)
+        self._senders = SoleSenders(self, FLOWN, self._diagnostics.alarm)
+        self.create_service(SetBool, "~/pause", self._on_pause)
+        self.create_service(Trigger, "~/reset", self._on_reset)
+        self._outage = Outage(self, "lose_state", "the state", lambda: self._now * 1e-9)
+        self._timer = self._make_timer()
 
-    def _on_command(self, message: Any) -> None:
+    def _make_timer(self) -> Timer:
+        """The timer of the steps; time that this node drives runs by a steady clock."""
+        period = self._tick * 1e-9
+        if not self.parameters.publish_clock:
+            return self.create_timer(period, self._step)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        return self.create_timer(period / self.parameters.speed, self._step, clock=steady)
+
+    def _check(self, parameters: SimulatorParameters) -> None:
+        speed = self.parameters.speed
+        if parameters.speed != speed and not parameters.publish_clock:
+            raise ParameterError(
+                f"parameter 'speed' is {parameters.speed!r}, must stay {speed!r} without "
+                "publish_clock: time is the wall's"
+            )
+        self._plant.check(parameters)
+
+    def _take(self, parameters: SimulatorParameters) -> None:
+        before, self.parameters = self.parameters, parameters
         try:
-            plan, starts = plan_from_command(message)
-            begin = (nanoseconds(message.header.stamp) - self._start) * 1e-9
+            self._plant.change(parameters)
+        except Exception as error:  # whatever a user's plant raises, the node goes on
+            self._failure = f"the plant failed, its state is not published: {error}"
+        if parameters.speed != before.speed:
+            self.destroy_timer(self._timer)
+            self._timer = self._make_timer()
+
+    def _on_pause(self, request: Any, response: Any) -> Any:
+        if self._clock_publisher is None:
+            words = "time is the wall's and cannot be stopped: start with publish_clock"
+            response.success, response.message = False, words
+            return response
+        self._paused = request.data
+        words = "time stands still" if self._paused else "time runs"
+        response.success, response.message = True, f"{words} at {self._now * 1e-9:.3f} s"
+        if self._paused:
+            self._diagnostics.report(diagnostics.WARN, "paused: time stands still")
+        else:
+            self._report()
+        return response
+
+    def _on_reset(self, request: Any, response: Any) -> Any:
+        """Start state, start of the plant's time; the clock goes on."""
+        try:
+            plant = _plant(self.parameters)
+            self._truth = plant.truth
+        except Exception as error:  # as of a user's plant
+            response.success, response.message = False, f"not reset: {error}"
+            return response
+        self._failsafes += self._plant.plan.failsafes
+        self._plant, self._failure = plant, ""
+        self._start = self._reset_at = self._now
+        words = f"the vehicle is where it started, at {self._now * 1e-9:.3f} s"
+        self.get_logger().info(f"reset: {words}")
+        response.success, response.message = True, words
+        return response
+
+    def _time(self) -> TimeMessage:
+        return Time(nanoseconds=self._now).to_msg()
+
+    def _on_command(self, data: bytes) -> None:
+        try:
+            stamp, plan, starts = self._wire.segments(data)
+            if stamp < self._reset_at:
+                raise ValueError("it answers a state from before the reset")
+            begin = (stamp - self._start) * 1e-9
             self._plant.accept(plan, begin + starts)
             self._received += 1
         except (MessageError, ValueError) as error:
@@ -100,7 +185,7 @@ class UavSimulator(Node):
 
     def _on_orbit(self, message: Any) -> None:
         try:
-            self._plant.see_orbit(orbit_from_message(message))
+            self._plant.see_orbit(orbit_from_message(message, self._frames))
         except MessageError as error:
             self.get_logger().warning(
                 f"orbit refused: {error}", throttle_duration_sec=WARNING_PERIOD
@@ -108,24 +193,31 @@ class UavSimulator(Node):
 
     def _step(self) -> None:
         if not self._started:
-            listeners = self._odometry_publisher.get_subscription_count()
-            self._started = listeners >= self.parameters.wait_for_subscribers
+            self._started = self._listeners() >= self.parameters.wait_for_subscribers
             if not self._started:
                 self._diagnostics.report(diagnostics.WARN, "time waits for subscribers")
                 return
+        if self._paused:
+            return
         self._advance(self._elapsed())
         if self._clock_publisher is not None:
             set_stamp(self._clock_message.clock, self._now)
             self._clock_publisher.publish(self._clock_message)
-        if not self._failure:
+        if not self._failure and not self._outage.lasts:
             self._publish(self._plant.measured())
+
+    def _listeners(self) -> int:
+        """How many listen to the state, without who only looks."""
+        known = self.get_subscriptions_info_by_topic(self._odometry_publisher.topic_name)
+        return sum(one.node_name not in LOOKERS for one in known)
 
     def _publish(self, seen: Measurement) -> None:
         stamp = self._start + round(seen.stamp * 1e9)
-        set_measurement(self._odometry, stamp, seen)
+        set_measurement(self._odometry, stamp, seen, self._frames)
         self._odometry_publisher.publish(self._odometry)
+        self._transforms.publish(self._odometry)
         if seen.airspeed is not None:
-            set_air_velocity(self._air_velocity, stamp, seen.airspeed)
+            set_air_velocity(self._air_velocity, stamp, seen.airspeed, self._frames)
             self._air_publisher.publish(self._air_velocity)
 
     def _elapsed(self) -> int:
@@ -164,6 +256,8 @@ class UavSimulator(Node):
         plan = self._plant.plan
         if self._failure:
             self._diagnostics.report(diagnostics.ERROR, self._failure)
+        elif self._outage.lasts:
+            self._diagnostics.report(diagnostics.WARN, self._outage.words)
         elif plan.commanded and plan.holding:
             self._diagnostics.report(
                 diagnostics.WARN, "no plan left to fly: holding wings level until a command comes"
@@ -189,7 +283,8 @@ class UavSimulator(Node):
             "wind up [m/s]": up,
             "commands received": self._received,
             "commands refused": self._rejected,
-            "failsafe": self._plant.plan.failsafes,
+            "speed": self.parameters.speed,
+            "failsafe": self._failsafes + self._plant.plan.failsafes,
             "state deadlines missed": self._promise.broken,
             **self._peers.values(),
         }

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """What people add is found by name: in its room, by an entry point, or as ``path.py:Class``.
 
 A room keeps one thing a file, and the file's name is the thing's name: ``laws/l1.py`` holds the law
@@ -20,6 +34,8 @@ from importlib import metadata
 from pathlib import Path
 from types import ModuleType
 from typing import Any
+
+from uav_tracking_mpc.parameters.suggestion import did_you_mean
 
 PACKAGE = Path(__file__).parents[1]
 
@@ -75,7 +91,8 @@ class Kind:
             if point.name == name:
                 return self._checked(name, point.load())
         raise ExtensionError(
-            f"{self.title} is {name!r}, must be one of {', '.join(self.names)}, or path.py:Class"
+            f"{self.title} is {name!r}{did_you_mean(name, self.names)}, must be one of "
+            f"{', '.join(self.names)}, or path.py:Class"
         )
 
     def all(self) -> dict[str, type[Any]]:
@@ -167,3 +184,5 @@ PLANT = Kind("plant", "uav_tracking_mpc.simulation.plants", "Plant")
 TARGET_MOTION = Kind("target motion", "uav_tracking_mpc.simulation.motions", "TargetMotion")
 VEHICLE_LINK = Kind("vehicle link", "uav_tracking_mpc.links", "VehicleLink")
 FAULT = Kind("fault", "uav_tracking_mpc.studies.faults.kinds", "Fault")
+SCENE_ELEMENT = Kind("element of the scene", "uav_tracking_mpc.view.scene", "SceneElement")
+PANEL_PART = Kind("part of the panel", "uav_tracking_mpc.view.panel", "PanelPart")

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Parameters described once: name, type, default, unit, meaning, allowed values.
 
 A set of parameters is a frozen dataclass whose fields are made by :func:`parameter`. From the same
@@ -13,6 +27,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar, cast
 
 from uav_tracking_mpc.parameters.registry import Kind
+from uav_tracking_mpc.parameters.suggestion import did_you_mean
 
 Value = bool | int | float | str | tuple[float, ...]
 T = TypeVar("T")
@@ -37,7 +52,7 @@ class Specification:
         size: Number of elements of a tuple; 0 for any multiple of ``multiple``.
         multiple: A tuple's length must be a multiple of this.
         extension: The value names one of this kind: an installed one, or ``path.py:Class``.
-        fixed: Whether it can only be set at the start, not while the controller is configured.
+        fixed: Whether it can only be set at the start, for a controller while not configured.
         fixed_unless: Name and value of another parameter; without that value this one is fixed.
     """
 
@@ -136,7 +151,11 @@ class Specification:
             raise self._error(value) from None
 
     def _error(self, value: Any) -> ParameterError:
-        return ParameterError(f"parameter '{self.name}' is {value!r}, must be {self.allowed}")
+        names = (*self.choices, *(() if self.extension is None else self.extension.names))
+        meant = did_you_mean(value, names)
+        return ParameterError(
+            f"parameter '{self.name}' is {value!r}{meant}, must be {self.allowed}"
+        )
 
 
 def _is_number(value: Any) -> bool:
@@ -235,7 +254,10 @@ def from_mapping(parameters: type[T], values: Mapping[str, Any]) -> T:
     known = {specification.name: specification for specification in specifications(parameters)}
     for name in values:
         if name not in known:
-            raise ParameterError(f"parameter '{name}' is unknown, known are: {', '.join(known)}")
+            meant = did_you_mean(name, known)
+            raise ParameterError(
+                f"parameter '{name}' is unknown{meant}, known are: {', '.join(known)}"
+            )
     return parameters(**{name: known[name].check(value) for name, value in values.items()})
 
 
@@ -253,12 +275,15 @@ def changed(parameters: T, values: Mapping[str, Any]) -> T:
     return from_mapping(type(parameters), {**present, **values})
 
 
-def refuse_fixed(before: Any, after: Any) -> None:
+def refuse_fixed(
+    before: Any, after: Any, meanwhile: str = "while the controller is configured"
+) -> None:
     """Refuse a change of what can only be set at the start.
 
     Args:
         before: Parameter dataclass that is in use.
         after: One of the same kind, to take its place.
+        meanwhile: How long it stays fixed, in words.
 
     Raises:
         ParameterError: A fixed parameter differs.
@@ -269,7 +294,7 @@ def refuse_fixed(before: Any, after: Any) -> None:
             continue
         words = f"parameter '{known.name}' is {new!r}, must stay {old!r}"
         if known.fixed:
-            raise ParameterError(f"{words} while the controller is configured")
+            raise ParameterError(f"{words} {meanwhile}")
         if known.fixed_unless is not None:
             other, value = known.fixed_unless
             if getattr(before, other) != value:

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Colours, type and resolution that all figures share.
 
 Colours are those of Okabe and Ito, which people with any common colour vision tell apart. Figures
@@ -19,6 +33,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from uav_tracking_mpc.report.atomic_write import write_atomically
+from uav_tracking_mpc.report.mode_colours import MODE_COLOURS
 
 BLUE = "#0072B2"
 VERMILLION = "#D55E00"
@@ -28,6 +43,7 @@ LIGHT_GREY = "#D9D9D9"
 BLACK = "#1A1A1A"
 PURPLE = "#CC79A7"
 LAWS = {"nmpc": BLUE, "l1": VERMILLION, "npfg": PURPLE, "vector_field": GREEN}
+MODES = {mode: "#{:02X}{:02X}{:02X}".format(*colour) for mode, colour in MODE_COLOURS.items()}
 # Where no colour is reserved.
 OTHERS = ("#E69F00", "#56B4E9", "#7A5195", "#8C6D31")
 

@@ -1,10 +1,24 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """What the numbers of a flight say: a verdict in one sentence, and where a range offset is from."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,6 +28,7 @@ from uav_tracking_mpc.report.metrics import SETTLING_BANDS, range_errors
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
 UNITS = {"range": "m", "altitude": "m", "speed": "m/s", "bearing": "rad"}
+FALLBACKS = 12  # most that a page lists
 NOTABLE_OFFSET = 0.01  # mean range error that the report speaks of, [m]
 
 
@@ -69,6 +84,19 @@ def settled(numbers: dict[str, Any]) -> bool:
     return all(time is not None for time in numbers["settling_s"].values())
 
 
+def unsettled(numbers: dict[str, Any]) -> str:
+    """What never came to stay inside its band, in words; empty if all did.
+
+    Args:
+        numbers: What :func:`uav_tracking_mpc.report.metrics.metrics` returned.
+    """
+    return " and ".join(
+        f"{name} never came to stay within {quantity(SETTLING_BANDS[name], UNITS[name])}"
+        for name, time in numbers["settling_s"].items()
+        if time is None
+    )
+
+
 def verdict(numbers: dict[str, Any]) -> str:
     """One sentence: settled or not, and how well; a second one where something failed.
 
@@ -87,15 +115,10 @@ def verdict(numbers: dict[str, Any]) -> str:
             f"{quantity(steady['altitude_rms_m'], 'm')} RMS."
         )
     else:
-        never = " and ".join(
-            f"{name} never came to stay within {quantity(SETTLING_BANDS[name], UNITS[name])}"
-            for name, time in times.items()
-            if time is None
-        )
         text = (
-            f"Not settled: {never} of the reference; over the last third of the flight the range "
-            f"error was {quantity(steady['range_rms_m'], 'm')} RMS, and at the end the UAV was "
-            f"{quantity(abs(final['range_error_m']), 'm')} too "
+            f"Not settled: {unsettled(numbers)} of the reference; over the last third of the "
+            f"flight the range error was {quantity(steady['range_rms_m'], 'm')} RMS, and at the "
+            f"end the UAV was {quantity(abs(final['range_error_m']), 'm')} too "
             f"{'far out' if final['range_error_m'] > 0.0 else 'close'}."
         )
     return " ".join([text.replace("< ", "less than "), *_failures(numbers)])
@@ -110,6 +133,37 @@ def _failures(numbers: dict[str, Any]) -> list[str]:
         times = "once" if commands["failsafe"] == 1 else f"{commands['failsafe']} times"
         sentences.append(f"The vehicle ran out of plan {times} and held wings level.")
     return sentences
+
+
+class Fallback(NamedTuple):
+    """A time in which something else was flown than was asked for.
+
+    Attributes:
+        mode: What was flown, in words.
+        begin: In [s] from the start.
+        duration: In [s].
+        reason: Why, in words.
+    """
+
+    mode: str
+    begin: float
+    duration: float
+    reason: str
+
+
+def fallbacks(log: FlightLog) -> list[Fallback]:
+    """The longest times in which the flight fell back, in their order.
+
+    Args:
+        log: Record of the flight.
+    """
+    found = [
+        Fallback(flown.mode.value, begin, end - begin, flown.reason)
+        for begin, end, flown in log.mode_spans
+        if not flown.mode.nominal
+    ]
+    longest = sorted(found, key=lambda each: each.duration, reverse=True)[:FALLBACKS]
+    return sorted(longest, key=lambda each: each.begin)
 
 
 @dataclass(frozen=True)

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The numbers of a flight: ``metrics.json``.
 
 Errors are those of :attr:`uav_tracking_mpc.simulation.flight_log.FlightLog.error`. A value that
@@ -156,7 +170,7 @@ def _last_third(log: FlightLog) -> NDArray[np.bool_]:
 def _horizontal_error(log: FlightLog) -> NDArray[np.float64]:
     """Horizontal distance to the target minus the radius of the orbit, shape (n,), in [m]."""
     x, y = (log.vehicle[:, :2] - log.target[:, :2]).T
-    return np.asarray(np.hypot(x, y) - log.orbit.radius)
+    return np.asarray(np.hypot(x, y) - log.radius)
 
 
 def _rms(values: NDArray[np.float64]) -> float | None:

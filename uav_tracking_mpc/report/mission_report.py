@@ -1,14 +1,31 @@
-"""One folder that tells a flight: ``metrics.json``, two figures and a page that needs no other."""
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""One folder that tells a flight: ``metrics.json``, figures and a page that needs no other."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from uav_tracking_mpc.report.atomic_write import json_text, write_atomically, write_json
+from uav_tracking_mpc.report.conditions import conditions_figure, has_conditions
 from uav_tracking_mpc.report.figure_style import save_figure
 from uav_tracking_mpc.report.flight_findings import (
     UNITS,
+    fallbacks,
     quantity,
     range_offset_finding,
     settled,
@@ -16,15 +33,22 @@ from uav_tracking_mpc.report.flight_findings import (
 )
 from uav_tracking_mpc.report.html_page import embedded, render
 from uav_tracking_mpc.report.metrics import SETTLING_BANDS, metrics
+from uav_tracking_mpc.report.replay import Replay
 from uav_tracking_mpc.report.states import DECADES, states_figure
 from uav_tracking_mpc.report.trajectory import trajectory_figure
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
 TEMPLATE = "mission_report.html.j2"
+RecordScene = Callable[[FlightLog], Replay | None]
 
 
-def write_report(log: FlightLog, output: Path) -> dict[str, Any]:
+def write_report(
+    log: FlightLog, output: Path, record_scene: RecordScene | None = None
+) -> dict[str, Any]:
     """Write ``metrics.json``, ``trajectory.png``, ``states.png`` and ``report.html``.
+
+    Where there is more to a flight than the paper's point mass in still air, ``conditions.png``
+    shows it: limits, wind, the target's speed, fallback modes.
 
     The numbers come first, so that they stand even where a figure cannot be drawn. Each file
     replaces an older one as a whole; nothing is written outside the folder.
@@ -32,6 +56,7 @@ def write_report(log: FlightLog, output: Path) -> dict[str, Any]:
     Args:
         log: Record of the flight.
         output: Folder, made if it is not there.
+        record_scene: Makes the moving scene of the page; it may answer None.
 
     Returns:
         The content of ``metrics.json``.
@@ -46,7 +71,11 @@ def write_report(log: FlightLog, output: Path) -> dict[str, Any]:
         write_json(output / "metrics.json", numbers)
         trajectory = save_figure(trajectory_figure(log), output / "trajectory.png")
         states = save_figure(states_figure(log), output / "states.png")
-        page = render_page(log, numbers, trajectory, states)
+        conditions = None
+        if has_conditions(log):
+            conditions = save_figure(conditions_figure(log), output / "conditions.png")
+        replay = None if record_scene is None else record_scene(log)
+        page = render_page(log, numbers, trajectory, states, conditions, replay)
         write_atomically(output / "report.html", page.encode())
     except OSError as error:
         reason = error.strerror or str(error)
@@ -54,7 +83,14 @@ def write_report(log: FlightLog, output: Path) -> dict[str, Any]:
     return numbers
 
 
-def render_page(log: FlightLog, numbers: dict[str, Any], trajectory: bytes, states: bytes) -> str:
+def render_page(
+    log: FlightLog,
+    numbers: dict[str, Any],
+    trajectory: bytes,
+    states: bytes,
+    conditions: bytes | None = None,
+    replay: Replay | None = None,
+) -> str:
     """The page as HTML, with style and pictures inside.
 
     Args:
@@ -62,6 +98,8 @@ def render_page(log: FlightLog, numbers: dict[str, Any], trajectory: bytes, stat
         numbers: Its metrics.
         trajectory: PNG file of the flight in space.
         states: PNG file of states and inputs over time.
+        conditions: PNG file of limits, air, target and modes over time; None where there is none.
+        replay: The moving scene; None where there is none.
     """
     return render(
         "uav_tracking_mpc.report",
@@ -78,4 +116,7 @@ def render_page(log: FlightLog, numbers: dict[str, Any], trajectory: bytes, stat
         offset=range_offset_finding(log),
         trajectory=embedded(trajectory),
         states=embedded(states),
+        conditions=None if conditions is None else embedded(conditions),
+        replay=replay,
+        fallbacks=fallbacks(log),
     )

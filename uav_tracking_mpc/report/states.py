@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """States, inputs and cost over time, as Figure 3 of the paper and what it leaves out.
 
 Left the five states with their references and the bands that count as settled, right the inputs
@@ -14,18 +28,24 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.report.figure_style import BLACK, BLUE, GREEN, GREY, VERMILLION, drawing
+from uav_tracking_mpc.report.figure_style import BLUE, GREY, VERMILLION, drawing
 from uav_tracking_mpc.report.metrics import COLUMNS, SETTLING_BANDS, settling_time
+from uav_tracking_mpc.report.time_axes import (
+    BAND,
+    BOUND,
+    REFERENCE,
+    finish,
+    share_time,
+    time_limits,
+    value_limits,
+)
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
 SIZE = (9.5, 8.6)  # [inch]
 DECADES = 12  # most that a cost is followed down: below is rounding
-REFERENCE: dict[str, Any] = {"color": BLACK, "lw": 1.0, "ls": (0, (5, 2.5)), "zorder": 3.0}
-BOUND: dict[str, Any] = {"color": VERMILLION, "lw": 1.0, "ls": (0, (1, 1.2))}
-BAND: dict[str, Any] = {"color": GREEN, "alpha": 0.22, "lw": 0.0}
 
 STATE_PANELS = (
     ("range", "Range", "$r$ [m]"),
@@ -60,8 +80,7 @@ def states_figure(log: FlightLog) -> Figure:
             axes.set_title(f"({letter}) {axes.get_title(loc='left')}", loc="left")
         for axes in (left[-1], right[-1]):
             axes.set_xlabel("time [s]")
-        axes.set_xlim(*_time_limits(log))
-        axes.xaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 2.5, 5, 10]))
+        share_time(axes, log)
         figure.subplots_adjust(
             left=0.075, right=0.985, bottom=0.06, top=0.925, hspace=0.34, wspace=0.2
         )
@@ -84,11 +103,12 @@ def _state_panel(
 ) -> None:
     """One state: its reference, the band around it, and when it settles."""
     reference = log.orbit.steady_state[COLUMNS[name]]
-    values = reference + (_unwrapped(error) if name == "bearing" else error)
+    asked = log.reference[:, COLUMNS[name]]  # in flight it may have been another
+    values = asked + (_unwrapped(error) if name == "bearing" else error)
     band = SETTLING_BANDS.get(name)
     # Room above and below the band, so that it reads as one where nothing else happens.
     room = 0.0 if band is None else 2.0 * band
-    low, high = _limits(values, reference - room, reference + room)
+    low, high = value_limits(values, reference - room, reference + room)
     if band is not None:
         axes.axhspan(reference - band, reference + band, **BAND)
         settled = settling_time(log.time, error, band)
@@ -97,8 +117,10 @@ def _state_panel(
         if settled is not None:
             axes.axvline(settled, color=GREY, lw=0.8)
     axes.axhline(reference, **REFERENCE)
+    if (asked != asked[:1]).any():
+        axes.plot(log.time, asked, **REFERENCE)
     axes.plot(log.time, values, color=BLUE, marker="o" if len(values) == 1 else "", ms=4)
-    _finish(axes, title, label, low, high)
+    finish(axes, title, label, low, high)
 
 
 def _input_panel(axes: Axes, log: FlightLog, column: int, title: str, label: str) -> None:
@@ -110,12 +132,12 @@ def _input_panel(axes: Axes, log: FlightLog, column: int, title: str, label: str
     axes.axhline(log.steady_inputs[column], **REFERENCE)
     if len(log.command_time):
         # The vehicle holds the last command until the record ends.
-        end = max(_time_limits(log)[1], log.command_time[-1])
+        end = max(time_limits(log)[1], log.command_time[-1])
         time = np.append(log.command_time, end)
         held = np.append(log.inputs[:, column], log.inputs[-1, column])
         axes.plot(time, held, color=BLUE, lw=1.2, drawstyle="steps-post")
-    low, high = _limits(log.inputs[:, column], log.steady_inputs[column], *bounds)
-    _finish(axes, title, label, low, high)
+    low, high = value_limits(log.inputs[:, column], log.steady_inputs[column], *bounds)
+    finish(axes, title, label, low, high)
 
 
 def _cost_panel(axes: Axes, log: FlightLog) -> None:
@@ -153,27 +175,9 @@ def _logarithmic(
     else:
         axes.text(0.5, 0.5, "not recorded", transform=axes.transAxes, ha="center", color=GREY)
         low, high = 0.1, 10.0
-    _finish(axes, title, label, low, high)
+    finish(axes, title, label, low, high)
     axes.yaxis.set_major_locator(LogLocator(numticks=5))
     axes.yaxis.set_minor_formatter(NullFormatter())
-
-
-def _finish(axes: Axes, title: str, label: str, low: float, high: float) -> None:
-    axes.set_title(title, loc="left")
-    axes.set_ylabel(label)
-    axes.yaxis.set_label_coords(-0.1, 0.5)  # one line down the column, however long the numbers
-    axes.set_ylim(low, high)
-    if axes.get_yscale() == "linear":
-        axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
-
-
-def _time_limits(log: FlightLog) -> tuple[float, float]:
-    """From the first instant of the record to its last, never an empty interval."""
-    instants = np.concatenate([log.time, log.command_time])
-    if not len(instants):
-        return 0.0, max(log.duration, 1.0)
-    begin, end = float(np.min(instants)), float(np.max(instants))
-    return begin, end if end > begin else begin + 1.0
 
 
 def _unwrapped(error: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -185,14 +189,3 @@ def _unwrapped(error: NDArray[np.float64]) -> NDArray[np.float64]:
         last = np.flatnonzero(known)[-1]
         smooth[known] += error[last] - smooth[last]
     return smooth
-
-
-def _limits(values: NDArray[np.float64], *shown: float) -> tuple[float, float]:
-    """Limits that hold the values and the lines drawn with them, with a margin."""
-    everything = np.concatenate([np.ravel(values), shown])
-    everything = everything[np.isfinite(everything)]
-    if not len(everything):
-        return -1.0, 1.0
-    low, high = float(np.min(everything)), float(np.max(everything))
-    margin = max(0.08 * (high - low), 0.02)  # at rest only rounding is left: do not magnify that
-    return low - margin, high + margin

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """A configuration: one YAML file for all nodes, in the form that ROS 2 reads."""
 
 from __future__ import annotations
@@ -9,6 +23,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from uav_tracking_mpc.parameters.specification import ParameterError, from_mapping
+from uav_tracking_mpc.parameters.suggestion import did_you_mean
 from uav_tracking_mpc.settings.link import LinkParameters
 from uav_tracking_mpc.settings.mission import MissionParameters, ScenarioParameters
 from uav_tracking_mpc.settings.parameter_file import (
@@ -162,7 +177,8 @@ def found(kind: str, name_or_file: str, folder: Path) -> Path:
         return folder / f"{name_or_file}.yaml"
     if not Path(name_or_file).is_file():
         raise ParameterError(
-            f"{kind} is {name_or_file!r}, must be a file or one of {', '.join(names)}"
+            f"{kind} is {name_or_file!r}{did_you_mean(name_or_file, names)}, must be a file or one "
+            f"of {', '.join(names)}"
         )
     return Path(name_or_file)
 

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Parameter files in the form that ROS 2 reads: sections of names and values, in YAML."""
 
 from __future__ import annotations
@@ -10,6 +24,7 @@ from typing import Any
 import yaml
 
 from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.parameters.suggestion import did_you_mean
 
 Sections = dict[str, dict[str, Any]]
 
@@ -51,7 +66,8 @@ def read_sections(path: Path, known: Collection[str]) -> Sections:
         section = str(key).rsplit("/", 1)[-1]
         if section not in known:
             raise ParameterError(
-                f"configuration {path}: section '{key}' is unknown, known are: {', '.join(known)}"
+                f"configuration {path}: section '{key}' is unknown{did_you_mean(section, known)}, "
+                f"known are: {', '.join(known)}"
             )
         values = content.get("ros__parameters") if isinstance(content, Mapping) else None
         if not isinstance(values, Mapping):
@@ -102,7 +118,8 @@ def override(sections: Sections, assignment: str) -> None:
     section, dot, parameter_name = name.strip().partition(".")
     if not (equals and dot and section in sections and parameter_name):
         raise ParameterError(
-            f"override is {assignment!r}, must be SECTION.PARAMETER=VALUE with SECTION one of "
+            f"override is {assignment!r}{did_you_mean(section, sections) if dot else ''}, must be "
+            "SECTION.PARAMETER=VALUE with SECTION one of "
             f"{', '.join(sections)}"
         )
     try:

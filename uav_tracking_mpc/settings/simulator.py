@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The simulated aircraft and its air, as parameters."""
 
 from __future__ import annotations
@@ -14,12 +28,13 @@ from uav_tracking_mpc.dynamics.relative import vehicle_state
 from uav_tracking_mpc.dynamics.vehicle import VehicleState
 from uav_tracking_mpc.parameters.registry import PLANT
 from uav_tracking_mpc.parameters.specification import ParameterError, parameter
+from uav_tracking_mpc.settings.frame_parameters import FrameParameters
 
 START = VehicleState(*vehicle_state(paper.INITIAL_STATE, 0.0, np.zeros(3)).tolist())
 
 
 @dataclass(frozen=True)
-class SimulatorParameters(HoldParameters):
+class SimulatorParameters(HoldParameters, FrameParameters):
     """Where the simulated vehicle starts and what it can do.
 
     The default start is the paper's x_o (Section 6) about a target at the origin; the paper leaves
@@ -31,7 +46,13 @@ class SimulatorParameters(HoldParameters):
 
     plant: str = parameter("vehicle", "What flies.", extension=PLANT, fixed=True)
     initial_position: tuple[float, ...] = parameter(
-        (START.x, START.y, START.z), "Position at the start in map.", "m", -1e6, 1e6, size=3
+        (START.x, START.y, START.z),
+        "Position at the start in map.",
+        "m",
+        -1e6,
+        1e6,
+        size=3,
+        fixed=True,
     )
     initial_heading: float = parameter(
         START.heading,
@@ -39,42 +60,73 @@ class SimulatorParameters(HoldParameters):
         "rad",
         -math.pi,
         math.pi,
+        fixed=True,
     )
     initial_path_angle: float = parameter(
-        START.path_angle, "Path angle at the start, positive up.", "rad", -1.5, 1.5
+        START.path_angle, "Path angle at the start, positive up.", "rad", -1.5, 1.5, fixed=True
     )
-    initial_speed: float = parameter(START.airspeed, "Speed at the start.", "m/s", 0.0, 400.0)
-    state_rate: float = parameter(20.0, "How often the state is published.", "Hz", 1.0, 1000.0)
+    initial_speed: float = parameter(
+        START.airspeed, "Speed at the start.", "m/s", 0.0, 400.0, fixed=True
+    )
+    state_rate: float = parameter(
+        20.0, "How often the state is published.", "Hz", 1.0, 1000.0, fixed=True
+    )
     speed: float = parameter(
         1.0, "Simulated over wall time, when /clock is driven.", lower=0.01, upper=1000.0
     )
-    publish_clock: bool = parameter(False, "Drive /clock; the other nodes then need use_sim_time.")
+    publish_clock: bool = parameter(
+        False, "Drive /clock; the other nodes then need use_sim_time.", fixed=True
+    )
     wait_for_subscribers: int = parameter(
-        0, "Time stands still until so many listen to the state.", lower=0, upper=100
+        0,
+        "Time stands still until so many listen to the state; page and monitor do not count.",
+        lower=0,
+        upper=100,
+        fixed=True,
     )
     start_on_command: bool = parameter(
-        False, "Hold the vehicle where it starts until the first command arrives."
+        False, "Hold the vehicle where it starts until the first command arrives.", fixed=True
     )
     yaw_rate_max: float = parameter(
-        paper.TURN_RATE_BOUND, "Yaw rates beyond this are cut.", "rad/s", 1e-3, 10.0
+        paper.TURN_RATE_BOUND, "Yaw rates beyond this are cut.", "rad/s", 1e-3, 10.0, fixed=True
     )
     pitch_rate_max: float = parameter(
-        paper.PATH_ANGLE_RATE_BOUND, "Path-angle rates beyond this are cut.", "rad/s", 1e-3, 10.0
+        paper.PATH_ANGLE_RATE_BOUND,
+        "Path-angle rates beyond this are cut.",
+        "rad/s",
+        1e-3,
+        10.0,
+        fixed=True,
     )
     acceleration_min: float = parameter(
-        -paper.ACCELERATION_BOUND, "Accelerations below this are cut.", "m/s^2", -100.0, -1e-3
+        -paper.ACCELERATION_BOUND,
+        "Accelerations below this are cut.",
+        "m/s^2",
+        -100.0,
+        -1e-3,
+        fixed=True,
     )
     acceleration_max: float = parameter(
-        paper.ACCELERATION_BOUND, "Accelerations above this are cut.", "m/s^2", 1e-3, 100.0
+        paper.ACCELERATION_BOUND,
+        "Accelerations above this are cut.",
+        "m/s^2",
+        1e-3,
+        100.0,
+        fixed=True,
     )
-    speed_min: float = parameter(0.0, "The vehicle does not fly slower.", "m/s", 0.0, 400.0)
-    speed_max: float = parameter(20.0, "The vehicle does not fly faster.", "m/s", 0.1, 400.0)
+    speed_min: float = parameter(
+        0.0, "The vehicle does not fly slower.", "m/s", 0.0, 400.0, fixed=True
+    )
+    speed_max: float = parameter(
+        20.0, "The vehicle does not fly faster.", "m/s", 0.1, 400.0, fixed=True
+    )
     bank_max: float = parameter(
         0.5 * math.pi,
         "Yaw rates beyond the coordinated turn at this bank, g tan(bank_max) / v, are cut.",
         "rad",
         0.01,
         0.5 * math.pi,
+        fixed=True,
     )
     rate_lag: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0),
@@ -83,6 +135,7 @@ class SimulatorParameters(HoldParameters):
         0.0,
         10.0,
         size=3,
+        fixed=True,
     )
     dead_time: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0),
@@ -91,6 +144,7 @@ class SimulatorParameters(HoldParameters):
         0.0,
         5.0,
         size=3,
+        fixed=True,
     )
     command_gain: tuple[float, ...] = parameter(
         (1.0, 1.0, 1.0),
@@ -98,6 +152,7 @@ class SimulatorParameters(HoldParameters):
         lower=0.1,
         upper=3.0,
         size=3,
+        fixed=True,
     )
     wind: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0),
@@ -144,12 +199,21 @@ class SimulatorParameters(HoldParameters):
         0.0, "Constant error of the measured turn rate.", "rad/s", -1.0, 1.0
     )
     state_delay: float = parameter(
-        0.0, "How much later than it was measured the state is published.", "s", 0.0, 5.0
+        0.0,
+        "How much later than it was measured the state is published.",
+        "s",
+        0.0,
+        5.0,
+        fixed=True,
     )
     state_stamp_true: bool = parameter(
-        True, "Stamp a late state with when it was measured; else with when it is published."
+        True,
+        "Stamp a late state with when it was measured; else with when it is published.",
+        fixed=True,
     )
-    seed: int = parameter(0, "Seed of gusts and sensor noise.", lower=0, upper=2**31 - 1)
+    seed: int = parameter(
+        0, "Seed of gusts and sensor noise.", lower=0, upper=2**31 - 1, fixed=True
+    )
 
     def __post_init__(self) -> None:
         """Check the speed limits against each other and the start."""

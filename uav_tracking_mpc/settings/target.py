@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The simulated target, how it moves and how it is measured, as parameters."""
 
 from __future__ import annotations
@@ -7,10 +21,13 @@ from dataclasses import dataclass
 
 from uav_tracking_mpc.parameters.registry import TARGET_MOTION
 from uav_tracking_mpc.parameters.specification import ParameterError, parameter
+from uav_tracking_mpc.settings.frame_parameters import MapFrameParameters
+
+MEASURED = ("rate", "noise", "dropout", "delay", "seed")  # what is not about the motion
 
 
 @dataclass(frozen=True)
-class TargetParameters:
+class TargetParameters(MapFrameParameters):
     """Motion and measurement of the target.
 
     Raises:
@@ -55,7 +72,9 @@ class TargetParameters:
     jump_offset: tuple[float, ...] = parameter(
         (100.0, 0.0, 0.0), "By how much it is moved.", "m", -1e6, 1e6, size=3
     )
-    rate: float = parameter(10.0, "How often the position is measured.", "Hz", 0.1, 1000.0)
+    rate: float = parameter(
+        10.0, "How often the position is measured.", "Hz", 0.1, 1000.0, fixed=True
+    )
     noise: float = parameter(
         0.0, "Standard deviation of the measured position, each axis.", "m", 0.0, 1e3
     )
@@ -68,8 +87,9 @@ class TargetParameters:
         "s",
         0.0,
         60.0,
+        fixed=True,
     )
-    seed: int = parameter(0, "Seed of noise and dropouts.", lower=0, upper=2**31 - 1)
+    seed: int = parameter(0, "Seed of noise and dropouts.", lower=0, upper=2**31 - 1, fixed=True)
 
     def __post_init__(self) -> None:
         """Check that the waypoints make a path."""

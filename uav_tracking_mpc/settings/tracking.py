@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Parameters of the tracking controller: orbit, model, horizon, weights and limits (Table 1)."""
 
 from __future__ import annotations
@@ -34,15 +48,15 @@ from uav_tracking_mpc.parameters.specification import (
     taken,
 )
 from uav_tracking_mpc.settings.estimation_parameters import EstimationParameters
+from uav_tracking_mpc.settings.frame_parameters import FrameParameters
 
 ARTIFICIAL_ORBIT = COMPILED[1]
 NEAREST = "nearest"  # direction: the nearer one where the flight begins
 PREDICTIVE = "nmpc"  # law: none, the optimal control problem is solved
 LAGGED, HELD = "lagged", "held"  # vehicle models, all inputs commanded and the bank alone
 SOLVERS = ("newton", "ipopt")  # fatrop may never return, see CasadiSolver
-
-
-OWNERS = (*LIMIT.all().values(), *VEHICLE_MODEL.all().values(), EstimationParameters)
+PARTS = EstimationParameters, FrameParameters
+OWNERS = (*LIMIT.all().values(), *VEHICLE_MODEL.all().values(), *PARTS)
 Gathered: Any = gathered("Gathered", OWNERS)
 
 
@@ -59,24 +73,12 @@ class TrackingParameters(Gathered):
     """
 
     range: float = parameter(
-        paper.ORBIT.range,
-        "Distance to the target to hold, r_d.",
-        "m",
-        1.0,
-        1e5,
-        fixed_unless=COMPILED,
+        paper.ORBIT.range, "Distance to the target to hold, r_d.", "m", 1.0, 1e5
     )
     altitude: float = parameter(
-        paper.ORBIT.altitude,
-        "Height above the target to hold, z_d.",
-        "m",
-        -1e4,
-        1e4,
-        fixed_unless=COMPILED,
+        paper.ORBIT.altitude, "Height above the target to hold, z_d.", "m", -1e4, 1e4
     )
-    airspeed: float = parameter(
-        paper.ORBIT.speed, "Speed to hold, v_d.", "m/s", 0.1, 300.0, fixed_unless=COMPILED
-    )
+    airspeed: float = parameter(paper.ORBIT.speed, "Speed to hold, v_d.", "m/s", 0.1, 300.0)
     law: str = parameter(
         PREDICTIVE,
         "What is flown: the predictive controller, or a guidance law.",
@@ -88,7 +90,6 @@ class TrackingParameters(Gathered):
         "clockwise",
         "Sense of the orbit seen from above; nearest needs the artificial orbit.",
         choices=(*DIRECTIONS, NEAREST),
-        fixed_unless=COMPILED,
     )
     model: str = parameter(
         "exact",

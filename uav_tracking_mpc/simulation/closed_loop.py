@@ -1,8 +1,26 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The closed loop: a plant, a target and the controller that flies, in turn, deterministic."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from array import array
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,78 +28,272 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.formulation.formulation import Formulation
 from uav_tracking_mpc.parameters.specification import changed
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.settings.tracking import TrackingParameters
-from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog
-from uav_tracking_mpc.simulation.motions import TargetMotion, motion_of
+from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, FlownMode
 from uav_tracking_mpc.simulation.plants import Plant, SimulationError, plant_of
+from uav_tracking_mpc.simulation.steered_target import SteeredTarget
 from uav_tracking_mpc.simulation.target_sensor import TargetSensor
 
 Progress = Callable[[float], None]
 Witness = Callable[[float, Measurement, Command | None], None]
 Disturbance = Callable[[float], NDArray[np.float64]]
+Sightings = Sequence[tuple[float, NDArray[np.float64]]]
+
+
+class Tick(NamedTuple):
+    """What happened at one time of a loop.
+
+    Attributes:
+        time: In [s].
+        truth: State of the aircraft, as ideal sensors would give it.
+        measured: What the sensors give.
+        command: What the controller answers; None for nothing.
+    """
+
+    time: float
+    truth: Measurement
+    measured: Measurement
+    command: Command | None
 
 
 class _Recorder:
-    """Collects a flight sample by sample."""
+    """Collects a flight sample by sample, as bare numbers: a flight may last for hours."""
 
-    def __init__(self, plant: Plant, motion: TargetMotion) -> None:
-        self._plant, self._motion = plant, motion
-        self.times: list[float] = []
-        self.vehicles: list[NDArray[np.float64]] = []
-        self.ground_velocities: list[NDArray[np.float64]] = []
-        self.targets: list[NDArray[np.float64]] = []
-        self.target_velocities: list[NDArray[np.float64]] = []
-        self.commands: list[Command] = []
+    def __init__(self) -> None:
+        self.times, self.vehicles, self.ground_velocities = array("d"), array("d"), array("d")
+        self.targets, self.target_velocities = array("d"), array("d")
+        self.turn_rates: array[float] = array("d")
+        self.flown_modes: list[FlownMode] = []
+        self.stamps, self.inputs = array("d"), array("d")
+        self.costs, self.solve_times, self.nominal = array("d"), array("d"), array("b")
+        self.modes: Counter[FallbackMode] = Counter()
+        self.failures = 0
+        self._asked: TrackingParameters | None = None
+        self._steered = False
+        self._orbits: list[tuple[float, Orbit]] = []
 
-    def sample(self, now: float) -> None:
-        try:
-            truth = self._plant.truth
-        except ValueError as error:
-            raise SimulationError(f"at {now:g} s the plant's {error}") from error
+    def sample(self, now: float, truth: Measurement, target: SteeredTarget) -> None:
+        airspeed = np.nan if truth.airspeed is None else truth.airspeed
         self.times.append(now)
-        self.vehicles.append(truth.state(np.nan if truth.airspeed is None else truth.airspeed))
-        self.ground_velocities.append(truth.ground_velocity)
-        self.targets.append(self._motion.position(now))
-        self.target_velocities.append(self._motion.velocity(now))
+        self.vehicles.extend(truth.state(airspeed).tolist())
+        self.ground_velocities.extend(truth.ground_velocity.tolist())
+        self.turn_rates.append(truth.turn_rate)
+        self.targets.extend(target.position(now).tolist())
+        self.target_velocities.extend(target.velocity(now).tolist())
 
-    def log(self, configuration: Configuration, controller: Controller) -> FlightLog:
-        tracking, commands, plant = configuration.controller, self.commands, self._plant
-        modes = [command.mode for command in commands]
-        solutions = [command.solution for command in commands]
-        formulation = controller.formulation
+    def mode(self, now: float, mode: FallbackMode, reason: str) -> None:
+        """Note the mode where it is another, with the reason that it begins with."""
+        if not self.flown_modes or self.flown_modes[-1].mode is not mode:
+            self.flown_modes.append(FlownMode(now, mode, reason))
+
+    def command(self, command: Command, asked: TrackingParameters) -> None:
+        solution, mode = command.solution, command.mode
+        self.stamps.append(command.stamp)
+        self.inputs.extend(command.inputs[0].tolist())
+        self.costs.append(np.nan if solution is None else solution.cost)
+        self.solve_times.append(np.nan if solution is None else solution.solve_time)
+        self.nominal.append(mode.nominal)
+        self.modes[mode] += 1
+        self.failures += solution is not None and not solution.converged
+        self._steered = self._steered or asked is not (self._asked or asked)
+        self._asked = asked
+        if not self._orbits or self._orbits[-1][1] != command.orbit:
+            self._orbits.append((command.stamp, command.orbit))
+
+    @property
+    def orbit(self) -> Orbit:
+        """The last reference."""
+        return self._orbits[-1][1]
+
+    @property
+    def orbits(self) -> tuple[tuple[float, Orbit], ...]:
+        """References from their times on; none where nobody asked for another one."""
+        return tuple(self._orbits) if self._steered else ()
+
+
+class ClosedLoop:
+    """A mission, flown tick by tick.
+
+    Plant, sensors and target run at the rates at which the nodes run. The controller takes no time
+    to answer: a flight depends on nothing but its configuration, unless a solve meets its budget.
+    Between two ticks everything can be changed as in flight: ``controller.change``,
+    ``plant.change``, ``target.go_to`` at :attr:`time`, and so on.
+
+    Args:
+        configuration: What to fly.
+        formulation: That another flight may have used, of a problem that differs in nothing fixed;
+            it is set to these parameters. Made by default.
+        disturbance: Added to commands on their way to the plant, of which the controller does not
+            know: called with their time in [s], answers (u_psi, u_chi, u_v), shape (3,).
+
+    Attributes:
+        configuration: As above.
+        plant: What is flown.
+        target: What is circled.
+        sensor: How the target is measured.
+        controller: What flies.
+        rate: Ticks a second in [Hz].
+
+    Raises:
+        ParameterError: There is no such plant, motion or law, or the parameters cannot be flown.
+        SimulationError: The plant cannot fly the mission.
+    """
+
+    def __init__(
+        self,
+        configuration: Configuration,
+        formulation: Formulation | None = None,
+        disturbance: Disturbance | None = None,
+    ) -> None:
+        self.configuration, self._disturbance = configuration, disturbance
+        self.plant: Plant = plant_of(configuration)
+        self.target = SteeredTarget(configuration.target)
+        self.sensor = TargetSensor(configuration.target, self.target)
+        self._parameters = _paced(configuration.controller, self.plant)
+        self.controller = self._new_controller(formulation)
+        period = self.plant.period
+        self.rate = configuration.simulator.state_rate if period is None else 1.0 / period
+        self._ticks_of_target = max(1, round(self.rate / configuration.target.rate))
+        self._ticks, self._recorder = 0, _Recorder()
+        self._began, self._failsafes = 0.0, 0  # of the present plant [s], and before it
+
+    @property
+    def time(self) -> float:
+        """Of the next tick in [s]."""
+        return self._ticks / self.rate
+
+    def tick(self) -> Tick:
+        """Measure, answer, fly on.
+
+        Raises:
+            SimulationError: The flight left what the plant can describe.
+        """
+        now, plant, began = self.time, self.plant, self._began
+        truth = self._sample()
+        if self._ticks % self._ticks_of_target == 0:
+            self.sensor.measure(now)
+        sightings = self.sensor.delivered(now)
+        measured = plant.measured()
+        if began:
+            measured = replace(measured, stamp=measured.stamp + began)
+        command = self.answer(sightings, measured, now)
+        self._recorder.mode(now, self.controller.modes.mode, self.controller.modes.reason)
+        if command is not None:
+            self._recorder.command(command, self.controller.parameters)
+            starts = command.stamp - began + command.step * np.arange(len(command.inputs))
+            inputs = command.inputs
+            if self._disturbance is not None:
+                inputs = inputs + self._disturbance(now)
+            plant.accept(inputs, starts)
+            if command.flown_orbit is not None:
+                plant.see_orbit(command.flown_orbit)
+        plant.advance(1.0 / self.rate)
+        self._ticks += 1
+        return Tick(now, truth, measured, command)
+
+    def answer(self, sightings: Sightings, measured: Measurement, now: float) -> Command | None:
+        """Command for what has arrived; a loop in which messages get lost overrides this.
+
+        Args:
+            sightings: Time of measuring in [s] and position, shape (3,), in [m] of each measurement
+                of the target that has arrived.
+            measured: Of the aircraft.
+            now: Time in [s].
+        """
+        for stamp, position in sightings:
+            self.controller.see_target(stamp, position)
+        return self.controller.step(measured, now)
+
+    def reset(self) -> None:
+        """Put the aircraft back where it started, in the present air; time goes on.
+
+        Raises:
+            SimulationError: The plant cannot start in it.
+        """
+        plant = plant_of(replace(self.configuration, simulator=self.plant.parameters))
+        self._failsafes += self.plant.plan.failsafes
+        self.plant, self._began = plant, self.time
+
+    def restart_controller(self) -> None:
+        """Put a new controller in its place, with the parameters of the start.
+
+        It takes over the formulation, which forgets the flight, for the problem is the same.
+        """
+        self.controller = self._new_controller(self.controller.formulation)
+
+    def log(self, duration: float) -> FlightLog:
+        """Record of the flight so far.
+
+        Args:
+            duration: Length of the mission in [s].
+
+        Raises:
+            SimulationError: There was no command, or the plant has left what it can describe.
+        """
+        recorder, tracking, plant = self._recorder, self.configuration.controller, self.plant
+        if not recorder.stamps:
+            raise SimulationError(
+                f"the target was never seen in {duration:g} s: see "
+                "target_publisher.dropout and target_publisher.delay"
+            )
+        self._sample()
+        formulation, modes = self.controller.formulation, recorder.modes
         return FlightLog(
-            config=configuration.name,
-            duration=configuration.mission.duration,
+            config=self.configuration.name,
+            duration=duration,
             speed=0.0,
             model=tracking.model,
             plant=plant.name,
-            orbit=commands[-1].orbit,
+            orbit=recorder.orbit,
+            orbits=recorder.orbits,
             input_lower=tracking.input_lower,
             input_upper=tracking.input_upper,
-            time=np.array(self.times),
-            vehicle=np.array(self.vehicles),
-            target=np.array(self.targets),
-            command_time=np.array([command.stamp for command in commands]),
-            inputs=np.array([command.inputs[0] for command in commands]),
-            cost=np.array([np.nan if s is None else s.cost for s in solutions]),
-            solve_time=np.array([np.nan if s is None else s.solve_time for s in solutions]),
+            time=np.array(recorder.times),
+            vehicle=np.array(recorder.vehicles).reshape(-1, 6),
+            target=np.array(recorder.targets).reshape(-1, 3),
+            command_time=np.array(recorder.stamps),
+            inputs=np.array(recorder.inputs).reshape(-1, 3),
+            cost=np.array(recorder.costs),
+            solve_time=np.array(recorder.solve_times),
             solver="none" if formulation is None else formulation.solver.name,
-            failures=sum(s is not None and not s.converged for s in solutions),
+            failures=recorder.failures,
             commands=CommandCounts(
-                sent=len(commands),
-                plan_reused=modes.count(FallbackMode.EARLIER_PLAN),
-                failsafe=plant.plan.failsafes
-                + modes.count(FallbackMode.LOITER)
-                + modes.count(FallbackMode.HOLD),
+                sent=len(recorder.stamps),
+                plan_reused=modes[FallbackMode.EARLIER_PLAN],
+                failsafe=self._failsafes
+                + plant.plan.failsafes
+                + modes[FallbackMode.LOITER]
+                + modes[FallbackMode.HOLD],
             ),
-            ground_velocity=np.array(self.ground_velocities),
-            target_velocity=np.array(self.target_velocities),
-            nominal=np.array([mode.nominal for mode in modes]),
+            ground_velocity=np.array(recorder.ground_velocities).reshape(-1, 3),
+            target_velocity=np.array(recorder.target_velocities).reshape(-1, 3),
+            nominal=np.array(recorder.nominal, dtype=bool),
+            turn_rate=np.array(recorder.turn_rates),
+            modes=tuple(recorder.flown_modes),
+            tracking=tracking,
         )
+
+    def _sample(self) -> Measurement:
+        """The true state at the time of the next tick, recorded once."""
+        now = self.time
+        self.plant.time = now - self._began  # sums of floats would drift away from the stamps
+        try:
+            truth = self.plant.truth
+        except ValueError as error:
+            raise SimulationError(f"at {now:g} s the plant's {error}") from error
+        if len(self._recorder.times) <= self._ticks:
+            self._recorder.sample(now, truth, self.target)
+        return truth
+
+    def _new_controller(self, formulation: Formulation | None) -> Controller:
+        if formulation is not None:
+            formulation.change(self._parameters)
+        return Controller(self._parameters, formulation, stopwatch=lambda: 0.0)
 
 
 def simulate(
@@ -91,18 +303,15 @@ def simulate(
     witness: Witness | None = None,
     formulation: Formulation | None = None,
 ) -> FlightLog:
-    """Fly the mission of a configuration on the plant that it names.
-
-    Plant, sensors and target run at the rates at which the nodes run. The controller takes no time
-    to answer: a flight depends on nothing but its configuration, unless a solve meets its budget.
+    """Fly the mission of a configuration on the plant that it names: see :class:`ClosedLoop`.
 
     Args:
         configuration: What to fly.
         progress: Called with the simulated time in [s] after each control step.
         disturbance: Added to commands on their way to the plant, of which the controller does not
             know: called with their time in [s], answers (u_psi, u_chi, u_v), shape (3,).
-        witness: Called at each tick with the time in [s], what is measured and what the controller
-            answers.
+        witness: Called after each tick with its time in [s], what was measured and what the
+            controller answered.
         formulation: That another flight may have used, of a problem that differs in nothing fixed;
             it is set to these parameters. Made by default.
 
@@ -110,47 +319,15 @@ def simulate(
         ParameterError: There is no such plant, motion or law, or the parameters cannot be flown.
         SimulationError: The flight left what the plant can describe, or the target was never seen.
     """
-    plant, motion = plant_of(configuration), motion_of(configuration.target)
-    parameters = _paced(configuration.controller, plant)
-    if formulation is not None:
-        formulation.change(parameters)
-    controller = Controller(parameters, formulation, stopwatch=lambda: 0.0)
-    sensor, recorder = TargetSensor(configuration.target, motion), _Recorder(plant, motion)
-    rate = configuration.simulator.state_rate if plant.period is None else 1.0 / plant.period
-    ticks_of_target = max(1, round(rate / configuration.target.rate))
-    count = max(1, round(configuration.mission.duration * rate))
-    for tick in range(count + 1):
-        now = tick / rate
-        plant.time = now  # sums of floats would drift away from the stamps
-        recorder.sample(now)
-        if tick == count:
-            break
-        if tick % ticks_of_target == 0:
-            sensor.measure(now)
-        for stamp, position in sensor.delivered(now):
-            controller.see_target(stamp, position)
-        measured = plant.measured()
-        command = controller.step(measured, now)
+    loop = ClosedLoop(configuration, formulation, disturbance)
+    duration = configuration.mission.duration
+    for _ in range(max(1, round(duration * loop.rate))):
+        now, _, measured, command = loop.tick()
         if witness is not None:
             witness(now, measured, command)
-        if command is not None:
-            recorder.commands.append(command)
-            starts = command.stamp + command.step * np.arange(len(command.inputs))
-            inputs = command.inputs
-            if disturbance is not None:
-                inputs = inputs + disturbance(now)
-            plant.accept(inputs, starts)
-            if command.flown_orbit is not None:
-                plant.see_orbit(command.flown_orbit)
-            if progress is not None:
-                progress(now)
-        plant.advance(1.0 / rate)
-    if not recorder.commands:
-        raise SimulationError(
-            f"the target was never seen in {configuration.mission.duration:g} s: see "
-            "target_publisher.dropout and target_publisher.delay"
-        )
-    return recorder.log(configuration, controller)
+        if progress is not None and command is not None:
+            progress(now)
+    return loop.log(duration)
 
 
 def _paced(parameters: TrackingParameters, plant: Plant) -> TrackingParameters:

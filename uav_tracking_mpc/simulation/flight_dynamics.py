@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 r"""The six-degree-of-freedom aircraft: JSBSim with an airframe of ours, in SI units and ``map``.
 
 JSBSim (Berndt, AIAA 2004-4923) integrates the equations of motion over the rotating ellipsoid of
@@ -113,7 +127,8 @@ class Airframe:
         steps: Taken since the start.
 
     Raises:
-        AirframeError: JSBSim is not installed, or there is no steady flight to start from.
+        AirframeError: There is no steady flight to start from.
+        ImportError: JSBSim is not installed.
     """
 
     def __init__(self, start: Start) -> None:
@@ -146,6 +161,19 @@ class Airframe:
             raise AirframeError(
                 f"control is lost: angle of attack {alpha:.3g} rad at {self.airspeed:.3g} m/s"
             )
+
+    def blow(self, wind: Sequence[float], gust_intensity: float) -> None:
+        """Let the air move otherwise from now on: the aircraft meets it as a gust.
+
+        Args:
+            wind: Mean velocity in ``map``, three, in [m/s].
+            gust_intensity: W20 in [m/s].
+        """
+        east, north, up = wind
+        for axis, speed in zip(LEVEL, (north, east, -up), strict=True):
+            self._fdm[f"atmosphere/wind-{axis}-fps"] = speed / FOOT
+        self._climbing_air = up
+        self._stir(gust_intensity)
 
     @property
     def flown(self) -> Flown:
@@ -260,11 +288,15 @@ class Airframe:
         fdm.run()
         fdm.resume_integration()
         if start.gust_intensity > 0.0:
-            severity = max(index for above, index in SEVERITIES if start.gust_intensity > above)
-            turbulence = "atmosphere/turbulence/milspec"
-            fdm[f"{turbulence}/windspeed_at_20ft_AGL-fps"] = start.gust_intensity / FOOT
-            fdm[f"{turbulence}/severity"] = severity
+            self._stir(start.gust_intensity)
         return surfaces
+
+    def _stir(self, intensity: float) -> None:
+        """Set the strength of the turbulence, W20 [m/s]."""
+        severity = max((index for above, index in SEVERITIES if intensity > above), default=0)
+        turbulence = "atmosphere/turbulence/milspec"
+        self._fdm[f"{turbulence}/windspeed_at_20ft_AGL-fps"] = intensity / FOOT
+        self._fdm[f"{turbulence}/severity"] = severity
 
 
 def _executive() -> Any:
@@ -273,7 +305,7 @@ def _executive() -> Any:
     try:
         import jsbsim
     except ImportError as error:
-        raise AirframeError(
+        raise ImportError(
             'JSBSim is not installed: pip install "uav_tracking_mpc[jsbsim]"'
         ) from error
     jsbsim.set_logger(jsbsim.DefaultLogger(jsbsim.LogLevel.ERROR))

@@ -1,14 +1,35 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """What a flight leaves behind: the record from which metrics, figures and the report are made."""
 
 from __future__ import annotations
 
+from bisect import bisect_right
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import relative_state, steady_inputs, tracking_error
+from uav_tracking_mpc.dynamics.vehicle import velocity
+from uav_tracking_mpc.settings.tracking import TrackingParameters
 
 SLOWEST = 1e-6  # m/s; a slower velocity has no direction
 
@@ -66,6 +87,20 @@ class LinkFigures:
     refused: int
 
 
+class FlownMode(NamedTuple):
+    """A fallback mode from a time on.
+
+    Attributes:
+        time: In [s] from the start.
+        mode: What is flown.
+        reason: Why it is none better, in words; empty if it is what was asked for.
+    """
+
+    time: float
+    mode: FallbackMode
+    reason: str = ""
+
+
 @dataclass(frozen=True)
 class FlightLog:
     """Record of one flight.
@@ -76,7 +111,7 @@ class FlightLog:
         speed: Simulated over wall time [-]; 0 where the flight was not tied to wall time.
         model: Prediction model of the controller.
         plant: Name of the plant that was flown.
-        orbit: Reference.
+        orbit: Reference, the last one where it changed in flight.
         input_lower: Lower bounds of (u_psi, u_chi, u_v), shape (3,), in [rad/s], [rad/s], [m/s^2].
         input_upper: Upper bounds, shape (3,), in the same units.
         time: Times of the states in [s] from the start, shape (n,).
@@ -98,6 +133,14 @@ class FlightLog:
         link: Set for flights with a real autopilot only.
         nominal: Whether each command was what was asked for, an optimal plan or the answer of the
             guidance law, shape (m,); None where that is not recorded.
+        orbits: Times in [s] and the reference from each on, in order; the first also holds before.
+            Empty where it is always ``orbit``.
+        turn_rate: psi' at the times of the states as flown or measured, shape (n,), in [rad/s];
+            None where it is to be taken from the headings.
+        modes: Each mode that was flown and why, in order; the last one to the end. From a bag as
+            the diagnostics tell it, about once a second. Empty where it is not recorded.
+        tracking: What the controller flew by at the start, with the limits of the aircraft; None
+            where it is not known.
     """
 
     config: str
@@ -123,6 +166,10 @@ class FlightLog:
     target_velocity: NDArray[np.float64] | None = None
     nominal: NDArray[np.bool_] | None = None
     link: LinkFigures | None = None
+    orbits: tuple[tuple[float, Orbit], ...] = ()
+    turn_rate: NDArray[np.float64] | None = None
+    modes: tuple[FlownMode, ...] = ()
+    tracking: TrackingParameters | None = None
 
     @property
     def steady_inputs(self) -> NDArray[np.float64]:
@@ -161,4 +208,75 @@ class FlightLog:
     @property
     def error(self) -> NDArray[np.float64]:
         """Tracking error x = xbar - x_ss at the times of the states, shape (n, 5)."""
-        return tracking_error(self.relative, self.orbit)
+        relative, error = self.relative, np.empty((len(self.time), 5))
+        for orbit, flown in self._spans:
+            error[flown] = tracking_error(relative[flown], orbit)
+        return error
+
+    @property
+    def radius(self) -> NDArray[np.float64]:
+        """Horizontal distance that is asked for at the times of the states, shape (n,), in [m]."""
+        range_, _, altitude, _, _ = self.reference.T
+        return np.sqrt(range_**2 - altitude**2)
+
+    @property
+    def reference(self) -> NDArray[np.float64]:
+        """State x_ss that is asked for at the times of the states, shape (n, 5)."""
+        reference = np.empty((len(self.time), 5))
+        for orbit, flown in self._spans:
+            reference[flown] = orbit.steady_state
+        return reference
+
+    @property
+    def bank(self) -> NDArray[np.float64]:
+        """Bank of the coordinated turn that is flown, right wing down, shape (n,), in [rad]."""
+        _, _, _, heading, _, airspeed = self.vehicle.T
+        turn_rate = self.turn_rate
+        if turn_rate is None:
+            turn_rate = np.zeros_like(heading)
+            if len(heading) > 1:
+                turn_rate = np.gradient(np.unwrap(heading), self.time)
+        pairs = zip(turn_rate.tolist(), airspeed.tolist(), strict=True)
+        return np.array([bank_from_turn_rate(rate, speed) for rate, speed in pairs])
+
+    @property
+    def wind(self) -> NDArray[np.float64]:
+        """Velocity of the air at the times of the states in ``map``, shape (n, 3), in [m/s].
+
+        It is what velocity over ground and velocity through the air leave between them, with the
+        noise of both.
+        """
+        through_air = np.array([velocity(state) for state in self.vehicle]).reshape(-1, 3)
+        ground = self.ground_velocity
+        return np.zeros_like(through_air) if ground is None else ground - through_air
+
+    @property
+    def drift(self) -> NDArray[np.float64]:
+        """Velocity of the air relative to the target, shape (n, 3), in [m/s]."""
+        return self.wind - (0.0 if self.target_velocity is None else self.target_velocity)
+
+    def mode_at(self, time: float) -> FlownMode | None:
+        """What is flown at a time; None before the first mode.
+
+        Args:
+            time: In [s] from the start.
+        """
+        index = bisect_right(self.modes, time, key=lambda flown: flown.time) - 1
+        return self.modes[index] if index >= 0 else None
+
+    @property
+    def mode_spans(self) -> list[tuple[float, float, FlownMode]]:
+        """Begin and end in [s] of each mode that was flown, in order."""
+        end = float(self.time[-1]) if len(self.time) else self.duration
+        ends = [*(flown.time for flown in self.modes[1:]), end]
+        # Without a mode there is one end too many.
+        return [(each.time, end, each) for each, end in zip(self.modes, ends, strict=False)]
+
+    @property
+    def _spans(self) -> Iterator[tuple[Orbit, slice]]:
+        """Each reference, and which of the states it is of."""
+        orbits = self.orbits or ((0.0, self.orbit),)
+        begins = [0, *(int(np.searchsorted(self.time, time)) for time, _ in orbits[1:])]
+        ends = [*begins[1:], len(self.time)]
+        for (_, orbit), begin, end in zip(orbits, begins, ends, strict=True):
+            yield orbit, slice(begin, end)

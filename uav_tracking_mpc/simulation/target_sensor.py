@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """How the target's position is measured: with noise, not always, and known only later."""
 
 from __future__ import annotations
@@ -9,6 +23,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.settings.target import TargetParameters
 from uav_tracking_mpc.simulation.motions import TargetMotion
+from uav_tracking_mpc.simulation.steered_target import SteeredTarget
 
 
 class TargetSensor:
@@ -22,12 +37,20 @@ class TargetSensor:
         motion: Of the target.
     """
 
-    def __init__(self, parameters: TargetParameters, motion: TargetMotion) -> None:
+    def __init__(self, parameters: TargetParameters, motion: TargetMotion | SteeredTarget) -> None:
         self._parameters = parameters
         self._motion = motion
         self._noise = np.random.default_rng(parameters.seed)
         self._dropouts = np.random.default_rng([parameters.seed, 1])
         self._on_the_way: deque[tuple[float, NDArray[np.float64]]] = deque()
+
+    def change(self, parameters: TargetParameters) -> None:
+        """Measure with other noise and dropouts from now on.
+
+        Args:
+            parameters: All of them; seed and delay stay those of the start.
+        """
+        self._parameters = parameters
 
     def measure(self, time: float) -> None:
         """Measure; the result is delivered later.

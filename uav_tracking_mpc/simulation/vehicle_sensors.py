@@ -1,4 +1,22 @@
-"""What the sensors of a simulated aircraft make of the truth: it, with noise, biases and delay."""
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What the sensors of a simulated aircraft make of the truth: it, with noise, biases and delay.
+
+They tell how noisy they are as far as ``uav/odometry`` carries it, which knows no airspeed, and
+keep quiet about biases, as real ones do.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +27,15 @@ from collections import deque
 import numpy as np
 
 from uav_tracking_mpc.dynamics.angles import wrap_angle
-from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.measurement import Measurement, SensorNoise
+from uav_tracking_mpc.estimation.told_noise import axes_noise, scalar_noise
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 
+# Parameters that may change while it measures.
+ERRORS = (
+    *("position_noise", "velocity_noise", "attitude_noise", "airspeed_noise"),
+    *("velocity_bias", "heading_bias", "airspeed_bias", "turn_rate_bias"),
+)
 TIME_ROUNDING = 1e-9  # s, by which a measurement may be too young
 
 
@@ -24,6 +48,16 @@ class VehicleSensors:
     """
 
     def __init__(self, parameters: SimulatorParameters, seed: np.random.SeedSequence) -> None:
+        self._held: deque[Measurement] = deque()
+        self._random = np.random.default_rng(seed)
+        self.change(parameters)
+
+    def change(self, parameters: SimulatorParameters) -> None:
+        """Measure with other noise and biases from now on; what is held back stays as it is.
+
+        Args:
+            parameters: Standard deviations, biases and delay.
+        """
         self._deviations = np.array(
             [
                 *[parameters.position_noise] * 3,
@@ -32,13 +66,12 @@ class VehicleSensors:
                 *[parameters.velocity_noise] * 3,
             ]
         )
+        self._told = _told(parameters)
         heading, airspeed = parameters.heading_bias, parameters.airspeed_bias
         self._biases = np.array([0.0] * 3 + [heading, 0.0, airspeed, *parameters.velocity_bias])
         self._turn_rate_bias = parameters.turn_rate_bias
         self._wrong = bool(np.any([*self._deviations, *self._biases, self._turn_rate_bias]))
         self._delay, self._stamp_true = parameters.state_delay, parameters.state_stamp_true
-        self._held: deque[Measurement] = deque()
-        self._random = np.random.default_rng(seed)
 
     def measure(self, truth: Measurement) -> Measurement:
         """What is measured; every call draws anew.
@@ -75,4 +108,16 @@ class VehicleSensors:
             path_angle=min(max(truth.path_angle + path_angle, -right_angle), right_angle),
             turn_rate=truth.turn_rate + self._turn_rate_bias,
             airspeed=airspeed,
+            noise=self._told,
         )
+
+
+def _told(parameters: SimulatorParameters) -> SensorNoise:
+    """Noise as the sensors tell it; what is beyond all measure is not told."""
+    attitude = parameters.attitude_noise**2
+    return SensorNoise(
+        axes_noise("position", [parameters.position_noise**2] * 3),
+        axes_noise("velocity", [parameters.velocity_noise**2] * 3),
+        scalar_noise("heading", attitude),
+        scalar_noise("path_angle", attitude),
+    )

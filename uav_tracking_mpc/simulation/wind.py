@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 r"""Wind: a mean, and Dryden gusts about it (MIL-F-8785C, low-altitude model).
 
 With the strengths sigma and lengths L of :mod:`~uav_tracking_mpc.dynamics.dryden` each component,
@@ -119,6 +133,24 @@ class Wind:
         u, v1, v2, w1, w2 = self._random.standard_normal(5).tolist()
         self._filters = GustFilter(u, 0.0), GustFilter(v1, v2), GustFilter(w1, w2)
         self._left = GUST_STEP  # of the present gust
+        self._velocity = self._mean
+        if intensity > 0.0:
+            self._turn_to_map(heading, gust_scales(height, intensity))
+
+    def change(self, mean: ArrayLike, intensity: float, heading: float, height: float) -> None:
+        """Blow otherwise from now on; the gust of now grows or shrinks with its strength.
+
+        Args:
+            mean: Mean velocity in ``map``, shape (3,), in [m/s].
+            intensity: W20 in [m/s]; 0 for steady wind.
+            heading: Horizontal direction of the air velocity now in [rad].
+            height: Above ground now in [m].
+        """
+        same, before = intensity == self._intensity, self._mean
+        self._mean, self._intensity = np.array(mean, dtype=float), intensity
+        if same:  # also the gust of now
+            self._velocity = self._velocity - before + self._mean
+            return
         self._velocity = self._mean
         if intensity > 0.0:
             self._turn_to_map(heading, gust_scales(height, intensity))

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 r"""Does the optimal cost fall as (54) says? Checked online, step by step.
 
 With a proved terminal set the argument of (49)-(51) gives, for the nominal model,
@@ -61,6 +75,15 @@ class DecreaseMonitor:
     def reset(self) -> None:
         """Forget the step before: after a fault, or when the reference changed."""
         self._last = None
+
+    def after(self, other: DecreaseMonitor) -> DecreaseMonitor:
+        """This monitor, which goes on with the counts of another one.
+
+        Args:
+            other: Of the orbit before.
+        """
+        self.checked, self.failed = other.checked, other.failed
+        return self
 
     def step(
         self,

@@ -1,8 +1,23 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """What the analysis is about: a model, an orbit, weights and an input set, as data."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -55,6 +70,10 @@ class StabilityProblem:
 
     def ingredients(self) -> TerminalIngredients:
         """K of (24) and P_rho of (28)."""
+        return self._ingredients
+
+    @cached_property
+    def _ingredients(self) -> TerminalIngredients:
         a, b = self.linearisation()
         return terminal_ingredients(a, b, self.state_weight, self.input_weight, self.scaling)
 

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Messages to measurements: units, frames, times, and what is dropped."""
 
 import math
@@ -56,6 +70,18 @@ def flown(heard, *messages, arrival=1.0):
     for message in messages:
         measured = heard.see(message, arrival) or measured
     return measured
+
+
+def test_a_measurement_says_how_accurate_it_is():
+    status = mavlink.MAVLink_estimator_status_message(0, 63, *([0.1] * 6), 0.5, 0.8)
+    heard = telemetry()
+    seen = flown(
+        heard, home(), hud(20.0), status, attitude(101.0), position(101.0, (0.0, 0.0, 99.0))
+    )
+    assert seen.noise.position == pytest.approx((0.5, 0.5, 0.8))
+    heard.forget()  # another boot
+    seen = flown(heard, hud(20.0), attitude(1.0), position(1.0, (0.0, 0.0, 99.0)))
+    assert seen.noise.position == (0.0, 0.0, 0.0)
 
 
 def test_a_measurement_is_complete_and_in_our_axes():

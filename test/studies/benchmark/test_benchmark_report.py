@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 import json
 
 import pytest
@@ -11,6 +25,9 @@ ROW = {
     "alternating_median_us": 15.0,
     "alternating_p99_us": 40.0,
     "iterations_median": 2.0,
+    "kkt_median": 2e-8,
+    "kkt_p99": 3e-7,
+    "closed_loop_cost": 50.0,
     "cold_median_us": None,
     "cold_solves": 0,
     "converged_share": None,
@@ -20,6 +37,7 @@ ROW = {
 
 def results(share):
     other = {**ROW, "transient_median_us": 100.0, "alternating_median_us": 105.0}
+    other = {**other, "kkt_median": 1e-3, "closed_loop_cost": 55.0}
     return {
         "cases": {"paper_n10": {"ours": {**ROW, "converged_share": share}, "ipopt": other}},
         "ratios": {"paper_n10": {"ipopt": 10.0}},
@@ -33,7 +51,13 @@ def test_both_alternations_stand_beside_each_other():
     ours, other = benchmark_table(results(1.0)).rows
     assert ours[:2] == ["paper_n10", "ours"]
     assert other[:2] == ["", "ipopt"]
-    assert [other[6], other[7], other[8]] == ["10.0", "105.0", "7.0"]
+    assert [other[7], other[8], other[9]] == ["10.0", "105.0", "7.0"]
+
+
+def test_how_optimal_the_plans_are_stands_beside_the_times():
+    ours, other = benchmark_table(results(1.0)).rows
+    assert [ours[5], ours[10]] == ["2e-08", "100.000"]
+    assert [other[5], other[10]] == ["1e-03", "110.000"]
 
 
 @pytest.mark.parametrize(("share", "enough"), [(1.0, True), (0.98, False), (None, True)])

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """What holds for every fault that strikes messages."""
 
 import numpy as np
@@ -8,11 +22,11 @@ pytest.importorskip("rclpy")
 from fault_streams import FIRST, STREAM_FAULTS, arrivals, healthy
 
 from uav_tracking_mpc.nodes.conversions import (
-    MessageError,
     plan_from_command,
     position_from_point,
     vehicle_from_odometry,
 )
+from uav_tracking_mpc.nodes.message_checks import MessageError
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, COMMAND, ODOMETRY, TARGET
 from uav_tracking_mpc.studies.faults.stream_fault import FAMILIES, MessageFault
 

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Models of the aircraft for the prediction of a real flight, one file each.
 
 ==================  ==================================================================
@@ -15,6 +29,7 @@ from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -62,7 +77,7 @@ class VehicleModel(PredictionModel):
         """Time constants with which (psi', chi', v') follow commands, shape (3,), in [s]."""
 
     @abstractmethod
-    def step(self, state: Any, inputs: Any, duration: float, numbers: Any, drift: Drift) -> Any:
+    def step(self, state: Any, inputs: Any, duration: Any, numbers: Any, drift: Drift) -> Any:
         """State after a step under held inputs, for numbers and CasADi symbols alike.
 
         Args:
@@ -99,3 +114,22 @@ class VehicleModel(PredictionModel):
             state: A ``State`` of symbols.
             orbit: Motion on the orbit where the aircraft is.
         """
+
+
+def step_function(model: VehicleModel) -> ca.Function:
+    """A step of a model as a CasADi function; what changes in flight enters by its numbers.
+
+    Args:
+        model: Of the aircraft.
+
+    Returns:
+        Of the state, shape (nx,), (u_psi, u_chi, u_v), the model's numbers, c and c', shape (3,)
+        each, and the duration [s]: the state after it, shape (nx,).
+    """
+    state = model.State(*(ca.SX.sym(name) for name in model.State._fields))
+    inputs, drift, rate = (ca.SX.sym(name, 3) for name in ("u", "c", "c_rate"))
+    numbers, duration = ca.SX.sym("numbers", len(model.numbers(1.0))), ca.SX.sym("t")
+    moved = Drift(ca.vertsplit(drift), ca.vertsplit(rate))
+    following = ca.vertcat(*model.step(state, inputs, duration, numbers, moved))
+    told = [ca.vertcat(*state), inputs, numbers, drift, rate, duration]
+    return ca.Function("step", told, [ca.densify(following)])

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 r"""The vehicle (3) behind inner loops that lag, in an air mass that drifts.
 
 Each of the rates (psi', chi', v') follows its command u with a time constant tau,
@@ -78,10 +92,16 @@ class Lagged(VehicleModel):
             tau (1 - e^(-t/tau)) after half the step and after all of it in [s], and e^(-t/tau)
             after all of it, for each of the three rates, shape (9,).
         """
-        tau = self.lags
-        with np.errstate(divide="ignore"):  # without lag e^(-inf) = 0 is meant
-            half, whole = np.exp(-0.5 * duration / tau), np.exp(-duration / tau)
-        return np.concatenate([tau * (1.0 - half), tau * (1.0 - whole), whole])
+        half, whole = (
+            [math.exp(-share * duration / tau) if tau > 0.0 else 0.0 for tau in self.rate_lag]
+            for share in (0.5, 1.0)
+        )
+        led = [
+            tau * (1.0 - share)
+            for shares in (half, whole)
+            for tau, share in zip(self.rate_lag, shares, strict=True)
+        ]
+        return np.array([*led, *whole])
 
     @property
     def lags(self) -> NDArray[np.float64]:
@@ -89,7 +109,7 @@ class Lagged(VehicleModel):
         return np.array(self.rate_lag)
 
     def step(
-        self, state: LaggedState, inputs: Any, duration: float, numbers: Any, drift: Drift
+        self, state: LaggedState, inputs: Any, duration: Any, numbers: Any, drift: Drift
     ) -> LaggedState:
         """See :meth:`VehicleModel.step`."""
         xp = ca if isinstance(state.heading, ca.SX) else math

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Everything that is heard of one autopilot, and what keeps it talking."""
 
 from __future__ import annotations
@@ -32,6 +46,7 @@ NOW_AND_THEN = (
     mavlink.MAVLINK_MSG_ID_SYS_STATUS,
     mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE,
     mavlink.MAVLINK_MSG_ID_HOME_POSITION,
+    mavlink.MAVLINK_MSG_ID_GPS_RAW_INT,
 )
 HEARTBEAT_PERIOD, SYNC_PERIOD, ASKING_PERIOD = 1.0, 0.5, 1.0  # s
 SLOW_RATE, QUICK_RATE = 2.0, 10.0  # Hz
@@ -111,6 +126,16 @@ class Listener:
     def system(self) -> int:
         """MAVLink system of the autopilot; 0 before it was found."""
         return self.requests.system
+
+    @property
+    def identity(self) -> str:
+        """Which autopilot it is: the serial number of its processor, or its number on MAVLink."""
+        version = self.version
+        if version is not None and any(version.uid2):
+            return bytes(version.uid2).hex()
+        if version is not None and version.uid:
+            return f"{version.uid:016x}"
+        return f"MAVLink system {self.system}"
 
     @property
     def armed(self) -> bool:
@@ -257,6 +282,7 @@ class Listener:
             self.version = message
         elif kind in ("EKF_STATUS_REPORT", "ESTIMATOR_STATUS"):
             self.status = message
+            self.telemetry.see(message, arrival)
         elif kind == "SYS_STATUS":
             self.sensors = message
         elif kind == "EXTENDED_SYS_STATE":

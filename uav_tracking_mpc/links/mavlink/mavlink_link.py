@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """What all links to autopilots on MAVLink do alike; a file each says how its autopilot differs."""
 
 from __future__ import annotations
@@ -285,11 +299,10 @@ class MavlinkLink(VehicleLink):
     def values(self) -> dict[str, object]:
         """See :meth:`VehicleLink.values`."""
         if self._heard is None or self._heard.heartbeat is None:
-            return {"dialect": self.name}
+            return {}
         heard, latency = self._heard, self._latency
         wind = None if heard.telemetry.wind is None else heard.telemetry.wind.tolist()
         return {
-            "dialect": self.name,
             "mode": self.mode_name(heard.heartbeat.custom_mode),
             "state": self.engagement.state.value,
             "rate [Hz]": latency.rate(self.now()),
@@ -316,6 +329,7 @@ class MavlinkLink(VehicleLink):
 
     def _see_heartbeat(self, message: Any, arrival: float) -> None:
         was, mode = self.engagement.commanding, message.custom_mode
+        self.identity = self.heard.identity
         self.engagement.see_mode(
             arrival,
             self.takes_commands(mode),

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """What an autopilot tells in flight, put together to measurements.
 
 ==========================  ==========================================================
@@ -6,6 +20,7 @@ ATTITUDE                    direction of flight, rates; carried on to the positi
 VFR_HUD                     airspeed, which both autopilots tell as calibrated
 WIND, WIND_COV              the autopilot's estimate of the wind, ArduPilot's and PX4's
 HOME_POSITION               origin of ``map`` unless another is stated
+ESTIMATOR_STATUS, GPS raw   accuracies: :mod:`~uav_tracking_mpc.links.mavlink.accuracies`
 ==========================  ==========================================================
 
 Position comes from latitude and longitude, see :mod:`~uav_tracking_mpc.dynamics.geodesy`. The path
@@ -29,6 +44,7 @@ from uav_tracking_mpc.dynamics.frames import (
 )
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.links.mavlink.accuracies import Accuracies
 from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
 from uav_tracking_mpc.links.mavlink.flight_direction import FlightDirection
 
@@ -90,6 +106,7 @@ class Telemetry:
         self.wind: NDArray[np.float64] | None = None
         self.newest: Measurement | None = None
         self.direction = FlightDirection()
+        self._accuracies = Accuracies()
         self._nose_rate = 0.0
         self.throttle: float | None = None
         self._calibrated: float | None = None
@@ -112,6 +129,7 @@ class Telemetry:
         Returns:
             A measurement, where the message completes one.
         """
+        self._accuracies.see(message, arrival)
         taker = _TAKERS.get(message.get_type())
         return None if taker is None else taker(self, message, arrival)
 
@@ -191,6 +209,7 @@ class Telemetry:
             turn_rate=direction.rate,
             path_angle_rate=self._nose_rate,
             airspeed=airspeed,
+            noise=self._accuracies.noise(arrival),
         )
         return self.newest
 

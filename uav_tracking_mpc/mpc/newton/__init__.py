@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Stagewise Newton method for :class:`~uav_tracking_mpc.mpc.problem.OptimalControlProblem`.
 
 The algorithm, one idea a file, in the order in which an iteration runs through them:
@@ -11,7 +25,9 @@ The algorithm, one idea a file, in the order in which an iteration runs through 
 ``input_box``          the small quadratic program over the inputs of one stage
 ``rollout``            forward simulation under the step: the dynamics hold exactly at every iterate
 ``warm_start``         the kept plan moved on in time
-``minimise``           one attempt from a guess: sweep, line search, multiplier update, stopping
+``attempt``            from one guess: sweep, line search, multiplier update, stopping
+``openings``           the guesses of a cold start: held inputs, then feedback to the goal
+``minimise``           the entry: one attempt, or one from every opening
 ``clock``              wall time inside compiled code
 ``numba_options``      how each function is compiled
 =====================  =============================================================================

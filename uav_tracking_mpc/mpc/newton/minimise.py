@@ -1,136 +1,116 @@
-"""One attempt: a guess, then sweep, line search on the rollout, multiplier update, until it stops.
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
 
-Inside is Newton's method on the augmented Lagrangian. The multipliers are updated when its gradient
-is small against the constraint residual, and also right after a full step that changed the merit
-as its quadratic model predicted, since such a step ends at the minimum. So near a solution every
-iteration updates both the plan and the multipliers.
+"""The entry of compiled code: one attempt, or one from every opening.
+
+Openings are tried in the order of what they cost without any step. The best plan is kept, and an
+attempt that will not end below it is given up.
 """
 
 import math
 
-from .backward_sweep import backward_sweep
-from .clock import now as clock
-from .multipliers import constraint_residual, exact_cost, merit, update_multipliers
+from .attempt import (  # noqa: F401 (codes for the caller)
+    CONVERGED,
+    HOPELESS,
+    INFEASIBLE,
+    ITERATION_LIMIT,
+    NO_START,
+    REFUSED,
+    STALLED,
+    TIME_LIMIT,
+    attempt,
+    better,
+    copy_multipliers,
+    copy_plan,
+)
 from .numba_options import compiled, entry
-from .rollout import rollout
-from .stage import NA, NP, NU, NX, N
+from .openings import feedback_to_goal, open_all, prepare_cheapest
+from .stage import NP, NX, N
 from .warm_start import move_on
-from .workspace import BEST, FIRST, KEPT, NC, ROWS, SECOND, WORKING, record_at
+from .workspace import ASIDE, KEPT, record_at
 
-# How an attempt begins: from the kept plan moved on, or from what the caller put into row SECOND
-# and the gains; or only a sweep about that row, for its gains.
-WARM, PREPARED, SWEEP = range(3)
+# How it begins: from the kept plan moved on; from what the caller put into row SECOND and the
+# gains; from every opening. Or only the gains of the feedback to the goal.
+WARM, PREPARED, ALL_OPENINGS, FEEDBACK = range(4)
 
-# How it ends.
-CONVERGED, ITERATION_LIMIT, TIME_LIMIT, INFEASIBLE, STALLED, REFUSED, NO_START = range(7)
-
-SUFFICIENT = 1e-4  # Armijo: share of the predicted change that a step must bring
-SHORTEST = 1e-4  # of the step lengths tried
-ROUNDING = 1e-13  # error of the merit, relative to 1 + its size
-INNER = 0.1  # gradient, against the constraint residual, at which multipliers move
-SHORT = 0.3
-AS_PREDICTED = 0.1  # relative error of the change up to which a full step ends at a minimum
-DAMPING_START, DAMPING_LIMIT, DAMPING_GROWTH = 1e-2, 1e8, 10.0
+WORTHWHILE = 1e-5  # relative difference in cost for which an attempt is finished
 
 
 @entry
 def minimise(address, start, stages, tolerance, iteration_limit, deadline):
-    """Minimise from a guess; the plan is left in row KEPT.
+    """Minimise the problem of a workspace; the plan is left in row KEPT.
 
     Args:
         address: Of the workspace in memory; x_0, p, horizon and ends are set.
         start: One of the codes above.
         stages: WARM: elapsed time over T_s.
         tolerance: Of the relative KKT residual.
-        iteration_limit: Newton iterations.
+        iteration_limit: Newton iterations of one attempt.
         deadline: On the monotonic clock, in [s].
 
     Returns:
-        One of the codes above; ``outcome`` holds Newton iterations and the relative gradient, the
-        plan's value its cost and violation.
+        How it ended; ``outcome`` holds Newton iterations and the relative gradient, the plan's
+        value its cost and violation.
     """
     w = record_at(address)
     if not data_finite(w):
         return REFUSED
-    w.outcome[0] = 0.0
-    w.outcome[1] = math.nan
-    if start == SWEEP:
-        backward_sweep(w, SECOND, 0.0, 0.0)
+    if start == FEEDBACK:
+        feedback_to_goal(w)
         return CONVERGED
     if start == WARM:
         move_on(w, stages)
-    rollout(w, SECOND, FIRST, 0.0)
-    if not math.isfinite(w.value[FIRST, 0]):
-        return NO_START
+    elif start == ALL_OPENINGS:
+        feedback_to_goal(w)
+        open_all(w)
+    best, iterations, gradient = NO_START, 0.0, math.nan
+    while start != ALL_OPENINGS or prepare_cheapest(w):
+        bound = math.inf
+        if best == CONVERGED:
+            bound = w.value[ASIDE, 1] - WORTHWHILE * abs(w.value[ASIDE, 1])
+        # The only call: the compiler puts the whole attempt here, and would again at another.
+        end = attempt(w, tolerance, iteration_limit, deadline, bound)
+        if start != ALL_OPENINGS:
+            return end
+        iterations += w.outcome[0]
+        if end != HOPELESS and ranks_first(w, end, best, tolerance):
+            best, gradient = end, w.outcome[1]
+            copy_plan(w, KEPT, ASIDE)
+            copy_multipliers(w, KEPT, ASIDE)
+        if end == TIME_LIMIT:
+            break
+    if best != NO_START:
+        copy_plan(w, ASIDE, KEPT)
+        copy_multipliers(w, ASIDE, KEPT)
+    w.outcome[0] = iterations
+    w.outcome[1] = gradient
+    return best
 
-    now, trial = FIRST, SECOND
-    exact_cost(w, now)
-    copy_plan(w, now, BEST)
-    value = merit(w, now)
-    damping, curvature = 0.0, 1.0
-    relative = 1.0
-    status = ITERATION_LIMIT
-    iteration = 0
-    while iteration < iteration_limit:
-        stationarity, scale, residual, predicted = backward_sweep(w, now, curvature, damping)
-        relative = stationarity / scale
-        if relative <= tolerance and residual <= tolerance:
-            status = CONVERGED
-            break
-        if clock(w.instant) > deadline:
-            status = TIME_LIMIT
-            break
-        iteration += 1
-        if residual > tolerance and relative <= max(tolerance, INNER * min(1.0, residual)):
-            if not update_multipliers(w, now):
-                status = INFEASIBLE
-                break
-            value = merit(w, now)
-            continue
-        length = 1.0
-        accepted = False
-        while length >= SHORTEST:
-            rollout(w, now, trial, length)
-            new = merit(w, trial)
-            if new <= value + SUFFICIENT * length * predicted + ROUNDING * (1.0 + abs(value)):
-                accepted = True
-                break
-            length *= 0.5
-        if accepted:
-            now, trial = trial, now
-            error = abs(new - value - predicted)
-            as_predicted = (
-                length == 1.0
-                and damping == 0.0
-                and w.shifts[0] == 0.0
-                and error <= AS_PREDICTED * abs(predicted) + ROUNDING * (1.0 + abs(value))
-            )
-            value = new
-            exact_cost(w, now)
-            if better(w, now, BEST, tolerance):
-                copy_plan(w, now, BEST)
-            curvature = 1.0
-            if length < SHORT:
-                damping = max(DAMPING_GROWTH * damping, DAMPING_START)
-            elif length == 1.0:
-                damping = damping / DAMPING_GROWTH if damping > DAMPING_START else 0.0
-            if as_predicted and constraint_residual(w, now) > tolerance:
-                if not update_multipliers(w, now):
-                    status = INFEASIBLE
-                    break
-                value = merit(w, now)
-        elif curvature > 0.0:
-            curvature = 0.0
-        else:
-            damping = max(DAMPING_GROWTH * damping, DAMPING_START)
-            if damping > DAMPING_LIMIT:
-                status = STALLED
-                break
-    copy_plan(w, now if status == CONVERGED else BEST, KEPT)
-    copy_multipliers(w, WORKING, KEPT)
-    w.outcome[0] = iteration
-    w.outcome[1] = relative
-    return status
+
+@compiled
+def ranks_first(w, end, best, tolerance):
+    """Whether an attempt's plan is better than the best so far: converged, feasible, cheap.
+
+    Args:
+        w: Workspace, with the plans in rows KEPT and ASIDE.
+        end: How the attempt ended.
+        best: How that of the best plan did; NO_START before there is one.
+        tolerance: Largest violation of a plan that counts as feasible.
+    """
+    if best == NO_START or (end == CONVERGED) != (best == CONVERGED):
+        return best == NO_START or end == CONVERGED
+    return better(w, KEPT, ASIDE, tolerance)
 
 
 @compiled
@@ -144,45 +124,3 @@ def data_finite(w):
             if not math.isfinite(w.p[i, r]):
                 return False
     return True
-
-
-@compiled
-def better(w, new, old, tolerance):
-    """Whether a plan is feasible and cheaper than another, or less infeasible.
-
-    Args:
-        w: Workspace.
-        new: Row of the one plan.
-        old: Row of the other.
-        tolerance: Largest violation of a plan that counts as feasible.
-    """
-    if w.value[new, 2] <= tolerance:
-        return not w.value[old, 2] <= tolerance or w.value[new, 1] < w.value[old, 1]
-    return w.value[new, 2] < w.value[old, 2]
-
-
-@compiled
-def copy_plan(w, source, target):
-    """Copy a plan within the workspace ``w``, from row ``source`` to row ``target``."""
-    for i in range(w.horizon[0] + 1):
-        for r in range(NX):
-            w.x[target, i, r] = w.x[source, i, r]
-        for j in range(NC):
-            w.c[target, i, j] = w.c[source, i, j]
-    for i in range(w.horizon[0]):
-        for j in range(NU):
-            w.u[target, i, j] = w.u[source, i, j]
-    for j in range(NA):
-        w.a[target, j] = w.a[source, j]
-    for j in range(3):
-        w.value[target, j] = w.value[source, j]
-
-
-@compiled
-def copy_multipliers(w, source, target):
-    """Copy multipliers and weights within ``w``, from row ``source`` to row ``target``."""
-    for j in range(NC):
-        for i in range(w.horizon[0] + 1):
-            w.mu[target, i, j] = w.mu[source, i, j]
-        for row in range(ROWS):
-            w.rho[target, row, j] = w.rho[source, row, j]

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Every array of the method, in one record that is allocated once.
 
 One record, because passing thirty arrays from Python costs more than a Newton iteration. Its fields
@@ -12,16 +26,21 @@ from numba.extending import intrinsic
 from .stage import NA, NE, NH, NP, NS, NU, NW, NX, N
 
 # Plans: the iterate and the trial of the line search (they take turns), the best feasible iterate,
-# and what the last attempt ended with, from which the next warm start begins. The other rows are
-# for the caller to put plans aside.
+# what the last attempt ended with, from which the next warm start begins, and the best of several
+# attempts. The other rows are for the caller to put plans aside.
 # (NumPy integers, because numba compiles a function once more for every literal argument.)
-FIRST, SECOND, BEST, KEPT = (np.int64(row) for row in range(4))
-SPARE = 4  # first row of the caller
-PLANS = 7
+FIRST, SECOND, BEST, KEPT, ASIDE = (np.int64(row) for row in range(5))
+SPARE = 5  # first row of the caller
+PLANS = 8
 WORKING = FIRST  # multipliers of the iteration; those of row KEPT belong to the plan of that name
 
 STAGES, END, ROWS = np.int64(0), np.int64(1), 2  # rows of what all stages share, and of the end
 NC = max(NH, NE)  # constraints of a stage, or of the end
+
+# Openings: at rest throughout; none; each input alone at either end of its box; the first inputs
+# together in every combination of ends.
+COMBINED_INPUTS = 3
+OPENINGS = 2 + 2 * NU + 2 ** min(NU, COMBINED_INPUTS)
 
 FIELDS = {
     # data of the solve
@@ -68,6 +87,11 @@ FIELDS = {
     "a_upper": (NA,),
     "m_lower": (ROWS, NC),
     "m_upper": (ROWS, NC),
+    # openings
+    "opening": (OPENINGS, NU),  # inputs of the first stages
+    "held": (OPENINGS,),  # how many stages that is
+    "policy": (NU, NS),  # feedback to the goal afterwards
+    "promise": (OPENINGS,),  # cost without any step, of those not tried yet
     # small things
     "l": (1,),
     "u_end": (NU,),  # input after the last stage

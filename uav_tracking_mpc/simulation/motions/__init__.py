@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """How simulated targets move, one motion a file.
 
 =================  ==============================================================
@@ -19,6 +33,7 @@ whether it keeps what the base asks for.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -45,6 +60,21 @@ class TargetMotion(ABC):
     def __init__(self, parameters: TargetParameters) -> None:
         self.parameters = parameters
         self._start = np.array(parameters.position)
+
+    @classmethod
+    def starting(
+        cls, parameters: TargetParameters, place: NDArray[np.float64], velocity: NDArray[np.float64]
+    ) -> TargetParameters:
+        """Parameters of this motion where a target takes it up that is somewhere already.
+
+        A motion whose path lies elsewhere answers where it is joined: the target drives there.
+
+        Args:
+            parameters: That are asked for.
+            place: Where the target is in ``map``, shape (3,), in [m].
+            velocity: Of the target in ``map``, shape (3,), in [m/s].
+        """
+        return replace(parameters, position=tuple(place.tolist()))
 
     @abstractmethod
     def position(self, time: float) -> NDArray[np.float64]:

@@ -1,12 +1,30 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """A target that visits points in turn, again and again."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.settings.target import TargetParameters
 from uav_tracking_mpc.simulation.motions import TargetMotion
+
+BESIDE = 1e-3  # m; a target that is nearer to the path is on it
 
 
 class Waypoints(TargetMotion):
@@ -24,6 +42,23 @@ class Waypoints(TargetMotion):
         self._corners = np.vstack([corners, corners[:1]])
         lengths = np.linalg.norm(np.diff(self._corners, axis=0), axis=1)
         self._distances = np.concatenate([[0.0], np.cumsum(lengths)])  # of each corner [m]
+
+    @classmethod
+    def starting(
+        cls, parameters: TargetParameters, place: NDArray[np.float64], velocity: NDArray[np.float64]
+    ) -> TargetParameters:
+        """See :meth:`TargetMotion.starting`: on from a place of the path, else from its start."""
+        corners = np.array(parameters.waypoints).reshape(-1, 3)
+        for index, corner in enumerate(corners):
+            chord = corners[(index + 1) % len(corners)] - corner
+            length = float(np.linalg.norm(chord))
+            along = float((place - corner) @ chord) / length if length > 0.0 else -1.0
+            beside = np.linalg.norm(place - corner - along * chord / max(length, 1e-9))
+            if 0.0 <= along < length and beside < BESIDE and velocity @ chord >= 0.0:
+                onward = np.roll(corners, -(index + 1), axis=0)
+                path = np.vstack([place, onward]).ravel()
+                return replace(parameters, waypoints=tuple(path.tolist()))
+        return parameters
 
     def position(self, time: float) -> NDArray[np.float64]:
         """See :meth:`TargetMotion.position`."""

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """What can be flown in simulation, one plant a file.
 
 =============  =====================================================================
@@ -16,6 +30,7 @@ what the base asks for.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import asdict
 from typing import ClassVar
 
 import numpy as np
@@ -24,11 +39,14 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.parameters.registry import PLANT, ExtensionError
-from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.parameters.specification import ParameterError, refuse_fixed
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.plan_follower import PlanFollower
-from uav_tracking_mpc.simulation.vehicle_sensors import VehicleSensors
+from uav_tracking_mpc.simulation.vehicle_sensors import ERRORS, VehicleSensors
+
+PACE = ("speed",)  # of the parameters, what is not about the plant
+AIR = ("wind", "gust_intensity")  # of the parameters, what a plant makes its air of
 
 
 class SimulationError(RuntimeError):
@@ -44,6 +62,7 @@ class Plant(ABC):
     Attributes:
         name: By which it is found.
         period: Time in [s] from one command to the next, where the plant has one of its own.
+        changeable: Names of the parameters that :meth:`change` takes, beside those of the sensors.
         parameters: As above.
         time: Of the state in [s], since the start.
         plan: What it was told to fly, and how often it had nothing left to fly.
@@ -51,6 +70,7 @@ class Plant(ABC):
 
     name: ClassVar[str]
     period: float | None = None
+    changeable: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, parameters: SimulatorParameters) -> None:
         self.parameters = parameters
@@ -89,6 +109,40 @@ class Plant(ABC):
             orbit: At the present time.
         """
         return
+
+    def check(self, parameters: SimulatorParameters) -> None:
+        """Whether other parameters can be taken in flight.
+
+        Args:
+            parameters: All of them.
+
+        Raises:
+            ParameterError: One differs that is fixed, or that this plant cannot change.
+        """
+        refuse_fixed(self.parameters, parameters, "while the simulator runs")
+        for name, value in asdict(parameters).items():
+            before = getattr(self.parameters, name)
+            if value != before and name not in (*ERRORS, *PACE, *self.changeable):
+                raise ParameterError(
+                    f"parameter '{name}' is {value!r}, must stay {before!r}: the plant "
+                    f"'{self.name}' cannot change it in flight"
+                )
+
+    def change(self, parameters: SimulatorParameters) -> None:
+        """Fly on with other air and other sensors; state and plan stay.
+
+        A plant that overrides this names in ``changeable`` what it takes besides, and calls this
+        one first.
+
+        Args:
+            parameters: All of them.
+
+        Raises:
+            ParameterError: As of :meth:`check`; nothing has changed.
+        """
+        self.check(parameters)
+        self.parameters = parameters
+        self._sensors.change(parameters)
 
     @abstractmethod
     def advance(self, duration: float) -> None:

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 r"""Six degrees of freedom: JSBSim's equations of motion behind an autopilot's inner loops.
 
 What is measured is the motion of the point mass that the controller plans with, from what an
@@ -30,7 +44,7 @@ from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.flight_control import FlightControl
 from uav_tracking_mpc.simulation.flight_dynamics import RATE, Airframe, AirframeError, Flown, Start
-from uav_tracking_mpc.simulation.plants import Plant, SimulationError
+from uav_tracking_mpc.simulation.plants import AIR, Plant, SimulationError
 
 
 class JSBSimPlant(Plant):
@@ -46,10 +60,12 @@ class JSBSimPlant(Plant):
         control: Its inner loops.
 
     Raises:
-        SimulationError: JSBSim is not installed, or there is no steady flight to start from.
+        SimulationError: There is no steady flight to start from.
+        ImportError: JSBSim is not installed.
     """
 
     name = "jsbsim"
+    changeable = AIR
 
     def __init__(self, parameters: SimulatorParameters) -> None:
         super().__init__(parameters)
@@ -92,6 +108,11 @@ class JSBSimPlant(Plant):
             path_angle_rate=(flown.lift * math.cos(flown.bank) - weight) / flown.airspeed,
             airspeed=flown.airspeed,
         )
+
+    def change(self, parameters: SimulatorParameters) -> None:
+        """See :meth:`Plant.change`."""
+        super().change(parameters)
+        self.airframe.blow(parameters.wind, parameters.gust_intensity)
 
     def advance(self, duration: float) -> None:
         """See :meth:`Plant.advance`."""

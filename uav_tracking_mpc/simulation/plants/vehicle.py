@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The vehicle (3) in moving air, behind an autopilot that flies plans and lags."""
 
 from __future__ import annotations
@@ -13,7 +27,7 @@ from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.inner_loop import Channel, InnerLoop
 from uav_tracking_mpc.simulation.lagged_flight import advance_lagged
-from uav_tracking_mpc.simulation.plants import Plant
+from uav_tracking_mpc.simulation.plants import AIR, Plant
 from uav_tracking_mpc.simulation.wind import Wind
 
 LEVELLING_TIME = 1.0  # s, in which wings-level flight takes the path angle out
@@ -34,6 +48,7 @@ class VehiclePlant(Plant):
     """
 
     name = "vehicle"
+    changeable = AIR
 
     def __init__(self, parameters: SimulatorParameters) -> None:
         super().__init__(parameters)
@@ -98,6 +113,12 @@ class VehiclePlant(Plant):
             min(max(climb, -climb_max), climb_max),
             min(max(acceleration, limits.acceleration_min), limits.acceleration_max),
         )
+
+    def change(self, parameters: SimulatorParameters) -> None:
+        """See :meth:`Plant.change`."""
+        super().change(parameters)
+        *_, height, heading, _, _ = self.state.tolist()
+        self._wind.change(parameters.wind, parameters.gust_intensity, heading, height)
 
     def advance(self, duration: float) -> None:
         """See :meth:`Plant.advance`."""

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """All cases of the benchmark as one object."""
 
 from __future__ import annotations
@@ -8,6 +22,7 @@ from typing import Any
 
 from rich.console import Console
 
+from uav_tracking_mpc.studies.benchmark.acados_peer import acados_peers
 from uav_tracking_mpc.studies.benchmark.cases import cases, paper_case
 from uav_tracking_mpc.studies.benchmark.solver_timing import (
     OURS,
@@ -23,7 +38,12 @@ HORIZONS = [5, 10, 20, 30, 50, 100]
 
 
 def benchmark(
-    *, cold: int = 2000, peers_cold: int = 20, seed: int = 0, quick: bool = False
+    *,
+    cold: int = 2000,
+    peers_cold: int = 20,
+    seed: int = 0,
+    quick: bool = False,
+    acados: str | None = None,
 ) -> dict[str, Any]:
     """Run all cases; what runs is said on stderr.
 
@@ -31,6 +51,7 @@ def benchmark(
         cold: Random cold starts for ours.
         peers_cold: How many of them the peers solve as well.
         seed: Of the random states.
+        acados: Python that has acados_template; None to go without this peer.
         quick: At most 50 cold starts, 5 for the peers, 2 transients, and no sweep of the horizon.
 
     Returns:
@@ -50,20 +71,23 @@ def benchmark(
         "ratios_alternating": {},
         "mission_steps": MISSION_STEPS,
     }
-    with Console(stderr=True).status("benchmark") as status:
+    console = Console(stderr=True)
+    with console.status("benchmark") as status:
         for case in cases():
             status.update(f"{case.name}: preparing")
-            figures = summary(
-                measure(
+            with acados_peers(case.problem, acados, console.print) as peers:
+                records = measure(
                     case,
-                    all_solvers(case),
+                    {**all_solvers(case), **peers},
                     repetitions=2 if quick else 6,
                     cold=cold,
                     peers_cold=min(cold, peers_cold),
                     seed=seed,
                     progress=status.update,
                 )
-            )
+            for name in [name for name, peer in peers.items() if peer.lost]:
+                del records[name]
+            figures = summary(records)
             results["cases"][case.name] = figures
             results["ratios"][case.name] = _ratios(figures, "transient_median_us")
             results["ratios_alternating"][case.name] = _ratios(figures, "alternating_median_us")

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Every solver on one case: a closed-loop transient, warm, and random states, cold.
 
 Our closed loop makes the states of the transient. The solvers then fly through these states in two
@@ -19,6 +33,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.mpc.casadi_solver import PLUGINS, CasadiSolver
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
+from uav_tracking_mpc.mpc.optimality import OptimalityMeasure
 from uav_tracking_mpc.mpc.prediction_loop import closed_loop, solutions
 from uav_tracking_mpc.mpc.solution import Solution
 from uav_tracking_mpc.mpc.solver import Solver
@@ -27,6 +42,7 @@ from uav_tracking_mpc.studies.flight_start import Start
 
 OURS = "ours"
 TRANSIENT_STEPS = 30
+LOOP_STEPS = 60
 COST_MARGIN = 1e-3  # a cost this close to the best found counts as the best
 
 Progress = Callable[[str], None]
@@ -41,6 +57,8 @@ class Record:
         warm_iterations: Of these solves.
         warm_converged: Whether they converged.
         alternating: Times of warm solves in [s], in turns with the others at every step.
+        residuals: KKT residual or violation of warm plans, whichever is greater [-].
+        loop_cost: Of the solver's own closed loop [-].
         cold: Times of cold solves in [s].
         cold_converged: Whether they converged.
         cold_cost: Their costs [-], infinite where not converged.
@@ -50,6 +68,8 @@ class Record:
     warm_iterations: list[int] = field(default_factory=list)
     warm_converged: list[bool] = field(default_factory=list)
     alternating: list[float] = field(default_factory=list)
+    residuals: list[float] = field(default_factory=list)
+    loop_cost: float = np.nan
     cold: list[float] = field(default_factory=list)
     cold_converged: list[bool] = field(default_factory=list)
     cold_cost: list[float] = field(default_factory=list)
@@ -90,12 +110,18 @@ def measure(
         progress: Called with a word about what begins.
     """
     records = {name: Record() for name in solvers}
+    optimality = OptimalityMeasure(case.problem)
     states = _transient_states(case, solvers[OURS])
     for repetition in range(repetitions):
         progress(f"{case.name}: transient {repetition + 1} of {repetitions}")
         for name, solver in solvers.items():
-            _transient(case, solver, records[name], states)
+            plans = _transient(case, solver, records[name], states)
+            if not repetition:
+                records[name].residuals = _residuals(case, optimality, plans)
         _alternating(case, solvers, records, states)
+    for name, solver in solvers.items():
+        progress(f"{case.name}: closed loop of {name}")
+        records[name].loop_cost = _loop_cost(case, solver, optimality)
     for index, start in enumerate(case.cold_starts(cold, seed)):
         if index % 50 == 0:
             progress(f"{case.name}: cold start {index} of {cold}")
@@ -117,14 +143,41 @@ def _transient_states(case: Case, solver: Solver) -> list[NDArray[np.float64]]:
 
 def _transient(
     case: Case, solver: Solver, record: Record, states: list[NDArray[np.float64]]
-) -> None:
+) -> list[Solution]:
+    """Times into the record; returns the warm plans."""
     solver.reset()
+    plans = []
     for step, state in enumerate(states):
         solution, duration = _timed(solver, case.start, state, case.problem.step if step else None)
         if step:  # the first is a cold start
             record.warm.append(duration)
             record.warm_iterations.append(solution.iterations)
             record.warm_converged.append(solution.converged)
+            plans.append(solution)
+    return plans
+
+
+def _residuals(case: Case, optimality: OptimalityMeasure, plans: list[Solution]) -> list[float]:
+    """How far plans are from optimal and feasible; by one measure for all solvers."""
+    found = (
+        optimality(plan.states[0], plan.inputs, plan.decision, case.start.parameters)
+        for plan in plans
+    )
+    return [max(stationarity, violation) for _, stationarity, violation in found]
+
+
+def _loop_cost(case: Case, solver: Solver, optimality: OptimalityMeasure) -> float:
+    """What the first steps of a solver's own closed loop cost, on the model of the problem."""
+    solver.reset()
+    state, total, problem = case.start.state, 0.0, case.problem
+    p = np.zeros((problem.horizon + 1, problem.np))
+    told = case.start.parameters
+    p[:] = problem.usual_parameter if told is None else told
+    for step in range(LOOP_STEPS):
+        plan, _ = _timed(solver, case.start, state, problem.step if step else None)
+        cost, state = optimality.stage_cost(state, plan.inputs[0], plan.decision, p[0])
+        total += cost
+    return total
 
 
 def _alternating(
@@ -149,7 +202,8 @@ def _timed(
     guess = None if start.guess is None else partial(start.guess, state)
     begin = time.perf_counter()
     solution = solver.solve(state, start.parameters, elapsed, guess)
-    return solution, time.perf_counter() - begin
+    duration = time.perf_counter() - begin
+    return solution, solution.solve_time if getattr(solver, "timed_inside", False) else duration
 
 
 def summary(records: dict[str, Record]) -> dict[str, dict[str, float | int | None]]:
@@ -173,6 +227,9 @@ def summary(records: dict[str, Record]) -> dict[str, dict[str, float | int | Non
             "alternating_p99_us": _microseconds(record.alternating, 99.0),
             "iterations_median": float(np.median(record.warm_iterations)),
             "warm_converged_share": float(np.mean(record.warm_converged)),
+            "kkt_median": float(np.median(record.residuals)),
+            "kkt_p99": float(np.percentile(record.residuals, 99.0)),
+            "closed_loop_cost": record.loop_cost,
             "cold_median_us": _microseconds(record.cold, 50.0),
             "cold_solves": len(record.cold),
             "converged_share": float(np.mean(record.cold_converged)) if record.cold else None,

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Cases one after the other: fly, inject, watch, wait for the recovery, write down."""
 
 from __future__ import annotations
@@ -12,6 +26,7 @@ from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rich.console import Console
 
+from uav_tracking_mpc.control.compiled_flight import compile_flight
 from uav_tracking_mpc.launch.supervisor import NODES, LaunchError, supervised
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.studies.faults import fault_relay
@@ -104,6 +119,7 @@ class FaultCampaign:
         Raises:
             LaunchError: The aircraft did not reach its orbit before the first fault.
         """
+        compile_flight(self._configuration.controller)  # no other solver is tried
         with contextlib.ExitStack() as stack:
             log = stack.enter_context((self._output / LOG).open("w", encoding="utf-8"))
             self._supervisor = stack.enter_context(supervised(Console(file=log), domain))

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Node ``fault_relay``: stands in every topic's way and injects the stream faults it is told to."""
 
 from __future__ import annotations
@@ -14,6 +28,7 @@ from typing import Any, cast
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
+from uav_tracking_mpc.nodes.overhearing import Overhearing
 from uav_tracking_mpc.nodes.run import run
 from uav_tracking_mpc.nodes.topics import Topic
 from uav_tracking_mpc.studies.faults.catalogue import variants
@@ -51,7 +66,7 @@ class FaultRelay(Node):
         }
         for topic in STREAMS:
             callback = functools.partial(self._on_message, topic)
-            self.create_subscription(topic.type, raw(topic).name, callback, QUEUE, raw=True)
+            Overhearing(self, raw(topic), callback, QUEUE.depth, raw=True)
         self.create_subscription(ORDERS.type, ORDERS.name, self._on_order, ORDERS.qos)
         self.create_timer(TICK, self._send_late, clock=Clock(clock_type=ClockType.STEADY_TIME))
 

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Node ``observer``: hears both sides of every topic and checks the invariants.
 
 It reads the messages itself: nothing of the controller's own code is between the wire and the
@@ -13,16 +27,16 @@ from typing import Any
 
 import numpy as np
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
+from uav_tracking_mpc.nodes.overhearing import Overhearing
 from uav_tracking_mpc.nodes.topics import COMMAND, DIAGNOSTICS, ODOMETRY, TARGET, Topic
 from uav_tracking_mpc.studies.faults.case_bag import TOPICS, CaseBag
 from uav_tracking_mpc.studies.faults.invariants import Invariants, Limits, Violation
 from uav_tracking_mpc.studies.faults.recovery import FlownTime, Recovery
 from uav_tracking_mpc.studies.faults.streams import raw
 
-QUEUE = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
+QUEUE = 1000  # messages that may wait
 PATIENCE = 1.0  # s of simulated time without a command after which the aircraft is not commanded
 
 
@@ -67,7 +81,7 @@ class Observer(Node):
         }
         for topic in TOPICS:
             callback = functools.partial(self._on_message, topic, judges.get(topic.name))
-            self.create_subscription(topic.type, topic.name, callback, QUEUE, raw=True)
+            Overhearing(self, topic, callback, QUEUE, raw=True)
 
     def _on_message(self, topic: Topic, judge: Any, data: bytes) -> None:
         self.bag.add(topic, time.time_ns(), data)

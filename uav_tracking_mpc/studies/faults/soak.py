@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Hours of flight without faults: is the orbit held all the while, does any process grow."""
 
 from __future__ import annotations
@@ -11,10 +25,11 @@ from typing import Any
 import numpy as np
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rich.console import Console
 
+from uav_tracking_mpc.control.compiled_flight import compile_flight
 from uav_tracking_mpc.launch.supervisor import LaunchError, Supervisor, supervised
+from uav_tracking_mpc.nodes.overhearing import Overhearing
 from uav_tracking_mpc.nodes.topics import COMMAND, ODOMETRY, TARGET
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.studies.faults.resources import Growth, ResourceWatch, Usage
@@ -25,7 +40,7 @@ SETTLING = 180.0  # s of simulated time to fly onto the orbit
 SAMPLE_PERIOD = 1.0  # s of wall time
 REPORT_PERIOD = 20.0  # s of wall time
 STALL_LIMIT = 60.0  # s of wall time in which simulated time must move on
-QUEUE = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
+QUEUE = 1000  # messages that may wait
 
 
 class SoakObserver(Node):
@@ -51,9 +66,9 @@ class SoakObserver(Node):
         self.time, self.range_error = 0.0, math.nan
         self.settled = (0.0, 0.0)
         self.commands, self.longest_gap = 0, 0.0
-        self.create_subscription(ODOMETRY.type, ODOMETRY.name, self._on_state, QUEUE)
-        self.create_subscription(TARGET.type, TARGET.name, self._on_target, QUEUE)
-        self.create_subscription(COMMAND.type, COMMAND.name, self._on_command, QUEUE)
+        Overhearing(self, ODOMETRY, self._on_state, QUEUE)
+        Overhearing(self, TARGET, self._on_target, QUEUE)
+        Overhearing(self, COMMAND, self._on_command, QUEUE)
 
     def _on_state(self, message: Any) -> None:
         self.time = _seconds(message)
@@ -102,6 +117,7 @@ def soak(
     Raises:
         LaunchError: A node died, or time stood still.
     """
+    compile_flight(configuration.controller)  # what is measured is not another solver
     resources = ResourceWatch()
     with contextlib.ExitStack() as stack:
         log = stack.enter_context((output / "nodes.log").open("w", encoding="utf-8"))

@@ -1,0 +1,56 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The executables of the nodes: found by their names, and without ROS one line and code 2."""
+
+import ast
+import importlib
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from uav_tracking_mpc.cli import node_programs
+
+ROOT = Path(__file__).parents[2]
+NODES = ("uav_simulator", "target_publisher", "nmpc_controller", "autopilot_link", "monitor")
+
+
+def test_every_node_has_its_program():
+    text = (ROOT / "setup.py").read_text()
+    for name in NODES:
+        assert f"{name} = {{NAME}}.cli.node_programs:{name}" in text
+        assert callable(getattr(node_programs, name))
+        module = ast.parse((ROOT / f"uav_tracking_mpc/nodes/{name}.py").read_text())
+        assert "main" in {part.name for part in module.body if isinstance(part, ast.FunctionDef)}
+
+
+def test_it_ends_with_the_code_of_its_node(monkeypatch):
+    module = importlib.import_module("uav_tracking_mpc.nodes.monitor")
+    monkeypatch.setattr(module, "main", lambda: 5)
+    assert node_programs.monitor() == 5
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_without_ros_one_line_and_code_2(name):
+    program = (
+        "import sys; sys.modules['rclpy'] = None\n"
+        f"from uav_tracking_mpc.cli.node_programs import {name} as node\n"
+        "sys.exit(node())"
+    )
+    finished = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert finished.returncode == 2, finished.stderr
+    assert finished.stderr.startswith(f"{name}: rclpy is not installed; flying needs ROS 2 Jazzy")
+    assert finished.stderr.count("\n") == 1

@@ -1,0 +1,41 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""One thing after the other, of what waits only the latest."""
+
+import threading
+
+from uav_tracking_mpc.control.latest_job import LatestJob
+
+
+def test_of_what_waits_only_the_latest_counts():
+    done, begun, go = [], threading.Event(), threading.Event()
+
+    def work(number):
+        begun.set()
+        go.wait(30.0)
+        done.append((threading.current_thread() is threading.main_thread(), number))
+
+    job = LatestJob("test", work)
+    job.wait()  # nothing was asked for
+    job.ask(1)
+    assert begun.wait(30.0)
+    job.ask(2)
+    job.ask(3)
+    go.set()
+    job.wait()
+    assert done == [(False, 1), (False, 3)]
+    job.ask(4)
+    job.wait()
+    assert done[-1] == (False, 4)

@@ -1,0 +1,61 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from uav_tracking_mpc.nodes import log_folder
+
+
+@pytest.fixture
+def home(monkeypatch, tmp_path):
+    """Home of the user; nothing is exported."""
+    temp = tmp_path / "temp"
+    temp.mkdir()
+    monkeypatch.setattr(log_folder.tempfile, "gettempdir", lambda: str(temp))
+    for variable in ("ROS_LOG_DIR", "ROS_HOME"):
+        monkeypatch.setenv(variable, "")
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    return tmp_path / "home"
+
+
+def test_a_writable_home_is_left_to_rcl(home):
+    home.mkdir()
+    assert log_folder.ensure_log_folder() == ""
+    assert not os.environ["ROS_LOG_DIR"]
+    assert (home / ".ros" / "log").is_dir()
+
+
+def test_without_a_writable_home_logs_go_under_temp_and_that_is_said(home):
+    home.write_text("")
+    words = log_folder.ensure_log_folder()
+    used = Path(os.environ["ROS_LOG_DIR"])
+    assert used.is_dir()
+    assert used.parent == home.parent / "temp"
+    assert words == f"log folder {home}/.ros/log cannot be written, {used} is used instead"
+    assert log_folder.ensure_log_folder() == ""  # in the processes that inherit it
+
+
+@pytest.mark.parametrize(("variable", "below"), [("ROS_LOG_DIR", "."), ("ROS_HOME", "log")])
+def test_what_is_exported_is_respected(home, monkeypatch, variable, below):
+    home.write_text("")
+    wanted = home.parent / "mine"
+    monkeypatch.setenv(variable, str(wanted))
+    assert log_folder.ensure_log_folder() == ""
+    assert (wanted / below).is_dir()
+    assert os.environ[variable] == str(wanted)

@@ -1,0 +1,198 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A page as a browser shows it, for tests with the marker ``browser``.
+
+The fixture ``look`` (test/browser/conftest.py) opens pages and closes them after the test; one of
+test/served_page.py serves them::
+
+    def test_something(look, flight):          # flight: (log, tracking) of 20 s with `paper`
+        source = LoggedSource(*flight)
+        source.clock.pause()
+        with served(source) as page:
+            seen = look(page.address)  # waits until it is connected and draws
+            before = seen.pixels()  # RGB of the scene, without the panel: (height, width, 3)
+            source.clock.seek(10.0)
+            after = seen.pixels_unlike(before)  # waits until there is a change
+            place = seen.pixel_of((0.0, 0.0, 0.0))  # of a point in `map`, through its camera
+            seen.drag(place, seen.pixel_of((100.0, 50.0, 0.0)))  # the mouse, pixel to pixel
+            seen.wait_for_text("refused")  # in the panel or a notice
+            assert seen.errors == [] and seen.foreign_requests == []
+
+A pixel that lies beneath the panel belongs to the panel: the mouse reaches the scene beside it.
+``seen.page`` is playwright's page, for all else (``seen.page.get_by_role("slider")``, ``click``).
+Chromium draws one or two frames a second where it has no graphics card: wait for what must come
+(``eventually``), never for a time, and assert nothing about times.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import time
+from urllib.parse import urlsplit
+
+import msgspec
+import numpy as np
+from PIL import Image
+
+PATIENCE = 180.0  # s: a limit for what is broken, not a measure of what works
+SCENE = "canvas[data-engine]"  # three.js marks what it draws on; plots have canvases, too
+SCENE_ALONE = (
+    f"body * {{ visibility: hidden !important; }} {SCENE} {{ visibility: visible !important; }}"
+)
+
+
+class SeenPage:
+    """A page in a tab of its own.
+
+    Args:
+        tab: Page of playwright, still empty.
+        address: Of the page, with its token if it asks for one.
+        ready: Whether to wait until the scene stands.
+
+    Attributes:
+        page: Page of playwright.
+        console: All that the page says in the browser's console.
+        errors: Errors of the console, and exceptions of scripts.
+        requests: Addresses of all requests and websockets.
+    """
+
+    def __init__(self, tab, address, ready=True) -> None:
+        self.page, self.console, self.errors, self.requests = tab, [], [], []
+        self._camera = None
+        tab.set_default_timeout(1000.0 * PATIENCE)
+        tab.on("console", self._note_console)
+        tab.on("pageerror", lambda error: self.errors.append(str(error)))
+        tab.on("request", lambda request: self.requests.append(request.url))
+        tab.on("websocket", self._note_websocket)
+        tab.goto(address)
+        if ready:
+            self.wait_for_scene()
+
+    @property
+    def foreign_requests(self) -> list[str]:
+        """Requests that left this machine."""
+        own = ("127.0.0.1", "localhost", "::1")
+        return [
+            url
+            for url in self.requests
+            if urlsplit(url).scheme not in ("data", "blob") and urlsplit(url).hostname not in own
+        ]
+
+    def wait_for_scene(self) -> None:
+        """Wait until the page is connected and draws."""
+        self.page.locator(SCENE).first.wait_for(state="visible")
+        self.eventually(lambda: self._camera is not None, "the page sends its camera")
+        self._next_frames()
+
+    def wait_for_loss(self) -> None:
+        """Wait until the page knows that its server is gone."""
+        self.eventually(lambda: self._camera is None, "the websocket is closed")
+
+    def wait_for_text(self, words: str) -> None:
+        """Wait until the panel or a notice shows words."""
+        self.page.get_by_text(words).first.wait_for(state="visible")
+
+    def pixels(self) -> np.ndarray:
+        """The scene without panel and notices: red, green, blue, shape (height, width, 3)."""
+        shot = self.page.screenshot(style=SCENE_ALONE, animations="disabled")
+        return np.asarray(Image.open(io.BytesIO(shot)).convert("RGB"), dtype=np.int16)
+
+    def still_pixels(self) -> np.ndarray:
+        """The scene once two pictures in a row are the same."""
+        newest = [self.pixels()]
+
+        def settled() -> bool:
+            self._next_frames()
+            newest.append(self.pixels())
+            return np.array_equal(newest[-1], newest[-2])
+
+        self.eventually(settled, "the scene stands still")
+        return newest[-1]
+
+    def pixels_unlike(self, before: np.ndarray) -> np.ndarray:
+        """The scene once it differs from a picture."""
+        newest = [before]
+
+        def differs() -> bool:
+            newest.append(self.pixels())
+            return not np.array_equal(newest[-1], before)
+
+        self.eventually(differs, "the scene changes")
+        return newest[-1]
+
+    def pixel_of(self, point) -> tuple[float, float]:
+        """Where a point of ``map`` is seen: right and down from the page's upper left corner."""
+        camera = self._camera
+        w, *axis = camera["wxyz"]
+        axis, ray = np.array(axis), np.asarray(point, dtype=float) - camera["position"]
+        # From the world into the camera, which looks along z with y downwards: q* v q.
+        across = 2.0 * np.cross(-axis, ray)
+        right, down, ahead = ray + w * across + np.cross(-axis, across)
+        assert ahead > 0.0, "the point is behind the camera"
+        box = self.page.locator(SCENE).first.bounding_box()
+        focal = 0.5 * box["height"] / math.tan(0.5 * camera["fov"])
+        return (
+            box["x"] + 0.5 * box["width"] + focal * right / ahead,
+            box["y"] + 0.5 * box["height"] + focal * down / ahead,
+        )
+
+    def drag(self, begin: tuple[float, float], end: tuple[float, float], steps: int = 8) -> None:
+        """Press the mouse at a pixel, move it to another one and let go.
+
+        A page that is drawn slowly learns late what lies under the mouse; hence the rests.
+        """
+        mouse = self.page.mouse
+        mouse.move(*begin)
+        self._next_frames()
+        mouse.down()
+        for k in range(1, steps + 1):
+            share = k / steps
+            mouse.move(*(b + share * (e - b) for b, e in zip(begin, end, strict=True)))
+            self._next_frames()
+        mouse.up()
+        self._next_frames()
+
+    def eventually(self, condition, words: str) -> None:
+        """Wait for a condition while the page goes on."""
+        deadline = time.monotonic() + PATIENCE
+        while not condition():
+            assert time.monotonic() < deadline, f"not within {PATIENCE:g} s: {words}"
+            self.page.wait_for_timeout(200)  # in which playwright hears what the page does
+
+    def _next_frames(self) -> None:
+        """Let the page draw what it knows."""
+        self.page.evaluate(
+            "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+        )
+
+    def _note_console(self, message) -> None:
+        self.console.append(message.text)
+        if message.type == "error":
+            self.errors.append(message.text)
+
+    def _note_websocket(self, websocket) -> None:
+        self.requests.append(websocket.url)
+        websocket.on("framesent", self._note_frame)
+        websocket.on("close", self._forget_camera)
+
+    def _forget_camera(self, websocket) -> None:
+        self._camera = None
+
+    def _note_frame(self, payload) -> None:
+        """The page tells its server each time where its camera is."""
+        message = msgspec.msgpack.decode(payload)
+        if message["type"] == "ViewerCameraMessage":
+            self._camera = message

@@ -1,0 +1,148 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A steered target never jumps, goes where it is sent, and refuses what it does not know."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.target import TargetParameters
+from uav_tracking_mpc.simulation.motions import motion_of
+from uav_tracking_mpc.simulation.steered_target import GOING_SPEED, SteeredTarget
+
+LINE = TargetParameters(motion="line", position=(10.0, -20.0, 3.0), speed=5.0, heading=0.7)
+CORNERS = (0.0, 0.0, 0.0, 30.0, 0.0, 0.0, 30.0, 40.0, 0.0)
+KINDS = ("stationary", "line", "circle", "waypoints", "stop_and_go", "zigzag")
+
+
+@pytest.mark.parametrize("kind", [*KINDS, "jump"])
+def test_left_alone_it_is_its_motion(kind):
+    parameters = replace(LINE, motion=kind)
+    target, motion = SteeredTarget(parameters), motion_of(parameters)
+    for time in (0.0, 0.1, 33.3, 60.0, 99.9):
+        np.testing.assert_array_equal(target.position(time), motion.position(time))
+        np.testing.assert_array_equal(target.velocity(time), motion.velocity(time))
+
+
+@pytest.mark.parametrize("after", KINDS)
+@pytest.mark.parametrize("before", KINDS)
+def test_from_one_motion_to_another_it_never_jumps(before, after):
+    first = replace(LINE, motion=before, waypoints=CORNERS, drive_time=2.0)
+    target, speed = SteeredTarget(first), 7.0
+    fast = {"motion": after, "speed": speed, "radius": 12.0}
+    samples = [target.position(time) for time in np.arange(0.0, 13.0, 0.01)]
+    target.change(13.0, replace(first, **fast))
+    np.testing.assert_allclose(target.position(13.0), samples[-1], atol=0.0501)
+    samples += [target.position(time) for time in np.arange(13.0, 60.0, 0.01)]
+    steps = np.linalg.norm(np.diff(samples, axis=0), axis=1)
+    assert steps.max() <= 0.01 * speed + 1e-9
+    ahead = (target.position(50.0 + 1e-5) - target.position(50.0)) / 1e-5
+    np.testing.assert_allclose(target.velocity(50.0), ahead, atol=1e-3)
+
+
+def test_a_circle_goes_on_round_its_centre_when_its_speed_changes():
+    circle = replace(LINE, motion="circle", radius=40.0)
+    target = SteeredTarget(circle)
+    before = target.position(20.0)
+    target.change(20.0, replace(circle, speed=8.0))
+    np.testing.assert_allclose(target.position(20.0), before, atol=1e-9)
+    assert np.linalg.norm(target.velocity(20.0)) == pytest.approx(8.0)
+    for time in (21.0, 55.0):
+        away = target.position(time) - circle.position
+        assert np.linalg.norm(away) == pytest.approx(40.0)
+
+
+def test_waypoints_go_on_along_their_path_when_their_speed_changes():
+    path = replace(LINE, motion="waypoints", waypoints=CORNERS)
+    target = SteeredTarget(path)
+    target.change(10.0, replace(path, speed=10.0))  # half way up the second chord, at 20 m of 40
+    np.testing.assert_allclose(target.position(12.0), [30.0, 40.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(target.position(17.0), [0.0, 0.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(target.position(20.0), [30.0, 0.0, 0.0], atol=1e-9)
+
+
+def test_waypoints_there_and_back_keep_their_direction():
+    path = replace(LINE, motion="waypoints", waypoints=(0.0, 0.0, 0.0, 100.0, 0.0, 0.0))
+    target = SteeredTarget(path)
+    target.change(25.0, replace(path, speed=10.0))  # on the way back, at 75 m
+    np.testing.assert_allclose(target.velocity(25.0), [-10.0, 0.0, 0.0])
+
+
+def test_a_changed_position_is_driven_to():
+    target = SteeredTarget(replace(LINE, motion="stationary"))
+    target.change(4.0, replace(LINE, motion="stationary", position=(10.0, 0.0, 3.0)))
+    np.testing.assert_allclose(target.velocity(4.0), [0.0, 5.0, 0.0])
+    np.testing.assert_allclose(target.heading_for(7.9), [10.0, 0.0, 3.0])
+    np.testing.assert_allclose(target.position(8.0), [10.0, 0.0, 3.0])
+    assert target.heading_for(8.0) is None
+
+
+@pytest.mark.parametrize(("speed", "flown"), [(4.0, 4.0), (0.0, GOING_SPEED)])
+def test_it_goes_to_a_goal_and_stands_there(speed, flown):
+    target = SteeredTarget(replace(LINE, speed=speed))
+    start = target.position(2.0)
+    goal = start + np.array([0.0, 30.0, 40.0])
+    target.go_to(2.0, goal)
+    assert np.linalg.norm(target.velocity(2.1)) == pytest.approx(flown)
+    np.testing.assert_allclose(target.position(2.0 + 25.0 / flown), 0.5 * (start + goal))
+    for time in (2.0 + 50.0 / flown, 500.0):
+        np.testing.assert_allclose(target.position(time), goal)
+        np.testing.assert_array_equal(target.velocity(time), np.zeros(3))
+    assert target.parameters.motion == "stationary"
+    target.go_to(600.0, goal)  # where it is already
+    np.testing.assert_allclose(target.position(600.0), goal)
+    assert target.heading_for(600.0) is None
+
+
+def test_before_a_change_it_stands_where_that_was():
+    """Time that goes back finds no motion of before."""
+    target = SteeredTarget(LINE)
+    target.go_to(10.0, (0.0, 0.0, 0.0))
+    np.testing.assert_array_equal(target.position(3.0), target.position(10.0))
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"motion": "waltz"}, "circle, jump, line, stationary, stop_and_go, waypoints, zigzag"),
+        ({"seed": 4, "motion": "circle"}, "'seed' is 4, must stay 0 while the target moves"),
+        ({"motion": f"{__file__}:Broken"}, "which failed: no wheels"),
+    ],
+)
+def test_what_it_does_not_know_is_refused_and_nothing_changes(values, words):
+    target = SteeredTarget(LINE)
+    before = target.position(5.0)
+    with pytest.raises(ParameterError, match=words):
+        target.change(5.0, replace(LINE, **values))
+    assert target.parameters is LINE
+    np.testing.assert_array_equal(target.position(5.0), before)
+
+
+class Broken(type(motion_of(LINE))):
+    """A motion that cannot be made."""
+
+    name = "broken"
+
+    def __init__(self, parameters):
+        raise RuntimeError("no wheels")
+
+
+def test_noise_alone_does_not_touch_the_motion():
+    target = SteeredTarget(replace(LINE, motion="stop_and_go"))
+    before = target.position(43.0)
+    target.change(30.0, replace(LINE, motion="stop_and_go", noise=3.0, dropout=0.5))
+    np.testing.assert_array_equal(target.position(43.0), before)

@@ -1,0 +1,97 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+from watched_flight_stand_in import sight
+
+from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.report.mode_colours import mode_colour
+from uav_tracking_mpc.view.panel.state import SHOWN, State
+
+LOST = {"mode": FallbackMode.LOITER, "reason": "target position is lost"}
+
+
+def test_mode_and_reason_are_shown_in_the_colour_of_the_mode(panel, flight):
+    flight.seen = [sight(**LOST)]
+    text = panel(State).show()
+    assert "loiter law" in text
+    assert "target position is lost" in text
+    assert f"rgb{mode_colour(FallbackMode.LOITER)}" in text
+
+
+def test_a_fallback_and_its_recovery_are_seen_afterwards(panel, flight):
+    shown = panel(State)
+    shown.show()
+    flight.seen += [sight(11.0), sight(12.0, **LOST), sight(20.0)]
+    shown.show()
+    flight.seen.append(sight(25.0))
+    text = shown.show()
+    assert "for 5 s" in text
+    assert "before: loiter law, 8 s" in text
+    assert "12.0 s, 8 s" in text
+    assert "target position is lost" in text
+
+
+def test_the_last_fallback_stands_on_top(panel, flight):
+    flight.seen = [sight(1.0), sight(2.0, **LOST), sight(4.0)]
+    flight.seen += [sight(10.0, mode=FallbackMode.HOLD, reason="no target position"), sight(11.0)]
+    text = panel(State).show()
+    assert text.index("10.0 s, 1 s") < text.index("2.0 s, 2 s")
+
+
+def test_a_fallback_that_comes_again_and_again_is_told_once(panel, flight):
+    modes = [FallbackMode.OPTIMAL, FallbackMode.FEASIBLE]
+    flight.seen = [
+        sight(0.2 * k, mode=modes[k % 2], reason="slow"[: 4 * (k % 2)]) for k in range(20)
+    ]
+    flight.seen.append(sight(4.0))
+    text = panel(State).show()
+    assert text.count("slow") == 1
+    assert "0.2 s, 4 s, 10 times" in text
+
+
+def test_a_page_that_is_opened_later_shows_what_was(panel, flight):
+    flight.seen = [sight(1.0), sight(2.0, **LOST), sight(4.0), sight(6.0)]
+    text = panel(State).show()
+    assert "before: loiter law, 2 s" in text
+    assert "for 2 s" in text
+
+
+def test_a_reason_that_comes_after_its_mode_is_taken(panel, flight):
+    flight.seen = [sight(1.0), sight(2.0, mode=FallbackMode.LOITER), sight(2.2, **LOST), sight(5.0)]
+    assert "target position is lost" in panel(State).show()
+
+
+def test_events_do_not_grow_without_bound(panel, flight):
+    modes = [FallbackMode.OPTIMAL, FallbackMode.LOITER]
+    flight.seen = [sight(5.0 * k, mode=modes[k % 2]) for k in range(50)]
+    text = panel(State).show()
+    assert text.count("<div") <= 4 + SHOWN
+
+
+def test_a_record_that_goes_back_tells_of_its_own_past(panel, flight):
+    shown = panel(State)
+    flight.seen = [sight(1.0), sight(2.0, **LOST), sight(4.0)]
+    assert "loiter law" in shown.show()
+    flight.seen = [sight(0.5), sight(1.0)]
+    assert "loiter law" not in shown.show()
+
+
+def test_words_of_others_are_no_html(panel, flight):
+    flight.seen = [sight(mode=FallbackMode.HOLD, reason="<img src=x onerror=alert(1)>")]
+    assert "<img" not in panel(State).show()
+
+
+def test_before_the_first_command(panel, flight):
+    flight.seen = [sight(mode=None)]
+    assert "no command yet" in panel(State).show()

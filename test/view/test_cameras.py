@@ -1,0 +1,98 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Cameras: what each view shows, and that it is the scene that moves."""
+
+import math
+
+import numpy as np
+import pytest
+from watched_flight_stand_in import StandInFlight, sight
+
+from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
+
+cameras = pytest.importorskip("uav_tracking_mpc.view.cameras", exc_type=ImportError)
+
+CENTRE = np.array([1000.0, -500.0, 120.0])
+SIGHT = sight(
+    wanted=FlownOrbit(CENTRE, np.zeros(3), 275.0, 22.0),
+    position=np.add(CENTRE, [275.0, 0.0, 3.0]),
+    heading=2.0,
+    path_angle=0.1,
+    bank=0.4,
+)
+FLIGHT = StandInFlight()
+
+
+def picture(pose, points, aspect):
+    """Right and up of points in a picture whose edges are at -1 and 1."""
+    forward = pose.look_at - pose.position
+    forward = forward / np.linalg.norm(forward)
+    right = np.cross(forward, [0.0, 0.0, 1.0])
+    right /= np.linalg.norm(right)
+    up = np.cross(right, forward)
+    seen = points - pose.position
+    depth = (seen @ forward) * math.tan(0.5 * cameras.FIELD_OF_VIEW)
+    return np.column_stack([seen @ right / depth / aspect, seen @ up / depth])
+
+
+def circle(centre):
+    angle = np.linspace(0.0, 2.0 * math.pi, 50)
+    return centre + 275.0 * np.column_stack([np.cos(angle), np.sin(angle), 0.0 * angle])
+
+
+@pytest.mark.parametrize("aspect", [2.0, 1.0, 0.5])
+@pytest.mark.parametrize("view", [cameras.ORBIT, cameras.FREE, cameras.ABOVE])
+def test_the_whole_orbit_is_in_the_first_view(view, aspect):
+    moved = cameras.scene_pose(view, SIGHT)
+    orbit = np.array([moved @ point for point in circle(CENTRE)])
+    seen = picture(cameras.first_pose(view, (FLIGHT, SIGHT), aspect), orbit, aspect)
+    assert np.abs(seen).max() < 1.0
+    assert np.abs(seen).max() > 0.5
+
+
+@pytest.mark.parametrize("view", [cameras.ORBIT, cameras.FREE, cameras.ABOVE])
+def test_north_is_up_and_east_is_right(view):
+    moved = cameras.scene_pose(view, SIGHT)
+    points = np.array([moved @ (CENTRE + step) for step in ([0, 0, 0], [0, 50, 0], [50, 0, 0])])
+    middle, north, east = picture(cameras.first_pose(view, (FLIGHT, SIGHT), 1.0), points, 1.0)
+    assert north[1] > middle[1]
+    assert north[0] == pytest.approx(middle[0], abs=1e-6)
+    assert east[0] > middle[0]
+
+
+def test_a_camera_that_follows_has_the_aircraft_in_its_middle():
+    moved = cameras.scene_pose(cameras.FOLLOW, SIGHT)
+    np.testing.assert_allclose(moved @ SIGHT.position, np.zeros(3), atol=1e-9)
+    pose = cameras.first_pose(cameras.FOLLOW, (FLIGHT, SIGHT), 1.0)
+    np.testing.assert_allclose(pose.look_at, np.zeros(3))
+    ahead = np.array([math.cos(SIGHT.heading), math.sin(SIGHT.heading), 0.0])
+    assert pose.position @ ahead < 0.0  # it begins behind the aircraft
+    assert pose.position[2] > 0.0
+
+
+def test_in_the_cockpit_the_nose_is_ahead_and_the_horizon_banks():
+    moved = cameras.scene_pose(cameras.COCKPIT, SIGHT)
+    turned = moved.rotation().as_matrix()
+    chi, psi = SIGHT.path_angle, SIGHT.heading
+    nose = [math.cos(chi) * math.cos(psi), math.cos(chi) * math.sin(psi), math.sin(chi)]
+    np.testing.assert_allclose(turned @ nose, [1.0, 0.0, 0.0], atol=1e-9)
+    # A bank to the right turns what is up in the world to the left, y of base_link.
+    assert (turned @ [0.0, 0.0, 1.0])[1] > 0.3
+    np.testing.assert_allclose(moved @ SIGHT.position, np.zeros(3), atol=1e-9)
+
+
+def test_a_free_camera_sees_the_scene_where_it_is():
+    moved = cameras.scene_pose(cameras.FREE, SIGHT)
+    np.testing.assert_allclose(moved @ SIGHT.position, SIGHT.position)

@@ -1,0 +1,100 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""``uav_tracking view``: a page that shows a flight, live or recorded, and steers it."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from uav_tracking_mpc.cli.arguments import (
+    add_configuration_arguments,
+    add_domain_argument,
+    chosen_configuration,
+)
+from uav_tracking_mpc.cli.page_arguments import (
+    add_page_arguments,
+    check_page,
+    opened_page,
+    serve_until_signal,
+)
+
+if TYPE_CHECKING:
+    from uav_tracking_mpc.settings.tracking import TrackingParameters
+    from uav_tracking_mpc.view.watched_flight import FlightSource
+
+HELP = "show a flight on a page: one that is flown, or FILE.mcap"
+DESCRIPTION = (
+    "Serve a page that shows flights as a moving scene: those that are flown in a ROS domain, as "
+    "they appear, or a recorded one: any MCAP bag with the topics of the package, without ROS. Its "
+    "limits are those that the controller recorded beside it, or those of --config. Ctrl-C ends it."
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options.
+
+    Args:
+        parser: Of this command.
+    """
+    parser.add_argument("bag", metavar="FILE.mcap", nargs="?", type=Path, help="a recorded flight")
+    add_domain_argument(
+        parser, "ROS domain to watch (default: ROS_DOMAIN_ID, or 0); a launch prints its own"
+    )
+    add_configuration_arguments(parser)
+    parser.set_defaults(config=None)
+    add_page_arguments(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Serve until SIGINT or SIGTERM.
+
+    Args:
+        arguments: As parsed.
+
+    Returns:
+        Exit code.
+    """
+    check_page()
+    source = _live(arguments) if arguments.bag is None else _recorded(arguments)
+    with opened_page(source, arguments) as page:
+        serve_until_signal(page, source)
+    return 0
+
+
+def _recorded(arguments: argparse.Namespace) -> FlightSource:
+    from uav_tracking_mpc.view.recorded_source import RecordedSource
+
+    return RecordedSource(arguments.bag, _told_tracking(arguments))
+
+
+def _told_tracking(arguments: argparse.Namespace) -> TrackingParameters | None:
+    """What the options say that was flown by; None where they say nothing."""
+    from uav_tracking_mpc.parameters.specification import ParameterError
+
+    if arguments.config is not None:
+        return chosen_configuration(arguments).controller
+    if arguments.overrides:
+        raise ParameterError(f"--set {arguments.overrides[0]} needs --config")
+    return None
+
+
+def _live(arguments: argparse.Namespace) -> FlightSource:
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    from uav_tracking_mpc.view.live_source import LiveSource
+
+    return LiveSource(arguments.domain_id)

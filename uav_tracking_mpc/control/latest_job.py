@@ -1,0 +1,65 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Work on the latest of what is asked for, in a thread of its own."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+T = TypeVar("T")
+
+
+class LatestJob(Generic[T]):
+    """Does one thing after the other in a thread; of what waits only the latest counts.
+
+    Args:
+        name: Of the thread.
+        work: Called in that thread with each thing that is asked for; raises nothing.
+    """
+
+    def __init__(self, name: str, work: Callable[[T], None]) -> None:
+        self._name, self._work = name, work
+        self._lock = threading.Lock()
+        self._next: list[T] = []
+        self._thread: threading.Thread | None = None
+
+    def ask(self, what: T) -> None:
+        """Have something done soon; returns at once.
+
+        Args:
+            what: Takes the place of what was asked for and has not begun.
+        """
+        with self._lock:
+            self._next = [what]
+            if self._thread is None:
+                self._thread = threading.Thread(target=self._run, name=self._name)
+                self._thread.start()
+
+    def wait(self) -> None:
+        """Return when all that was asked for is done."""
+        thread = self._thread
+        if thread is not None:
+            thread.join()
+
+    def _run(self) -> None:
+        while True:
+            with self._lock:
+                waiting, self._next = self._next, []
+                if not waiting:
+                    self._thread = None
+                    return
+            self._work(*waiting)

@@ -1,0 +1,119 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+r"""Target and drift from now on, from what the filters know of target and air.
+
+The target goes on turning (:mod:`~uav_tracking_mpc.estimation.turn_prediction`); what its newest
+measurement has changed fades in. The mean wind stays, the gust of now fades with its correlation
+time T: at a time t from now, with wind w, gust g, the target's velocity v and acceleration a,
+
+.. math:: c = w + e^{-t / T} g - v, \qquad c' = -e^{-t / T} g / T - a.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from uav_tracking_mpc.dynamics.buffered_function import BufferedFunction
+from uav_tracking_mpc.estimation.turn_prediction import turned
+
+# A measurement corrects the target's track by steps. They are faded in with this time constant
+# [s], or those of a noisy track would go straight into the bank angle.
+FADE_TIME = 0.8
+
+
+class Ahead(NamedTuple):
+    """Target and drift at times from now on.
+
+    Attributes:
+        target: Position in ``map``, shape (n, 3), in [m].
+        drift: c, shape (n, 3), in [m/s].
+        drift_rate: c', shape (n, 3), in [m/s^2].
+    """
+
+    target: NDArray[np.float64]
+    drift: NDArray[np.float64]
+    drift_rate: NDArray[np.float64]
+
+
+class Outlook:
+    """Evaluates it at as many times at once.
+
+    Args:
+        count: n, how many times.
+        rewind: Time in [s] before the newest position up to which a target's track reaches.
+    """
+
+    def __init__(self, count: int, rewind: float) -> None:
+        names = ("motion", 9), ("track", 4), ("faded", 6), ("wind", 3), ("gust", 3), ("times", 3)
+        told, times = [ca.SX.sym(name, size) for name, size in names], ca.SX.sym("ahead", count)
+        rows = ca.horzcat(*[_at(rewind, time, *told) for time in ca.vertsplit(times)])
+        function = ca.Function("outlook", [*told, times], [rows], {"cse": True})
+        self._function, self._count = BufferedFunction(function), count
+
+    def __call__(
+        self,
+        motion: ArrayLike,
+        track: ArrayLike,
+        faded: ArrayLike,
+        air: tuple[ArrayLike, ArrayLike, ArrayLike],
+        times: ArrayLike,
+    ) -> Ahead:
+        """Target and drift at times from now on.
+
+        Args:
+            motion: Position, velocity, acceleration of the target's track, shape (9,).
+            track: Shape (4,): variance of that acceleration [m^2/s^4], turn rate [rad/s], and as of
+                :func:`~uav_tracking_mpc.estimation.singer_motion.bridged` the time travelled since
+                the track's time [s] and the share of the velocity that is left [-].
+            faded: What is not yet corrected of position [m] and velocity [m/s], shape (6,).
+            air: Mean wind [m/s], gust [m/s] and its correlation times [s], shape (3,) each.
+            times: From now on, shape (n,), in [s].
+        """
+        for kept, values in zip(
+            self._function.arguments, (motion, track, faded, *air, times), strict=True
+        ):
+            kept[:] = values
+        self._function.evaluate()
+        rows = self._function.results[0].reshape(self._count, 9).copy()
+        return Ahead(rows[:, :3], rows[:, 3:6], rows[:, 6:])
+
+
+def _at(
+    rewind: float,
+    time: ca.SX,
+    motion: ca.SX,
+    track: ca.SX,
+    faded: ca.SX,
+    wind: ca.SX,
+    gust: ca.SX,
+    times: ca.SX,
+) -> ca.SX:
+    """Target's position, c and c' at one time."""
+    variance, turn_rate, travelled, left = ca.vertsplit(track)
+    lead = ca.fmax(travelled + left * time, -rewind)
+    position, velocity, acceleration = turned(motion, variance, turn_rate, lead)
+    share = ca.exp(-time / FADE_TIME)
+    blowing = ca.exp(-time / times) * gust
+    return ca.densify(
+        ca.vertcat(
+            position + share * faded[:3],
+            wind + blowing - left * velocity - share * faded[3:],
+            -blowing / times - left**2 * acceleration,
+        )
+    )

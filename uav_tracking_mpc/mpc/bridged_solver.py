@@ -1,0 +1,164 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Solves at once, with IPOPT, while the Newton method is being compiled for the problem.
+
+IPOPT needs no compilation, but some fifty times as long for a solve: a few plans a second about a
+hard problem, which an aircraft can fly by. Between two solves the Newton method takes over and goes
+on from IPOPT's last plan.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from numpy.typing import ArrayLike
+
+from uav_tracking_mpc.mpc import machine_code
+from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
+from uav_tracking_mpc.mpc.compilation import Compilation, CompilationError
+from uav_tracking_mpc.mpc.method_cache import method_folder
+from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
+from uav_tracking_mpc.mpc.problem import OptimalControlProblem
+from uav_tracking_mpc.mpc.solution import Solution
+from uav_tracking_mpc.mpc.solver import Guess, Solver, shift
+
+BRIDGE = "ipopt"
+TOLERANCE = 1e-4  # of IPOPT's optimality: half the iterations of 1e-8, the same flight
+# s, that IPOPT has for a solve at least; it takes half of it for an attempt, and a command that is
+# later than that is worth nothing.
+BUDGET = 0.8
+
+
+class BridgedSolver:
+    """Solver (see :class:`uav_tracking_mpc.mpc.solver.Solver`) that is ready at once.
+
+    Args:
+        problem: What to solve.
+        compiled: Whether the Newton method can be loaded; asked before every solve.
+        time_limit: For a whole solve of the Newton method, in [s]; IPOPT has at least
+            :data:`BUDGET`.
+    """
+
+    def __init__(
+        self,
+        problem: OptimalControlProblem,
+        compiled: Callable[[], bool],
+        time_limit: float = math.inf,
+    ) -> None:
+        self.problem = problem
+        self._compiled = compiled
+        self._time_limit = time_limit
+        self._last: Solution | None = None
+        self._solver: Solver | None = None
+
+    def prepare(self) -> Solver:
+        """The solver that solves next; made now if it is not there."""
+        if self._solver is None:
+            if self._compiled():
+                self._solver = NewtonSolver(self.problem, time_limit=self._time_limit)
+            else:
+                limit = max(self._time_limit, BUDGET)
+                self._solver = CasadiSolver(self.problem, BRIDGE, TOLERANCE, time_limit=limit)
+        return self._solver
+
+    @property
+    def name(self) -> str:
+        """Of the solver that has solved last, or solves next."""
+        return self.prepare().name
+
+    @property
+    def time_limit(self) -> float:
+        """Time budget of one solve in [s]."""
+        return self._time_limit
+
+    @time_limit.setter
+    def time_limit(self, limit: float) -> None:
+        """Set it.
+
+        Args:
+            limit: In [s].
+        """
+        self._time_limit = limit
+        if self._solver is not None:
+            self._solver.time_limit = max(limit, BUDGET) if self.name == BRIDGE else limit
+
+    def change(self, problem: OptimalControlProblem) -> None:
+        """See :meth:`uav_tracking_mpc.mpc.solver.Solver.change`."""
+        self.problem, self._last = problem, None
+        if self._solver is not None:
+            self._solver.change(problem)
+
+    def reset(self) -> None:
+        """Forget the last plan: the next solve starts cold."""
+        self._last = None
+        if self._solver is not None:
+            self._solver.reset()
+
+    def solve(
+        self,
+        initial_state: ArrayLike,
+        parameters: ArrayLike | None = None,
+        elapsed: float | None = None,
+        guess: Callable[[], Guess | None] | None = None,
+    ) -> Solution:
+        """Solve P_N(x_0), (16): see :meth:`uav_tracking_mpc.mpc.solver.Solver.solve`."""
+        solver = self.prepare()
+        if solver.name != BRIDGE:
+            return solver.solve(initial_state, parameters, elapsed, guess)
+        if not self._compiled():
+            solution = solver.solve(initial_state, parameters, elapsed, guess)
+            self._last = solution if solution.converged else None
+            return solution
+        last, self._last, self._solver = self._last, None, None
+        if last is not None and elapsed is not None:
+            inputs = shift(last.inputs, max(0.0, elapsed) / self.problem.step)
+            begin = Guess(inputs, last.decision)
+            return self.prepare().solve(initial_state, parameters, None, lambda: begin)
+        return self.prepare().solve(initial_state, parameters, None, guess)
+
+
+class MachineCode:
+    """The machine code for a problem, which is made meanwhile if it is not there.
+
+    Args:
+        problem: What is solved.
+        report: Called with what happens, in words.
+    """
+
+    def __init__(self, problem: OptimalControlProblem, report: Callable[[str], None]) -> None:
+        self._report = report
+        self._compilation: Compilation | None = None
+        self._failed = False
+        folder = method_folder(problem)
+        if not machine_code.finished(folder):
+            self._compilation = Compilation(folder, aside=True)
+            report(f"{BRIDGE} solves while the solver is compiled, once; kept in {folder}")
+
+    def __call__(self) -> bool:
+        """Whether it is there; where it cannot be made, that is said once and it never will be."""
+        compilation = self._compilation
+        if compilation is None:
+            return not self._failed
+        try:
+            done = compilation.done()
+        except CompilationError as error:
+            self._failed, self._compilation = True, None
+            self._report(f"{error}; {BRIDGE} goes on solving")
+            return False
+        if done:
+            self._compilation = None
+            self._report(f"solver compiled in {compilation.seconds:.1f} s; it solves from now on")
+        return done

@@ -1,0 +1,205 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""From where each page looks: at the orbit, at an aircraft, from above, from the cockpit, freely.
+
+A camera that follows does not move: the scene is moved under it, for that page alone. So nothing
+ever moves the camera but the mouse, and both go together.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import viser
+import viser.transforms as rigid
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.view.scene._extent import centre, extent, finite
+from uav_tracking_mpc.view.scene.airframe import SHARE, attitude
+from uav_tracking_mpc.view.sight import Sight
+from uav_tracking_mpc.view.watched_flight import WatchedFlight
+
+ORBIT, FOLLOW, ABOVE, COCKPIT, FREE = (
+    "the orbit", "follow", "from above", "from the cockpit", "free",
+)  # fmt: skip
+VIEWS = ORBIT, FOLLOW, ABOVE, COCKPIT, FREE
+FIELD_OF_VIEW = math.radians(50.0)  # upright
+NEAR, FAR = 0.5, 50_000.0  # m
+MARGIN = 1.25  # of what is to be in the picture
+ELEVATION = math.radians(35.0)
+BEHIND, OVER = 0.75, 0.3  # where a camera that follows begins, by the radius of the orbit
+FARTHEST = 2.5  # by the radius of the orbit: how far off the aircraft still is in the first view
+TILT = 1e-3  # rad; straight down, north would be nowhere
+
+Watched = tuple[WatchedFlight, Sight]
+
+
+class Pose(NamedTuple):
+    """Where a camera stands and what it looks at.
+
+    Attributes:
+        position: In [m], shape (3,).
+        look_at: In [m], shape (3,).
+    """
+
+    position: NDArray[np.float64]
+    look_at: NDArray[np.float64]
+
+
+def first_pose(view: str, watched: Watched, aspect: float) -> Pose:
+    """Where a camera begins, in the axes in which the page then sees the scene.
+
+    Args:
+        view: One of VIEWS.
+        watched: The aircraft that is looked at.
+        aspect: Width of the picture by its height [-].
+    """
+    flight, sight = watched
+    size, middle = extent(flight, sight), centre(sight)
+    away = float(np.hypot(*(sight.position - middle)[:2]))
+    reach = MARGIN * max(size, min(away, FARTHEST * size))
+    back = reach / (math.tan(0.5 * FIELD_OF_VIEW) * min(aspect, 1.0))
+    from_south = np.array([0.0, -math.cos(ELEVATION), math.sin(ELEVATION)])
+    if view == FREE:
+        return Pose(middle + back * from_south, middle)
+    floor = np.array([0.0, 0.0, middle[2]])
+    if view == ORBIT:
+        return Pose(floor + back * from_south, floor)
+    if view == ABOVE:
+        return Pose(floor + back * np.array([0.0, -math.sin(TILT), math.cos(TILT)]), floor)
+    if view == FOLLOW:
+        behind = [-BEHIND * math.cos(sight.heading), -BEHIND * math.sin(sight.heading), OVER]
+        return Pose(size * np.array(behind), np.zeros(3))
+    nose = SHARE * size * np.array([0.5, 0.0, 0.1])
+    return Pose(nose, nose + np.array([1.0, 0.0, 0.0]))
+
+
+def scene_pose(view: str, sight: Sight) -> rigid.SE3:
+    """How the scene is moved for a page.
+
+    Args:
+        view: One of VIEWS.
+        sight: Of the aircraft that is looked at.
+    """
+    if view == FREE:
+        return rigid.SE3.identity()
+    if view in (ORBIT, ABOVE):
+        return rigid.SE3.from_translation(-centre(sight) * [1.0, 1.0, 0.0])
+    turned = attitude(sight) if view == COCKPIT else rigid.SO3.identity()
+    return rigid.SE3.from_rotation_and_translation(turned, sight.position).inverse()
+
+
+class _Seat:
+    """One page."""
+
+    def __init__(self, client: viser.ClientHandle, world: str, first: Any) -> None:
+        self._client, self._first = client, first
+        self._world = client.scene.add_frame(world, show_axes=False)
+        self._view = client.gui.add_dropdown("Camera", VIEWS, order=-2.0)
+        self._names: tuple[str, ...] = ()
+        self._chosen: viser.GuiDropdownHandle[str] | None = None
+        self._to_place, self._new = True, True
+        self._view.on_update(self._place_again)
+
+    def _place_again(self, _: object) -> None:
+        self._to_place = True
+
+    def show(self, watched: Mapping[str, Watched]) -> None:
+        with self._client.atomic():
+            self._show(watched)
+
+    def _show(self, watched: Mapping[str, Watched]) -> None:
+        names = tuple(watched)
+        if names != self._names:
+            self._offer(names)
+        chosen = names[0] if self._chosen is None else self._chosen.value
+        flight, sight = watched[chosen]
+        view = self._view.value
+        if not finite(sight.position, sight.heading, sight.path_angle):
+            return
+        moved = scene_pose(view, sight)
+        self._world.position, self._world.wxyz = moved.translation(), moved.rotation().wxyz
+        if self._to_place:
+            self._to_place = False
+            self._place(view, (flight, sight))
+
+    def _place(self, view: str, watched: Watched) -> None:
+        camera, new, self._new = self._client.camera, self._new, False
+        first = np.allclose(camera.position, self._first.position, rtol=1e-2)
+        if new and view == VIEWS[0] and not (first and camera.aspect < 1.0):
+            return  # it stands where all pages begin, or where its address says
+        camera.position, camera.look_at = first_pose(view, watched, camera.aspect)
+
+    def _offer(self, names: tuple[str, ...]) -> None:
+        self._names = names
+        if len(names) < 2:
+            return
+        if self._chosen is None:
+            self._chosen = self._client.gui.add_dropdown("of", names, order=-1.0)
+        else:
+            self._chosen.options = names
+
+
+class Cameras:
+    """The cameras of all pages.
+
+    Args:
+        server: Of the pages.
+        world: Name of the node under which the whole scene hangs.
+    """
+
+    def __init__(self, server: viser.ViserServer, world: str) -> None:
+        self._server, self._world = server, world
+        self._seats: dict[int, _Seat] = {}
+        self._stood: NDArray[np.float64] | None = None
+        first = server.initial_camera
+        first.fov, first.near, first.far = FIELD_OF_VIEW, NEAR, FAR
+        server.on_client_connect(self._join)
+        server.on_client_disconnect(self._leave)
+
+    def _join(self, client: viser.ClientHandle) -> None:
+        self._seats[client.client_id] = _Seat(client, self._world, self._server.initial_camera)
+
+    def _leave(self, client: viser.ClientHandle) -> None:
+        self._seats.pop(client.client_id, None)
+
+    def show(self, watched: Mapping[str, Watched]) -> None:
+        """Follow what is followed.
+
+        Args:
+            watched: All aircraft that are seen, by name.
+        """
+        if not watched:
+            return
+        self._set_first(next(iter(watched.values())))
+        for seat in list(self._seats.values()):
+            seat.show(watched)
+
+    def _set_first(self, watched: Watched) -> None:
+        """What a new page and the button that resets the view show."""
+        flight, sight = watched
+        if not finite(sight.position):
+            return
+        pose = first_pose(VIEWS[0], watched, 1.0)
+        if self._stood is not None:
+            gone = float(np.linalg.norm(pose.position - self._stood))
+            if gone < extent(flight, sight):
+                return
+        self._stood = pose.position
+        first = self._server.initial_camera
+        first.position, first.look_at = pose

@@ -1,0 +1,91 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What is read and steered beside the scene, one file each.
+
+==================  ================================================================================
+``replay``          time of a recorded flight: a slider, play, pause and speed
+``state``           what mode is flown, why, how long, and what was flown before
+``readings``        the numbers of the flight: value, error and limits
+``orbit``           the orbit to fly: range, altitude, airspeed and direction
+``target``          how the target moves
+``plots``           range error, bank and cost over the last minutes
+``timing``          how long solves take, and how old a state is when its command is sent
+``engagement``      whether the controller commands the aircraft
+``simulated_time``  simulated time: pause, speed and reset
+``wind``            wind and gusts of the simulator
+``faults``          faults that can be injected, what they do, and how the flight recovered
+``diagnostics``     what the nodes say of themselves
+==================  ================================================================================
+
+A part is a subclass of :class:`PanelPart` in a file of its own name. It is found by that name, or
+by an entry point in the group ``uav_tracking_mpc.view.panel``.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, ClassVar
+
+from uav_tracking_mpc.view.sight import Sight
+
+if TYPE_CHECKING:
+    import viser
+
+    from uav_tracking_mpc.view.watched_flight import FlightSource, WatchedFlight
+
+
+class PanelPart(ABC):
+    """A folder of the panel of one aircraft.
+
+    Args:
+        gui: Where to add it.
+        flight: What is read and steered.
+        source: Where the flight comes from.
+
+    Attributes:
+        name: By which it is found.
+        order: Parts stand in this order, the least on top.
+        period: Time between updates in [s].
+    """
+
+    name: ClassVar[str]
+    order: ClassVar[float] = 50.0
+    period: ClassVar[float] = 0.25
+
+    def __init__(self, gui: viser.GuiApi, flight: WatchedFlight, source: FlightSource) -> None:
+        self.gui, self.flight, self.source = gui, flight, source
+        self.add()
+
+    @classmethod
+    def fits(cls, flight: WatchedFlight, source: FlightSource) -> bool:
+        """Whether there is something to show; asked again until there is.
+
+        Args:
+            flight: What is read and steered.
+            source: Where it comes from.
+        """
+        return True
+
+    @abstractmethod
+    def add(self) -> None:
+        """Add its widgets, once."""
+
+    @abstractmethod
+    def show(self, sight: Sight) -> None:
+        """Update it.
+
+        Args:
+            sight: Of this aircraft.
+        """

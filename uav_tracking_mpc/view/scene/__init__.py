@@ -1,0 +1,86 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What a page draws of an aircraft, one file each.
+
+================  ==================================================================================
+``airframe``      the aircraft itself, as it banks and pitches, in the colour of what is flown
+``drop_line``     the line from the aircraft down to its place on the ground
+``ground``        a grid with distances and north, one for all aircraft
+``limits``        fence, floor, least distance and no-fly shapes
+``orbits``        the orbit that is asked for, and the one that the plan ends on
+``plan``          the plan with its stages
+``target``        the target: where it is taken to be, how surely, and where it was measured
+``target_drag``   lets the mouse drag the target over the ground
+``target_track``  where the target was in the last minute
+``track``         where the aircraft was in the last minute
+``velocities``    velocity through the air, over ground, and the drift between them
+``wind``          the wind, with its speed in words
+================  ==================================================================================
+
+An element is a subclass of :class:`SceneElement` in a file of its own name. It is found by that
+name, or by an entry point in the group ``uav_tracking_mpc.view.scene``. What cannot be drawn,
+because it is not known or not finite, is hidden. Sizes follow the wanted orbit, so that an aircraft
+is seen from where its whole orbit is.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, ClassVar
+
+from uav_tracking_mpc.report.mode_colours import Colour
+from uav_tracking_mpc.view.sight import Sight
+
+if TYPE_CHECKING:
+    import viser
+
+    from uav_tracking_mpc.view.watched_flight import WatchedFlight
+
+
+class SceneElement(ABC):
+    """Something that is drawn of one aircraft.
+
+    Args:
+        scene: Where to draw.
+        root: Name of the node under which all of this aircraft hangs, with a slash before it.
+        flight: What is drawn.
+        colour: Of this aircraft, red, green, blue from 0 to 255.
+
+    Attributes:
+        name: By which it is found.
+        at_aircraft: Name of a node that ``airframe`` moves with the aircraft without turning it:
+            what hangs under it is sent once.
+    """
+
+    name: ClassVar[str]
+
+    def __init__(
+        self, scene: viser.SceneApi, root: str, flight: WatchedFlight, colour: Colour
+    ) -> None:
+        self.scene, self.root, self.flight, self.colour = scene, root, flight, colour
+        self.at_aircraft = f"{root}/aircraft"
+        self.add()
+
+    @abstractmethod
+    def add(self) -> None:
+        """Draw what stays, once."""
+
+    @abstractmethod
+    def show(self, sight: Sight) -> None:
+        """Draw it as it is now; called twenty times a second, so that what stays is not sent again.
+
+        Args:
+            sight: Of this aircraft.
+        """

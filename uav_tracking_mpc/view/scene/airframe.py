@@ -1,0 +1,117 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The aircraft itself, as it banks and pitches, in the colour of what is flown."""
+
+from __future__ import annotations
+
+import math
+
+import viser.transforms as rigid
+
+from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.report.mode_colours import mode_colour
+from uav_tracking_mpc.view.scene import SceneElement
+from uav_tracking_mpc.view.scene._extent import extent, finite
+from uav_tracking_mpc.view.scene._lathe import Mesh, joined, plate, turned
+from uav_tracking_mpc.view.sight import Sight
+
+SHARE = 0.1  # length of the aircraft by the radius of its orbit: seen from where all of that is
+
+
+def fuselage() -> Mesh:
+    """Fuselage and fin in ``base_link``, 1 from nose to tail."""
+    body = turned(
+        [(0.5, 0.0), (0.46, 0.03), (0.3, 0.06), (0.05, 0.065), (-0.25, 0.035), (-0.5, 0.015)]
+    )
+    fin = plate(
+        [(-0.34, 0, 0.02), (-0.46, 0, 0.22), (-0.53, 0, 0.22), (-0.5, 0, 0.02)], (0, 0.02, 0)
+    )
+    return joined(body, fin)
+
+
+def wings() -> Mesh:
+    """Wings and tailplane in ``base_link``; the left wing tip is the point of greatest y."""
+    surfaces = []
+    for side in (1.0, -1.0):
+        wing = [(0.16, 0, 0.05), (0.07, 0.75 * side, 0.1), (-0.05, 0.75 * side, 0.1)]
+        tail = [(-0.37, 0, 0.02), (-0.42, 0.26 * side, 0.02), (-0.5, 0.26 * side, 0.02)]
+        surfaces.append(plate([*wing, (-0.12, 0, 0.05)], (0, 0, 0.025)))
+        surfaces.append(plate([*tail, (-0.5, 0, 0.02)], (0, 0, 0.015)))
+    return joined(*surfaces)
+
+
+def attitude(sight: Sight) -> rigid.SO3:
+    """Rotation from ``base_link`` to ``map``; a bank that is not known counts as none.
+
+    Args:
+        sight: Of this aircraft.
+    """
+    return (
+        rigid.SO3.from_z_radians(sight.heading)
+        @ rigid.SO3.from_y_radians(-sight.path_angle)
+        @ rigid.SO3.from_x_radians(sight.bank if math.isfinite(sight.bank) else 0.0)
+    )
+
+
+def caption(name: str, mode: FallbackMode | None) -> str:
+    """What stands above the aircraft: its name, and what is flown unless that is as asked for.
+
+    Args:
+        name: Of the aircraft.
+        mode: None before the first command.
+    """
+    if mode is None:
+        return f"{name}: no command yet"
+    return name if mode.nominal else f"{name}: {mode.value}"
+
+
+class Airframe(SceneElement):
+    """Fuselage in the colour of the aircraft, wings in that of the mode, and a name."""
+
+    name = "airframe"
+
+    def add(self) -> None:
+        """Send the meshes."""
+        self._place = self.scene.add_frame(self.at_aircraft, show_axes=False, visible=False)
+        self._body = self.scene.add_frame(f"{self.at_aircraft}/body", show_axes=False)
+        self._fuselage = self.scene.add_mesh_simple(
+            f"{self.at_aircraft}/body/fuselage", *fuselage(), color=self.colour, side="double"
+        )
+        self._wings = self.scene.add_mesh_simple(
+            f"{self.at_aircraft}/body/wings",
+            *wings(),
+            color=mode_colour(None),
+            flat_shading=True,
+            side="double",
+        )
+        self._label = self.scene.add_label(
+            f"{self.at_aircraft}/label", caption(self.flight.name, None), anchor="bottom-center"
+        )
+
+    def show(self, sight: Sight) -> None:
+        """Move and turn it.
+
+        Args:
+            sight: Of this aircraft.
+        """
+        self._place.visible = finite(sight.position, sight.heading, sight.path_angle)
+        if not self._place.visible:
+            return
+        size = SHARE * extent(self.flight, sight)
+        self._place.position, self._body.wxyz = sight.position, attitude(sight).wxyz
+        self._fuselage.scale = self._wings.scale = size
+        self._wings.color = mode_colour(sight.mode)
+        self._label.position = (0.0, 0.0, 0.5 * size)
+        self._label.text = caption(self.flight.name, sight.mode)
