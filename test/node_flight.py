@@ -84,7 +84,7 @@ class Flight:
         self.simulator = self.add(UavSimulator, "simulator", **drive)
         self.controller = self.add(NmpcController, "controller", **controller, **follow)
 
-    def spin(self, until, limit=20.0):
+    def spin(self, until, limit=60.0):
         deadline = time.monotonic() + limit
         while time.monotonic() < deadline:
             self.executor.spin_once(timeout_sec=0.05)
@@ -112,7 +112,7 @@ class Flight:
             SetParametersAtomically, "set_parameters_atomically", node, parameters=wanted
         ).result
 
-    def commanded(self, count=10, limit=20.0):
+    def commanded(self, count=10, limit=60.0):
         """Whether commands come from now on."""
         before = len(self.commands)
         return self.spin(lambda: len(self.commands) >= before + count, limit)

@@ -34,7 +34,7 @@ def environment():
     return {**os.environ, "ROS_PYTHON_CHECK_FIELDS": "1", "ROS_DOMAIN_ID": DOMAIN}
 
 
-def run_node(name, *arguments, stop=None, after="", limit=30.0):
+def run_node(name, *arguments, stop=None, after="", limit=120.0):
     """Run a node; send ``stop`` once its output holds ``after``. Returns exit code and output."""
     process = subprocess.Popen(
         command(f"nodes.{name}", *arguments),

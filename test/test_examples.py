@@ -27,8 +27,6 @@ import pytest
 from uav_tracking_mpc.dynamics.angles import wrap_angle
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 
-pytestmark = pytest.mark.timeout(300)  # they compile the problems they fly
-
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
 

@@ -33,7 +33,7 @@ class Circler(GuidanceLaw):
 """
 
 
-def run(*arguments, limit=110):
+def run(*arguments, limit=280):
     return subprocess.run(
         command("cli.main", "compare", *map(str, arguments)),
         capture_output=True,

@@ -23,7 +23,7 @@ from processes import command, environment
 from uav_tracking_mpc.cli.main import COMMANDS, main
 
 
-def run(*arguments, limit=60):
+def run(*arguments, limit=280):
     return subprocess.run(
         command("cli.main", *arguments),
         capture_output=True,

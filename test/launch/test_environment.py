@@ -44,7 +44,6 @@ def until(words, *arguments, **exported):
     return "".join(said) + rest, process.returncode
 
 
-@pytest.mark.timeout(120)
 def test_an_exported_domain_is_flown_in_and_an_option_wins():
     output, code = until("domain", ROS_DOMAIN_ID="93")
     assert output.startswith("domain 93 (from ROS_DOMAIN_ID): watch with")
@@ -53,7 +52,6 @@ def test_an_exported_domain_is_flown_in_and_an_option_wins():
     assert output.startswith("domain 94: watch with")
 
 
-@pytest.mark.timeout(60)
 def test_a_domain_that_is_not_allowed_is_refused():
     output, code = until("never said", ROS_DOMAIN_ID="300")
     assert code == 2
@@ -63,7 +61,6 @@ def test_a_domain_that_is_not_allowed_is_refused():
     )
 
 
-@pytest.mark.timeout(120)
 def test_without_a_home_and_with_an_empty_cache_it_flies_at_once(tmp_path):
     nowhere = tmp_path / "file"
     nowhere.write_text("")

@@ -36,7 +36,6 @@ def fly(output, *arguments):
     return subprocess.run(words, capture_output=True, text=True, env=env, timeout=100)
 
 
-@pytest.mark.timeout(120)
 @pytest.mark.parametrize("link", [(LINK,), ("ardupilot", "--simulated")], ids=["own", "ardupilot"])
 def test_a_flight_counts_from_when_it_is_engaged_and_tells_of_its_link(tmp_path, link):
     flown = fly(tmp_path, *link, "--engage", "--duration", "4")
@@ -57,7 +56,6 @@ def test_a_flight_counts_from_when_it_is_engaged_and_tells_of_its_link(tmp_path,
     assert counts[ORBIT.name] > 0.5 * counts[COMMAND.name] > 5
 
 
-@pytest.mark.timeout(120)
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -74,7 +72,6 @@ def test_what_cannot_be_flown_starts_nothing(tmp_path, arguments, words):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.timeout(120)
 def test_without_engage_nothing_is_commanded_and_it_says_how(tmp_path):
     env = environment() | {"PYTHONPATH": str(Path(__file__).parents[1])}
     process = subprocess.Popen(

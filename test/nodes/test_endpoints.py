@@ -70,7 +70,6 @@ def qos_of(node, kind, topic):
 
 
 @pytest.mark.nodes
-@pytest.mark.timeout(60)
 def test_the_controller_flies_on_best_effort_odometry_air_and_target(context):
     """As MAVROS and most drivers publish."""
     executor = SingleThreadedExecutor(context=context)

@@ -31,7 +31,7 @@ from uav_tracking_mpc.nodes.flight_watcher import FlightWatcher
 from uav_tracking_mpc.nodes.topics import DIAGNOSTICS, ODOMETRY, TRACKING
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
-pytestmark = [pytest.mark.nodes, pytest.mark.timeout(120)]
+pytestmark = pytest.mark.nodes
 STATE = np.array([180.0, -20.0, 40.0, 2.0, 0.1, 22.0])
 
 

@@ -158,7 +158,6 @@ def tapped(context, node_class, sent, namespace="/uav1", **parameters):
 
 
 @pytest.mark.nodes
-@pytest.mark.timeout(60)
 def test_every_message_of_a_namespaced_aircraft_bears_its_frames(context):
     sent, frames = {}, {"map_frame": "world"}
     simulator = tapped(context, UavSimulator, sent, **frames)

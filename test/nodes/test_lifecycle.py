@@ -42,14 +42,12 @@ def flight():
     flight.end()
 
 
-@pytest.mark.timeout(60)
 def test_it_flies_by_itself_unless_told_otherwise(flight):
     flight.add_all()
     assert flight.state() == State.PRIMARY_STATE_ACTIVE
     assert flight.commanded()
 
 
-@pytest.mark.timeout(90)
 def test_without_autostart_a_manager_brings_it_up_and_down(flight):
     flight.add_all(autostart=False)
     assert flight.state() == State.PRIMARY_STATE_UNCONFIGURED
@@ -78,7 +76,6 @@ def test_without_autostart_a_manager_brings_it_up_and_down(flight):
     assert not flight.simulator._plant.plan.holding
 
 
-@pytest.mark.timeout(90)
 @pytest.mark.parametrize("before", [(), ("deactivate",), ("deactivate", "cleanup")])
 def test_a_node_that_was_shut_down_says_so_and_sends_nothing(flight, before):
     flight.add_all()
@@ -99,7 +96,6 @@ def test_a_node_that_was_shut_down_says_so_and_sends_nothing(flight, before):
     assert {v.value for v in said[-1].values if v.key == "lifecycle state"} == {"finalized"}
 
 
-@pytest.mark.timeout(90)
 def test_after_a_rest_the_first_command_comes_from_an_optimal_plan(flight):
     """However long the target's position would have been valid."""
     flight.add_all(target_timeout=1.0)
@@ -119,7 +115,6 @@ def test_after_a_rest_the_first_command_comes_from_an_optimal_plan(flight):
     assert flight.controller.report.refused == 0
 
 
-@pytest.mark.timeout(90)
 def test_a_target_is_not_refused_while_the_vehicle_is_silent(flight):
     """It is the vehicle's state that is missing: nobody's clock is wrong."""
     flight.add_all(target_timeout=1.0)
@@ -132,7 +127,6 @@ def test_a_target_is_not_refused_while_the_vehicle_is_silent(flight):
     assert flight.controller.report.refused == 0
 
 
-@pytest.mark.timeout(60)
 def test_a_transition_that_is_not_possible_is_refused_and_the_node_flies_on(flight):
     flight.add_all()
     assert flight.commanded()
@@ -142,7 +136,6 @@ def test_a_transition_that_is_not_possible_is_refused_and_the_node_flies_on(flig
     assert flight.commanded()
 
 
-@pytest.mark.timeout(60)
 def test_a_transition_that_fails_leads_back_to_unconfigured_with_the_reason(flight, monkeypatch):
     flight.add_all(autostart=False)
     assert flight.change(Transition.TRANSITION_CONFIGURE)
@@ -162,7 +155,6 @@ def test_a_transition_that_fails_leads_back_to_unconfigured_with_the_reason(flig
     assert flight.commanded()
 
 
-@pytest.mark.timeout(60)
 def test_parameters_may_be_set_while_inactive(flight):
     flight.add_all()
     assert flight.commanded()
@@ -177,7 +169,6 @@ def test_parameters_may_be_set_while_inactive(flight):
     assert flight.controller.controller.orbit.range == 340.0
 
 
-@pytest.mark.timeout(60)
 def test_in_a_namespace_the_services_and_the_aircraft_have_its_name(flight):
     node = NmpcController(
         context=flight.context,
@@ -195,7 +186,6 @@ def test_in_a_namespace_the_services_and_the_aircraft_have_its_name(flight):
     )
 
 
-@pytest.mark.timeout(60)
 def test_an_orbit_that_cannot_be_flown_is_not_configured(flight):
     """Set while unconfigured: each value is allowed, together they are not."""
     flight.add_all(autostart=False)
@@ -226,7 +216,6 @@ def test_with_autostart_that_ends_the_process():
     assert "Traceback" not in output
 
 
-@pytest.mark.timeout(90)
 def test_what_is_compiled_changes_after_cleanup(flight):
     flight.add_all()
     assert flight.commanded()
@@ -245,7 +234,6 @@ def test_what_is_compiled_changes_after_cleanup(flight):
     assert len(flight.commands[-1].points) == 20
 
 
-@pytest.mark.timeout(90)
 def test_another_orbit_is_flown_without_a_jump(flight):
     flight.add_all()
     assert flight.commanded(40)
@@ -265,7 +253,6 @@ def test_another_orbit_is_flown_without_a_jump(flight):
     assert flight.spin(lambda: flight.states[-1].pose.pose.position.z > 125.0, 30.0)
 
 
-@pytest.mark.timeout(60)
 def test_what_is_refused_leaves_everything_as_it_was(flight):
     flight.add_all()
     assert flight.commanded()
@@ -290,7 +277,6 @@ def test_what_is_refused_leaves_everything_as_it_was(flight):
     assert flight.told()[1]["mode"] == "optimal plan"
 
 
-@pytest.mark.timeout(60)
 def test_the_paper_takes_a_new_orbit():
     flight = Flight("paper")
     try:
@@ -313,7 +299,6 @@ def test_the_paper_takes_a_new_orbit():
         flight.end()
 
 
-@pytest.mark.timeout(60)
 def test_peers_that_go_are_told_at_once(flight):
     flight.add_all()
     assert flight.commanded()
@@ -329,7 +314,6 @@ def test_peers_that_go_are_told_at_once(flight):
     assert flight.spin(lambda: "vehicle state is lost" in flight.told()[0], 5.0)
 
 
-@pytest.mark.timeout(60)
 def test_the_vehicle_tells_that_its_controller_has_gone(flight):
     flight.add_all()
     assert flight.commanded()
@@ -347,7 +331,6 @@ def test_the_vehicle_tells_that_its_controller_has_gone(flight):
     assert flight.spin(lambda: "nobody publishes uav/command any more" in told(), 5.0)
 
 
-@pytest.mark.timeout(60)
 def test_commands_that_are_overdue_are_counted(flight):
     """The states stop: of wall time, for the clock is real, two control periods pass in silence."""
     flight.add_all()
@@ -359,7 +342,6 @@ def test_commands_that_are_overdue_are_counted(flight):
     assert flight.spin(lambda: flight.controller.report.deadlines_missed > before, 5.0)
 
 
-@pytest.mark.timeout(60)
 def test_a_lower_control_rate_is_no_rate_that_is_not_kept(flight):
     flight.add_all()
     assert flight.commanded()
@@ -370,7 +352,6 @@ def test_a_lower_control_rate_is_no_rate_that_is_not_kept(flight):
     assert flight.controller.report.deadlines_missed == before
 
 
-@pytest.mark.timeout(60)
 def test_what_the_node_flew_is_flown_again_bit_for_bit(flight, tmp_path):
     """In wind, with another orbit in between; until a solve met its time budget."""
     path = tmp_path / "controller.jsonl"
@@ -388,7 +369,6 @@ def test_what_the_node_flew_is_flown_again_bit_for_bit(flight, tmp_path):
     np.testing.assert_array_equal(sent, [command.inputs for command in recorded][-len(sent) :])
 
 
-@pytest.mark.timeout(60)
 def test_lag_dead_time_and_budget_change_in_flight(flight):
     flight.add_all()
     assert flight.commanded()
@@ -400,7 +380,6 @@ def test_lag_dead_time_and_budget_change_in_flight(flight):
     assert flight.controller.parameters.rate_lag == (0.3, 0.3, 0.2)
 
 
-@pytest.mark.timeout(60)
 def test_a_law_flies_in_the_place_of_the_predictive_controller(flight):
     flight.add_all(law="l1")
     assert flight.commanded(20)
@@ -408,7 +387,6 @@ def test_a_law_flies_in_the_place_of_the_predictive_controller(flight):
     assert (values["mode"], values["solver"]) == ("guidance law", "none")
 
 
-@pytest.mark.timeout(60)
 def test_small_margins_are_told_at_configuration_and_after_a_change(flight):
     controller = flight.add(NmpcController, "controller", gain_margin_min=60.0)
 

@@ -98,7 +98,6 @@ def spin(executor, until, limit):
     return False
 
 
-@pytest.mark.timeout(120)
 def test_all_nodes_fly_onto_the_orbit(executor):
     views = (PREDICTED_PATH, MARKERS, DIAGNOSTICS, TRACKING_ERRORS, *TRACKING.values())
     heard = listen(executor, ODOMETRY, COMMAND, TARGET, *views)
@@ -130,7 +129,6 @@ def test_all_nodes_fly_onto_the_orbit(executor):
     assert names == {"uav_simulator: status", "target_publisher: status", "nmpc_controller: status"}
 
 
-@pytest.mark.timeout(60)
 def test_controller_is_silent_without_a_target(executor):
     heard = listen(executor, COMMAND, ODOMETRY, DIAGNOSTICS)
     add(executor, NmpcController)
@@ -141,7 +139,6 @@ def test_controller_is_silent_without_a_target(executor):
     assert "no target position: no command is sent" in words
 
 
-@pytest.mark.timeout(60)
 def test_bad_messages_are_refused_and_flight_goes_on(executor):
     heard = listen(executor, COMMAND, DIAGNOSTICS)
     add(executor, TargetPublisher)
@@ -167,7 +164,6 @@ def test_bad_messages_are_refused_and_flight_goes_on(executor):
         assert np.all(np.isfinite(plan_from_command(message)[0]))
 
 
-@pytest.mark.timeout(60)
 def test_simulator_tells_ground_velocity_airspeed_and_rates_apart(executor):
     heard = listen(executor, ODOMETRY, AIR_VELOCITY)
     wind = [3.0, -2.0, 0.5]
@@ -196,7 +192,6 @@ def test_simulator_tells_ground_velocity_airspeed_and_rates_apart(executor):
     assert simulator._values()["wind north [m/s]"] == -2.0
 
 
-@pytest.mark.timeout(60)
 def test_target_is_published_late_with_the_stamp_of_measuring(executor):
     node = rclpy.create_node("listener", context=executor.context_of_nodes)
     ages, stamps = [], []
@@ -215,7 +210,6 @@ def test_target_is_published_late_with_the_stamp_of_measuring(executor):
     assert np.max(np.diff(stamps)) > 0.09e9  # some are lost
 
 
-@pytest.mark.timeout(60)
 def test_after_the_clock_went_back_commands_flow_again(executor):
     heard = listen(executor, COMMAND)
     controller = add(executor, NmpcController)
@@ -277,7 +271,6 @@ def test_odometry_of_the_target_counts_instead_of_its_position(executor):
     assert target.jumps == 1
 
 
-@pytest.mark.timeout(60)
 def test_one_state_with_an_old_stamp_is_not_answered(executor):
     heard = listen(executor, COMMAND)
     add(executor, NmpcController)

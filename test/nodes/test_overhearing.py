@@ -33,7 +33,7 @@ from uav_tracking_mpc.nodes.topics import DIAGNOSTICS, TRACKING
 from uav_tracking_mpc.studies.faults.fault_relay import FaultRelay
 from uav_tracking_mpc.studies.faults.soak import SoakObserver
 
-pytestmark = [pytest.mark.nodes, pytest.mark.timeout(60)]
+pytestmark = pytest.mark.nodes
 TOPIC = TRACKING["cost"]
 
 
@@ -51,7 +51,7 @@ def offer(context, reliability, topic=TOPIC, depth=10):
     return node, node.create_publisher(topic.type, topic.name, qos)
 
 
-def spin(executor, until, limit=15.0):
+def spin(executor, until, limit=60.0):
     deadline = time.monotonic() + limit
     while time.monotonic() < deadline:
         executor.spin_once(timeout_sec=0.02)

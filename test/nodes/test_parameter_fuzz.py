@@ -92,7 +92,6 @@ def bare(name):
     return node
 
 
-@pytest.mark.timeout(300)
 @pytest.mark.parametrize("node", NODES)
 def test_every_parameter_from_the_command_line(node, capfd):
     started = 0
@@ -111,7 +110,6 @@ def one_of_each_type(node):
     return found.values()
 
 
-@pytest.mark.timeout(300)
 @pytest.mark.parametrize("node", NODES)
 def test_every_type_of_parameter_from_yaml(node, capfd, tmp_path):
     file = tmp_path / "parameters.yaml"
@@ -169,7 +167,6 @@ def extremes(node):
             yield f"{known.name}:={choice}"
 
 
-@pytest.mark.timeout(300)
 @pytest.mark.parametrize("node", NODES)
 def test_whole_nodes_start_with_what_is_just_allowed_or_say_why_not(node, capfd):
     started = sum(

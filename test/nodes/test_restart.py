@@ -156,7 +156,6 @@ def nodes(tmp_path):
     nodes.end()
 
 
-@pytest.mark.timeout(180)
 def test_a_controller_killed_in_mid_turn_is_soon_replaced(nodes):
     nodes.start("nmpc_controller")
     nodes.start("target_publisher")

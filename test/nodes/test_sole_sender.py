@@ -89,7 +89,6 @@ def spin(executor, until, limit):
 
 
 @pytest.mark.nodes
-@pytest.mark.timeout(120)
 def test_two_controllers_and_two_simulators_are_errors_while_they_last(context):
     executor = SingleThreadedExecutor(context=context)
     says = {}
@@ -139,7 +138,6 @@ def test_two_controllers_and_two_simulators_are_errors_while_they_last(context):
 
 
 @pytest.mark.nodes
-@pytest.mark.timeout(120)
 def test_a_killed_and_restarted_sender_is_no_second_one(context):
     """By the executor of the nodes; its dead endpoint stays known for 20 s."""
     said, counts = [], []

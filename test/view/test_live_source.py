@@ -111,7 +111,6 @@ assert (words, same, name, list(position), left) == ("", True, "red", [1.0, 2.0,
 
 
 @pytest.mark.nodes
-@pytest.mark.timeout(120)
 def test_a_source_waits_until_something_flies_and_ends():
     words = [sys.executable, "-c", WATCHER, DOMAIN]
     finished = subprocess.run(words, capture_output=True, text=True, env=environment())

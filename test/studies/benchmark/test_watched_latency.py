@@ -23,7 +23,6 @@ FAST = ["nmpc_controller.control_rate=50.0", "uav_simulator.state_rate=50.0"]
 
 
 @pytest.mark.nodes
-@pytest.mark.timeout(300)
 def test_two_aircraft_are_timed_with_and_without_a_page():
     pytest.importorskip("viser")
     heard = []

@@ -138,7 +138,6 @@ def cluster():
         yield cluster
 
 
-@pytest.mark.timeout(300)
 def test_a_cluster_flies_the_same_though_its_workers_are_killed(campaign, alone, tmp_path, cluster):
     executor = DaskExecutor(cluster.scheduler_address)
     victims = [nanny.pid for nanny in cluster.workers.values()]
