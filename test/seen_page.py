@@ -165,6 +165,24 @@ class SeenPage:
         mouse.up()
         self._next_frames()
 
+    def enter(self, label: str, value: float) -> None:
+        """Write a number into the field beside a slider."""
+        field = self._row(label).locator("input[inputmode=decimal]")
+        field.fill(f"{value:g}")
+        field.press("Enter")
+
+    def entered(self, label: str) -> float:
+        """The number in the field beside a slider."""
+        return float(self._row(label).locator("input[inputmode=decimal]").input_value())
+
+    def press(self, words: str) -> None:
+        """Press a button of the panel."""
+        self.page.get_by_role("button", name=words, exact=True).click()
+
+    def _row(self, label: str):
+        """The row of the panel with a label."""
+        return self.page.locator("label", has_text=label).locator("xpath=../../..")
+
     def eventually(self, condition, words: str) -> None:
         """Wait for a condition while the page goes on."""
         deadline = time.monotonic() + PATIENCE

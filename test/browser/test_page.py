@@ -72,6 +72,23 @@ def test_the_scene_moves_with_the_aircraft_and_stands_with_the_clock(look, sourc
         seen.pixels_unlike(second)
 
 
+def test_the_replay_stands_at_the_time_of_its_slider(look, source):
+    (aircraft,) = source.flights()
+    with served(source) as page:
+        seen = look(page.address)
+        seen.wait_for_text("0:00.0")
+        first = seen.still_pixels()
+        seen.enter("time [s]", 12.5)
+        seen.wait_for_text("0:12.5")
+        assert source.clock.time == 12.5
+        second = seen.still_pixels()
+        place = seen.pixel_of(aircraft.at(12.5).position)
+        assert not np.array_equal(around(first, place), around(second, place))
+        seen.enter("time [s]", 0.0)
+        seen.wait_for_text("0:00.0")
+        assert np.array_equal(seen.still_pixels(), first)
+
+
 def test_two_pages_at_once_and_one_opened_again(look, source):
     with served(source) as page:
         one, two = look(page.address), look(page.address)
