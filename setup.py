@@ -90,8 +90,8 @@ setup(
         # Links to autopilots, and the simulated one; a plant with six degrees of freedom.
         "mavlink": ["pymavlink>=2.4.41"],
         "jsbsim": ["jsbsim>=1.3"],
-        # The live page, and bags by their index. What view/guarded_server.py takes for granted
-        # was looked up in viser 1.
+        # The live page, and bags by their index. What view/serving/guarded_server.py takes for
+        # granted was looked up in viser 1.
         "view": ["mcap>=1.0", "viser>=1.1,<2", "websockets>=13.1"],
         "test": [
             "colcon-common-extensions",

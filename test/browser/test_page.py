@@ -29,7 +29,7 @@ pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 @pytest.fixture
 def source(flight):
     """The flight, standing at its begin."""
-    from uav_tracking_mpc.view.logged_flight import LoggedSource
+    from uav_tracking_mpc.view.recorded.logged_flight import LoggedSource
 
     source = LoggedSource(*flight)
     source.clock.pause()

@@ -24,7 +24,7 @@ pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 @pytest.fixture
 def report(flight, tmp_path):
     """Address of the report of a flight, as a file."""
-    from uav_tracking_mpc.view.recorded_scene import recorded_scene
+    from uav_tracking_mpc.view.recorded.recorded_scene import recorded_scene
 
     log, _ = flight
     write_report(log, tmp_path, recorded_scene)

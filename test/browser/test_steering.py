@@ -39,7 +39,7 @@ VISER = "Unable to preventDefault inside passive event listener invocation."
 @pytest.fixture
 def source():
     """``small_uav`` as fast as the wall's time, by a controller that may take its time."""
-    from uav_tracking_mpc.view.simulated_source import SimulatedSource
+    from uav_tracking_mpc.view.simulated.simulated_source import SimulatedSource
 
     overrides = ["mission.speed=1.0", "nmpc_controller.solve_time_max=5.0"]
     source = SimulatedSource(load_configuration("small_uav", overrides))

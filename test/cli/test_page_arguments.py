@@ -22,8 +22,8 @@ import pytest
 
 from uav_tracking_mpc.cli.ending import explained
 from uav_tracking_mpc.cli.page_arguments import add_page_arguments, opened_page
-from uav_tracking_mpc.view import browser
-from uav_tracking_mpc.view.listening import listen
+from uav_tracking_mpc.view.serving import browser
+from uav_tracking_mpc.view.serving.listening import listen
 from uav_tracking_mpc.view.watched_flight import FlightSource
 
 pytest.importorskip("viser")

@@ -147,7 +147,7 @@ def _reported(
     from uav_tracking_mpc.nodes.flight_bag import flight_log
     from uav_tracking_mpc.report.flight_findings import in_short, unsettled
     from uav_tracking_mpc.report.mission_report import write_report
-    from uav_tracking_mpc.view.recorded_scene import recorded_scene
+    from uav_tracking_mpc.view.recorded.recorded_scene import recorded_scene
 
     log = flight_log(bag, configuration)
     metrics = write_report(log, arguments.output, recorded_scene)

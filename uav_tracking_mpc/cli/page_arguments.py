@@ -112,8 +112,8 @@ def opened_page(source: FlightSource, arguments: argparse.Namespace) -> Iterator
     """
     import rich
 
-    from uav_tracking_mpc.view.browser import is_watched, open_browser
     from uav_tracking_mpc.view.page import Page
+    from uav_tracking_mpc.view.serving.browser import is_watched, open_browser
 
     rich.reconfigure(stderr=True)  # viser speaks through this console; stdout is for answers
     try:

@@ -85,7 +85,7 @@ def run(arguments: argparse.Namespace) -> int:
     from uav_tracking_mpc.report.mission_report import write_report
     from uav_tracking_mpc.simulation.closed_loop import simulate
     from uav_tracking_mpc.studies.identification.csv_record import FlightWitness, write_record
-    from uav_tracking_mpc.view.recorded_scene import recorded_scene
+    from uav_tracking_mpc.view.recorded.recorded_scene import recorded_scene
 
     told_page_arguments(arguments)
     configuration = chosen_configuration(arguments, arguments.scenario)
@@ -116,7 +116,7 @@ def _watched(
     configuration: Configuration, arguments: argparse.Namespace, witness: Witness | None
 ) -> FlightLog:
     """Fly on a page until SIGINT or SIGTERM."""
-    from uav_tracking_mpc.view.simulated_source import SimulatedSource
+    from uav_tracking_mpc.view.simulated.simulated_source import SimulatedSource
 
     check_page()
     source = SimulatedSource(configuration, witness)

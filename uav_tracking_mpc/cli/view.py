@@ -77,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _recorded(arguments: argparse.Namespace) -> FlightSource:
-    from uav_tracking_mpc.view.recorded_source import RecordedSource
+    from uav_tracking_mpc.view.recorded.recorded_source import RecordedSource
 
     return RecordedSource(arguments.bag, _told_tracking(arguments))
 
@@ -95,6 +95,6 @@ def _told_tracking(arguments: argparse.Namespace) -> TrackingParameters | None:
 
 def _live(arguments: argparse.Namespace) -> FlightSource:
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    from uav_tracking_mpc.view.live_source import LiveSource
+    from uav_tracking_mpc.view.live.live_source import LiveSource
 
     return LiveSource(arguments.domain_id)

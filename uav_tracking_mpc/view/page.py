@@ -25,9 +25,9 @@ import viser
 from uav_tracking_mpc.parameters.registry import PANEL_PART, SCENE_ELEMENT
 from uav_tracking_mpc.view.appearance import Appearance
 from uav_tracking_mpc.view.cameras import Cameras
-from uav_tracking_mpc.view.guarded_server import GuardedServer
 from uav_tracking_mpc.view.panel import PanelPart
 from uav_tracking_mpc.view.scene import Colour, SceneElement
+from uav_tracking_mpc.view.serving.guarded_server import GuardedServer
 from uav_tracking_mpc.view.sight import Sight
 from uav_tracking_mpc.view.watched_flight import FlightSource, WatchedFlight
 

@@ -22,7 +22,7 @@ import threading
 from pathlib import Path
 
 from uav_tracking_mpc.report.atomic_write import write_atomically
-from uav_tracking_mpc.view.live_source import LiveSource
+from uav_tracking_mpc.view.live.live_source import LiveSource
 from uav_tracking_mpc.view.page import Page
 
 

@@ -1,0 +1,71 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A browser is opened only where somebody sits before it, and it says nothing on stdout."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from uav_tracking_mpc.view.serving.browser import is_watched
+
+
+@pytest.mark.parametrize(
+    ("environment", "platform", "watched"),
+    [
+        ({}, "linux", False),
+        ({"DISPLAY": ":0"}, "linux", True),
+        ({"WAYLAND_DISPLAY": "wayland-0"}, "linux", True),
+        ({"DISPLAY": ":0", "CI": "true"}, "linux", False),
+        ({"DISPLAY": ":0", "CI": "false"}, "linux", True),
+        ({"SSH_CONNECTION": "1 2 3 4"}, "linux", False),
+        ({"SSH_CONNECTION": "1 2 3 4", "DISPLAY": "localhost:10"}, "linux", True),
+        ({}, "darwin", True),
+        ({"SSH_CONNECTION": "1 2 3 4"}, "darwin", False),
+    ],
+)
+def test_only_where_there_is_a_screen(environment, platform, watched):
+    assert is_watched(environment, platform) is watched
+
+
+def test_it_opens_the_address_and_is_not_waited_for(tmp_path):
+    opened = tmp_path / "opened"
+    browser = tmp_path / "browser.sh"
+    lines = (
+        "#!/bin/sh",
+        "echo words",
+        f'echo "$1" > {opened}.part',
+        f"mv {opened}.part {opened}",
+        "",
+    )
+    browser.write_text("\n".join(lines))
+    browser.chmod(0o755)
+    script = (
+        "import pathlib, time\n"
+        "from uav_tracking_mpc.view.serving.browser import open_browser\n"
+        "open_browser('http://127.0.0.1:1/')\n"
+        f"while not pathlib.Path({str(opened)!r}).exists(): time.sleep(0.05)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        env={**os.environ, "BROWSER": str(browser)},
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=True,
+    )
+    assert opened.read_text() == "http://127.0.0.1:1/\n"
+    assert done.stdout == done.stderr == ""

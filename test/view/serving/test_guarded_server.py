@@ -1,0 +1,232 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The page's server as its port shows it: raw requests, websockets, slow and greedy clients."""
+
+import contextlib
+import logging
+import socket
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import pytest
+from processes import wait_for
+
+pytest.importorskip("viser")
+
+import viser
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+
+from uav_tracking_mpc.view.serving import guarded_server
+from uav_tracking_mpc.view.serving.guarded_server import GuardedServer
+
+PATIENCE = 60.0  # s: a limit for broken servers, not a measure of good ones
+PROTOCOL = f"viser-v{viser.__version__}"
+
+
+@contextlib.contextmanager
+def served(host=None):
+    server = GuardedServer(host, 0, label="test")
+    try:
+        yield server
+    finally:
+        server.stop()
+
+
+@pytest.fixture(scope="module")
+def open_server():
+    with served() as server:
+        yield server
+
+
+@pytest.fixture(scope="module")
+def token_server():
+    """On loopback, so that the test opens nothing to the network; asked for, so with a token."""
+    with served("127.0.0.1") as server:
+        yield server
+
+
+def port_of(server):
+    return server.get_port()
+
+
+def token_of(server):
+    return server.address.partition("?token=")[2]
+
+
+def send(server, raw):
+    """Everything that is answered until the server closes."""
+    with socket.create_connection(("127.0.0.1", port_of(server)), timeout=PATIENCE) as client:
+        client.sendall(raw)
+        answer = b""
+        with contextlib.suppress(ConnectionResetError):
+            while piece := client.recv(65536):
+                answer += piece
+    return answer
+
+
+def get(server, path="/", host=None, **headers):
+    """Status, head and body of a request."""
+    host = f"127.0.0.1:{port_of(server)}" if host is None else host
+    lines = [f"GET {path} HTTP/1.1", f"Host: {host}"]
+    lines += [f"{name}: {value}" for name, value in headers.items()]
+    head, _, body = send(server, "\r\n".join([*lines, "", ""]).encode()).partition(b"\r\n\r\n")
+    return int(head.split()[1]), head.decode(), body
+
+
+def open_websocket(server, **options):
+    port = port_of(server)
+    options.setdefault("origin", f"http://127.0.0.1:{port}")
+    return connect(
+        f"ws://127.0.0.1:{port}",
+        subprotocols=[PROTOCOL],
+        open_timeout=PATIENCE,
+        proxy=None,
+        **options,
+    )
+
+
+def test_the_page_is_served_on_loopback_alone(open_server):
+    assert open_server.address == f"http://127.0.0.1:{port_of(open_server)}"
+    status, head, body = get(open_server)
+    assert status == 200
+    assert b"<title>Viser</title>" in body
+    assert "frame-ancestors 'none'" in head
+    assert "Set-Cookie" not in head
+
+
+@pytest.mark.parametrize(
+    ("headers", "words"),
+    [
+        ({"host": "rebound.example"}, b"host name"),
+        ({"host": "192.168.1.7"}, b"host name"),
+        ({"Origin": "http://site.example"}, b"other sites"),
+        ({"Origin": "null"}, b"other sites"),
+    ],
+)
+def test_foreign_hosts_and_origins_get_words(open_server, headers, words):
+    status, _, body = get(open_server, **headers)
+    assert status == 403
+    assert words in body
+    assert body.count(b"\n") == 1
+
+
+def test_a_websocket_opens_from_the_page_and_from_no_other(open_server):
+    with open_websocket(open_server) as websocket:
+        assert websocket.recv(timeout=PATIENCE)
+    for origin in ("http://site.example", "http://127.0.0.1:1", "null"):
+        with pytest.raises(InvalidStatus) as refused:
+            open_websocket(open_server, origin=origin)
+        assert refused.value.response.status_code == 403
+
+
+def test_without_the_token_nothing_opens(token_server):
+    for path in ("/", "/?token=wrong", "/index.html", "/no/such/file"):
+        status, head, body = get(token_server, path)
+        assert (status, body.count(b"\n")) == (403, 1)
+        assert b"token" in body
+        assert token_of(token_server) not in head + body.decode()
+    for cookie in ("", "uav_tracking=1", "uav_tracking_00000000=" + token_of(token_server)):
+        with pytest.raises(InvalidStatus) as refused:
+            open_websocket(token_server, additional_headers={"Cookie": cookie})
+        assert refused.value.response.status_code == 403
+
+
+def test_the_token_becomes_a_cookie_and_the_cookie_opens_the_websocket(token_server):
+    status, head, body = get(token_server, f"/?token={token_of(token_server)}")
+    assert (status, b"<title>" in body) == (200, True)
+    kept = next(line for line in head.splitlines() if line.startswith("Set-Cookie: "))
+    assert "HttpOnly" in kept
+    assert "SameSite=Strict" in kept
+    cookie = kept.removeprefix("Set-Cookie: ").partition(";")[0]
+    assert get(token_server, Cookie=cookie)[0] == 200
+    with open_websocket(token_server, additional_headers={"Cookie": cookie}) as websocket:
+        assert websocket.recv(timeout=PATIENCE)
+    with pytest.raises(InvalidStatus):
+        open_websocket(
+            token_server, origin="http://site.example", additional_headers={"Cookie": cookie}
+        )
+
+
+def test_a_head_that_does_not_end_is_cut_off(open_server):
+    address = f"Host: 127.0.0.1:{port_of(open_server)}\r\n".encode()
+    long_line = send(open_server, b"GET / HTTP/1.1\r\n" + address + b"X: " + b"x" * 1_000_000)
+    many_lines = send(open_server, b"GET / HTTP/1.1\r\n" + address + b"X: x\r\n" * 100_000)
+    for answer in (long_line, many_lines, send(open_server, b"\x16\x03\x01\x00\xff\r\n\r\n")):
+        assert b"<title>" not in answer
+    assert get(open_server)[0] == 200
+
+
+def test_slow_clients_neither_keep_others_waiting_nor_stay(monkeypatch):
+    monkeypatch.setattr(guarded_server, "HEAD_TIME", 2.0)
+    with contextlib.ExitStack() as stack:
+        server = stack.enter_context(served())
+        slow = [
+            stack.enter_context(
+                socket.create_connection(("127.0.0.1", port_of(server)), timeout=PATIENCE)
+            )
+            for _ in range(50)
+        ]
+        for client in slow:
+            client.sendall(b"GET / HTTP/1.1\r\nHost: 127")
+        assert get(server)[0] == 200
+        for client in slow:
+            with contextlib.suppress(ConnectionResetError):
+                while client.recv(65536):  # TimeoutError where it stays open
+                    pass
+
+
+def test_the_page_is_shared_with_nobody(open_server, caplog):
+    """A client may ask for it whether or not the page has a button for it."""
+    with open_websocket(open_server) as websocket:
+        websocket.send(b"\x81\xa4type\xafShareUrlRequest")  # msgpack of {"type": "ShareUrlRequest"}
+        assert wait_for(lambda: "refused to share it" in caplog.text, PATIENCE)
+    assert open_server.request_share_url() is None
+
+
+def test_a_reason_is_logged_once(caplog):
+    with served() as server, caplog.at_level(logging.INFO):
+        for _ in range(3):
+            get(server, Origin="http://site.example")
+        get(server)
+    said = [record.getMessage() for record in caplog.records]
+    assert said == ["page: refused a request of 127.0.0.1: other sites may not use this page"]
+
+
+def test_a_viser_that_serves_in_another_way_is_not_used(monkeypatch):
+    """As a later one may: here it keeps a ``serve`` of its own, which nothing stands in for."""
+    from viser.infra import _infra
+
+    library = _infra.websockets
+    kept = SimpleNamespace(
+        asyncio=SimpleNamespace(server=SimpleNamespace(serve=library.asyncio.server.serve)),
+        datastructures=library.datastructures,
+        exceptions=library.exceptions,
+    )
+    monkeypatch.setattr(_infra, "websockets", kept)
+    with pytest.raises(RuntimeError, match="nothing would check who opens the page"):
+        GuardedServer(None, 0)
+
+
+def test_nothing_is_printed():
+    script = (
+        "from uav_tracking_mpc.view.serving.guarded_server import GuardedServer\n"
+        "GuardedServer(None, 0).stop()\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=100, check=True
+    )
+    assert done.stdout == done.stderr == ""

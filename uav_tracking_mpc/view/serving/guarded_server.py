@@ -1,0 +1,198 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""viser's server behind the checks of :mod:`uav_tracking_mpc.view.serving.access`.
+
+viser answers whoever connects. It serves files and websockets of one port through
+``websockets.asyncio.server.serve``, whose ``process_request`` sees each request before anything
+else: the check stands there, so that no second port is open behind it. viser offers no way to pass
+it, hence ``serve`` is wrapped for the moment in which viser calls it. A version of viser that
+serves in another way is noticed and not used.
+
+Every page carries a Content-Security-Policy: the browser itself keeps the page from asking anything
+of other machines, from being shown inside another site, and from being pointed at another server by
+its address (``?websocket=...``), whose content would then run as this page's.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import inspect
+import logging
+import socket
+import threading
+from collections.abc import Awaitable, Callable, Iterator
+from http import HTTPStatus
+from typing import Any
+
+import rich
+import viser
+import websockets.asyncio.server
+from websockets.asyncio.server import ServerConnection
+from websockets.http11 import Request, Response
+
+from uav_tracking_mpc.view.serving.access import Access, new_token
+from uav_tracking_mpc.view.serving.listening import LOOPBACK, address_of, listen
+
+logger = logging.getLogger(__name__)
+
+HEAD_TIME = 10.0  # s within which a client must have sent its request
+HEADERS = {
+    "X-Frame-Options": "DENY",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",  # the token is part of the address
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cache-Control": "no-store",
+}
+POLICY = (
+    "default-src 'self' 'unsafe-inline' 'unsafe-eval' data: blob:; "
+    "connect-src 'self' ws://{host} wss://{host} data: blob:; "
+    "frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+)
+
+Answer = Response | None
+ProcessRequest = Callable[[ServerConnection, Request], Awaitable[Answer] | Answer]
+
+_serving = threading.Lock()
+
+
+class GuardedServer(viser.ViserServer):
+    """A viser server that answers to whom it should.
+
+    Args:
+        host: Address to listen at, and to ask for a token; without one 127.0.0.1, and no token.
+        port: See :func:`~uav_tracking_mpc.view.serving.listening.listen`.
+        label: Title of the panel.
+
+    Attributes:
+        address: Where a browser finds the page, with the token.
+
+    Raises:
+        OSError: There is no listening at this address; says why.
+    """
+
+    def __init__(self, host: str | None = None, port: int | None = None, label: str = "") -> None:
+        listener = listen(host or LOOPBACK, port)
+        token = None if host is None else new_token()
+        query = "" if token is None else f"/?token={token}"
+        self.address = address_of(listener, host or LOOPBACK) + query
+        names = () if host is None else (host, *_names_of_this_machine())
+        guard = _Guard(Access(token, names), listener)
+        with _silent(), guard.around_serve():
+            super().__init__(LOOPBACK, listener.getsockname()[1], label=label, verbose=False)
+        if not guard.serves:
+            self.stop()
+            listener.close()
+            raise RuntimeError(
+                f"viser {viser.__version__} does not serve as version 1.1 does: nothing would "
+                "check who opens the page"
+            )
+
+    def request_share_url(self, verbose: bool = True) -> str | None:
+        """Refuse: viser would show the page to whoever finds it, through a machine of others.
+
+        Args:
+            verbose: Of viser; not used.
+        """
+        logger.warning("page: refused to share it through share.viser.studio")
+        return None
+
+    def stop(self) -> None:
+        """Stop serving."""
+        with _silent():
+            super().stop()
+
+
+class _Guard:
+    """Stands in for viser's ``process_request``, on a socket that is already bound."""
+
+    def __init__(self, access: Access, listener: socket.socket) -> None:
+        self._access, self._listener = access, listener
+        self._told: set[str] = set()
+        self.serves = False
+
+    @contextlib.contextmanager
+    def around_serve(self) -> Iterator[None]:
+        """Let the next call of ``serve`` go through this guard."""
+        with _serving:
+            serve = websockets.asyncio.server.serve
+
+            def guarded(handler: Any, *_: Any, process_request: ProcessRequest, **rest: Any) -> Any:
+                self.serves = True
+                rest |= {"open_timeout": HEAD_TIME, "logger": _quiet_logger()}
+                return serve(
+                    handler,
+                    sock=self._listener,
+                    process_request=self._checked(process_request),
+                    **rest,
+                )
+
+            websockets.asyncio.server.serve = guarded  # type: ignore[assignment,misc]
+            try:
+                yield
+            finally:
+                websockets.asyncio.server.serve = serve  # type: ignore[misc]
+
+    def _checked(self, answer: ProcessRequest) -> ProcessRequest:
+        async def checked(connection: ServerConnection, request: Request) -> Response | None:
+            headers, path = request.headers, request.path
+            hosts = headers.get_all("Host")
+            refusal = self._access.refusal(
+                path, hosts, headers.get_all("Origin"), headers.get_all("Cookie")
+            )
+            if refusal:
+                self._tell(refusal, connection)
+                return connection.respond(HTTPStatus.FORBIDDEN, f"{refusal}\n")
+            answered = answer(connection, request)
+            response = await answered if inspect.isawaitable(answered) else answered
+            if response is not None:
+                response.headers.update(HEADERS)
+                response.headers["Content-Security-Policy"] = POLICY.format(host=hosts[0])
+                if self._access.knows_token(path):
+                    response.headers["Set-Cookie"] = self._access.cookie
+            return response
+
+        return checked
+
+    def _tell(self, refusal: str, connection: ServerConnection) -> None:
+        """Log each reason once: whoever asks again and again does not fill the log."""
+        if refusal not in self._told:
+            self._told.add(refusal)
+            client, *_ = connection.remote_address
+            logger.warning("page: refused a request of %s: %s", client, refusal)
+
+
+def _names_of_this_machine() -> tuple[str, str]:
+    name = socket.gethostname()
+    return name, f"{name}.local"
+
+
+def _quiet_logger() -> logging.Logger:
+    """For websockets, which else logs each file that is served and each client that goes away."""
+    quiet = logging.getLogger(f"{__name__}.websockets")
+    quiet.setLevel(logging.ERROR)
+    if not quiet.filters:
+        quiet.addFilter(lambda record: record.getMessage() != "opening handshake failed")
+    return quiet
+
+
+@contextlib.contextmanager
+def _silent() -> Iterator[None]:
+    """Without viser's words on stdout, which it prints through the console of rich."""
+    console = rich.get_console()
+    before, console.quiet = console.quiet, True
+    try:
+        yield
+    finally:
+        console.quiet = before

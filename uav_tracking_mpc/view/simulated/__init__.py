@@ -1,0 +1,25 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A flight that is simulated in the page's process, without ROS.
+
+======================  ============================================================================
+``simulated_source``    the flight and its thread
+``interrupted_loop``    a closed loop with faults
+``simulated_sight``     what there is to see of it
+``simulated_status``    what its parts say of themselves
+``simulated_steering``  what can be asked of it
+``request_queue``       requests of other threads, done between two ticks
+======================  ============================================================================
+"""
