@@ -96,3 +96,12 @@ def test_in_the_cockpit_the_nose_is_ahead_and_the_horizon_banks():
 def test_a_free_camera_sees_the_scene_where_it_is():
     moved = cameras.scene_pose(cameras.FREE, SIGHT)
     np.testing.assert_allclose(moved @ SIGHT.position, SIGHT.position)
+
+
+def test_on_a_phone_the_orbit_is_seen_above_the_panel():
+    """The panel takes the lower part of a page that is higher than wide."""
+    for view in (cameras.ORBIT, cameras.FREE, cameras.ABOVE):
+        moved = cameras.scene_pose(view, SIGHT)
+        middle = np.array([moved @ CENTRE])
+        seen = picture(cameras.first_pose(view, (FLIGHT, SIGHT), 0.5), middle, 0.5)
+        np.testing.assert_allclose(seen, [[0.0, cameras.UP]], atol=1e-3)

@@ -21,8 +21,9 @@ ever moves the camera but the mouse, and both go together.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from collections import deque
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 import viser
@@ -45,6 +46,9 @@ ELEVATION = math.radians(35.0)
 BEHIND, OVER = 0.75, 0.3  # where a camera that follows begins, by the radius of the orbit
 FARTHEST = 2.5  # by the radius of the orbit: how far off the aircraft still is in the first view
 TILT = 1e-3  # rad; straight down, north would be nowhere
+# On a phone the panel covers the lower part: there the middle stands so far up, by half a picture.
+UP = 0.5
+LAST_FIRST = 10  # first views that a page may have begun with while it was loaded
 
 Watched = tuple[WatchedFlight, Sight]
 
@@ -74,19 +78,25 @@ def first_pose(view: str, watched: Watched, aspect: float) -> Pose:
     away = float(np.hypot(*(sight.position - middle)[:2]))
     reach = MARGIN * max(size, min(away, FARTHEST * size))
     back = reach / (math.tan(0.5 * FIELD_OF_VIEW) * min(aspect, 1.0))
-    from_south = np.array([0.0, -math.cos(ELEVATION), math.sin(ELEVATION)])
     if view == FREE:
-        return Pose(middle + back * from_south, middle)
+        return _from_south(middle, back, ELEVATION, aspect)
     floor = np.array([0.0, 0.0, middle[2]])
-    if view == ORBIT:
-        return Pose(floor + back * from_south, floor)
-    if view == ABOVE:
-        return Pose(floor + back * np.array([0.0, -math.sin(TILT), math.cos(TILT)]), floor)
+    if view in (ORBIT, ABOVE):
+        elevation = ELEVATION if view == ORBIT else 0.5 * math.pi - TILT
+        return _from_south(floor, back, elevation, aspect)
     if view == FOLLOW:
         behind = [-BEHIND * math.cos(sight.heading), -BEHIND * math.sin(sight.heading), OVER]
         return Pose(size * np.array(behind), np.zeros(3))
     nose = SHARE * size * np.array([0.5, 0.0, 0.1])
     return Pose(nose, nose + np.array([1.0, 0.0, 0.0]))
+
+
+def _from_south(middle: NDArray[np.float64], back: float, elevation: float, aspect: float) -> Pose:
+    """Look at a point from the south, at an angle above the ground in [rad]."""
+    sine, cosine = math.sin(elevation), math.cos(elevation)
+    upright = UP * back * math.tan(0.5 * FIELD_OF_VIEW) if aspect < 1.0 else 0.0
+    look_at = middle - upright * np.array([0.0, sine, cosine])
+    return Pose(look_at + back * np.array([0.0, -cosine, sine]), look_at)
 
 
 def scene_pose(view: str, sight: Sight) -> rigid.SE3:
@@ -107,13 +117,15 @@ def scene_pose(view: str, sight: Sight) -> rigid.SE3:
 class _Seat:
     """One page."""
 
-    def __init__(self, client: viser.ClientHandle, world: str, first: Any) -> None:
-        self._client, self._first = client, first
+    def __init__(
+        self, client: viser.ClientHandle, world: str, firsts: Sequence[NDArray[np.float64]]
+    ) -> None:
+        self._client, self._firsts = client, firsts
         self._world = client.scene.add_frame(world, show_axes=False)
         self._view = client.gui.add_dropdown("Camera", VIEWS, order=-2.0)
         self._names: tuple[str, ...] = ()
         self._chosen: viser.GuiDropdownHandle[str] | None = None
-        self._to_place, self._new = True, True
+        self._to_place = False  # it stands where all pages begin, or where its address says
         self._view.on_update(self._place_again)
 
     def _place_again(self, _: object) -> None:
@@ -134,16 +146,18 @@ class _Seat:
             return
         moved = scene_pose(view, sight)
         self._world.position, self._world.wxyz = moved.translation(), moved.rotation().wxyz
-        if self._to_place:
+        if self._to_place or (view == VIEWS[0] and self._narrow_at_first):
             self._to_place = False
-            self._place(view, (flight, sight))
+            camera = self._client.camera
+            camera.position, camera.look_at = first_pose(view, (flight, sight), camera.aspect)
 
-    def _place(self, view: str, watched: Watched) -> None:
-        camera, new, self._new = self._client.camera, self._new, False
-        first = np.allclose(camera.position, self._first.position, rtol=1e-2)
-        if new and view == VIEWS[0] and not (first and camera.aspect < 1.0):
-            return  # it stands where all pages begin, or where its address says
-        camera.position, camera.look_at = first_pose(view, watched, camera.aspect)
+    @property
+    def _narrow_at_first(self) -> bool:
+        """Whether a picture that is higher than wide has a first view that is made for others."""
+        camera = self._client.camera
+        return camera.aspect < 1.0 and any(
+            np.allclose(camera.position, first, atol=1.0) for first in self._firsts
+        )
 
     def _offer(self, names: tuple[str, ...]) -> None:
         self._names = names
@@ -166,14 +180,14 @@ class Cameras:
     def __init__(self, server: viser.ViserServer, world: str) -> None:
         self._server, self._world = server, world
         self._seats: dict[int, _Seat] = {}
-        self._stood: NDArray[np.float64] | None = None
+        self._firsts: deque[NDArray[np.float64]] = deque(maxlen=LAST_FIRST)
         first = server.initial_camera
         first.fov, first.near, first.far = FIELD_OF_VIEW, NEAR, FAR
         server.on_client_connect(self._join)
         server.on_client_disconnect(self._leave)
 
     def _join(self, client: viser.ClientHandle) -> None:
-        self._seats[client.client_id] = _Seat(client, self._world, self._server.initial_camera)
+        self._seats[client.client_id] = _Seat(client, self._world, self._firsts)
 
     def _leave(self, client: viser.ClientHandle) -> None:
         self._seats.pop(client.client_id, None)
@@ -196,10 +210,10 @@ class Cameras:
         if not finite(sight.position):
             return
         pose = first_pose(VIEWS[0], watched, 1.0)
-        if self._stood is not None:
-            gone = float(np.linalg.norm(pose.position - self._stood))
+        if self._firsts:
+            gone = float(np.linalg.norm(pose.position - self._firsts[-1]))
             if gone < extent(flight, sight):
                 return
-        self._stood = pose.position
+        self._firsts.append(pose.position)
         first = self._server.initial_camera
         first.position, first.look_at = pose
