@@ -37,6 +37,19 @@ def fingerprint(things, leaving_out=()):
     return digest.digest()
 
 
+def fingerprints(things, leaving_out=()):
+    """Digests of things by name, and in their place those of what the package's objects hold."""
+    digests = {}
+    for name, thing in things.items():
+        parts = {"": thing}
+        if type(thing).__module__.startswith(PACKAGE) and hasattr(thing, "__dict__"):
+            parts = {f".{part}": value for part, value in vars(thing).items()}
+        for part, value in parts.items():
+            if part.lstrip(".") not in leaving_out:
+                digests[name + part] = fingerprint([value], leaving_out)
+    return digests
+
+
 def _feed(thing, leaving_out, feed):
     kind = type(thing)
     if kind in PLAIN:

@@ -22,7 +22,7 @@ import traceback
 from unittest import mock
 
 import rclpy
-from fingerprint import PACKAGE, fingerprint
+from fingerprint import PACKAGE, fingerprints
 from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.signals import SignalHandlerOptions
@@ -100,7 +100,9 @@ class NodeHarness:
         self.tell(topic, message)
         if self._refusals(self.node) == refused:
             return False
-        assert self.held() == before, f"{topic}: a refused message changed what the node holds"
+        after = self.held()
+        changed = [name for name in before | after if before.get(name) != after.get(name)]
+        assert not changed, f"{topic}: a refused message changed {', '.join(changed)}"
         return True
 
     def tell(self, topic, message):
@@ -130,20 +132,15 @@ class NodeHarness:
             getattr(self.node, f"trigger_{transition}")()
 
     def held(self):
-        """Digest of what the node flies by."""
+        """Digests of what the node flies by, by name."""
         rooms = tuple(f"{PACKAGE}.{room}." for room in FLOWN_BY)
-        return fingerprint(
-            [
-                value
-                for name, value in vars(self.node).items()
-                if name not in self._may_change
-                and (
-                    type(value).__module__.startswith(rooms)
-                    or isinstance(value, (bool, int, float))
-                )
-            ],
-            self._may_change,
-        )
+        flown_by = {
+            name: value
+            for name, value in vars(self.node).items()
+            if name not in self._may_change
+            and (type(value).__module__.startswith(rooms) or isinstance(value, (bool, int, float)))
+        }
+        return fingerprints(flown_by, self._may_change)
 
 
 def start_ros():
