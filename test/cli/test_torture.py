@@ -76,6 +76,7 @@ def test_faults_break_nothing(tmp_path):
     told = {"failing": summary["failing_cases"], "errors": errors}
     assert process.returncode == 0, told
     assert summary["violations"] == summary["deaths"] == 0, told
+    assert not summary["interrupted"]
     assert summary["faults"] >= summary["kinds"] >= 5
     assert summary["worst_recovery_s"] <= 30.0
     assert "stuck_target" in summary["per_kind"]
@@ -128,3 +129,19 @@ def test_a_campaign_may_be_ended_and_leaves_nobody(tmp_path):
     assert errors.strip().endswith("uav_tracking: interrupted")
     assert not nodes_of(process.pid)
     assert len(nodes) == 3
+
+
+def test_what_was_found_before_the_end_is_told(tmp_path):
+    process = torture("--minutes", 30, "--seed", 2, "--output", tmp_path, *setting(ON_ORBIT))
+    try:
+        assert any("case    0" in line for line in process.stderr)
+        process.send_signal(TERMINATE)
+        printed, errors = process.communicate(timeout=120)
+    finally:
+        process.kill()
+    assert process.returncode == 130
+    summary = json.loads((tmp_path / "torture.json").read_text())
+    assert summary["interrupted"]
+    assert summary["cases"] >= 1
+    assert f"in {summary['cases']} cases" in printed
+    assert errors.strip().endswith("uav_tracking: interrupted")

@@ -182,6 +182,8 @@ def _campaign(arguments: argparse.Namespace) -> int:
     picture = timeline(campaign, TOLERANCE, RECOVERY_LIMIT)
     write_atomically(arguments.output / "timeline.png", picture)
     _report(arguments, "torture.json", summary, table(summary))
+    if campaign.interrupted:
+        raise KeyboardInterrupt
     return 1 if summary["violations"] or summary["deaths"] else 0
 
 

@@ -35,6 +35,7 @@ def campaign(*cases):
         seed=3,
         minutes=1.0,
         speed=5.0,
+        interrupted=False,
         cases=list(cases),
         families={"jitter": "network", "loss": "network", "odometry_nan": "odometry"},
         deaths=0,

@@ -105,7 +105,7 @@ class FaultCampaign:
     def fly(
         self, cases: Iterable[Case], *, seed: int, minutes: float, domain: int | None = None
     ) -> Campaign:
-        """Fly cases until the time is over or there are no more.
+        """Fly cases until the time is over, there are no more, or the user interrupts.
 
         Args:
             cases: In this order.
@@ -118,6 +118,7 @@ class FaultCampaign:
 
         Raises:
             LaunchError: The aircraft did not reach its orbit before the first fault.
+            KeyboardInterrupt: Before the first case was flown; later the findings are returned.
         """
         compile_flight(self._configuration.controller)  # no other solver is tried
         with contextlib.ExitStack() as stack:
@@ -127,13 +128,19 @@ class FaultCampaign:
             self._begin = self._checked = self._sampled = time.monotonic()
             self._start_nodes()
             self._reach_orbit()
-            found = []
+            found: list[CaseFindings] = []
+            interrupted = False
             end = self._begin + 60.0 * minutes
-            for case in cases:
-                if time.monotonic() > end:
-                    break
-                found.append(self._fly_case(case))
-                self._report(found)
+            try:
+                for case in cases:
+                    if time.monotonic() > end:
+                        break
+                    found.append(self._fly_case(case))
+                    self._report(found)
+            except KeyboardInterrupt:
+                if not found:
+                    raise
+                interrupted = True
         for words in self._resources.complaints() if found else ():
             found[-1].add(Violation("growth", words))
         parameters = self._flight.parameters
@@ -142,6 +149,7 @@ class FaultCampaign:
             seed=seed,
             minutes=minutes,
             speed=self._speed,
+            interrupted=interrupted,
             cases=found,
             families={label: fault.family for label, fault in self._faults.items()},
             deaths=self._deaths,

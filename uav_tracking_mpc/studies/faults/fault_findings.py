@@ -62,6 +62,7 @@ class Campaign:
         seed: Of the schedule.
         minutes: Length asked for [min].
         speed: Simulated over wall time [-].
+        interrupted: Whether the user ended it before its time; the case under way does not count.
         cases: One after the other.
         families: Of every fault that may be injected, by label, in the order of tables.
         deaths: Processes lost that nobody killed.
@@ -74,6 +75,7 @@ class Campaign:
     seed: int
     minutes: float
     speed: float
+    interrupted: bool
     cases: list[CaseFindings]
     families: Mapping[str, str]
     deaths: int
@@ -97,6 +99,7 @@ class Campaign:
             "seed": self.seed,
             "minutes": self.minutes,
             "speed": self.speed,
+            "interrupted": self.interrupted,
             "cases": len(self.cases),
             "faults": sum(len(case.kinds) for case in self.cases),
             "kinds": len({kind for case in self.cases for kind in case.kinds}),
