@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
     from uav_tracking_mpc.nodes.flight_recorder import FlightRecorder
 
-START_LIMIT = 60.0  # s of wall time for the first command
+START_LIMIT = 120.0  # s of wall time for the first command
 DRAIN_TIME = 0.3  # s of wall time for the nodes' last messages
 NOTE_PERIOD = 0.5  # s of wall time between looks at the nodes' shared-memory files
 LOOK_PERIOD = 0.2  # s of wall time between looks at where the flight stands
