@@ -87,8 +87,8 @@ def first_pose(view: str, watched: Watched, aspect: float) -> Pose:
     if view == FOLLOW:
         behind = [-BEHIND * math.cos(sight.heading), -BEHIND * math.sin(sight.heading), OVER]
         return Pose(size * np.array(behind), np.zeros(3))
-    nose = SHARE * size * np.array([0.5, 0.0, 0.1])
-    return Pose(nose, nose + np.array([1.0, 0.0, 0.0]))
+    over = SHARE * size * np.array([0.1, 0.0, 0.4])  # the arrows of the wind lie beneath
+    return Pose(over, over + np.array([1.0, 0.0, 0.0]))
 
 
 def _from_south(middle: NDArray[np.float64], back: float, elevation: float, aspect: float) -> Pose:
