@@ -145,3 +145,36 @@ def test_each_axis_is_smoothed_by_its_own_noise():
     (east, north, up), (_, _, up_untold) = spread(True), spread(False)
     assert up < 0.7 * up_untold
     assert max(east, north) < 1.3  # of which 1.1 m are the step that the truth is ahead
+
+
+@pytest.mark.parametrize("gap", [0.0, 1.0])
+def test_a_velocity_of_the_wrong_sign_is_not_the_wind(gap):
+    """Positions say that it was not flown, however long it lasts and whatever went before."""
+    filter_, position = WindFilter(), np.array([100.0, 50.0, 120.0])
+    wind, begin = np.array([3.0, -5.0, 0.0]), 30.0
+    for k in range(round(60.0 / STEP)):
+        time, psi = k * STEP, TURN * k * STEP
+        air = SPEED * np.array([np.cos(psi), np.sin(psi), 0.0])
+        wrong = begin <= time < begin + 8.0
+        ground = (-1.0 if wrong else 1.0) * (air + wind)
+        if not begin - gap <= time < begin:
+            filter_.update(time, position, ground, air, 120.0)
+            if time > 10.0:
+                np.testing.assert_allclose(filter_.mean_wind + filter_.gust, wind, atol=0.3)
+                np.testing.assert_allclose(filter_.position, position, atol=0.3)
+        middle = psi + 0.5 * TURN * STEP
+        position = position + STEP * SPEED * np.array([np.cos(middle), np.sin(middle), 0.0])
+        position = position + STEP * wind
+
+
+def test_a_wind_that_turns_at_once_is_believed_after_a_second():
+    filter_, position = WindFilter(), np.array([100.0, 50.0, 120.0])
+    before, after = np.array([10.0, 0.0, 0.0]), np.array([-10.0, 0.0, 0.0])
+    for k in range(round(40.0 / STEP)):
+        time, psi = k * STEP, TURN * k * STEP
+        air = SPEED * np.array([np.cos(psi), np.sin(psi), 0.0])
+        wind = before if time < 30.0 else after
+        filter_.update(time, position, air + wind, air, 120.0)
+        position = position + STEP * (air + wind)
+        if time > 33.0:
+            np.testing.assert_allclose(filter_.mean_wind + filter_.gust, after, atol=0.5)

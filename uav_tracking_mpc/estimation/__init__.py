@@ -21,6 +21,7 @@
 ``noise_meter``          how noisy a signal is, and how much it wanders
 ``rate_aided_filter``    angles and speeds, from themselves and rates whose biases are taken out
 ``wind_filter``          mean wind, gusts and sensor biases, from positions and velocities
+``velocity_check``       whether a ground velocity that nothing explains was flown
 ``target_filter``        where the target is and will be, from positions that may be wrong
 ``target_track``         several models of the target's motion side by side, behind it
 ``told_noise``           what a source tells of its noise, as far as it makes sense

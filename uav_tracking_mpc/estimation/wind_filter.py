@@ -31,7 +31,8 @@ velocities are, which until then counts as their source tells it. A bias of the 
 shows at once beside the positions, those of heading and airspeed while the aircraft turns, for they
 turn with it and the wind does not. While it rolls into a turn or out of it a real aircraft slips:
 its heading is then off by degrees, and alpha and beta are considered (Schmidt 1966) but not
-estimated.
+estimated. A ground velocity that is far from all of this and from the way flown is left out
+(:mod:`~uav_tracking_mpc.estimation.velocity_check`).
 """
 
 from __future__ import annotations
@@ -47,6 +48,7 @@ from uav_tracking_mpc.dynamics.buffered_function import BufferedFunction
 from uav_tracking_mpc.dynamics.dryden import gust_scales
 from uav_tracking_mpc.estimation.noise_meter import MEMORY, NoiseMeters, Signal
 from uav_tracking_mpc.estimation.told_noise import UNKNOWN
+from uav_tracking_mpc.estimation.velocity_check import Velocity, VelocityCheck
 
 # Standard deviations before anything is measured
 WIND, GUST, GROUND_BIAS = 10.0, 2.5, 2.0  # m/s
@@ -70,7 +72,7 @@ class WindFilter:
     """The filter of the module's docstring; its state is (p, w, g, b, alpha, beta)."""
 
     def __init__(self) -> None:
-        self._meters = _meters()
+        self._meters, self._check = _meters(), VelocityCheck()
         # The upper triangle of the covariance, by columns.
         self._state, self._covariance = np.zeros(SIZE), np.zeros(SIZE * (SIZE + 1) // 2)
         self._air, self._air_before = np.zeros(3), np.zeros(3)
@@ -91,6 +93,7 @@ class WindFilter:
     def reset(self) -> None:
         """Forget air and biases."""
         self._meters.reset()
+        self._check.reset()
         self._time: float | None = None
         self._state[:] = 0.0
         deviations = [POSITION_NOISE, WIND, GUST, GROUND_BIAS]
@@ -164,15 +167,32 @@ class WindFilter:
         self._measured[:3], self._measured[3:6] = position, ground_velocity
         self._measured[6:9], self._measured[9:] = position_noise, velocity_noise
         if not 0.0 <= elapsed <= LONGEST_GAP:
+            self._check.reset()
             self._begin(position_noise)
-        else:
+        elif (velocity := self._judged(elapsed, velocity_noise)) is Velocity.EXPECTED:
             self._go_on(elapsed, height)
+        else:
+            if velocity is Velocity.NEW:
+                self.reset()
+                self._time, self._air[:] = time, air_velocity
+            self._begin(position_noise)
+            return
         self._meters.begin(time)
         self._update.evaluate()
         results = self._update.results
         self._steady_air[:], (self._scalars[1],) = results[:2]
         self._state[:], self._covariance[:], self._meters.state[:] = results[2:5]
         self._meters.keep(results[5])
+
+    def _judged(self, elapsed: float, noise: tuple[float, ...]) -> Velocity:
+        """Whether the ground velocity can be what it is measured to be."""
+        state = self._state
+        expected = self._air + state[W] + state[G] + state[B]
+        variance = float(self._covariance[_OF_VELOCITY].sum()) + max(noise) ** 2
+        measured = self._measured
+        return self._check.judge(
+            elapsed, measured[:3], measured[3:6], expected, math.sqrt(max(variance, 0.0))
+        )
 
     def _begin(self, noise: tuple[float, ...]) -> None:
         """The position begins anew, whatever was known of it."""
@@ -193,6 +213,7 @@ class WindFilter:
 
 _ROWS, _COLUMNS = (index.T[np.tril_indices(SIZE)] for index in np.indices((SIZE, SIZE)))
 _DIAGONAL = np.flatnonzero(_ROWS == _COLUMNS)
+_OF_VELOCITY = _DIAGONAL[W.start : B.stop]
 _OF_POSITION = np.flatnonzero(P.stop > _ROWS)
 
 
