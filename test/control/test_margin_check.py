@@ -85,3 +85,19 @@ def test_what_the_autopilot_holds_is_not_judged():
     assert len(shortfalls(UNSTABLE, held)) == 2
     assert margin_warning(held) == ""
     assert "turn bears" in margin_warning(small_uav.parameters("autopilot_holds=true", *HASTY))
+
+
+def test_a_series_of_changes_is_judged_once(monkeypatch):
+    judged = []
+
+    def judge(parameters, loop):
+        judged.append(parameters)
+        return None, ""
+
+    monkeypatch.setattr("uav_tracking_mpc.control.margin_check._warning", judge)
+    watch = MarginWatch(lambda words: None, rest=0.3)
+    series = [small_uav.parameters(f"range={300.0 + k}") for k in range(5)]
+    for each in series:
+        watch.judge(each)
+    watch.wait()
+    assert judged == [series[-1]]

@@ -20,7 +20,7 @@ from uav_tracking_mpc.estimation.velocity_check import ODD, WINDOW, Velocity, Ve
 
 STEP = 0.1
 EXPECTED = np.array([20.0, 0.0, 0.0])
-ODD_ONE = EXPECTED + [0.0, 2.0 * ODD, 0.0]
+ODD_ONE = np.add(EXPECTED, (0.0, 2.0 * ODD, 0.0))
 
 
 def judged(check, flown, measured, duration, deviation=0.0):
@@ -31,7 +31,7 @@ def judged(check, flown, measured, duration, deviation=0.0):
 
 def test_what_is_near_is_expected_and_what_is_uncertain_may_be_farther():
     check = VelocityCheck()
-    near = EXPECTED + [0.9 * ODD, 0.0, 0.0]
+    near = np.add(EXPECTED, (0.9 * ODD, 0.0, 0.0))
     assert set(judged(check, near, near, 3.0)) == {Velocity.EXPECTED}
     assert set(judged(check, EXPECTED, ODD_ONE, 3.0, deviation=ODD)) == {Velocity.EXPECTED}
 

@@ -14,6 +14,7 @@
 
 """A flight is steered by services, goals and parameters while it is flown."""
 
+import dataclasses
 import time
 
 import numpy as np
@@ -177,3 +178,29 @@ def test_the_target_goes_where_it_is_sent_and_says_so(flight):
     steps = np.diff([stamp for stamp, _, _ in told]) * 1e-9
     moved = np.linalg.norm(np.diff([position for _, position, _ in told], axis=0), axis=1)
     assert np.all(moved <= 4.0 * steps + 1e-6)  # it never jumps
+
+
+def test_what_is_set_to_what_it_is_changes_nothing(flight, monkeypatch):
+    """All parameters, as a tool that restores a file sends them."""
+    parameters, controller = flight.configuration.controller, flight.controller.controller
+    taken, take = [], controller.change
+
+    def change(**values):
+        taken.append(values)
+        take(**values)
+
+    monkeypatch.setattr(controller, "change", change)
+    values = {
+        field.name: list(value) if isinstance(value, tuple) else value
+        for field in dataclasses.fields(parameters)
+        for value in (getattr(parameters, field.name),)
+    }
+    assert flight.set(**values).successful
+    assert taken == []
+    assert flight.set(**{**values, "range": 310.0}).successful
+    assert len(taken) == 1
+    assert controller.parameters.range == 310.0
+    assert not flight.set(**{**values, "range": 1.0}).successful
+    assert controller.parameters.range == 310.0
+    assert flight.set(**values).successful
+    assert controller.parameters == parameters

@@ -147,6 +147,8 @@ class Controller:
             ParameterError: Unknown, not allowed, or as of ``check``; nothing has changed.
         """
         parameters = changed(self.parameters, values)
+        if parameters == self.parameters:
+            return
         self.check(parameters)
         self._fly_by(self.response.tell(parameters))
         if parameters.direction != self.parameters.direction:

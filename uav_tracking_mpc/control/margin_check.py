@@ -71,11 +71,17 @@ class MarginWatch:
         report: Called in that thread with a warning in words.
         patience: How long the first judgement waits in [s], so that it takes no time from the start
             of a flight.
+        rest: How long nothing else may be asked for before a judgement begins in [s], so that a
+            series of changes is judged once and takes no time from the commands meanwhile.
     """
 
-    def __init__(self, report: Callable[[str], None], patience: float = 0.0) -> None:
-        self._report = report
+    def __init__(
+        self, report: Callable[[str], None], patience: float = 0.0, rest: float = 0.0
+    ) -> None:
+        self._report, self._rest = report, rest
         self._begin = time.monotonic() + patience
+        self._latest: TrackingParameters | None = None
+        self._judged: TrackingParameters | None = None
         self._loop: OrbitLoop | None = None
         self._job = LatestJob("margins", self._work)
 
@@ -85,6 +91,8 @@ class MarginWatch:
         Args:
             parameters: What is flown from now on; fixed ones are those of the first call.
         """
+        self._begin = max(self._begin, time.monotonic() + self._rest)
+        self._latest = parameters
         self._job.ask(parameters)
 
     def wait(self) -> None:
@@ -96,6 +104,11 @@ class MarginWatch:
             if not threading.main_thread().is_alive():  # the program ends
                 return
             time.sleep(LOOK_PERIOD)
+        if self._latest is not None:  # others may have come while it waited
+            parameters = self._latest
+        if parameters is self._judged:
+            return
+        self._judged = parameters
         self._loop, words = _warning(parameters, self._loop)
         if words:
             self._report(words)

@@ -100,24 +100,28 @@ def follow_parameters(
     """
     kind = type(parameters)
     names = {specification.name for specification in specifications(kind)}
-
-    def candidate(changes: list[Parameter]) -> T:
-        values = {name: _plain(node.get_parameter(name).value) for name in names}
-        values |= {change.name: _plain(change.value) for change in changes if change.name in names}
-        return from_mapping(kind, values)
+    present, agreed = parameters, parameters  # what is flown by, and what has been checked last
 
     def on_set(changes: list[Parameter]) -> SetParametersResult:
-        if not any(change.name in names for change in changes):
+        nonlocal agreed
+        agreed = present
+        asked = {change.name: _plain(change.value) for change in changes if change.name in names}
+        if all(_same(value, getattr(present, name)) for name, value in asked.items()):
             return SetParametersResult(successful=True)
+        values = {name: _plain(node.get_parameter(name).value) for name in names}
         try:
-            check(candidate(changes))
+            candidate = from_mapping(kind, values | asked)
+            check(candidate)
         except ParameterError as error:
             return SetParametersResult(successful=False, reason=str(error))
+        agreed = candidate
         return SetParametersResult(successful=True)
 
-    def after_set(changes: list[Parameter]) -> None:
-        if any(change.name in names for change in changes):
-            take(candidate([]))
+    def after_set(_: list[Parameter]) -> None:
+        nonlocal present
+        if agreed is not present:
+            present = agreed
+            take(present)
 
     node.add_on_set_parameters_callback(on_set)
     node.add_post_set_parameters_callback(after_set)
@@ -157,6 +161,11 @@ def _descriptor(
 
 def _ros_value(value: Any) -> Any:
     return list(value) if isinstance(value, tuple) else value
+
+
+def _same(value: Any, present: Any) -> bool:
+    """Whether a value is the present one, of the same type."""
+    return repr(value) == repr(_plain(_ros_value(present)))
 
 
 def _plain(value: Any) -> Any:

@@ -70,6 +70,7 @@ from uav_tracking_mpc.settings.tracking import TrackingParameters
 
 HEARD = (ODOMETRY, AIR_VELOCITY, TARGET, TARGET_ODOMETRY)
 MARGIN_PATIENCE = 3.0  # s, in which a flight begins before its margins are judged
+MARGIN_REST = 1.0  # s without another change, after which they are judged anew
 STALL_MARGIN = 0.15  # s, by which the watchdog may be late without the process having stood still
 
 
@@ -149,7 +150,9 @@ class NmpcController(ManagedNode):
         self.controller = controller
         self.report.configured(controller, claims)
         events = controller.events  # the next state reports them
-        self._margins = MarginWatch(lambda words: events.add(Level.WARNING, words), MARGIN_PATIENCE)
+        self._margins = MarginWatch(
+            lambda words: events.add(Level.WARNING, words), MARGIN_PATIENCE, MARGIN_REST
+        )
         self._margins.judge(parameters)
 
     def activate(self) -> None:

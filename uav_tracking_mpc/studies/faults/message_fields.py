@@ -63,6 +63,7 @@ def _command(message: Any) -> list[Field]:
     return [
         field
         for point in message.points
+        if point.velocities and point.accelerations  # another fault may have emptied them
         for field in (
             (point.velocities[0].angular, "y"),
             (point.velocities[0].angular, "z"),

@@ -12,15 +12,18 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Client of the controller's ``set_parameters`` service, from a process of its own."""
+"""Client of the services that set the controller's parameters, from a process of its own."""
 
 from __future__ import annotations
 
 import dataclasses
 import time
+from collections.abc import Callable
 from typing import Any
 
-from rcl_interfaces.srv import SetParameters
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
+from rclpy.client import Client
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -46,6 +49,9 @@ class ParameterClient:
 
     def __init__(self, node: Node, parameters: Any) -> None:
         self._client = node.create_client(SetParameters, "nmpc_controller/set_parameters")
+        self._whole = node.create_client(
+            SetParametersAtomically, "nmpc_controller/set_parameters_atomically"
+        )
         self.known: list[Specification] = list(specifications(type(parameters)))
         self.configured: dict[str, Value] = {
             field.name: getattr(parameters, field.name) for field in dataclasses.fields(parameters)
@@ -54,32 +60,36 @@ class ParameterClient:
         self._put_back = 0.0
 
     def ask(self, values: dict[str, Any]) -> None:
-        """Ask for values, all in one request; without a server nothing is asked.
+        """Ask for values one by one, in one request; without a server nothing is asked.
 
         Args:
             values: By name, of any type.
         """
-        if not self._client.service_is_ready():
-            return
-        request = SetParameters.Request()
-        request.parameters = [
-            Parameter(name, value=list(value) if isinstance(value, tuple) else value)
-            .to_parameter_msg()
-            for name, value in values.items()
-        ]  # fmt: skip
-        self.asked += 1
-        self._client.call_async(request).add_done_callback(self._on_answer)
+        self._send(self._client, SetParameters.Request(parameters=_messages(values)), self._on_each)
 
-    def _on_answer(self, future: Any) -> None:
-        answer = future.result()
-        if answer is not None:
+    def put_back(self) -> None:
+        """Ask for everything as it was configured, as a whole: a part of it may not be flyable."""
+        self._put_back = time.monotonic()
+        values = {**self.configured, "use_sim_time": True}
+        request = SetParametersAtomically.Request(parameters=_messages(values))
+        self._send(self._whole, request, self._on_whole)
+
+    def _send(
+        self, client: Client[Any, Any], request: Any, answered: Callable[[Any], None]
+    ) -> None:
+        if client.service_is_ready():
+            self.asked += 1
+            client.call_async(request).add_done_callback(answered)
+
+    def _on_each(self, future: Any) -> None:
+        if (answer := future.result()) is not None:
             self.answered += 1
             self.accepted += sum(result.successful for result in answer.results)
 
-    def put_back(self) -> None:
-        """Ask for everything as it was configured."""
-        self._put_back = time.monotonic()
-        self.ask({**self.configured, "use_sim_time": True})
+    def _on_whole(self, future: Any) -> None:
+        if (answer := future.result()) is not None:
+            self.answered += 1
+            self.accepted += len(self.configured) if answer.result.successful else 0
 
     @property
     def settled(self) -> bool:
@@ -89,3 +99,10 @@ class ParameterClient:
         """
         waited = time.monotonic() - self._put_back
         return self.answered >= self.asked or waited > ANSWER_LIMIT
+
+
+def _messages(values: dict[str, Any]) -> list[ParameterMessage]:
+    return [
+        Parameter(name, value=list(value) if isinstance(value, tuple) else value).to_parameter_msg()
+        for name, value in values.items()
+    ]
