@@ -74,3 +74,13 @@ def test_reset_forgets():
     history.add(5.0, 5.0, PLAN, 0.5)
     history.reset()
     assert history.demanded(5.2, 0) == 0.0
+
+
+def test_a_clock_that_stood_ahead_leaves_nothing_behind():
+    """While it stood ahead a plan was sent in the future; later ones must not pile up behind it."""
+    history = CommandHistory(1.0)
+    history.add(3600.0, 5.0, PLAN, 0.5)
+    for k in range(1000):
+        history.add(5.0 + 0.05 * k, 5.0 + 0.05 * k, PLAN + k, 0.5)
+    assert len(history._plans) < 30
+    assert history.demanded(5.0 + 0.05 * 999, 0) == 0.1 + 999

@@ -60,6 +60,8 @@ class CommandHistory:
             inputs: (u_psi, u_chi, u_v) at begin, begin + step, ..., shape (n, 3), held in between.
             step: Length of a segment in [s].
         """
+        while self._plans and self._plans[-1].sent > sent:
+            self._plans.pop()  # never flown: a clock that stood ahead has gone back
         self._plans.append(_SentPlan(sent, begin, inputs.tolist(), step))
         while len(self._plans) > 1 and self._plans[1].sent <= sent - self.memory:
             self._plans.popleft()
