@@ -62,6 +62,15 @@ def test_commands_keep_the_control_rate(constant):
     np.testing.assert_array_equal(answers[0].inputs, constant.formulation.plan)
 
 
+def test_a_clock_that_stands_ahead_puts_no_command_into_the_future(constant):
+    constant.see_target(0.0, STILL)
+    sent = []
+    constant.navigator.commanded = lambda stamp, delay, *plan: sent.append(delay)
+    assert constant.step(measured(0.0), 0.02) is not None
+    assert constant.step(measured(0.1), 3600.0) is not None
+    assert sent == [0.02, constant.parameters.state_timeout]
+
+
 def test_a_target_that_was_never_lost_but_forgotten_leaves_the_wings_level(constant):
     constant.see_target(0.0, STILL)
     assert constant.step(measured(0.0), 0.0) is not None

@@ -147,8 +147,6 @@ class Controller:
             ParameterError: Unknown, not allowed, or as of ``check``; nothing has changed.
         """
         parameters = changed(self.parameters, values)
-        if parameters == self.parameters:
-            return
         self.check(parameters)
         self._fly_by(self.response.tell(parameters))
         if parameters.direction != self.parameters.direction:
@@ -247,7 +245,8 @@ class Controller:
         if taken > self.parameters.state_timeout:
             self.events.add(Level.REFUSAL, f"vehicle state: answered only after {taken:.3f} s")
             return None
-        delay = max(0.0, now - stamp) + taken
+        # A clock that stands ahead does not send later than that.
+        delay = min(max(0.0, now - stamp), self.parameters.state_timeout) + taken
         flown = self.response.commanded(stamp, delay, command.inputs, command.step)
         self.navigator.commanded(stamp, delay, flown, command.step)
         self.flying = True
