@@ -12,13 +12,17 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A flight is timed without and with a page that is watched, and both are put into words."""
+"""A flight is timed without and with a page that is watched, and both are put into words.
+
+``pytest -m long -s test/studies/benchmark/test_watched_latency.py`` watches one for an hour.
+"""
 
 import pytest
 
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.studies.benchmark.watched_latency import in_words, watched_latency
 
+HOUR = 3600.0  # s
 FAST = ["nmpc_controller.control_rate=50.0", "uav_simulator.state_rate=50.0"]
 
 
@@ -39,3 +43,14 @@ def test_two_aircraft_are_timed_with_and_without_a_page():
     words = "\n".join(in_words([flight]))
     assert "2 aircraft" in words
     assert f"ratio of medians {flight['median_ratio']:.3f}" in words
+
+
+@pytest.mark.nodes
+@pytest.mark.long
+@pytest.mark.timeout(0)
+def test_an_hours_view_grows_by_less_than_20_mb():
+    pytest.importorskip("viser")
+    configuration = load_configuration("small_uav", FAST, "crosswind")
+    flights = watched_latency(configuration, [1], HOUR, print, turns=1)
+    print("\n".join(in_words(flights)))
+    assert flights[0]["page_growth_mb"] < 20.0
