@@ -78,7 +78,7 @@ $(VENV)/bin/python:
 	@$(PYTHON) -m venv $(VENV)
 
 $(VENV)/demo: $(VENV)/bin/python setup.py
-	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign]'
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,view]'
 	@touch $@
 
 $(VENV)/view: $(VENV)/bin/python setup.py
