@@ -16,15 +16,14 @@ BIN := $(VENV)/bin
 # An apt ROS 2 that is sourced in this shell must not mix with the wheels in .venv.
 CLEAN := env -u PYTHONPATH -u LD_LIBRARY_PATH -u AMENT_PREFIX_PATH -u _ROS_WHEELS_BOOTSTRAP_COMPLETE
 PYTEST := $(CLEAN) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python -m pytest
-# What real processes do in the wall's time is tried once more where it failed: a shared machine stands
-# still for seconds. What fails twice fails; the summary names what failed once.
-AGAIN := --reruns 1
+# More than there are cores: tests of nodes and pages mostly wait.
+WORKERS ?= 4
 # Noise of attitude [rad], airspeed and velocity [m/s] of the flight in docs/identification.md.
 NOISY := --set uav_simulator.attitude_noise=0.0087 --set uav_simulator.airspeed_noise=0.3 \
 	--set uav_simulator.velocity_noise=0.3
 REFERENCE := docs/reference/topics_and_parameters.md
 
-.PHONY: demo view test test-long lint docs figures gallery campaign clean
+.PHONY: demo view test together test-long lint docs figures gallery campaign clean
 
 demo: $(VENV)/demo
 	@$(CLEAN) $(BIN)/uav_tracking fly --config paper --output output/demo
@@ -32,10 +31,12 @@ demo: $(VENV)/demo
 view: $(VENV)/view
 	@$(CLEAN) $(BIN)/uav_tracking simulate --view --config small_uav --scenario wind --output output/view
 
-test: lint
-	$(PYTEST) -m "not nodes and not browser and not long" -n 2
-	$(PYTEST) -m "nodes and not long" $(AGAIN)
-	$(PYTEST) -m "browser and not long" $(AGAIN)
+test: $(VENV)/test
+	@$(MAKE) --no-print-directory -j 2 lint together
+	$(PYTEST) -m "alone and not long"
+
+together: $(VENV)/test
+	$(PYTEST) -m "not alone and not long" -n $(WORKERS) --dist loadfile
 
 test-long: $(VENV)/test
 	$(PYTEST) -m long

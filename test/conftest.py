@@ -12,20 +12,44 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What several tests share: the paper's numbers, and a domain of their own for nodes."""
+"""What all tests share: a ROS domain for each worker, profiles of Hypothesis, the paper's numbers.
+
+``quick`` is the profile of ``make test``: few examples, the same ones every time, so that the
+verdict on a change does not depend on chance. ``full`` (``--hypothesis-profile=full``, in ``make
+test-long``) searches anew each time. No test has a deadline.
+"""
 
 from __future__ import annotations
 
 import os
+from contextlib import ExitStack
+from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, settings
 
 from uav_tracking_mpc.dynamics import paper_numbers
 from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.launch.domain import own_domain
 
-os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-os.environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
+# Claimed as launchers claim theirs, so that none of them comes into it; free when the process ends.
+_claim = ExitStack()
+os.environ["ROS_DOMAIN_ID"] = str(_claim.enter_context(own_domain(None)))
+os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
+os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(__file__).with_name("fast_dds.xml"))
+
+settings.register_profile(
+    "quick",
+    max_examples=25,
+    deadline=None,
+    derandomize=True,
+    database=None,
+    suppress_health_check=[HealthCheck.too_slow],
+)
+settings.register_profile("full", max_examples=200, deadline=None, print_blob=True)
+settings.load_profile("quick")
 
 
 @pytest.fixture(scope="session")
@@ -44,3 +68,8 @@ def weights() -> tuple[np.ndarray, np.ndarray]:
 def paper_start() -> np.ndarray:
     """x_o of Section 6: (r, theta, z, chi, v)."""
     return np.array(paper_numbers.INITIAL_STATE)
+
+
+def pytest_collection_modifyitems(items):
+    """What waits for browsers and nodes begins first: the workers end together."""
+    items.sort(key=lambda item: not ({"browser", "nodes"} & {m.name for m in item.iter_markers()}))

@@ -15,8 +15,6 @@
 """Simulator, target and controller in one process, and somebody who listens and asks."""
 
 import dataclasses
-import os
-import time
 
 import numpy as np
 import rclpy
@@ -25,6 +23,7 @@ from lifecycle_msgs.srv import ChangeState, GetState
 from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
+from waiting import PATIENCE, spin
 
 from uav_tracking_mpc.nodes.conversions import plan_from_command
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
@@ -43,11 +42,14 @@ ON_ORBIT = (
 
 
 class Flight:
-    """Simulator, target, controller and somebody who listens and asks, in one process."""
+    """Simulator, target, controller and somebody who listens and asks, in one process.
+
+    The simulator drives the time, which stands while nothing is spun.
+    """
 
     def __init__(self, name="small_uav", *overrides):
         self.context = rclpy.Context()
-        self.context.init(args=[], domain_id=110 + os.getpid() % 90)
+        self.context.init(args=[])
         self.executor = SingleThreadedExecutor(context=self.context)
         chosen = [*ON_ORBIT, *overrides] if name == "small_uav" else list(overrides)
         self.configuration = load_configuration(name, chosen)
@@ -76,21 +78,22 @@ class Flight:
         self.executor.add_node(node)
         return node
 
-    def add_all(self, driven=False, **controller):
-        """The three nodes; ``driven`` by the simulator's clock."""
-        follow = {"use_sim_time": True} if driven else {}
-        drive = {"publish_clock": True, "speed": 2.0} if driven else {}
+    def add_all(self, speed=5.0, **controller):
+        """The three nodes in simulated time, at this speed; None for the wall's time."""
+        follow = {"use_sim_time": True} if speed else {}
+        drive = {"publish_clock": True, "speed": speed} if speed else {}
         self.target = self.add(TargetPublisher, "target", **follow)
         self.simulator = self.add(UavSimulator, "simulator", **drive)
         self.controller = self.add(NmpcController, "controller", **controller, **follow)
 
-    def spin(self, until, limit=60.0):
-        deadline = time.monotonic() + limit
-        while time.monotonic() < deadline:
-            self.executor.spin_once(timeout_sec=0.05)
-            if until():
-                return True
-        return False
+    def spin(self, until, limit=PATIENCE):
+        return spin(self.executor, until, limit)
+
+    def fly(self, seconds):
+        """Spin until so much simulated time has passed in [s]."""
+        now = lambda: self.simulator._now * 1e-9  # noqa: E731
+        end = now() + seconds
+        assert self.spin(lambda: now() >= end)
 
     def ask(self, kind, service, node="nmpc_controller", **request):
         client = self.asker.create_client(kind, f"{node}/{service}")
@@ -112,7 +115,7 @@ class Flight:
             SetParametersAtomically, "set_parameters_atomically", node, parameters=wanted
         ).result
 
-    def commanded(self, count=10, limit=60.0):
+    def commanded(self, count=10, limit=PATIENCE):
         """Whether commands come from now on."""
         before = len(self.commands)
         return self.spin(lambda: len(self.commands) >= before + count, limit)

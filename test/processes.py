@@ -21,9 +21,8 @@ import os
 import signal
 import subprocess
 import sys
-import time
 
-DOMAIN = str(10 + os.getpid() % 90)
+DOMAIN = os.environ["ROS_DOMAIN_ID"]  # that of this worker: test/conftest.py
 
 
 def command(module, *arguments):
@@ -31,7 +30,12 @@ def command(module, *arguments):
 
 
 def environment():
-    return {**os.environ, "ROS_PYTHON_CHECK_FIELDS": "1", "ROS_DOMAIN_ID": DOMAIN}
+    return dict(os.environ)
+
+
+def undecided():
+    """The same for a launcher that is to find a free domain by itself."""
+    return {key: value for key, value in os.environ.items() if key != "ROS_DOMAIN_ID"}
 
 
 def run_node(name, *arguments, stop=None, after="", limit=120.0):
@@ -78,15 +82,6 @@ def alive(identity):
     except ProcessLookupError:
         return False
     return True
-
-
-def wait_for(condition, limit):
-    deadline = time.monotonic() + limit
-    while time.monotonic() < deadline:
-        if condition():
-            return True
-        time.sleep(0.05)
-    return False
 
 
 INTERRUPT, TERMINATE, KILL = signal.SIGINT, signal.SIGTERM, signal.SIGKILL

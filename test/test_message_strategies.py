@@ -36,7 +36,6 @@ def message_of(topic):
 
 
 @pytest.mark.parametrize("topic", [ODOMETRY, AIR_VELOCITY, TARGET, COMMAND], ids=lambda t: t.name)
-@settings(max_examples=100, deadline=None, derandomize=True)
 @given(data=st.data())
 def test_what_comes_out_can_be_sent_and_the_original_stays(topic, data):
     original = message_of(topic)

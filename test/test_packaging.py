@@ -218,7 +218,6 @@ def test_package_xml_says_who_and_where():
     }
     assert PACKAGE.findtext("author")
     assert {element.text for element in PACKAGE.findall("test_depend")} >= {
-        "python3-pytest-rerunfailures",
         "python3-pytest-timeout",
         "python3-pytest-xdist",
     }

@@ -20,8 +20,9 @@ import time
 
 import pytest
 from campaign_files import SHORT, written
-from processes import command, environment, wait_for
+from processes import command, environment
 from pyarrow import parquet
+from waiting import wait_for
 
 from uav_tracking_mpc.cli.ending import explanation
 
@@ -47,7 +48,7 @@ def test_a_campaign_that_was_killed_goes_on_and_flies_nothing_twice(tmp_path):
         env=environment(),
     )
     try:
-        assert wait_for(lambda: any(output.glob("batches/*.parquet")), 60.0)
+        assert wait_for(lambda: any(output.glob("batches/*.parquet")))
     finally:
         process.kill()
         process.wait()

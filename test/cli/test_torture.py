@@ -18,19 +18,19 @@ import json
 import subprocess
 
 import pytest
-from processes import TERMINATE, command, environment, nodes_of, wait_for
+from processes import TERMINATE, command, nodes_of, undecided
+from waiting import wait_for
 
 pytestmark = pytest.mark.nodes
 
 
 def torture(*arguments):
-    own = {key: value for key, value in environment().items() if key != "ROS_DOMAIN_ID"}
     return subprocess.Popen(
         command("cli.main", "torture", *map(str, arguments)),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        env=own,
+        env=undecided(),
     )
 
 
@@ -119,7 +119,7 @@ def test_what_is_violated_is_found_told_and_kept(tmp_path):
 def test_a_campaign_may_be_ended_and_leaves_nobody(tmp_path):
     process = torture("--minutes", 5, "--output", tmp_path)
     try:
-        assert wait_for(lambda: len(nodes_of(process.pid)) == 3, 20.0)
+        assert wait_for(lambda: len(nodes_of(process.pid)) == 3)
         nodes = nodes_of(process.pid)
         process.send_signal(TERMINATE)
         _, errors = process.communicate(timeout=30)

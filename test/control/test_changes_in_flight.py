@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 import small_uav
 from controller_cases import FLIGHT, PAPER, Constant, estimate, flight_controller, limits
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from uav_tracking_mpc.control.command_shaping import FADE_TIME
@@ -36,7 +36,6 @@ from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.terminal import ingredients
 
 
-@settings(max_examples=50, deadline=None)
 @given(
     st.lists(st.sampled_from(["plan", "no plan", "no target", "silence"]), max_size=60),
     st.tuples(st.floats(-0.4, 0.4), st.floats(-0.5, 0.5), st.floats(-1.5, 3.0)),
@@ -89,7 +88,6 @@ times = st.lists(st.sampled_from([0.0, 0.1, 0.3, 1e9, -5.0, 3.0]), min_size=3, m
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@settings(max_examples=40, deadline=None)
 @given(when=times, seen=st.lists(estimates(PAPER.horizon), min_size=3, max_size=3))
 def test_whatever_comes_in_the_command_is_finite_and_inside_the_limits(
     paper_formulation, when, seen
@@ -98,7 +96,6 @@ def test_whatever_comes_in_the_command_is_finite_and_inside_the_limits(
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@settings(max_examples=40, deadline=None)
 @given(when=times, seen=st.lists(estimates(FLIGHT.horizon), min_size=3, max_size=3))
 def test_whatever_comes_in_a_flight_the_command_is_finite_and_inside_the_limits(when, seen):
     check_anything(flight_controller(replace(FLIGHT, solve_time_max=0.01)), when, seen)

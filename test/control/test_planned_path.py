@@ -16,7 +16,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from uav_tracking_mpc.control.planned_path import PathPlanner
@@ -95,7 +95,6 @@ def test_one_planner_takes_plans_of_any_form():
         np.testing.assert_array_equal(first.states, alone.states)
 
 
-@settings(deadline=None)
 @given(st.lists(st.tuples(*[st.floats(-10.0, 10.0)] * 3), min_size=1, max_size=30))
 def test_of_finite_inputs_it_is_finite(inputs):
     path = PathPlanner().path(START, RATES, WIND, np.array(inputs), 1.0, np.full(3, 1e-9), AT_ONCE)

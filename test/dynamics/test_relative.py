@@ -14,7 +14,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -106,7 +106,6 @@ def test_vehicle_state_is_the_inverse_of_relative_state(relative, azimuth, targe
     np.testing.assert_allclose(back, relative, atol=1e-9)
 
 
-@settings(max_examples=30)
 @given(RELATIVE)
 def test_models_coincide_where_the_slip_vanishes(relative):
     """d/r = cos(chi) and z/r = sin(chi): the path angle is the target's elevation."""

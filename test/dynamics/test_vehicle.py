@@ -14,7 +14,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -45,7 +45,6 @@ def equations(state, inputs):
     ]
 
 
-@settings(max_examples=60, deadline=None)
 @given(STATES, INPUTS, st.floats(0.01, 5.0))
 def test_advance_solves_the_kinematics(state, inputs, duration):
     oracle = solve_ivp(

@@ -81,7 +81,7 @@ def random_aircraft(seed, noise=NOISE):
     return Aircraft(seed, lags, dead_times, gains, noise), lags, dead_times, gains
 
 
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=settings.default.max_examples // 5)  # each flies for a minute
 @given(seed=st.integers(0, 10_000))
 def test_it_converges_to_the_truth(seed):
     aircraft, lags, dead_times, gains = random_aircraft(seed)

@@ -14,7 +14,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from uav_tracking_mpc.estimation.target_filter import FORGOTTEN, TargetFilter
@@ -202,7 +202,6 @@ def test_nothing_measured_is_said():
         target.ahead([0.0])
 
 
-@settings(deadline=None)
 @given(
     st.lists(
         st.tuples(st.floats(-1.0, 400.0), st.lists(st.floats(-1e7, 1e7), min_size=3, max_size=3)),

@@ -14,7 +14,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import multivariate_normal
 
@@ -183,7 +183,6 @@ def test_a_velocity_that_no_mode_explains_is_left_out():
     np.testing.assert_array_equal(track.state, other.state)
 
 
-@settings(deadline=None)
 @given(
     st.lists(
         st.tuples(st.floats(1e-9, 300.0), st.lists(st.floats(-1e6, 1e6), min_size=3, max_size=3)),

@@ -23,8 +23,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from processes import INTERRUPT, KILL, TERMINATE, alive, command, environment, nodes_of, wait_for
+from processes import INTERRUPT, KILL, TERMINATE, alive, command, environment, nodes_of, undecided
 from rosbags.rosbag2 import Reader
+from waiting import wait_for
 
 from uav_tracking_mpc.control.record import replay
 from uav_tracking_mpc.launch.domain import LAST_DOMAIN, own_domain
@@ -58,13 +59,12 @@ def left_behind(names):
 
 @pytest.fixture
 def launcher():
-    env = {key: value for key, value in environment().items() if key != "ROS_DOMAIN_ID"}
     process = subprocess.Popen(
         command("cli.launch_tracking", "--config", "paper"),
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
-        env=env,
+        env=undecided(),
     )
     assert process.stdout is not None
     for line in process.stdout:
@@ -79,7 +79,7 @@ def launcher():
     yield process
     process.kill()
     process.wait()
-    assert wait_for(lambda: not any(alive(node) for node in process.nodes.values()), 10.0)
+    assert wait_for(lambda: not any(alive(node) for node in process.nodes.values()))
     rests.remove_orphans()  # a killed launcher cannot
 
 
@@ -106,7 +106,7 @@ def test_a_node_that_dies_is_named_and_the_rest_is_stopped(launcher, victim):
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells children of the death")
 def test_nodes_do_not_outlive_a_killed_launcher(launcher):
     launcher.kill()
-    assert wait_for(lambda: not any(alive(node) for node in launcher.nodes.values()), 10.0)
+    assert wait_for(lambda: not any(alive(node) for node in launcher.nodes.values()))
 
 
 def test_a_launch_may_be_ended_before_it_flies():
@@ -159,12 +159,11 @@ def test_an_interrupted_flight_says_so(tmp_path, after, words):
 def flight(tmp_path_factory):
     """A mission with real processes through the command, as a user runs it."""
     output = tmp_path_factory.mktemp("flight")
-    env = {key: value for key, value in environment().items() if key != "ROS_DOMAIN_ID"}
     finished = subprocess.run(
         command("cli.main", "fly", "--duration", "60", "--output", output, "--json"),
         capture_output=True,
         text=True,
-        env=env,
+        env=undecided(),
         timeout=110,
     )
     assert finished.returncode == 0, finished.stderr

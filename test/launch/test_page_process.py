@@ -20,8 +20,9 @@ import textwrap
 import threading
 
 import pytest
-from processes import alive, wait_for
+from processes import alive
 from rich.console import Console
+from waiting import wait_for
 
 from uav_tracking_mpc.launch import page_process as module
 from uav_tracking_mpc.launch.page_process import page_process
@@ -49,7 +50,7 @@ def served(tmp_path, monkeypatch):
 
 
 def first_line(lines):
-    assert wait_for(lambda: lines() and lines()[0].endswith("8081"), 20.0)
+    assert wait_for(lambda: lines() and lines()[0].endswith("8081"))
     return lines()[0].split()
 
 

@@ -18,8 +18,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from processes import alive, wait_for
+from processes import alive
 from rich.console import Console
+from waiting import wait_for
 
 from uav_tracking_mpc.launch.supervisor import LaunchError, Supervisor
 
@@ -45,7 +46,7 @@ def state(identity):
 
 def test_a_process_that_ends_is_named_with_its_exit_code(supervisor, output):
     supervisor.start("no_module", "no_such_module")
-    assert wait_for(supervisor.dead, 10.0)
+    assert wait_for(supervisor.dead)
     assert supervisor.dead() == {"no_module": 1}
     with pytest.raises(LaunchError, match="no_module died with exit code 1"):
         supervisor.check()
@@ -72,9 +73,9 @@ def test_a_frozen_process_goes_on_or_is_ended(supervisor):
     supervisor.start("server", *SERVER)
     identity = supervisor.processes["server"].identity
     supervisor.freeze("server")
-    assert wait_for(lambda: state(identity) == "T", 5.0)
+    assert wait_for(lambda: state(identity) == "T")
     supervisor.thaw("server")
-    assert wait_for(lambda: state(identity) != "T", 5.0)
+    assert wait_for(lambda: state(identity) != "T")
     supervisor.freeze("server")
     told = []
     supervisor.end(lambda: told.append(len(supervisor.processes)))

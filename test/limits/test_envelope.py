@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
@@ -111,7 +111,6 @@ def test_inside_the_envelope_the_energy_is_there(inputs, airspeed, path_angle):
         assert lower - 1e-12 <= weight + acceleration <= upper + 1e-12
 
 
-@settings(max_examples=30, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_held_to_it_the_aircraft_stays_inside_whatever_is_asked(seed):
     random = np.random.default_rng(seed)

@@ -15,7 +15,7 @@
 import casadi as ca
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 from solver_problems import integrator
@@ -108,7 +108,6 @@ def test_bad_state_is_refused_and_nothing_is_lost(paper_solver, paper_start, sta
     assert costs[0] == costs[1]
 
 
-@settings(max_examples=25, deadline=None)
 @given(st.tuples(*[st.floats(-1e3, 1e3)] * 5))
 def test_inputs_are_finite_and_in_the_box_from_anywhere(state):
     solver = CasadiSolver(problem_of(PAPER), iteration_limit=30)

@@ -21,7 +21,7 @@ import tracemalloc
 import casadi as ca
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from kkt import kkt_residual
 from solver_problems import PAPER_START, paper, paper_solver, pendulum
@@ -84,7 +84,6 @@ def test_plan_obeys_the_dynamics(solver):
         np.testing.assert_allclose(plan.states[i + 1], following, atol=1e-9)
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     st.tuples(
         st.floats(-70, 250), st.floats(-4, 3), st.floats(-40, 20), st.floats(-0.4, 0.4),

@@ -14,16 +14,16 @@
 
 """The node in the simulator's place, on a plant behind a link."""
 
-import os
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import rclpy
-from processes import run_node, wait_for
+from processes import run_node
 from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message, serialize_message
+from waiting import wait_for
 
 from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
 from uav_tracking_mpc.nodes import autopilot_link
@@ -44,7 +44,7 @@ ORBIT = FlownOrbit(np.array([0.0, 0.0, 120.0]), np.array([5.0, 0.0, 0.0]), 275.0
 def node():
     """Makes the node with parameters, with what it publishes by topic; no other node is there."""
     context, nodes = rclpy.Context(), []
-    context.init(args=[], domain_id=110 + os.getpid() % 90)
+    context.init(args=[])
 
     class Tapped(AutopilotLink):
         """The node, with a listener on every publisher."""
@@ -100,7 +100,7 @@ def status(node):
 def flying(node, **parameters):
     """A node whose aircraft is there and told its first states."""
     made = node(**parameters)
-    assert wait_for(lambda: made._states > 2, 10.0)
+    assert wait_for(lambda: made._states > 2)
     return made
 
 
@@ -187,7 +187,7 @@ def test_asked_to_engage_it_does_so_once_there_is_something_to_fly(node):
 
 def test_it_waits_for_an_aircraft_and_outlives_one_that_fails(node, monkeypatch):
     made = node(connection="nobody")
-    assert wait_for(lambda: made._reader.trouble == "nobody answers", 5.0)
+    assert wait_for(lambda: made._reader.trouble == "nobody answers")
     made._look()
     assert status(made) == (WARN, "paced: no aircraft: nobody answers")
     made._on_command(command(1))  # there is nobody to give it to
@@ -209,7 +209,7 @@ def test_states_that_stop_are_an_error(node, monkeypatch):
     made = flying(node)
     monkeypatch.setattr(made._link, "measured", lambda timeout: None)
     monkeypatch.setattr(autopilot_link, "SILENCE", 0.05)
-    assert wait_for(lambda: made._status(made._state_time + 0.1)[0] == ERROR, 5.0)
+    assert wait_for(lambda: made._status(made._state_time + 0.1)[0] == ERROR)
     assert made._status(made._state_time + 0.1)[1] == "paced: connected, but no state comes"
 
 

@@ -14,7 +14,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message
 
@@ -28,7 +28,6 @@ from uav_tracking_mpc.nodes.message_checks import MessageError
 from uav_tracking_mpc.nodes.topics import COMMAND
 
 
-@settings(deadline=None, max_examples=60)
 @given(
     st.lists(st.tuples(*[st.floats(-10.0, 10.0)] * 3), min_size=1, max_size=30),
     st.integers(0, 2**62 // 4),

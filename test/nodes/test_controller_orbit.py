@@ -14,8 +14,6 @@
 
 """The controller says which orbit its commands lead to, and hears whether they are flown."""
 
-import os
-
 import numpy as np
 import pytest
 import rclpy
@@ -40,7 +38,7 @@ ABOUT = np.array([100.0, 50.0, 3.0])
 def controller():
     """The node and what it publishes, in order; the law flies, which needs no compiling."""
     context = rclpy.Context()
-    context.init(args=[], domain_id=110 + os.getpid() % 90)
+    context.init(args=[])
     sent = []
 
     class Tapped(NmpcController):

@@ -14,7 +14,6 @@
 
 """/diagnostics of a node: whose, by which time, and what of it reaches the log."""
 
-import os
 from types import SimpleNamespace
 
 import pytest
@@ -26,14 +25,6 @@ from uav_tracking_mpc.nodes.diagnostics import ERROR, OK, WARN, Diagnostics
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 
 pytestmark = pytest.mark.nodes
-
-
-@pytest.fixture
-def context():
-    context = rclpy.Context()
-    context.init(args=[], domain_id=110 + os.getpid() % 90)
-    yield context
-    context.try_shutdown()
 
 
 @pytest.fixture

@@ -46,14 +46,6 @@ KINDS = {
 }
 
 
-@pytest.fixture
-def context():
-    context = rclpy.Context()
-    context.init(args=[], domain_id=110 + os.getpid() % 90)
-    yield context
-    context.try_shutdown()
-
-
 def make(context, node_class, overrides=(), **options):
     parameters = [Parameter(name, value=value) for name, value in dict(overrides).items()]
     return node_class(context=context, parameter_overrides=parameters, **options)

@@ -14,7 +14,6 @@
 
 """Aircraft are found as they appear, and heard with their controllers' parameters."""
 
-import os
 import time
 
 import numpy as np
@@ -39,7 +38,7 @@ STATE = np.array([180.0, -20.0, 40.0, 2.0, 0.1, 22.0])
 def ros():
     """A watcher, whoever else is asked for, and what spins them."""
     context = rclpy.Context()
-    context.init(args=[], domain_id=110 + os.getpid() % 90)
+    context.init(args=[])
     executor = EventsExecutor(context=context)
     nodes = []
 

@@ -128,14 +128,6 @@ def test_what_is_written_is_read_and_other_frames_are_refused_in_words(index):
         read(other, FRAMES)
 
 
-@pytest.fixture
-def context():
-    context = rclpy.Context()
-    context.init(args=[], domain_id=110 + os.getpid() % 90)
-    yield context
-    context.try_shutdown()
-
-
 def tapped(context, node_class, sent, namespace="/uav1", **parameters):
     """A node whose messages are kept, and that thinks somebody listens."""
 

@@ -18,7 +18,7 @@ import threading
 
 import pytest
 from paced_link import PacedLink
-from processes import wait_for
+from waiting import wait_for
 
 from uav_tracking_mpc.links import LinkError
 from uav_tracking_mpc.nodes import link_reader
@@ -48,7 +48,7 @@ def reader():
 def test_measurements_come_in_the_readers_thread_until_it_is_stopped(reader):
     link, seen = PacedLink(), []
     made = reader(link, lambda measurement: seen.append(threading.current_thread().name))
-    assert wait_for(lambda: len(seen) > 2, 5.0)
+    assert wait_for(lambda: len(seen) > 2)
     assert set(seen) == {"link"}
     assert made.connected and made.trouble == made.refusal == ""
     link.engage()
@@ -62,16 +62,16 @@ def test_measurements_come_in_the_readers_thread_until_it_is_stopped(reader):
 def test_it_waits_for_an_aircraft_that_is_not_there_yet(reader):
     link = PacedLink("nobody")
     made = reader(link)
-    assert wait_for(lambda: made.trouble == "nobody answers", 5.0)
+    assert wait_for(lambda: made.trouble == "nobody answers")
     assert not made.connected
     link.address = ""
-    assert wait_for(lambda: made.connected, 5.0)
+    assert wait_for(lambda: made.connected)
     assert made.refusal == ""
 
 
 def test_it_gives_up_what_no_waiting_helps(reader):
     made = reader(PacedLink("copter"))
-    assert wait_for(lambda: made.refusal == "it is a copter", 5.0)
+    assert wait_for(lambda: made.refusal == "it is a copter")
     assert not made.connected
 
 
@@ -93,6 +93,6 @@ def test_a_link_that_fails_is_connected_again(reader, error):
 
     link, seen = Failing(), []
     made = reader(link, seen.append)
-    assert wait_for(lambda: seen, 5.0)
+    assert wait_for(lambda: seen)
     assert link.connected == 3
     assert made.connected

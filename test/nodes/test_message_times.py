@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 import logging
-import os
 from types import SimpleNamespace
 
 import numpy as np
@@ -120,7 +119,7 @@ def test_one_subject_does_not_silence_another(monkeypatch):
 @pytest.fixture
 def controller():
     context = rclpy.Context()
-    context.init(args=[], domain_id=110 + os.getpid() % 90)
+    context.init(args=[])
     logger = Logger()
 
     class Logged(NmpcController):

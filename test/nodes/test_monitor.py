@@ -15,7 +15,6 @@
 """The live table: whose flight it shows, which others there are, and which node is silent."""
 
 import io
-import os
 
 import pytest
 import rclpy
@@ -34,7 +33,7 @@ pytestmark = pytest.mark.nodes
 def table():
     """Feeds statuses to a monitor and returns what it shows."""
     context = rclpy.Context()
-    context.init(args=[], domain_id=110 + os.getpid() % 90)
+    context.init(args=[])
     node = Monitor(Console(file=io.StringIO(), width=120), context=context)
 
     def show(*statuses):

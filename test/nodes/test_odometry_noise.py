@@ -19,7 +19,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
 from rclpy.serialization import deserialize_message, serialize_message
@@ -44,7 +44,6 @@ def same(noise, other):
         np.testing.assert_allclose(getattr(noise, name), getattr(other, name), rtol=1e-9, atol=1e-9)
 
 
-@settings(deadline=None)
 @given(st.floats(-3.1, 3.1), st.floats(-1.4, 1.4))
 def test_what_is_told_comes_back_whatever_the_attitude(heading, path_angle):
     same(measurement_from_odometry(message(heading=heading, path_angle=path_angle)).noise, NOISE)
@@ -128,7 +127,6 @@ def test_what_makes_no_sense_is_unknown_and_the_rest_counts(field, entries, told
     same(measurement_from_odometry(odometry).noise, dataclasses.replace(NOISE, **told))
 
 
-@settings(max_examples=200, deadline=None)
 @given(st.lists(st.floats(width=64), min_size=72, max_size=72), st.integers(0, 71))
 def test_any_covariance_is_survived(entries, known):
     odometry = message()

@@ -17,14 +17,13 @@
 from __future__ import annotations
 
 import functools
-import os
-import time
 
 import pytest
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from waiting import spin
 
 from uav_tracking_mpc.nodes.flight_recorder import FlightRecorder
 from uav_tracking_mpc.nodes.monitor import Monitor
@@ -37,27 +36,10 @@ pytestmark = pytest.mark.nodes
 TOPIC = TRACKING["cost"]
 
 
-@pytest.fixture
-def context():
-    context = rclpy.Context()
-    context.init(args=[], domain_id=110 + os.getpid() % 90)
-    yield context
-    context.try_shutdown()
-
-
 def offer(context, reliability, topic=TOPIC, depth=10):
     node = rclpy.create_node("sender", context=context)
     qos = QoSProfile(depth=depth, reliability=reliability)
     return node, node.create_publisher(topic.type, topic.name, qos)
-
-
-def spin(executor, until, limit=60.0):
-    deadline = time.monotonic() + limit
-    while time.monotonic() < deadline:
-        executor.spin_once(timeout_sec=0.02)
-        if until():
-            return True
-    return False
 
 
 @pytest.mark.parametrize("kind", [SingleThreadedExecutor, EventsExecutor])

@@ -48,7 +48,7 @@ def test_another_orbit_is_flown_without_a_jump(flight):
     assert np.max(steps[:, 2]) < 2.5
     assert flight.told()[1]["mode"] == "optimal plan"
     # It climbs and widens.
-    assert flight.spin(lambda: flight.states[-1].pose.pose.position.z > 125.0, 30.0)
+    assert flight.spin(lambda: flight.states[-1].pose.pose.position.z > 125.0)
 
 
 def test_what_is_refused_leaves_everything_as_it_was(flight):
@@ -98,7 +98,7 @@ def test_the_paper_takes_a_new_orbit():
 
 
 def test_a_lower_control_rate_is_no_rate_that_is_not_kept(flight):
-    flight.add_all()
+    flight.add_all(speed=None)
     assert flight.commanded()
     assert flight.set(control_rate=5.0).successful
     flight.spin(lambda: False, 1.0)

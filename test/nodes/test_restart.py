@@ -21,7 +21,7 @@ import time
 import numpy as np
 import pytest
 import rclpy
-from processes import DOMAIN, KILL, TERMINATE, command, environment
+from processes import KILL, TERMINATE, command, environment
 from rclpy.executors import SingleThreadedExecutor
 
 from uav_tracking_mpc.nodes.conversions import measurement_from_odometry, plan_from_command
@@ -61,7 +61,7 @@ class Nodes:
         self.file.write_text(configuration.yaml())
         self.log = (folder / "nodes.log").open("w+")
         self.context = rclpy.Context()
-        self.context.init(args=[], domain_id=int(DOMAIN))
+        self.context.init(args=[])
         self.executor = SingleThreadedExecutor(context=self.context)
         self.node = rclpy.create_node("listener", context=self.context)
         self.executor.add_node(self.node)

@@ -14,7 +14,6 @@
 
 """The SROS 2 policy grants what the nodes do, no more and no less."""
 
-import os
 import time
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -78,7 +77,7 @@ def asked(nodes):
 def graph():
     """What each node does: kind and node to names; every clock driven and followed."""
     context = rclpy.Context()
-    context.init(args=[], domain_id=110 + os.getpid() % 90)
+    context.init(args=[])
 
     def make(node_class, **parameters):
         overrides = [Parameter(name, value=value) for name, value in parameters.items()]

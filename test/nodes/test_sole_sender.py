@@ -17,14 +17,14 @@
 from __future__ import annotations
 
 import subprocess
-import time
 
 import pytest
 import rclpy
-from processes import DOMAIN, KILL, command, environment
+from processes import KILL, command, environment
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.parameter import Parameter
+from waiting import spin
 
 from uav_tracking_mpc.nodes import diagnostics
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
@@ -71,23 +71,6 @@ def test_without_numbers_a_dead_publisher_is_waited_for():
     assert heard.holds(UNNUMBERED + 1.0)
 
 
-@pytest.fixture
-def context():
-    context = rclpy.Context()
-    context.init(args=[], domain_id=int(DOMAIN))
-    yield context
-    context.try_shutdown()
-
-
-def spin(executor, until, limit):
-    deadline = time.monotonic() + limit
-    while time.monotonic() < deadline:
-        executor.spin_once(timeout_sec=0.05)
-        if until():
-            return True
-    return False
-
-
 @pytest.mark.nodes
 def test_two_controllers_and_two_simulators_are_errors_while_they_last(context):
     executor = SingleThreadedExecutor(context=context)
@@ -114,24 +97,24 @@ def test_two_controllers_and_two_simulators_are_errors_while_they_last(context):
 
     add(TargetPublisher)
     controller, simulator = add(NmpcController), add(UavSimulator)
-    assert spin(executor, lambda: says.get("uav_simulator", "") and controller.report, 10.0)
-    assert spin(executor, lambda: says["uav_simulator"][1] == "flying on commands", 20.0)
+    assert spin(executor, lambda: says.get("uav_simulator", "") and controller.report)
+    assert spin(executor, lambda: says["uav_simulator"][1] == "flying on commands")
     assert not any(level == diagnostics.ERROR for level, _ in says.values())
 
     second = add(NmpcController, "other_controller")
     words = "/uav/command has 2 senders, must have one: /nmpc_controller, /other_controller"
     observers = ("uav_simulator", "nmpc_controller", "other_controller")
-    assert spin(executor, lambda: all(error(node, words) for node in observers), 20.0), says
+    assert spin(executor, lambda: all(error(node, words) for node in observers)), says
     executor.remove_node(second)
     second.destroy_node()
-    assert spin(executor, lambda: says["uav_simulator"][0] == diagnostics.OK, 20.0), says
+    assert spin(executor, lambda: says["uav_simulator"][0] == diagnostics.OK), says
 
     other = add(UavSimulator, "other_simulator", initial_position=[0.0, 180.0, 40.0])
     words = ("/uav/odometry has 2 senders", "/uav/air_velocity has 2 senders", "/other_simulator")
-    assert spin(executor, lambda: error("nmpc_controller", *words), 20.0), says
+    assert spin(executor, lambda: error("nmpc_controller", *words)), says
     executor.remove_node(other)
     other.destroy_node()
-    clear = spin(executor, lambda: says["nmpc_controller"][0] != diagnostics.ERROR, 20.0)
+    clear = spin(executor, lambda: says["nmpc_controller"][0] != diagnostics.ERROR)
     assert clear, says
     for node in (controller, simulator, listener):
         node.destroy_node()
@@ -139,7 +122,7 @@ def test_two_controllers_and_two_simulators_are_errors_while_they_last(context):
 
 @pytest.mark.nodes
 def test_a_killed_and_restarted_sender_is_no_second_one(context):
-    """By the executor of the nodes; its dead endpoint stays known for 20 s."""
+    """By the executor of the nodes; its dead endpoint stays known for the 20 s of Fast DDS."""
     said, counts = [], []
     node = rclpy.create_node("listener", context=context)
     senders = SoleSenders(node, (TARGET,), said.append)
@@ -147,9 +130,11 @@ def test_a_killed_and_restarted_sender_is_no_second_one(context):
     executor.add_node(node)
 
     def start():
+        own = environment()
+        del own["FASTRTPS_DEFAULT_PROFILES_FILE"]
         return subprocess.Popen(
             command("nodes.target_publisher"),
-            env=environment(),
+            env=own,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
@@ -160,11 +145,11 @@ def test_a_killed_and_restarted_sender_is_no_second_one(context):
 
     process = start()
     try:
-        assert spin(executor, lambda: known() == 1, 30.0)
+        assert spin(executor, lambda: known() == 1)
         process.send_signal(KILL)
         process.wait()
         process = start()
-        assert spin(executor, lambda: known() == 2, 30.0)
+        assert spin(executor, lambda: known() == 2)
         spin(executor, lambda: False, 2.0 * WINDOW)
         assert max(counts) == 2
         assert said == []

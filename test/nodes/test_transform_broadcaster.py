@@ -20,14 +20,12 @@ tf2_msgs is not among the wheels: a stand-in has its message, and a publisher th
 from __future__ import annotations
 
 import importlib.util
-import os
 import sys
 from types import ModuleType
 from unittest import mock
 
 import numpy as np
 import pytest
-import rclpy
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 from uav_tracking_mpc.dynamics.frames import north_east_down, rotation_from_quaternion
@@ -72,14 +70,6 @@ class Simulator(UavSimulator):
             return super().create_publisher(kind, topic, qos, **options)
         self.tf = {**getattr(self, "tf", {}), topic: Publisher(qos)}
         return self.tf[topic]
-
-
-@pytest.fixture
-def context():
-    context = rclpy.Context()
-    context.init(args=[], domain_id=110 + os.getpid() % 90)
-    yield context
-    context.try_shutdown()
 
 
 @pytest.fixture

@@ -14,7 +14,6 @@
 
 """The simulator node flies any plant, and outlives one that fails."""
 
-import os
 import time
 
 import numpy as np
@@ -51,7 +50,7 @@ class Failing(VehiclePlant):
 def simulator():
     """Makes the node with parameters; no other node is there."""
     context, nodes = rclpy.Context(), []
-    context.init(args=[], domain_id=110 + os.getpid() % 90)
+    context.init(args=[])
 
     def make(**parameters):
         overrides = [Parameter(name, value=value) for name, value in parameters.items()]

@@ -19,7 +19,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
@@ -184,7 +184,6 @@ FLOWN = st.tuples(
 )
 
 
-@settings(max_examples=150, deadline=None)
 @given(st.lists(st.tuples(ANY, ANY, FLOWN), min_size=1, max_size=30))
 def test_limits_and_slew_hold_whatever_comes_in(steps):
     law = EnergyLaw(LIMITS)

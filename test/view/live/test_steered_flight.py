@@ -36,8 +36,8 @@ from uav_tracking_mpc.view.steering import CONTROLLER, SIMULATOR, TARGET
 pytestmark = [pytest.mark.nodes, pytest.mark.timeout(1500)]
 
 LIMIT = 400.0  # s of wall time for what may take long on a busy machine
-SPEED = 2.0  # simulated over wall time
-SETTLED = 20.0  # s of flight within 1 m
+SPEED = 5.0  # simulated over wall time
+SETTLED = 10.0  # s of flight within 1 m
 
 
 class SteeredFlight:
@@ -55,7 +55,7 @@ class SteeredFlight:
             env=environment(),
         )
         self.context = rclpy.Context()
-        self.context.init(args=[], domain_id=int(DOMAIN))
+        self.context.init(args=[])
         node = rclpy.create_node("flight_watcher", context=self.context)
         self.steering = RosSteering(node, "")
         self.newest, self.statuses, self.errors = {}, {}, []

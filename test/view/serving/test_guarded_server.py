@@ -22,7 +22,7 @@ import sys
 from types import SimpleNamespace
 
 import pytest
-from processes import wait_for
+from waiting import wait_for
 
 pytest.importorskip("viser")
 
