@@ -1,7 +1,8 @@
 # make demo       fly the paper's mission with three ROS 2 nodes and write output/demo/report.html
 # make view       fly small_uav in wind on a page in the browser: watch and steer it, until Ctrl-C
 # make test       lint, type-check and test
-# make test-long  the long forms of the tests, and the tests with the kernels of other processors
+# make test-long  every example and every long form, and the tests with the kernels of other processors
+# make size       files, statements, tokens and lines of code, by room
 # make docs       build the documentation site in docs/_build, with the tables of its reference
 # make figures    fly again for docs/flight.md, margins.md, identification.md: tables and pictures
 # make gallery    take the pictures of docs/gallery.md again, with chromium: half an hour at most
@@ -23,7 +24,7 @@ NOISY := --set uav_simulator.attitude_noise=0.0087 --set uav_simulator.airspeed_
 	--set uav_simulator.velocity_noise=0.3
 REFERENCE := docs/reference/topics_and_parameters.md
 
-.PHONY: demo view test together test-long lint docs figures gallery campaign clean
+.PHONY: demo view test together test-long size lint docs figures gallery campaign clean
 
 demo: $(VENV)/demo
 	@$(CLEAN) $(BIN)/uav_tracking fly --config paper --output output/demo
@@ -39,8 +40,12 @@ together: $(VENV)/test
 	$(PYTEST) -m "not alone and not long" -n $(WORKERS) --dist loadfile
 
 test-long: $(VENV)/test
-	$(PYTEST) -m long
+	$(PYTEST) --hypothesis-profile=full -m "not nodes and not browser" -n 2 --dist loadfile
+	$(PYTEST) --hypothesis-profile=full -m "nodes and long" --durations=0 --durations-min=60
 	$(CLEAN) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python test/on_every_processor.py -m "not nodes and not browser and not long" -n 2
+
+size:
+	@$(PYTHON) test/size.py
 
 lint: $(VENV)/test
 	$(BIN)/ruff check .

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What all tests share: a ROS domain for each worker, profiles of Hypothesis, the paper's numbers.
+"""What all tests share: ROS domains for each worker, profiles of Hypothesis, the paper's numbers.
 
 ``quick`` is the profile of ``make test``: few examples, the same ones every time, so that the
 verdict on a change does not depend on chance. ``full`` (``--hypothesis-profile=full``, in ``make
@@ -23,7 +23,6 @@ from __future__ import annotations
 
 import os
 from contextlib import ExitStack
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -33,12 +32,14 @@ from uav_tracking_mpc.dynamics import paper_numbers
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.launch.domain import own_domain
 
-# Claimed as launchers claim theirs, so that none of them comes into it; free when the process ends.
-_claim = ExitStack()
-os.environ["ROS_DOMAIN_ID"] = str(_claim.enter_context(own_domain(None)))
+# One domain for nodes in this process and one for its children: who was killed is remembered for
+# 20 s, and on one machine Fast DDS finds only so many participants, which this process uses up.
+# Claimed as launchers claim theirs, so that nobody else comes; free when the process ends.
+_claims = ExitStack()
+os.environ["ROS_DOMAIN_ID"] = str(_claims.enter_context(own_domain(None)))
+os.environ["DOMAIN_OF_PROCESSES"] = str(_claims.enter_context(own_domain(None)))
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
-os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(__file__).with_name("fast_dds.xml"))
 
 settings.register_profile(
     "quick",

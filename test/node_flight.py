@@ -122,13 +122,12 @@ class Flight:
 
     def told(self, node="nmpc_controller"):
         """The latest diagnostics of the controller, or of another node: message and values."""
-        status = next(
-            status
-            for message in reversed(self.diagnostics)
-            for status in message.status
-            if node in status.name
-        )
+        status = self.says(node)[-1]
         return status.message, {value.key: value.value for value in status.values}
+
+    def says(self, node="nmpc_controller"):
+        """All that a node has said in diagnostics, oldest first."""
+        return [s for message in self.diagnostics for s in message.status if node in s.name]
 
     def inputs(self):
         return np.array([plan_from_command(message)[0][0] for message in self.commands])

@@ -22,7 +22,7 @@ import signal
 import subprocess
 import sys
 
-DOMAIN = os.environ["ROS_DOMAIN_ID"]  # that of this worker: test/conftest.py
+DOMAIN = os.environ["DOMAIN_OF_PROCESSES"]  # this worker's: test/conftest.py
 
 
 def command(module, *arguments):
@@ -30,7 +30,7 @@ def command(module, *arguments):
 
 
 def environment():
-    return dict(os.environ)
+    return {**os.environ, "ROS_DOMAIN_ID": DOMAIN}
 
 
 def undecided():

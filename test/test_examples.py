@@ -102,6 +102,7 @@ def test_fly_over_a_link():
 
 
 @pytest.mark.nodes
+@pytest.mark.alone
 def test_add_a_fault(tmp_path):
     """The fault that is given comes before all others."""
     arguments = ["--minutes", "0.2", "--json", "--output", str(tmp_path)]
@@ -113,6 +114,7 @@ def test_add_a_fault(tmp_path):
 
 
 @pytest.mark.nodes
+@pytest.mark.alone
 def test_read_a_bag(tmp_path):
     fly = ["fly", "--config", "paper", "--set", "mission.duration=30.0", "--output", tmp_path]
     words = [sys.executable, "-m", "uav_tracking_mpc", *map(str, fly)]

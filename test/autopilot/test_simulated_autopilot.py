@@ -26,7 +26,7 @@ from uav_tracking_mpc.links.mavlink.dialect import mavlink, mavutil
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration
 
-PATIENCE = 20.0  # s; a busy machine may take long
+PATIENCE = 60.0  # s; a busy machine may take long
 PORT = 20000 + os.getpid() % 20000  # of this process alone, among those that test at once
 CONFIGURATION = load_configuration("small_uav")
 

@@ -38,7 +38,7 @@ def test_it_flies_until_it_is_told_to_end():
         assert position.lat == pytest.approx(-339000000, abs=1e5)
     finally:
         process.send_signal(signal.SIGTERM)
-        _, words = process.communicate(timeout=30.0)
+        _, words = process.communicate(timeout=60)
         connection.close()
     assert process.returncode == 0
     assert words.startswith("px4: system 7, mode LOITER, at udpout:")

@@ -68,7 +68,7 @@ def test_the_address_is_one_line_on_stderr_and_stdout_stays_clean():
         cwd=__file__.rpartition("/")[0],
         capture_output=True,
         text=True,
-        timeout=100,
+        timeout=300,
         check=True,
     )
     assert done.stdout == ""

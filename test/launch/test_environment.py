@@ -19,7 +19,9 @@ from __future__ import annotations
 import subprocess
 
 import pytest
-from processes import TERMINATE, command, environment
+from processes import DOMAIN, TERMINATE, command, environment
+
+from uav_tracking_mpc.launch.domain import own_domain
 
 pytestmark = pytest.mark.nodes
 
@@ -45,11 +47,12 @@ def until(words, *arguments, **exported):
 
 
 def test_an_exported_domain_is_flown_in_and_an_option_wins():
-    output, code = until("domain", ROS_DOMAIN_ID="93")
-    assert output.startswith("domain 93 (from ROS_DOMAIN_ID): watch with")
+    output, code = until("domain")
+    assert output.startswith(f"domain {DOMAIN} (from ROS_DOMAIN_ID): watch with")
     assert code == 0, output
-    output, _ = until("domain", "--domain-id", "94", ROS_DOMAIN_ID="93")
-    assert output.startswith("domain 94: watch with")
+    with own_domain(None) as other:
+        output, _ = until("domain", "--domain-id", str(other))
+    assert output.startswith(f"domain {other}: watch with")
 
 
 def test_a_domain_that_is_not_allowed_is_refused():

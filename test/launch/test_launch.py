@@ -86,7 +86,7 @@ def launcher():
 @pytest.mark.parametrize("number", [INTERRUPT, TERMINATE])
 def test_signals_are_passed_on_and_nothing_stays_behind(launcher, number):
     launcher.send_signal(number)
-    output = launcher.communicate(timeout=20)[0]
+    output = launcher.communicate(timeout=60)[0]
     assert launcher.returncode == 0, output
     assert not any(alive(node) for node in launcher.nodes.values())
     assert "Traceback" not in output
@@ -96,7 +96,7 @@ def test_signals_are_passed_on_and_nothing_stays_behind(launcher, number):
 @pytest.mark.parametrize("victim", ["uav_simulator", "nmpc_controller"])
 def test_a_node_that_dies_is_named_and_the_rest_is_stopped(launcher, victim):
     os.kill(launcher.nodes[victim], KILL)
-    output = launcher.communicate(timeout=20)[0]
+    output = launcher.communicate(timeout=60)[0]
     assert launcher.returncode == 1
     assert f"{victim} died with exit code -9" in output
     assert not any(alive(node) for node in launcher.nodes.values())
@@ -114,7 +114,7 @@ def test_a_launch_may_be_ended_before_it_flies():
     assert process.stderr is not None
     assert "domain" in process.stderr.readline()
     process.send_signal(INTERRUPT)
-    errors = process.communicate(timeout=30)[1]
+    errors = process.communicate(timeout=60)[1]
     assert process.returncode == 0
     assert "Traceback" not in errors
 
@@ -143,7 +143,7 @@ def test_an_interrupted_flight_says_so(tmp_path, after, words):
         if line.startswith(after):
             break
     process.send_signal(INTERRUPT)
-    output, errors = process.communicate(timeout=30)
+    output, errors = process.communicate(timeout=60)
     assert process.returncode == 130
     assert words in errors
     assert "Traceback" not in errors
@@ -164,12 +164,12 @@ def flight(tmp_path_factory):
         capture_output=True,
         text=True,
         env=undecided(),
-        timeout=110,
     )
     assert finished.returncode == 0, finished.stderr
     return output, json.loads(finished.stdout)
 
 
+@pytest.mark.alone
 def test_the_mission_is_flown_recorded_and_reported(flight):
     output, metrics = flight
     files = {
@@ -187,6 +187,7 @@ def test_the_mission_is_flown_recorded_and_reported(flight):
     assert metrics["latency_us"]["median"] > 0.0
 
 
+@pytest.mark.alone
 def test_what_was_flown_is_flown_again_bit_for_bit(flight):
     """By the controller alone, until a solve met its time budget."""
     output, metrics = flight
@@ -198,6 +199,7 @@ def test_what_was_flown_is_flown_again_bit_for_bit(flight):
     assert all(step.same for step in steps[:repeatable])
 
 
+@pytest.mark.alone
 def test_the_bag_holds_every_topic_and_reads_back_equal(flight):
     output, _ = flight
     counts = dict.fromkeys((topic.name for topic in ALL), 0)

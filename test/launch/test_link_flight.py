@@ -33,7 +33,7 @@ FLY = ("fly", "--config", "small_uav", "--json", "--link")
 def fly(output, *arguments):
     words = command("cli.main", *FLY, *arguments, "--output", output)
     env = environment() | {"PYTHONPATH": str(Path(__file__).parents[1])}
-    return subprocess.run(words, capture_output=True, text=True, env=env, timeout=100)
+    return subprocess.run(words, capture_output=True, text=True, env=env, timeout=300)
 
 
 @pytest.mark.parametrize("link", [(LINK,), ("ardupilot", "--simulated")], ids=["own", "ardupilot"])

@@ -167,7 +167,7 @@ def test_unknown_parameters_and_overrides_in_vain_are_warned_of():
         if "target is" in line:
             break
     process.terminate()
-    output += process.communicate(timeout=30.0)[0]
+    output += process.communicate(timeout=60)[0]
     warnings = [line for line in output.splitlines() if "has no effect" in line]
     assert len(warnings) == 2
     assert "'raet' is unknown" in warnings[0]

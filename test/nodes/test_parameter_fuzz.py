@@ -14,8 +14,9 @@
 
 """Absurd parameters, from the command line and from YAML: a node starts, or says why not.
 
-Every parameter of every node goes through the nodes' own front door, `run`, in this process; a few
-do so in processes of their own, for what a process alone can show.
+They go through the nodes' own front door, `run`, in this process: one parameter of each type in the
+suite, every parameter in its long form. A few do so in processes of their own, for what a process
+alone can show.
 """
 
 import os
@@ -92,28 +93,29 @@ def bare(name):
     return node
 
 
-@pytest.mark.parametrize("node", NODES)
-def test_every_parameter_from_the_command_line(node, capfd):
-    started = 0
+def of_each_type(node, count):
+    """The first parameters of each type that a node has."""
+    found = {}
     for known in specifications(SECTIONS[node]):
+        found.setdefault((type(known.default), bool(known.choices)), []).append(known)
+    return [known for alike in found.values() for known in alike[:count]]
+
+
+@pytest.mark.parametrize("count", [1, pytest.param(None, marks=pytest.mark.long)])
+@pytest.mark.parametrize("node", NODES)
+def test_parameters_from_the_command_line(node, count, capfd):
+    started = 0
+    for known in of_each_type(node, count):
         for text in ABSURD:
             arguments = ["-p", f"{known.name}:={text}"]
             started += ends_well(node, lambda: bare(node), arguments, capfd)
     assert started > 0  # some of it is allowed
 
 
-def one_of_each_type(node):
-    """The first parameter of each type that a node has."""
-    found = {}
-    for known in specifications(SECTIONS[node]):
-        found.setdefault((type(known.default), bool(known.choices)), known)
-    return found.values()
-
-
 @pytest.mark.parametrize("node", NODES)
 def test_every_type_of_parameter_from_yaml(node, capfd, tmp_path):
     file = tmp_path / "parameters.yaml"
-    for known in one_of_each_type(node):
+    for known in of_each_type(node, 1):
         for text in ABSURD:
             file.write_text(f"/**/{node}:\n  ros__parameters:\n    {known.name}: {text}\n")
             ends_well(node, lambda: bare(node), ["--params-file", str(file)], capfd)
@@ -152,9 +154,9 @@ COMPILED = (
 )
 
 
-def extremes(node):
+def extremes(node, count):
     """Both ends of what each number may be: allowed one by one, if not together."""
-    for known in specifications(SECTIONS[node]):
+    for known in of_each_type(node, count):
         if node == "nmpc_controller" and any(word in known.name for word in COMPILED):
             continue
         for value in (known.lower, known.upper):
@@ -167,10 +169,12 @@ def extremes(node):
             yield f"{known.name}:={choice}"
 
 
+@pytest.mark.parametrize("count", [2, pytest.param(None, marks=pytest.mark.long)])
 @pytest.mark.parametrize("node", NODES)
-def test_whole_nodes_start_with_what_is_just_allowed_or_say_why_not(node, capfd):
+def test_whole_nodes_start_with_what_is_just_allowed_or_say_why_not(node, count, capfd):
     started = sum(
-        ends_well(node, NODES[node], ["-p", assignment], capfd) for assignment in extremes(node)
+        ends_well(node, NODES[node], ["-p", assignment], capfd)
+        for assignment in extremes(node, count)
     )
     assert started > 0
 

@@ -21,14 +21,15 @@ import time
 import numpy as np
 import pytest
 import rclpy
-from processes import KILL, TERMINATE, command, environment
+from processes import DOMAIN, KILL, TERMINATE, command, environment
 from rclpy.executors import SingleThreadedExecutor
+from waiting import PATIENCE, spin
 
 from uav_tracking_mpc.nodes.conversions import measurement_from_odometry, plan_from_command
 from uav_tracking_mpc.nodes.topics import COMMAND, DIAGNOSTICS, ODOMETRY, TARGET
 from uav_tracking_mpc.settings.configuration import load_configuration
 
-pytestmark = pytest.mark.nodes
+pytestmark = [pytest.mark.nodes, pytest.mark.alone]
 
 LOADED = 3.0  # s of wall time from the start of the process until it is configured
 # s more to its first command: participants that miss each other's first announcements meet at the
@@ -61,7 +62,7 @@ class Nodes:
         self.file.write_text(configuration.yaml())
         self.log = (folder / "nodes.log").open("w+")
         self.context = rclpy.Context()
-        self.context.init(args=[])
+        self.context.init(args=[], domain_id=int(DOMAIN))
         self.executor = SingleThreadedExecutor(context=self.context)
         self.node = rclpy.create_node("listener", context=self.context)
         self.executor.add_node(self.node)
@@ -101,13 +102,8 @@ class Nodes:
         process.send_signal(KILL)
         process.wait()
 
-    def spin(self, until, limit):
-        deadline = time.monotonic() + limit
-        while time.monotonic() < deadline:
-            self.executor.spin_once(timeout_sec=0.05)
-            if until():
-                return True
-        return False
+    def spin(self, until, limit=PATIENCE):
+        return spin(self.executor, until, limit)
 
     def error(self):
         offset = self.states[-1].position - self.target
@@ -126,7 +122,7 @@ class Nodes:
                 log.seek(written)
                 return "orbit of 300 m" in log.read()
 
-        assert self.spin(configured, 30.0)
+        assert self.spin(configured)
         loaded = time.monotonic() - begin - waited(process.pid)
         assert loaded < LOADED
         assert self.spin(lambda: self.commands, DISCOVERY)
@@ -142,7 +138,7 @@ class Nodes:
         for process in self.processes.values():
             process.send_signal(TERMINATE)
         for process in self.processes.values():
-            process.wait(10.0)
+            process.wait(PATIENCE)
         self.node.destroy_node()
         self.executor.shutdown()
         self.context.try_shutdown()
@@ -160,7 +156,7 @@ def test_a_controller_killed_in_mid_turn_is_soon_replaced(nodes):
     nodes.start("nmpc_controller")
     nodes.start("target_publisher")
     nodes.start("uav_simulator", "start_on_command:=true", "wait_for_subscribers:=1")
-    assert nodes.spin(lambda: len(nodes.commands) > 60, 60.0)
+    assert nodes.spin(lambda: len(nodes.commands) > 60)
     assert abs(nodes.states[-1].turn_rate) > 0.05
 
     # At once: the vehicle still flies the plan of the one that is gone.
@@ -173,7 +169,7 @@ def test_a_controller_killed_in_mid_turn_is_soon_replaced(nodes):
     assert nodes.error() < 10.0
 
     # Late: the plan is flown to its end, then the wings are level.
-    assert nodes.spin(lambda: len(nodes.commands) > 60, 30.0)
+    assert nodes.spin(lambda: len(nodes.commands) > 60)
     nodes.kill("nmpc_controller")
     plan_length = nodes.parameters.horizon * nodes.parameters.horizon_step
     killed = time.monotonic()

@@ -21,6 +21,7 @@ from pathlib import Path
 import pytest
 import rclpy
 from rclpy.parameter import Parameter
+from waiting import PATIENCE
 
 from uav_tracking_mpc.nodes.autopilot_link import AutopilotLink
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
@@ -90,7 +91,9 @@ def graph():
         make(AutopilotLink, link=LINK, connection="nobody", target_system=2),
     ]
     found = asked(nodes)
-    deadline = time.monotonic() + 10.0  # the graph learns of endpoints a moment after they are made
+    deadline = (
+        time.monotonic() + PATIENCE
+    )  # the graph learns of endpoints a moment after they are made
     while "/uav/command" not in found[("topics", "publish"), "nmpc_controller"]:
         assert time.monotonic() < deadline
         time.sleep(0.5)

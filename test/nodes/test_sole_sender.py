@@ -20,7 +20,7 @@ import subprocess
 
 import pytest
 import rclpy
-from processes import KILL, command, environment
+from processes import DOMAIN, KILL, command, environment
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.parameter import Parameter
@@ -69,6 +69,14 @@ def test_without_numbers_a_dead_publisher_is_waited_for():
     heard, now = turns([None] * 10)
     assert not heard.holds(now)
     assert heard.holds(UNNUMBERED + 1.0)
+
+
+@pytest.fixture
+def context():
+    context = rclpy.Context()
+    context.init(args=[], domain_id=int(DOMAIN))
+    yield context
+    context.try_shutdown()
 
 
 @pytest.mark.nodes
@@ -122,7 +130,7 @@ def test_two_controllers_and_two_simulators_are_errors_while_they_last(context):
 
 @pytest.mark.nodes
 def test_a_killed_and_restarted_sender_is_no_second_one(context):
-    """By the executor of the nodes; its dead endpoint stays known for the 20 s of Fast DDS."""
+    """By the executor of the nodes; its dead endpoint stays known for 20 s."""
     said, counts = [], []
     node = rclpy.create_node("listener", context=context)
     senders = SoleSenders(node, (TARGET,), said.append)
@@ -130,11 +138,9 @@ def test_a_killed_and_restarted_sender_is_no_second_one(context):
     executor.add_node(node)
 
     def start():
-        own = environment()
-        del own["FASTRTPS_DEFAULT_PROFILES_FILE"]
         return subprocess.Popen(
             command("nodes.target_publisher"),
-            env=own,
+            env=environment(),
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )

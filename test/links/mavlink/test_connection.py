@@ -54,7 +54,7 @@ def pair(ports):
     theirs.close()
 
 
-def received(connection, count=1, timeout=2.0):
+def received(connection, count=1, timeout=60.0):
     """At least so many messages, unless they do not come."""
     messages, end = [], time.monotonic() + timeout
     while len(messages) < count and time.monotonic() < end:

@@ -23,6 +23,7 @@ FAST = ["nmpc_controller.control_rate=50.0", "uav_simulator.state_rate=50.0"]
 
 
 @pytest.mark.nodes
+@pytest.mark.alone
 def test_states_are_answered_and_the_echo_by_as_many_commands():
     heard = []
     results = node_latency(load_configuration("small_uav", FAST, "crosswind"), 2.0, heard.append)

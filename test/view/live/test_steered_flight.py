@@ -55,7 +55,7 @@ class SteeredFlight:
             env=environment(),
         )
         self.context = rclpy.Context()
-        self.context.init(args=[])
+        self.context.init(args=[], domain_id=int(DOMAIN))
         node = rclpy.create_node("flight_watcher", context=self.context)
         self.steering = RosSteering(node, "")
         self.newest, self.statuses, self.errors = {}, {}, []

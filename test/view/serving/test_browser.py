@@ -64,7 +64,7 @@ def test_it_opens_the_address_and_is_not_waited_for(tmp_path):
         env={**os.environ, "BROWSER": str(browser)},
         capture_output=True,
         text=True,
-        timeout=100,
+        timeout=300,
         check=True,
     )
     assert opened.read_text() == "http://127.0.0.1:1/\n"
