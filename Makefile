@@ -2,6 +2,7 @@
 # make view       fly small_uav in wind on a page in the browser: watch and steer it, until Ctrl-C
 # make test       lint, type-check and test
 # make test-long  the long forms of the tests, and the tests with the kernels of other processors
+# make golden     fly the records of test/golden again and say what differs; RECORD=1 writes them
 # make docs       build the documentation site in docs/_build, with the tables of its reference
 # make figures    fly again for docs/flight.md, margins.md, identification.md: tables and pictures
 # make gallery    take the pictures of docs/gallery.md again, with chromium: half an hour at most
@@ -24,7 +25,7 @@ NOISY := --set uav_simulator.attitude_noise=0.0087 --set uav_simulator.airspeed_
 	--set uav_simulator.velocity_noise=0.3
 REFERENCE := docs/reference/topics_and_parameters.md
 
-.PHONY: demo view test test-long lint docs figures gallery campaign clean
+.PHONY: demo view test test-long golden lint docs figures gallery campaign clean
 
 demo: $(VENV)/demo
 	@$(CLEAN) $(BIN)/uav_tracking fly --config paper --output output/demo
@@ -40,6 +41,9 @@ test: lint
 test-long: $(VENV)/test
 	$(PYTEST) -m long
 	$(CLEAN) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python test/on_every_processor.py -m "not nodes and not browser and not long" -n 2
+
+golden: $(VENV)/test
+	$(CLEAN) $(BIN)/python test/golden/golden.py $(if $(RECORD),--record)
 
 lint: $(VENV)/test
 	$(BIN)/ruff check .
