@@ -25,18 +25,18 @@ import re
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-# Name of a quantity and what may differ between processors: an absolute part in its unit, and a
-# share of the recorded value. How they were chosen is said in README.md beside this file.
+# Quantity, names, and what may differ between processors: an absolute part in the unit, a share
+# of the recorded value, and both where JSBSim flies; README.md beside this file says why.
 TOLERANCES = (
-    ("time", r"\[s\]$|_s$", 0.06, 0.0),  # a settling time is a multiple of the states' period
-    ("angle", r"\[rad\]$|_rad$", 1e-5, 0.0),
-    ("rate", r"\[rad/s\]$", 1e-4, 0.0),
-    ("position", r"\[m\]$|_m$", 1e-3, 1e-6),
-    ("speed", r"\[m/s\]$|_mps$", 1e-4, 1e-6),
-    ("acceleration", r"\[m/s\^2\]$", 1e-3, 0.0),
-    ("bank rate", r"_dps$", 1e-2, 1e-5),
-    ("cost", r"^cost$", 1e-6, 1e-5),
-    ("figure", r"", 1e-9, 1e-4),  # proof levels, margins, gains
+    ("time", r"\[s\]$|_s$", (0.06, 0.0), (0.21, 0.0)),  # multiples of the states' period
+    ("angle", r"\[rad\]$|_rad$", (1e-8, 0.0), (1e-2, 0.0)),
+    ("rate", r"\[rad/s\]$", (1e-7, 0.0), (1e-2, 0.0)),
+    ("position", r"\[m\]$|_m$", (1e-6, 1e-9), (0.3, 1e-3)),
+    ("speed", r"\[m/s\]$|_mps$", (1e-7, 1e-9), (0.03, 1e-3)),
+    ("acceleration", r"\[m/s\^2\]$", (1e-7, 0.0), (1e-2, 0.0)),
+    ("bank rate", r"_dps$", (1e-6, 1e-7), (0.1, 1e-2)),
+    ("cost", r"^cost$", (1e-8, 1e-6), (1.0, 1e-2)),
+    ("figure", r"", (1e-9, 1e-4), (1e-3, 1e-2)),  # proof levels, margins, gains
 )
 # Measured with the wall's clock: only that they are there is compared.
 WALL_TIME = re.compile(r"_us$|^solve_time$")
@@ -99,21 +99,23 @@ def differences(
     elif recorded != found or isinstance(recorded, bool) != isinstance(found, bool):
         if _is_number(recorded) and _is_number(found) and WALL_TIME.search(_name(place)):
             return
-        yield Difference(place, recorded, found, *_size(recorded, found, _name(place)))
+        yield Difference(place, recorded, found, *_size(recorded, found, place))
 
 
 def _name(place: tuple[str | int, ...]) -> str:
     return next((part for part in reversed(place) if isinstance(part, str)), "")
 
 
-def _size(recorded: Any, found: Any, name: str) -> tuple[str, float]:
+def _size(recorded: Any, found: Any, place: tuple[str | int, ...]) -> tuple[str, float]:
     """Quantity, and difference over tolerance: infinite for what is no number."""
+    name, jsbsim = _name(place), "jsbsim" in str(place[:1])
     if DIGEST.search(name) and isinstance(recorded, str) and isinstance(found, str):
         return "digest", 0.0
     numbers = _is_number(recorded) and _is_number(found)
     if not numbers or (isinstance(recorded, int) and isinstance(found, int)):
         return "value", math.inf
-    quantity, _, absolute, share = next(row for row in TOLERANCES if re.search(row[1], name))
+    quantity, _, *parts = next(row for row in TOLERANCES if re.search(row[1], name))
+    absolute, share = parts[jsbsim]
     change = abs(found - recorded)
     if quantity == "angle":
         change = abs(math.remainder(change, 2.0 * math.pi))

@@ -54,7 +54,13 @@ def test_angles_differ_by_the_short_way_round():
     found = {**RECORD, "every 2 s": {**RECORD["every 2 s"], "heading [rad]": headings}}
     difference = only(found)
     assert difference.quantity == "angle"
-    assert difference.size == pytest.approx((2.0 * math.pi - 6.28) / 1e-5)
+    assert difference.size == pytest.approx((2.0 * math.pi - 6.28) / 1e-8)
+
+
+def test_where_jsbsim_flies_the_tolerances_are_its_own():
+    flown, now = {"x [m]": 600.0}, {"x [m]": 600.1}
+    assert only({"small_uav: mission: nmpc": now}, {"small_uav: mission: nmpc": flown}).size > 1.0
+    assert only({"jsbsim_uav: mission: nmpc": now}, {"jsbsim_uav: mission: nmpc": flown}).size < 1.0
 
 
 def test_missing_and_new_keys_and_items_are_named():
