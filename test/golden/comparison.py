@@ -62,7 +62,10 @@ class Difference(NamedTuple):
     size: float
 
     def __str__(self) -> str:
-        place = "/".join(str(part) for part in self.place)
+        parts = list(map(str, self.place))
+        if len(parts) > 2 and (every := re.fullmatch(r"every (.+) s", parts[-3])):
+            parts[-1] = f"at {float(every[1]) * int(parts[-1]):g} s"
+        place = "/".join(parts)
         words = f"{place}: recorded {self.recorded!r}, now {self.found!r}"
         if not _is_number(self.recorded) or not _is_number(self.found):
             return words

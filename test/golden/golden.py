@@ -283,10 +283,10 @@ def _report(recorded: dict[str, Any], found: dict[str, Any]) -> Iterator[tuple[s
 
 
 def _in_short(unlike: list[Difference]) -> str:
-    """The worst number, and the first of what is no number."""
-    values = [each for each in unlike if math.isinf(each.size)]
-    numbers = [each for each in unlike if not math.isinf(each.size)]
-    shown = [*values[:2], *numbers[:1]]
+    """The first of what is no number, and the worst of each quantity, at most three lines."""
+    worst = {each.quantity: each for each in reversed(unlike) if math.isfinite(each.size)}
+    shown = [each for each in unlike if math.isinf(each.size)][:2]
+    shown += sorted(worst.values(), key=lambda each: -each.size)[: 3 - len(shown)]
     rest = len(unlike) - len(shown)
     return "\n    ".join([*map(str, shown), *([f"and {rest} more"] if rest else [])])
 

@@ -42,7 +42,7 @@ def test_a_number_beyond_its_tolerance_is_named_with_values():
     difference = only(found)
     assert difference.place == ("every 2 s", "x [m]", 1)
     assert difference.size > 1.0
-    assert "every 2 s/x [m]/1: recorded 560.0, now 560.5 (by 0.5," in str(difference)
+    assert "every 2 s/x [m]/at 2 s: recorded 560.0, now 560.5 (by 0.5," in str(difference)
 
 
 def test_the_last_bit_is_a_difference_within_tolerance():
