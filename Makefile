@@ -3,6 +3,7 @@
 # make test       lint, type-check and test
 # make test-long  every example and every long form, and the tests with the kernels of other processors
 # make size       files, statements, tokens and lines of code, by room
+# make golden     fly the records of test/golden again and say what differs; RECORD=1 writes them
 # make docs       build the documentation site in docs/_build, with the tables of its reference
 # make figures    fly again for docs/flight.md, margins.md, identification.md: tables and pictures
 # make gallery    take the pictures of docs/gallery.md again, with chromium: half an hour at most
@@ -24,7 +25,7 @@ NOISY := --set uav_simulator.attitude_noise=0.0087 --set uav_simulator.airspeed_
 	--set uav_simulator.velocity_noise=0.3
 REFERENCE := docs/reference/topics_and_parameters.md
 
-.PHONY: demo view test together test-long size lint docs figures gallery campaign clean
+.PHONY: demo view test together test-long golden size lint docs figures gallery campaign clean
 
 demo: $(VENV)/demo
 	@$(CLEAN) $(BIN)/uav_tracking fly --config paper --output output/demo
@@ -46,6 +47,9 @@ test-long: $(VENV)/test
 
 size:
 	@$(PYTHON) test/size.py
+
+golden: $(VENV)/test
+	$(CLEAN) $(BIN)/python test/golden/golden.py $(if $(RECORD),--record)
 
 lint: $(VENV)/test
 	$(BIN)/ruff check .
