@@ -2,6 +2,8 @@
 # make view       fly small_uav in wind on a page in the browser: watch and steer it, until Ctrl-C
 # make test       lint, type-check and test
 # make test-long  the long forms of the tests, and the tests with the kernels of other processors
+# make mutants    let the tests find 50 mutants of the package, as many as those of AGAINST=REV find;
+#                 it takes hours
 # make docs       build the documentation site in docs/_build, with the tables of its reference
 # make figures    fly again for docs/flight.md, margins.md, identification.md: tables and pictures
 # make gallery    take the pictures of docs/gallery.md again, with chromium: half an hour at most
@@ -24,7 +26,7 @@ NOISY := --set uav_simulator.attitude_noise=0.0087 --set uav_simulator.airspeed_
 	--set uav_simulator.velocity_noise=0.3
 REFERENCE := docs/reference/topics_and_parameters.md
 
-.PHONY: demo view test test-long lint docs figures gallery campaign clean
+.PHONY: demo view test test-long mutants lint docs figures gallery campaign clean
 
 demo: $(VENV)/demo
 	@$(CLEAN) $(BIN)/uav_tracking fly --config paper --output output/demo
@@ -40,6 +42,9 @@ test: lint
 test-long: $(VENV)/test
 	$(PYTEST) -m long
 	$(CLEAN) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python test/on_every_processor.py -m "not nodes and not browser and not long" -n 2
+
+mutants: $(VENV)/mutants
+	$(CLEAN) $(BIN)/python test/mutant_trial.py $(if $(AGAINST),--against $(AGAINST))
 
 lint: $(VENV)/test
 	$(BIN)/ruff check .
@@ -88,6 +93,10 @@ $(VENV)/view: $(VENV)/bin/python setup.py
 $(VENV)/test: $(VENV)/bin/python setup.py
 	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,test]'
 	@touch $@ $(VENV)/demo
+
+$(VENV)/mutants: $(VENV)/test setup.py
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[mutants]'
+	@touch $@
 
 $(VENV)/docs: $(VENV)/bin/python setup.py
 	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,docs]'
