@@ -193,9 +193,12 @@ class Copy:
                 if not failed or not self.pytest(again, cache, limit):
                     return failed if named or not failed else f"{failed}: {' '.join(files)}"
             print(f"  fails without the mutant too: {failed}", flush=True)
-            if not named:
+            if named and "::" in failed and failed not in arguments:
+                arguments += ["--deselect", failed]
+            elif named and files[1:]:
+                return self.finds(mutant, kind, [f for f in files if f not in failed], seconds)
+            else:
                 return ""
-            arguments += ["--deselect", failed]
 
     def runs(self, kind: str, file: str) -> tuple[float, list[str]]:
         """How long a test file takes, in [s], and the keys of the probes that it meets."""
@@ -212,10 +215,10 @@ class Suite:
         self.revision, self.results, self.jobs, self.output = revision, results, jobs, output
         tests = digest(git("rev-parse", f"{revision}:test", f"{revision}:pyproject.toml"))[:12]
         self.verdicts = results["verdicts"].setdefault(tests, {})
-        package = git("rev-parse", f"HEAD:{PACKAGE}")
-        self.runs = results["runs"].setdefault(f"{tests} on {package}", {})
-        listed = git("ls-tree", "-r", "--name-only", revision, "test").split()
-        self.files = [f for f in listed if re.fullmatch(r"test_.*[.]py", Path(f).name)]
+        listed = git("ls-tree", "-r", revision, "test").splitlines()
+        blobs = {path: words.split()[2] for words, path in (line.split("\t") for line in listed)}
+        self.files = [f for f in blobs if re.fullmatch(r"test_.*[.]py", Path(f).name)]
+        self.blobs = blobs
 
     def judge(self, mutants: list[Mutant], level: str, before: dict[str, str]) -> None:
         """Give each mutant a verdict; ``before`` are the files that found it at another time."""
@@ -290,10 +293,11 @@ class Suite:
             return
         for kind in KINDS_OF[level]:
             past = [f"unit {file}" for files in near for file in files]
+            runs = ((file, self._run(kind, file)) for file in self.files)
             found = sorted(
-                (run["seconds"], name.removeprefix(f"{kind} "))
-                for name, run in self.runs.items()
-                if name.startswith(f"{kind} ") and mutant.key in run["reached"] and name not in past
+                (run["seconds"], file)
+                for file, run in runs
+                if mutant.key in run["reached"] and f"{kind} {file}" not in past
             )
             for k in range(0, len(found), FILES_AT_ONCE):
                 some = found[k : k + FILES_AT_ONCE]
@@ -304,29 +308,34 @@ class Suite:
         keys, wanted = {m.key for m in mutants}, []
         for kind in KINDS_OF[level]:
             for file in self.files:
-                known = set(self.runs.get(f"{kind} {file}", {}).get("asked", ()))
-                if kind == "unit" or f"mark.{kind}" in git("show", f"{self.revision}:{file}"):
-                    wanted += [(kind, file)] if not keys <= known else []
+                known = keys <= set(self._run(kind, file)["asked"])
+                if kind == "unit" or f"mark.{kind}" in git("show", self.blobs[file]):
+                    wanted += [] if known else [(kind, file)]
         probed = with_probes(mutants)
         for copy in list(self._copies.queue):
             for path, code in probed.items():
                 copy.write(path, code)
 
         def run(copy: Copy, kind: str, file: str):
-            return f"{kind} {file}", *copy.runs(kind, file)
+            return kind, file, *copy.runs(kind, file)
 
-        for k, (name, seconds, reached) in enumerate(self._each(threads, run, wanted)):
-            old = self.runs.get(name, {"asked": [], "reached": []})
-            self.runs[name] = {
+        for k, (kind, file, seconds, reached) in enumerate(self._each(threads, run, wanted)):
+            known = self._run(kind, file)
+            self.results["runs"][f"{kind} {file} {self.blobs[file]}"] = {
                 "seconds": round(seconds, 1),
-                "asked": sorted(keys | set(old["asked"])),
-                "reached": sorted({*reached, *old["reached"]}),
+                "asked": sorted({*keys, *known["asked"]}),
+                "reached": sorted({*reached, *known["reached"]}),
             }
             self._save()
-            print(f"{k + 1} of {len(wanted)} files with probes: {name}", flush=True)
+            print(f"{k + 1} of {len(wanted)} files with probes: {file}", flush=True)
         for copy in list(self._copies.queue):
             for path in probed:
                 copy.write(path, (ROOT / path).read_text(encoding="utf-8"))
+
+    def _run(self, kind: str, file: str) -> dict:
+        """What is known of a run of a file, in whatever revision it is the same."""
+        unknown = {"seconds": 0.0, "asked": [], "reached": []}
+        return self.results["runs"].get(f"{kind} {file} {self.blobs[file]}", unknown)
 
     def _save(self) -> None:
         unfinished = self.output / "results.unfinished"
