@@ -4,6 +4,8 @@
 # make test-long  every example and every long form, and the tests with the kernels of other processors
 # make size       files, statements, tokens and lines of code, by room
 # make golden     fly the records of test/golden again and say what differs; RECORD=1 writes them
+# make mutants    let the tests find 50 mutants of the package, as many as those of AGAINST=REV find;
+#                 it takes hours
 # make docs       build the documentation site in docs/_build, with the tables of its reference
 # make figures    fly again for docs/flight.md, margins.md, identification.md: tables and pictures
 # make gallery    take the pictures of docs/gallery.md again, with chromium: half an hour at most
@@ -25,7 +27,7 @@ NOISY := --set uav_simulator.attitude_noise=0.0087 --set uav_simulator.airspeed_
 	--set uav_simulator.velocity_noise=0.3
 REFERENCE := docs/reference/topics_and_parameters.md
 
-.PHONY: demo view test together test-long golden size lint docs figures gallery campaign clean
+.PHONY: demo view test together test-long golden mutants size lint docs figures gallery campaign clean
 
 demo: $(VENV)/demo
 	@$(CLEAN) $(BIN)/uav_tracking fly --config paper --output output/demo
@@ -50,6 +52,9 @@ size:
 
 golden: $(VENV)/test
 	$(CLEAN) $(BIN)/python test/golden/golden.py $(if $(RECORD),--record)
+
+mutants: $(VENV)/mutants
+	$(CLEAN) $(BIN)/python test/mutant_trial.py $(if $(AGAINST),--against $(AGAINST))
 
 lint: $(VENV)/test
 	$(BIN)/ruff check .
@@ -98,6 +103,10 @@ $(VENV)/view: $(VENV)/bin/python setup.py
 $(VENV)/test: $(VENV)/bin/python setup.py
 	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,test]'
 	@touch $@ $(VENV)/demo
+
+$(VENV)/mutants: $(VENV)/test setup.py
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[mutants]'
+	@touch $@
 
 $(VENV)/docs: $(VENV)/bin/python setup.py
 	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,docs]'

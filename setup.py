@@ -114,6 +114,7 @@ setup(
             "viser>=1.1,<2",
             "websockets>=15",
         ],
+        "mutants": ["cosmic-ray>=8.4"],
         "docs": ["furo", "myst-parser>=4.0", "sphinx>=8.2"],
     },
     entry_points={

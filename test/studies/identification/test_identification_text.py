@@ -62,7 +62,7 @@ def test_limits_are_pasted_where_they_showed(found):
     limited = [
         replace(turn, limits=Limits(-1.0, 2.0)),
         path,
-        replace(speed, limits=Limits(upper=1.5)),
+        replace(speed, limits=Limits(upper=np.float64(1.5))),  # as the search finds them
     ]
     controller = pasted(limited)["/**/nmpc_controller"]["ros__parameters"]
     gains = [channel.estimates.gain.value for channel in found]

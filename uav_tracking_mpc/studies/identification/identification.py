@@ -73,7 +73,7 @@ class ChannelIdentification:
     def observed_limits(self) -> tuple[float | None, float | None]:
         """Limits of what is flown in [rad/s], [m/s^2] or, of a turn, bank [rad]; None: unseen."""
         gain = self.estimates.gain.value
-        found = [gain * limit if math.isfinite(limit) else None for limit in self.limits]
+        found = [float(gain * limit) if math.isfinite(limit) else None for limit in self.limits]
         if self.name == TURN:
             found = [None if tangent is None else math.atan(tangent) for tangent in found]
         return found[0], found[1]
