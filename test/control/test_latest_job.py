@@ -39,3 +39,20 @@ def test_of_what_waits_only_the_latest_counts():
     job.ask(4)
     job.wait()
     assert done[-1] == (False, 4)
+
+
+def test_work_that_raises_is_logged_and_the_next_is_done(caplog):
+    done = []
+
+    def work(number):
+        if number == 1:
+            raise KeyError("the first")
+        done.append(number)
+
+    job = LatestJob("margins", work)
+    for number in (1, 2, 3):
+        job.ask(number)
+        job.wait()
+    assert done == [2, 3]
+    assert "margins" in caplog.text
+    assert "the first" in caplog.text

@@ -167,6 +167,16 @@ def test_after_a_failure_the_next_solve_starts_cold(paper_start):
     assert after.cost == pytest.approx(fresh.cost, rel=1e-9)
 
 
+def test_a_warm_solve_that_fails_is_followed_by_a_cold_one(paper_start):
+    solver = CasadiSolver(problem_of(PAPER), "ipopt", iteration_limit=8)
+    assert solver.solve(np.array([0.1, 0.0, 0.1, 0.0, 0.0])).converged
+    asked = []
+    solver.solve(
+        tracking_error(paper_start, PAPER.orbit), elapsed=1.0, guess=lambda: asked.append(1)
+    )
+    assert asked == [1]
+
+
 @pytest.mark.parametrize("plugin", PLUGINS)
 def test_stage_inequality_hard_and_soft(plugin):
     """Velocity of a double integrator kept below 0.2."""

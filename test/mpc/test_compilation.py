@@ -19,6 +19,7 @@ import sys
 import threading
 
 import pytest
+from waiting import wait_for
 
 from uav_tracking_mpc.mpc import machine_code
 from uav_tracking_mpc.mpc.compilation import Compilation, CompilationError
@@ -79,3 +80,25 @@ def test_a_thread_that_waits_lets_the_program_end(broken, monkeypatch):
     monkeypatch.setattr(threading.main_thread(), "is_alive", lambda: False, raising=False)
     with pytest.raises(CompilationError, match="the program ends"):
         compilation.wait()
+
+
+def test_a_child_that_writes_much_does_not_wait_for_a_reader(tmp_path):
+    words = "import sys; sys.stderr.write('much\\n' * 100_000); raise ValueError('the end')\n"
+    (tmp_path / "__init__.py").write_text(words)
+    compilation = Compilation(tmp_path)
+    assert wait_for(lambda: compilation._child.poll() is not None)
+    with pytest.raises(CompilationError, match="the end"):
+        compilation.done()
+
+
+def test_a_compilation_outlives_the_thread_that_asked_for_it(tmp_path):
+    fcntl = pytest.importorskip("fcntl")
+    (tmp_path / "__init__.py").write_text("raise ValueError('it went on')\n")
+    made = []
+    with (tmp_path / machine_code.LOCK).open("a") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)  # the child waits for it
+        thread = threading.Thread(target=lambda: made.append(Compilation(tmp_path)))
+        thread.start()
+        thread.join()
+    with pytest.raises(CompilationError, match="it went on"):
+        made[0].wait()

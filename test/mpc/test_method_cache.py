@@ -58,6 +58,14 @@ def test_machine_code_of_another_user_is_not_run(places, monkeypatch):
     assert not method_cache._ours(folder.parent)
 
 
+@pytest.mark.parametrize("mode", [0o770, 0o707])
+def test_machine_code_that_others_can_write_is_not_run(places, mode):
+    folder = method_cache.method_folder(paper())
+    (folder / machine_code.DESCRIPTION).write_text("{}")
+    folder.parent.chmod(mode)
+    assert method_cache.method_folder(paper()).parent != folder.parent
+
+
 def _of_user(found, user):
     class Stat:
         st_uid = user

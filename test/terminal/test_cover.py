@@ -35,7 +35,7 @@ def test_theorem3_holds_up_to_level_1_5_on_the_exact_model():
     limit = largest_lipschitz(found.contraction, found.theorem3.left)
     loop = ClosedLoopBalls("exact", "euler", PROBLEM.orbit, PROBLEM.step, PARTS.gain)
     bound = lipschitz_bound(loop, PARTS.weight, PARTS.closed_loop, limit, 1.5)
-    assert prove(bound, time_limit=30.0).proved
+    assert prove(bound).proved
     beyond = lipschitz_bound(loop, PARTS.weight, PARTS.closed_loop, limit, 1.61)
     assert not prove(beyond, box_limit=200).proved
 
@@ -47,13 +47,18 @@ def test_tree_is_complete_and_counts_add_up():
     assert proof.boxes == len(proof.tree) == 2 * proof.leaves - 1
 
 
-def test_limits_end_a_proof_with_where_it_stopped():
-    for options, word in (({"box_limit": 5}, "boxes"), ({"time_limit": 0.0}, "limit")):
-        proof = prove(decrease(PROBLEM, PARTS, 11.0), **options)
-        assert not proof.proved
-        assert proof.tree == ""
-        assert word in proof.stuck.reason
-        assert len(proof.stuck.center) == 5
+def test_a_spent_budget_ends_a_proof_with_where_it_stopped_and_what_to_do():
+    proof = prove(decrease(PROBLEM, PARTS, 11.0), box_limit=5)
+    assert not proof.proved
+    assert proof.boxes == 5
+    assert proof.tree == ""
+    assert "budget of 5 boxes is spent" in proof.stuck.reason
+    assert "--boxes" in proof.stuck.reason
+    assert len(proof.stuck.center) == 5
+
+
+def test_a_proof_is_the_same_at_any_load():
+    assert prove(decrease(PROBLEM, PARTS, 2.8)) == prove(decrease(PROBLEM, PARTS, 2.8))
 
 
 def test_progress_is_told():

@@ -93,7 +93,7 @@ def test_neither_beyond_the_inputs_and_without_a_set():
 
 def test_a_failed_proof_writes_no_certificate():
     with pytest.raises(ValueError, match="not proved"):
-        certificate(PROBLEM, PARTS, prove_direct_condition(PROBLEM, PARTS, 3.5, time_limit=2.0))
+        certificate(PROBLEM, PARTS, prove_direct_condition(PROBLEM, PARTS, 3.5))
 
 
 def test_file_round_trip(written, tmp_path):

@@ -34,7 +34,7 @@ from uav_tracking_mpc.terminal.verify import verify
 
 def write(problem, level):
     parts = problem.ingredients()
-    proved = prove_direct_condition(problem, parts, level, time_limit=20.0)
+    proved = prove_direct_condition(problem, parts, level)
     return json.loads(json.dumps(certificate(problem, parts, proved)))
 
 
@@ -135,12 +135,51 @@ def test_shares_no_code_with_the_prover():
     source = "".join(Path(module.__file__).read_text() for module in modules)
     imported = {line.split()[1] for line in source.splitlines() if line.startswith("from uav_")}
     own = {module.__name__ for module in modules}
+    own.add("uav_tracking_mpc.parameters.registry")  # which models are installed
     assert all(name in own or name.startswith("uav_tracking_mpc.dynamics.") for name in imported)
     assert "flint" not in source
 
 
 def test_rejects_content_that_is_no_certificate():
     assert verify({}) is not None
+
+
+def test_no_file_that_a_certificate_names_is_run(written, tmp_path):
+    file = tmp_path / "model.py"
+    file.write_text(f"open({str(tmp_path / 'was_run')!r}, 'w')\n")
+    content = copy.deepcopy(written)
+    content["problem"]["model"] = f"{file}:Exact"
+    content["digest"] = digest(content)
+    assert "model" in verify(content)
+    assert not (tmp_path / "was_run").exists()
+
+
+def test_rejects_a_model_whose_rates_on_the_orbit_are_only_small(written, monkeypatch):
+    right = Exact.rates
+
+    def drifting(self, state, inputs):
+        rates = right(self, state, inputs)
+        rates[2] = rates[2] + 5e-10
+        return rates
+
+    monkeypatch.setattr(Exact, "rates", drifting)
+    assert "does not vanish" in verify(written)
+    with pytest.raises(ArithmeticError, match="altitude"):
+        write(paper_problem(), 1.0)
+
+
+def test_rejects_a_level_that_keeps_no_margin_below_the_bound_of_an_input():
+    problem = paper_problem()
+    parts = problem.ingredients()
+    bound = prove_direct_condition(problem, parts, 1.0).inputs
+    level = bound.level * (1.0 - 1e-12)
+    proved = prove_direct_condition(problem, parts, level)
+    assert not proved.holds
+    assert bound.name in proved.reason
+    claimed = replace(proved, inputs=replace(bound, level=1.01 * level))
+    content = json.loads(json.dumps(certificate(problem, parts, claimed)))
+    assert "input 0 exceeds" in verify(content) or "input 1 exceeds" in verify(content)
+    assert verify(write(problem, bound.level * (1.0 - 1e-6))) is None
 
 
 def test_rejects_when_the_model_has_a_sign_error(written, monkeypatch):

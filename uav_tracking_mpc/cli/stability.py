@@ -56,6 +56,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_output_arguments(parser, "stability.json, certificate.json and figures")
     count = number(int, 1)
     parser.add_argument("--verify", type=existing_file, metavar="FILE", help="check a certificate")
+    parser.add_argument(
+        "--boxes", type=count, metavar="N", help="budget of each proof in boxes (default: 20000)"
+    )
     parser.add_argument("--design", action="store_true", help="search rho and the weights")
     parser.add_argument("--maps", action="store_true", help="map the domain of attraction")
     parser.add_argument("--points", type=count, default=25, help="of a map along each coordinate")
@@ -145,8 +148,9 @@ def _designed(arguments: argparse.Namespace, problem: StabilityProblem) -> Found
 
     from uav_tracking_mpc.report.atomic_write import write_json
     from uav_tracking_mpc.studies.stability.design import candidate_table, design
+    from uav_tracking_mpc.terminal.cover import BOXES
 
-    found = design(problem, _say)
+    found = design(problem, _say, boxes=arguments.boxes or BOXES)
     if arguments.output is not None:
         write_json(arguments.output / "design.json", asdict(found))
     words = [found.words, candidate_table(found).as_rich()]
@@ -155,9 +159,11 @@ def _designed(arguments: argparse.Namespace, problem: StabilityProblem) -> Found
 
 def _analysed(arguments: argparse.Namespace, problem: StabilityProblem) -> Found:
     from uav_tracking_mpc.studies.stability.stability_study import in_words, stability_study
+    from uav_tracking_mpc.terminal.cover import BOXES
 
     study = stability_study(
         problem,
+        boxes=arguments.boxes or BOXES,
         campaign=arguments.campaign or 0,
         points=arguments.points if arguments.maps else 0,
         workers=arguments.jobs,

@@ -16,9 +16,12 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections.abc import Callable
 from typing import Generic, TypeVar
+
+logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
 
@@ -28,7 +31,8 @@ class LatestJob(Generic[T]):
 
     Args:
         name: Of the thread.
-        work: Called in that thread with each thing that is asked for; raises nothing.
+        work: Called in that thread with each thing that is asked for. An exception of its ends that
+            one thing: it is logged, and the next one is done.
     """
 
     def __init__(self, name: str, work: Callable[[T], None]) -> None:
@@ -62,4 +66,7 @@ class LatestJob(Generic[T]):
                 if not waiting:
                     self._thread = None
                     return
-            self._work(*waiting)
+            try:
+                self._work(*waiting)
+            except Exception:
+                logger.exception("work of thread %s failed", self._name)

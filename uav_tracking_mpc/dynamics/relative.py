@@ -82,6 +82,38 @@ def steady_inputs(model: str, orbit: Orbit) -> NDArray[np.float64]:
     return np.array([-drift.bearing, 0.0, 0.0])
 
 
+def vanishing_rates(model: str) -> RelativeState:
+    """Which rates are 0 at every steady orbit by the structure of the model's expressions.
+
+    There cos(theta) and chi are 0 exactly; every other number stays a symbol. So what is said here
+    holds of real numbers, where a value computed with rounding only says that a rate is small.
+
+    Args:
+        model: Name of a relative model.
+    """
+    rates = rates_function(model)
+    place = RelativeState(*(ca.SX.sym(name) for name in STATE_NAMES))
+    inputs = [ca.vertcat(*place._replace(path_angle=ca.SX(0))), ca.SX(NU, 1)]
+    work: dict[int, ca.SX] = {}
+    found = [ca.SX(0)] * NX
+    for k in range(rates.n_instructions()):
+        code = rates.instruction_id(k)
+        ins, outs = rates.instruction_input(k), rates.instruction_output(k)
+        if code == ca.OP_OUTPUT:
+            found[outs[1]] = work[ins[0]]
+        elif code == ca.OP_INPUT:
+            work[outs[0]] = inputs[ins[0]][ins[1]]
+        elif code == ca.OP_CONST:
+            work[outs[0]] = ca.SX(rates.instruction_constant(k))
+        elif code == ca.OP_COS and ca.is_equal(work[ins[0]], place.bearing):
+            work[outs[0]] = ca.SX(0)
+        elif len(ins) == 1:
+            work[outs[0]] = ca.SX.unary(code, work[ins[0]])
+        else:
+            work[outs[0]] = ca.SX.binary(code, *(work[i] for i in ins))
+    return RelativeState(*(entry.is_zero() for entry in found))
+
+
 def relative_state(vehicle: ArrayLike, target: ArrayLike) -> NDArray[np.float64]:
     """Relative state (r, theta, z, chi, v) of a vehicle, (4) and (5).
 

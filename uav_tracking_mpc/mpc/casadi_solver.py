@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from typing import Any
@@ -52,7 +53,7 @@ class CasadiSolver:
         plugin: ``ipopt`` or ``fatrop``. fatrop is four times as fast, but has been seen never to
             return where the model has no value (a state outside its domain): not for flight.
         tolerance: Of the plugin's scaled optimality conditions [-].
-        iteration_limit: Per solve.
+        iteration_limit: Per attempt; a solve makes up to two.
         time_limit: Wall time per solve in [s], IPOPT only, which looks at it once an iteration.
 
     Raises:
@@ -66,7 +67,7 @@ class CasadiSolver:
         plugin: str = "ipopt",
         tolerance: float = 1e-8,
         iteration_limit: int = 200,
-        time_limit: float = 1.0,
+        time_limit: float = math.inf,
     ) -> None:
         if plugin not in PLUGINS:
             raise ValueError(f"plugin is {plugin!r}, must be one of {', '.join(PLUGINS)}")
@@ -116,7 +117,7 @@ class CasadiSolver:
                 "tol": tolerance,
                 "max_iter": self._iteration_limit,
                 "mu_strategy": "adaptive",
-                "max_wall_time": time_limit / 2.0,  # a cold solve makes two attempts
+                "max_wall_time": time_limit / 2.0,  # a solve makes up to two attempts
             }
             return options
         structure = self._program
@@ -161,16 +162,21 @@ class CasadiSolver:
             message = f"initial state {x_0} or a parameter is not finite"
             return self._unsolved(Status.REFUSED, message, begin)
         warm = elapsed is not None and self._last is not None
-        self._nlpsol = self._warm if warm else self._cold
-        guesses = plan_guesses(
-            problem,
-            x_0,
-            self._last,
-            elapsed,
-            guess,
-            lambda inputs, decision: self._program.rollout(x_0, inputs, p, decision),
-        )
-        solutions = [self._solve_from(*guess, x_0, p, begin) for guess in guesses]
+        solutions: list[Solution] = []
+        for last in (self._last, None) if warm else (None,):
+            self._nlpsol = self._cold if last is None else self._warm
+            guesses = plan_guesses(
+                problem,
+                x_0,
+                last,
+                elapsed,
+                guess,
+                lambda inputs, decision: self._program.rollout(x_0, inputs, p, decision),
+            )
+            for start in guesses[: 2 - len(solutions)]:
+                solutions.append(self._solve_from(*start, x_0, p, begin))
+            if solutions[-1].status in (Status.CONVERGED, Status.TIME_LIMIT):
+                break
         solution = min(solutions, key=lambda s: (not s.converged, s.violation > 1e-6, s.cost))
         self._last = solution if solution.converged else None
         return solution

@@ -20,8 +20,10 @@ import logging
 import os
 import subprocess
 import sys
+import tempfile
 import threading
 import time
+from concurrent.futures import Future
 from pathlib import Path
 
 from uav_tracking_mpc.mpc import machine_code
@@ -59,20 +61,32 @@ class Compilation:
         if aside and sys.platform == "linux":
             command = ["nice", "-n", str(COURTESY), *command]
         self._given_up = False
-        self._child: subprocess.Popen[str] | None = None
+        self._child: subprocess.Popen[bytes] | None = None
         if machine_code.finished(folder):
             self._seconds = 0.0
             return
-        self._child = subprocess.Popen(
-            command,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-            errors="replace",
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
-            start_new_session=True,  # Ctrl-C reaches this process alone, which ends the child
-        )
+        # A file, not a pipe: a child that writes more than a pipe holds would wait for a reader.
+        self._words = tempfile.TemporaryFile("w+", errors="replace")  # noqa: SIM115
+        started: Future[subprocess.Popen[bytes]] = Future()
+        threading.Thread(target=self._run, args=(command, started), daemon=True).start()
+        self._child = started.result()
+
+    def _run(self, command: list[str], started: Future[subprocess.Popen[bytes]]) -> None:
+        """Start the child and outlive it: Linux ends a child with the thread that started it."""
+        try:
+            child = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=self._words,
+                env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+                start_new_session=True,  # Ctrl-C reaches this process alone, which ends the child
+            )
+        except BaseException as error:  # raised where the child was asked for
+            started.set_exception(error)
+            return
+        started.set_result(child)
+        child.wait()
 
     @property
     def seconds(self) -> float:
@@ -91,10 +105,12 @@ class Compilation:
             return True
         if self._child.poll() is None:
             return False
-        _, words = self._child.communicate()
         self._seconds = self.seconds
         if not machine_code.finished(self.folder):
-            last = (words.strip().splitlines() or [f"exit code {self._child.returncode}"])[-1]
+            self._words.seek(0)
+            last = (
+                self._words.read().strip().splitlines() or [f"exit code {self._child.returncode}"]
+            )[-1]
             raise CompilationError(f"the solver could not be compiled in {self.folder}: {last}")
         return True
 
@@ -127,4 +143,4 @@ class Compilation:
         if self._child is not None and self._child.poll() is None:
             self._given_up = True
             self._child.kill()
-            self._child.communicate()
+            self._child.wait()

@@ -100,7 +100,8 @@ def _ours(place: Path) -> bool:
     if not hasattr(os, "getuid"):
         return True
     try:
-        return place.stat().st_uid in (os.getuid(), 0)
+        found = place.stat()
+        return found.st_uid in (os.getuid(), 0) and not found.st_mode & 0o022
     except OSError:
         return False
 

@@ -61,10 +61,17 @@ def test_words_name_what_binds(model_11):
 
 
 def test_orbit_too_tight_for_the_turn_rate_says_so():
-    found = analyse(
-        paper_problem(orbit=Orbit(range=51.0, altitude=50.0, speed=9.0)), time_limit=0.2
-    )
+    found = analyse(paper_problem(orbit=Orbit(range=51.0, altitude=50.0, speed=9.0)), boxes=100)
     assert not found.certified
     assert "steady input" in found.binding
     assert as_json(found)["varrho"]["certified"] == 0.0
     assert "NOT CERTIFIED" in as_words(found)
+
+
+def test_a_search_that_stops_for_its_budget_says_so_and_what_to_do():
+    found = analyse(paper_problem(), boxes=3)
+    assert not found.certified
+    *_, verdict = as_words(found).splitlines()
+    assert "NOT CERTIFIED" in verdict
+    assert "budget of 3 boxes is spent" in verdict
+    assert "--boxes" in verdict

@@ -30,9 +30,10 @@ import numpy as np
 
 from uav_tracking_mpc.terminal.admissible import Limit, domain_limits, input_limits, lowest
 from uav_tracking_mpc.terminal.ball import PRECISION, flint
-from uav_tracking_mpc.terminal.cover import Proof, prove
+from uav_tracking_mpc.terminal.cover import BOXES, Proof, prove
 from uav_tracking_mpc.terminal.direct_condition import (
     DirectCondition,
+    allowed_level,
     decrease,
     prove_direct_condition,
 )
@@ -60,7 +61,7 @@ class LevelBound:
         proved: It holds on every ellipsoid up to this level [-]; 0 if none could be proved.
         violation: The lowest level [-] at which a state breaks it, or None if none was found.
         state: That state in error coordinates, [m, rad, m, rad, m/s].
-        proof: The proof at ``proved``.
+        proof: The proof at ``proved``; where nothing was proved, the last attempt, if any.
     """
 
     proved: float
@@ -130,7 +131,7 @@ class Analysis:
     def binding(self) -> str:
         """Which limit is in the way of a larger terminal set, in words."""
         if self.direct is None:
-            return obstacle(self.inputs, self.domain)
+            return obstacle(self.inputs, self.domain, self.decrease.proof)
         levels = {
             f"U: {self.inputs.name}": self.inputs.level,
             f"the model's domain: {self.domain.name}": self.domain.level,
@@ -139,29 +140,29 @@ class Analysis:
         return min(levels, key=lambda name: levels[name])
 
 
-def obstacle(inputs: Limit, domain: Limit) -> str:
+def obstacle(inputs: Limit, domain: Limit, decrease: Proof | None = None) -> str:
     """Why not even a small ellipsoid is a terminal set.
 
     Args:
         inputs: The input limit that binds first.
         domain: The domain limit that binds first.
+        decrease: The last attempt to prove the decrease, if there was one.
     """
     if inputs.level <= 0.0:
         return f"{inputs.name}: the steady input of the orbit is outside it"
     if domain.level <= 0.0:
         return f"{domain.name}: not even at the orbit"
-    return "the decrease of V_f"
+    stuck = None if decrease is None else decrease.stuck
+    return "the decrease of V_f" + ("" if stuck is None else f": {stuck.reason}")
 
 
-def analyse(
-    problem: StabilityProblem, say: Say | None = None, time_limit: float = 12.0
-) -> Analysis:
+def analyse(problem: StabilityProblem, say: Say | None = None, boxes: int = BOXES) -> Analysis:
     """Carry out Section 5.
 
     Args:
         problem: The configuration.
         say: Told in words what is being done.
-        time_limit: Of each single proof in [s].
+        boxes: Budget of each single proof.
     """
     say = say or (lambda text: None)
     ingredients, dynamics = problem.ingredients(), problem.dynamics()
@@ -176,26 +177,24 @@ def analyse(
     excess = Excess(dynamics, gain, weight, weight - star)
     found = lowest_violation(excess, ceiling) if ceiling > 0.0 else None
     say("decrease of V_f: proving")
-    reach = _reach(lambda level: decrease(problem, ingredients, level), found, ceiling, time_limit)
+    reach = _reach(lambda level: decrease(problem, ingredients, level), found, ceiling, boxes)
     refuted = found is not None and is_violated(
         decrease(problem, ingredients, found.level * (1.0 + 1e-9)), found.state
     )
 
     direct = None
-    top = min(inputs.level, domain.level, reach.proved) * (1.0 - 1e-6)
+    top = min(allowed_level(inputs, domain), reach.proved)
     if top > 0.0:
         say(f"direct condition: proving at level {top:.4g}")
         for share in (1.0, *_SHARES[2:]):
-            direct = prove_direct_condition(
-                problem, ingredients, share * top, time_limit=time_limit
-            )
+            direct = prove_direct_condition(problem, ingredients, share * top, boxes)
             if direct.holds:
                 break
 
     # The level at which L is wanted: the terminal set's, or whatever U would allow.
     level = direct.level if direct is not None else max(min(inputs.level, ceiling), 0.1)
     say(f"Lipschitz constant at level {level:.4g}")
-    lipschitz = lipschitz_constant(problem, ingredients, level, loop, time_limit)
+    lipschitz = lipschitz_constant(problem, ingredients, level, loop, boxes)
     quantities = theorem_quantities(
         ingredients, problem.state_weight, problem.input_weight, lipschitz.upper, problem.horizon
     )
@@ -203,7 +202,7 @@ def analyse(
     for name, allowance in (("2", quantities.theorem2.left), ("3", quantities.theorem3.left)):
         say(f"Theorem {name}: how far its condition reaches")
         constant = largest_lipschitz(quantities.contraction, allowance)
-        theorems.append(lipschitz_reach(problem, ingredients, constant, ceiling, loop, time_limit))
+        theorems.append(lipschitz_reach(problem, ingredients, constant, ceiling, loop, boxes))
     return Analysis(
         problem=problem,
         ingredients=ingredients,
@@ -224,7 +223,7 @@ def lipschitz_constant(
     ingredients: TerminalIngredients,
     level: float,
     loop: ClosedLoopBalls | None = None,
-    time_limit: float = 12.0,
+    boxes: int = BOXES,
 ) -> LipschitzBound:
     """L(varrho) of (31): a maximum found from below, and a bound proved from above.
 
@@ -233,7 +232,7 @@ def lipschitz_constant(
         ingredients: A_K and P_rho.
         level: varrho [-].
         loop: The closed loop in ball arithmetic, if it is at hand.
-        time_limit: Of each proof in [s].
+        boxes: Budget of each proof.
     """
     weight, linear = ingredients.weight, ingredients.closed_loop
     loop = loop or ClosedLoopBalls(
@@ -241,17 +240,17 @@ def lipschitz_constant(
     )
     zero = np.zeros_like(weight)
     best = largest_ratio(Excess(problem.dynamics(), ingredients.gain, weight, zero, linear), level)
-    upper, left = float("inf"), 2.0 * time_limit
+    upper, left = float("inf"), 2 * boxes
     for factor in (1.01, 1.03, 1.05, 1.15, 1.5, 2.0):
         constant = factor * best.level
         with flint().ctx.workprec(PRECISION):
             bound = lipschitz_bound(loop, weight, linear, constant, level)
-        proof = prove(bound, time_limit=min(time_limit, left))
+        proof = prove(bound, min(boxes, left))
         if proof.proved:
             upper = constant
             break
-        left -= proof.seconds
-        if left <= 0.0:
+        left -= proof.boxes
+        if left <= 0:
             break
     return LipschitzBound(level, best.level, upper, tuple(best.state.tolist()))
 
@@ -262,7 +261,7 @@ def lipschitz_reach(
     constant: float,
     ceiling: float,
     loop: ClosedLoopBalls,
-    time_limit: float = 12.0,
+    boxes: int = BOXES,
 ) -> LevelBound:
     """The largest varrho with L(varrho) <= constant, proved and refuted.
 
@@ -272,7 +271,7 @@ def lipschitz_reach(
         constant: What (29) or (41) leaves for L [-].
         ceiling: Levels above [-] are not looked at.
         loop: The closed loop in ball arithmetic.
-        time_limit: Of each proof in [s].
+        boxes: Budget of each proof.
     """
     weight, linear = ingredients.weight, ingredients.closed_loop
     excess = Excess(problem.dynamics(), ingredients.gain, weight, constant**2 * weight, linear)
@@ -282,22 +281,22 @@ def lipschitz_reach(
         with flint().ctx.workprec(PRECISION):
             return lipschitz_bound(loop, weight, linear, constant, level)
 
-    return _reach(bound, found, ceiling if constant > 0.0 else 0.0, time_limit)
+    return _reach(bound, found, ceiling if constant > 0.0 else 0.0, boxes)
 
 
 def _reach(
-    bound: Callable[[float], Any], found: Violation | None, ceiling: float, time_limit: float
+    bound: Callable[[float], Any], found: Violation | None, ceiling: float, boxes: int
 ) -> LevelBound:
-    """Prove a bound as near to its known violation as the time allows."""
+    """Prove a bound as near to its known violation as the budget allows."""
     limit = ceiling if found is None else min(found.level, ceiling)
     violation = None if found is None else found.level
     state = None if found is None else tuple(found.state.tolist())
-    left = 2.0 * time_limit
+    proof, left = None, 2 * boxes
     for share in _SHARES if limit > 0.0 else ():
-        proof = prove(bound(share * limit), time_limit=min(time_limit, left))
+        proof = prove(bound(share * limit), min(boxes, left))
         if proof.proved:
             return LevelBound(share * limit, violation, state, proof)
-        left -= proof.seconds
-        if left <= 0.0:
+        left -= proof.boxes
+        if left <= 0:
             break
-    return LevelBound(0.0, violation, state, None)
+    return LevelBound(0.0, violation, state, proof)

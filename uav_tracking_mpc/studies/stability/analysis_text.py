@@ -86,7 +86,7 @@ def _proof(bound: LevelBound) -> dict[str, Any] | None:
         "boxes": proof.boxes,
         "leaves": proof.leaves,
         "depth": proof.depth,
-        "seconds": round(proof.seconds, 3),
+        "stopped": None if proof.stuck is None else proof.stuck.reason,
     }
 
 
@@ -141,4 +141,7 @@ def _reach(name: str, bound: LevelBound) -> str:
     known = (
         "no violation known" if bound.violation is None else f"violated at {bound.violation:.4g}"
     )
-    return f"  {name}: proved up to varrho = {bound.proved:.4g}, {known}"
+    words = f"  {name}: proved up to varrho = {bound.proved:.4g}, {known}"
+    if bound.proof is None or bound.proof.stuck is None:
+        return words
+    return f"{words}; not proved beyond: {bound.proof.stuck.reason}"

@@ -30,7 +30,8 @@ import numpy as np
 from uav_tracking_mpc.report.table import Table
 from uav_tracking_mpc.studies.stability.analysis import obstacle
 from uav_tracking_mpc.terminal.admissible import domain_limits, input_limits, lowest
-from uav_tracking_mpc.terminal.direct_condition import prove_direct_condition
+from uav_tracking_mpc.terminal.cover import BOXES
+from uav_tracking_mpc.terminal.direct_condition import allowed_level, prove_direct_condition
 from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
 from uav_tracking_mpc.terminal.theorems import q_star
 from uav_tracking_mpc.terminal.violation import Excess, directions, lowest_violation
@@ -86,6 +87,7 @@ def design(
     say: Callable[[str], None] | None = None,
     scalings: tuple[float, ...] = SCALINGS,
     input_factors: tuple[float, ...] = INPUT_FACTORS,
+    boxes: int = BOXES,
 ) -> Design:
     """Search rho and the scale of R against Q.
 
@@ -94,6 +96,7 @@ def design(
         say: Told what is being done.
         scalings: Values of rho [-].
         input_factors: Factors of R [-].
+        boxes: Budget of each proof.
     """
     say = say or (lambda text: None)
     raw = [_candidate(problem, problem.scaling, 1.0, problem)]
@@ -112,9 +115,10 @@ def design(
             break
         say(f"proving rho = {candidate.scaling:g}, R times {candidate.input_factor:g}")
         changed = changed_problem(problem, candidate.scaling, candidate.input_factor)
-        proved = prove_direct_condition(changed, changed.ingredients(), candidate.level).holds
-        ranked[index] = replace(candidate, proved=proved)
-        if proved:
+        outcome = prove_direct_condition(changed, changed.ingredients(), candidate.level, boxes)
+        say(outcome.reason)
+        ranked[index] = replace(candidate, proved=outcome.holds)
+        if outcome.holds:
             best = ranked[index]
             break
     return Design(relative[0], tuple(ranked), best, _words(problem, relative[0], best))
@@ -141,7 +145,7 @@ def _candidate(
     weight = parts.weight
     inputs = lowest(input_limits(changed, parts.gain, weight))
     domain = lowest(domain_limits(changed, weight))
-    ceiling = min(inputs.level, domain.level) * (1.0 - 1e-6)
+    ceiling = allowed_level(inputs, domain)
     cost = _cost(asked, parts.gain)
     nothing = (0.0,) * 5
     if ceiling <= 0.0:

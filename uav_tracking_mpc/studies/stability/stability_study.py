@@ -39,6 +39,7 @@ from uav_tracking_mpc.studies.stability.stability_figures import (
     maps_figure,
 )
 from uav_tracking_mpc.terminal.certificate import certificate
+from uav_tracking_mpc.terminal.cover import BOXES
 from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
 
 HORIZONS = (10, 20, 30)  # of the maps
@@ -96,6 +97,7 @@ class StabilityStudy:
 def stability_study(
     problem: StabilityProblem,
     *,
+    boxes: int = BOXES,
     campaign: int = 0,
     points: int = 0,
     workers: int | None = None,
@@ -105,12 +107,13 @@ def stability_study(
 
     Args:
         problem: The configuration.
+        boxes: Budget of each proof.
         campaign: Random states to fly; 0 for none.
         points: Of the maps along each coordinate; 0 for no maps.
         workers: Processes for maps and campaign; all cores by default.
         say: Told in words what is being done.
     """
-    analysis = analyse(problem, say)
+    analysis = analyse(problem, say, boxes)
     say("the paper, quantity by quantity")
     rows = paper_report.paper_report()
     content = {
