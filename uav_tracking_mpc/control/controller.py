@@ -108,7 +108,7 @@ class Controller:
 
     def _forget(self) -> None:
         """Forget what belongs to a time or a place that is no more."""
-        for part in (self.navigator, self._pace, self.rate, self._shaper, self._plan):
+        for part in (self.navigator, self.rate, self._shaper, self._plan):
             part.reset()
         self._shortfall.reset()
         self.response.interrupt()
@@ -152,7 +152,7 @@ class Controller:
         if parameters.direction != self.parameters.direction:
             self._direction = None
         self._shaper.change(parameters)
-        self._pace, self.rate.rate = Pace(parameters.control_rate), parameters.control_rate
+        self._pace.period, self.rate.rate = 1.0 / parameters.control_rate, parameters.control_rate
         self._gate.timeout, self.parameters = parameters.state_timeout, parameters
         self._choose()
         self.events.add(Level.INFO, f"from now on {self.orbit.in_short}, {parameters.direction}")
