@@ -86,8 +86,9 @@ def test_an_earlier_plan_is_not_flown_for_ever(controller, start):
     late = controller._fly(2.1, start)
     assert (late.mode, late.reason) == (FallbackMode.LOITER, "told to")
     np.testing.assert_allclose(late.inputs[0], bridged.inputs[0], atol=1e-12)
-    later = controller._fly(2.1 + FADE_TIME, start)
-    np.testing.assert_allclose(later.inputs, [law], atol=1e-12)
+    later = controller._fly(2.1 + 3.0 * FADE_TIME, start)
+    left = np.exp(-3.0) * (bridged.inputs[0] - law)
+    np.testing.assert_allclose(later.inputs, [law + left], atol=1e-12)
 
 
 def test_after_a_failure_it_returns_to_optimal_plans(controller, start):

@@ -31,8 +31,8 @@ from uav_tracking_mpc.control.excitation import Excitation
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
-# s, time constant of the offset that a change leaves. Changes that come with every command make it a
-# lag in the loop: it must stay below the delay margin that is asked for by default.
+# s, time constant of the offset that a change leaves. Changes with every command make it a lag in
+# the loop, which must stay below the delay margin that is asked for by default.
 FADE_TIME = 0.25
 TURN = 0  # axis of u_psi among the inputs
 

@@ -45,6 +45,7 @@ from uav_tracking_mpc.control.orbit_shortfall import OrbitShortfall
 from uav_tracking_mpc.control.pace import Pace
 from uav_tracking_mpc.control.plan_memory import PlanMemory
 from uav_tracking_mpc.control.rate_keeper import RateKeeper
+from uav_tracking_mpc.dynamics.response import Response
 from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
 from uav_tracking_mpc.estimation.navigator import Estimate, Navigator
 from uav_tracking_mpc.estimation.situation import Situation
@@ -103,7 +104,7 @@ class Controller:
         """Forget aircraft, air, target, plans and commands; counts stay."""
         self._gate.reset()
         self.flying = False
-        self._fly_by(self.response.reset())
+        self._respond(self.response.reset())
         self._forget()
 
     def _forget(self) -> None:
@@ -148,7 +149,10 @@ class Controller:
         """
         parameters = changed(self.parameters, values)
         self.check(parameters)
-        self._fly_by(self.response.tell(parameters))
+        self.navigator.change(parameters)
+        if self.formulation is not None:
+            self.formulation.change(parameters)
+        self._respond(self.response.tell(parameters))
         if parameters.direction != self.parameters.direction:
             self._direction = None
         self._shaper.change(parameters)
@@ -157,12 +161,12 @@ class Controller:
         self._choose()
         self.events.add(Level.INFO, f"from now on {self.orbit.in_short}, {parameters.direction}")
 
-    def _fly_by(self, parameters: TrackingParameters | None) -> None:
-        """Predict with other parameters from now on; with None as before."""
-        if parameters is not None:
-            self.navigator.change(parameters)
+    def _respond(self, response: Response | None) -> None:
+        """Predict with another response from now on; with None as before."""
+        if response is not None:
+            self.navigator.respond(response)
             if self.formulation is not None:
-                self.formulation.change(parameters)
+                self.formulation.respond(response)
 
     def _choose(self) -> None:
         """Fly the orbit that is asked for, in the nearest direction once that is chosen."""
@@ -239,7 +243,7 @@ class Controller:
             return None
         if not self.flying:
             self.navigator.begin(now - stamp)
-        self._fly_by(self.response.follow(stamp))
+        self._respond(self.response.follow(stamp))
         command = self._answer(measurement)
         taken = self._stopwatch() - begin
         if taken > self.parameters.state_timeout:
@@ -351,7 +355,7 @@ class Controller:
         present: Situation | None = None,
     ) -> Command:
         mode, reason = self.modes.mode, self.modes.reason
-        inputs = self._shaper.shape(stamp, inputs / self.response.gain, step, airspeed, mode)
+        inputs = self._shaper.shape(stamp, inputs / self.response.flown.gains, step, airspeed, mode)
         inputs = self._shaper.excitation.added(stamp, inputs, mode, self.orbit, present)
         shape = self._plan.orbit if mode.planned else None
         flown = orbit_from(present, self.navigator.wind, self.orbit, shape)

@@ -30,7 +30,8 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.control.guidance import formulation_of, law_about, law_of
 from uav_tracking_mpc.control.loop_margins import UNSTABLE, LoopMargins, loop_margins
 from uav_tracking_mpc.control.orbit_deviation import SIZE, STEPS, FrozenOrbit
-from uav_tracking_mpc.control.sampled_loop import Response, SampledLoop, sampled_loop
+from uav_tracking_mpc.control.sampled_loop import SampledLoop, sampled_loop
+from uav_tracking_mpc.dynamics.response import Response
 from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.settings.tracking import TrackingParameters
@@ -66,7 +67,7 @@ class OrbitLoop:
     def _take(self, parameters: TrackingParameters) -> None:
         self.parameters, law = parameters, law_of(parameters)
         self._law = None if law is None else law_about(law, parameters.orbit, parameters)
-        self.told = Response(parameters.vehicle.lags, parameters.commanded_dead_time, np.ones(3))
+        self.told = parameters.response
         if self._formulation is not None:
             unhurried = replace(parameters, solve_time_max=SOLVE_TIME_MAX)
             self._formulation.change(unhurried)

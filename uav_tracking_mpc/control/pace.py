@@ -33,7 +33,7 @@ class Pace:
     def due(self, stamp: float) -> bool:
         """Whether the state of this stamp is the one to answer.
 
-        Time lost is not caught up with: after a gap, and where time went back, the pace starts anew.
+        Lost time is not made up for: after a gap, and where time went back, the pace starts anew.
 
         Args:
             stamp: In [s].
