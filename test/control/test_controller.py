@@ -160,7 +160,7 @@ def test_a_level_flight_that_is_no_number_does_not_outlast_itself(controller, st
     vehicle = np.array([0.0, 0.0, 50.0, 1.0, path_angle, 4.0])
     held = controller._hold(0.05, vehicle, "no target position")
     assert np.all(np.isfinite(held.inputs))
-    expected = 0.8 * held.inputs  # what fades out, by a fifth of the time
+    expected = np.exp(-0.1 / FADE_TIME) * held.inputs
     vehicle[4] = 0.0
     np.testing.assert_allclose(controller._hold(0.15, vehicle, "").inputs[0, 0], expected[0, 0])
 

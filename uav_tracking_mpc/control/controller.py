@@ -39,7 +39,7 @@ from uav_tracking_mpc.control.command import Command, orbit_from
 from uav_tracking_mpc.control.command_shaping import CommandShaper
 from uav_tracking_mpc.control.direction import nearest_direction
 from uav_tracking_mpc.control.event import EventLog, Level
-from uav_tracking_mpc.control.fallback import Available, FallbackMode, ModeSelector
+from uav_tracking_mpc.control.fallback import Available, FallbackMode, ModeSelector, choose
 from uav_tracking_mpc.control.guidance import formulation_of, law_about, law_inputs, law_of, planned
 from uav_tracking_mpc.control.orbit_shortfall import OrbitShortfall
 from uav_tracking_mpc.control.pace import Pace
@@ -203,10 +203,14 @@ class Controller:
         Raises:
             MeasurementError: Not finite, not of its shape, or stamped by another clock.
         """
-        if (lead := self._gate.lead(stamp)) > self.parameters.target_timeout:
+        lead, newest = self._gate.lead(stamp), self.navigator.target.time
+        # While no state comes, targets may: what matters is the step from the newest of both.
+        step = lead if newest is None else min(lead, stamp - newest)
+        allowed = min(self.parameters.state_timeout, self.parameters.target_timeout)
+        if step > allowed or lead > self.parameters.target_timeout:
             raise MeasurementError(
-                f"target: its stamp is {lead:.3f} s ahead of the vehicle's, may be "
-                f"{self.parameters.target_timeout:g} s: do the clocks agree?"
+                f"target: its stamp is {lead:.3f} s ahead of the vehicle's, may be {allowed:g} s: "
+                "do the clocks agree?"
             )
         return self.navigator.see_target(stamp, position, velocity, covariance)
 
@@ -216,7 +220,7 @@ class Controller:
         Args:
             measurement: Of the aircraft.
         """
-        self._believe(measurement)
+        self._believe(measurement, self._stopwatch())
 
     def step(self, measurement: Measurement, now: float) -> Command | None:
         """Answer a measurement.
@@ -229,7 +233,7 @@ class Controller:
             None while no command is due, the measurement is doubted or late, or no target seen.
         """
         begin, stamp = self._stopwatch(), measurement.stamp
-        if not self._believe(measurement):
+        if not self._believe(measurement, begin):
             return None
         self.rate.state(stamp)
         target = self.navigator.target
@@ -247,7 +251,11 @@ class Controller:
         command = self._answer(measurement)
         taken = self._stopwatch() - begin
         if taken > self.parameters.state_timeout:
-            self.events.add(Level.REFUSAL, f"vehicle state: answered only after {taken:.3f} s")
+            late = f"vehicle state: answered only after {taken:.3f} s"
+            self.events.add(Level.REFUSAL, late)
+            self.modes.counts[command.mode] -= 1  # it is not sent, and nothing of it stays
+            self._plan.reset()
+            self._silence(late)
             return None
         # A clock that stands ahead does not send later than that.
         delay = min(max(0.0, now - stamp), self.parameters.state_timeout) + taken
@@ -273,12 +281,17 @@ class Controller:
             reason: Why, in words.
         """
         self._gate.lost = True  # what is stamped later is not ahead of the aircraft
+        self.rate.reset()
+        self._silence(reason)
+
+    def _silence(self, reason: str) -> None:
         self._shaper.reset()
         self._select(Available(state=False, trouble=reason))
 
-    def _believe(self, measurement: Measurement) -> bool:
+    def _believe(self, measurement: Measurement, arrival: float) -> bool:
         """Whether a measurement is to be used."""
-        verdict, reason = self._gate.judge(measurement), f"vehicle state: {self._gate.reason}"
+        verdict = self._gate.judge(measurement, arrival)
+        reason = f"vehicle state: {self._gate.reason}"
         if verdict is Verdict.DOUBT:
             self.events.add(Level.REFUSAL, f"{reason}; used if the next ones agree")
         if verdict is Verdict.RESTART:
@@ -317,7 +330,12 @@ class Controller:
         left = self._plan.remaining(stamp, self.parameters.plan_age_max)
         solution = None if plan is None else plan.solution
         there = left is not None, by_law is not None
-        mode = self._select(Available(True, True, target_fresh, solution, *there, trouble))
+        available = Available(True, True, target_fresh, solution, *there, trouble)
+        if choose(available)[0] is FallbackMode.LOITER:
+            by_law, failed = law_inputs(self._loiter, estimate.effect)
+            if by_law is None:
+                return self._hold(stamp, estimate.effect.vehicle, failed)
+        mode = self._select(available)
         if mode is FallbackMode.EARLIER_PLAN and left is not None:
             inputs, step = left
         elif mode.planned and plan is not None:
@@ -325,9 +343,8 @@ class Controller:
             self._shortfall.see(stamp, plan, self.orbit)
             inputs, step = plan.inputs, plan.step
         else:
-            if by_law is None:
-                by_law, _ = law_inputs(self._loiter, estimate.effect)
-            inputs, step = np.zeros((1, 3)) if by_law is None else by_law, LEVELLING_TIME
+            assert by_law is not None
+            inputs, step = by_law, LEVELLING_TIME
         airspeed = max(estimate.effect.airspeed, self.navigator.airspeed)  # that lags behind
         return self._command(stamp, inputs, step, airspeed, plan, estimate.present)
 

@@ -37,6 +37,8 @@ from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
 SOLVE_TIME_MAX = 10.0  # s: nothing flies on these solves
+# Of the inputs on the orbit off its own motion, in [rad/s, rad/s, m/s^2]: beyond them it is left.
+STEADY = np.array([0.02, 0.02, 0.1])
 FREQUENCIES = 400  # of a response: its margins are then within 1 % of those of 4000
 
 
@@ -88,11 +90,13 @@ class OrbitLoop:
             frozen: Where.
 
         Raises:
-            ArithmeticError: The guidance has no answer there.
+            ArithmeticError: The guidance has no answer there, or none that stays on the orbit.
         """
         if self._formulation is not None:
             self._formulation.reset()
-        self._answer(frozen.situation(np.zeros(SIZE)), None)
+        off = self._answer(frozen.situation(np.zeros(SIZE)), None) - frozen.motion()[-3:]
+        if not (np.abs(off) <= STEADY).all():
+            raise ArithmeticError("limits leave no steady orbit as it is asked for")
         gain = np.zeros((3, SIZE))
         for component, step in enumerate(STEPS):
             deviation = np.zeros(SIZE)
