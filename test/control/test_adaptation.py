@@ -23,6 +23,8 @@ import small_uav
 from uav_tracking_mpc.control.adaptation import PERIOD, SPEED, TAKING_OVER, ResponseAdaptation
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.event import EventLog
+from uav_tracking_mpc.dynamics.vehicle_models import VehicleModel
+from uav_tracking_mpc.dynamics.vehicle_models.lagged import Lagged
 from uav_tracking_mpc.estimation.channel_response import ChannelResponse
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.parameters.specification import ParameterError
@@ -52,13 +54,13 @@ def followed(found, seconds):
 def test_it_follows_slowly_what_is_trusted():
     found = adaptation(ChannelResponse(lag=0.5, dead_time=0.4, gain=1.2, **SURE))
     first, *_ = changes = followed(found, 30.0)
-    assert abs(first.rate_lag[0] - TOLD.rate_lag[0]) <= SPEED * PERIOD + 1e-12
-    delays = np.array([p.rate_lag[0] + p.dead_time[0] for p in changes])
+    assert abs(first.lags[0] - TOLD.rate_lag[0]) <= SPEED * PERIOD + 1e-12
+    delays = np.array([p.lags[0] + p.dead_times[0] for p in changes])
     assert np.all(np.abs(np.diff(delays)) <= SPEED * PERIOD + 1e-12)
-    assert found.lag[0] == pytest.approx(0.5)
-    assert found.dead_time[0] == pytest.approx(0.4)
-    assert found.gain.tolist() == pytest.approx([1.2, 1.0, 1.0])
-    assert changes[-1].rate_lag[1:] == TOLD.rate_lag[1:]
+    assert found.flown.lags[0] == pytest.approx(0.5)
+    assert found.flown.dead_times[0] == pytest.approx(0.4)
+    assert found.flown.gains.tolist() == pytest.approx([1.2, 1.0, 1.0])
+    assert tuple(changes[-1].lags[1:]) == TOLD.rate_lag[1:]
 
 
 @pytest.mark.parametrize(
@@ -72,8 +74,7 @@ def test_it_follows_slowly_what_is_trusted():
 def test_what_was_told_is_flown_unless_it_is_contradicted(channel):
     found = adaptation(channel)
     assert followed(found, 10.0) == []
-    assert found.flown is TOLD
-    assert np.all(found.gain == 1.0)
+    np.testing.assert_array_equal(found.flown, TOLD.response)
 
 
 def test_a_premature_estimate_is_taken_back():
@@ -82,8 +83,7 @@ def test_a_premature_estimate_is_taken_back():
     found.estimator.channels[0] = ChannelResponse(TOLD.rate_lag[0], TOLD.dead_time[0], **SURE)
     found.interrupt()
     followed(found, 20.0)
-    assert found.flown is TOLD
-    assert found.gain[0] == 1.0
+    np.testing.assert_array_equal(found.flown, TOLD.response)
 
 
 def test_what_was_learnt_stays_while_nothing_is_trusted():
@@ -92,7 +92,7 @@ def test_what_was_learnt_stays_while_nothing_is_trusted():
     found.estimator.channels[0] = ChannelResponse(lag=0.1)
     found.interrupt()
     assert followed(found, 10.0) == []
-    assert found.lag[0] == pytest.approx(0.5)
+    assert found.flown.lags[0] == pytest.approx(0.5)
 
 
 def test_it_is_off_where_it_is_not_asked_for_or_a_law_is_flown():
@@ -100,17 +100,43 @@ def test_it_is_off_where_it_is_not_asked_for_or_a_law_is_flown():
     for change in ({"response_estimation": False}, {"law": "vector_field"}):
         found = adaptation(channel, told=dataclasses.replace(TOLD, **change))
         assert followed(found, 10.0) == []
-        assert np.all(found.gain == 1.0)
+        assert np.all(found.flown.gains == 1.0)
 
 
 def test_what_was_learnt_survives_a_change_unless_that_tells_another_response():
     found = adaptation(ChannelResponse(lag=0.5, dead_time=0.4, **SURE))
     followed(found, 30.0)
     flown = found.tell(dataclasses.replace(TOLD, range=350.0))
-    assert flown.range == 350.0
-    assert flown.rate_lag[0] == pytest.approx(0.5)
+    assert flown.lags[0] == pytest.approx(0.5)
     told = dataclasses.replace(TOLD, rate_lag=(0.2, 0.1, 0.1))
-    assert found.tell(told) is told
+    assert found.tell(told) is None
+    np.testing.assert_array_equal(found.flown, told.response)
+
+
+def test_a_dead_time_that_no_parameter_may_have_is_flown_by():
+    """Lag and dead time of 2.65 s together, of which the sum alone is known."""
+    known = SURE | {"lag_trusted": False}
+    controller = Controller(TOLD)
+    controller.response.estimator.channels[0] = ChannelResponse(1.2, 1.45, **known)
+    controller.see_target(0.0, np.zeros(3))
+    for tick in range(1900):
+        here = np.array([300.0, 22.0 * 0.05 * tick, 120.0])
+        velocity = np.array([0.0, 22.0, 0.0])
+        state = Measurement(0.05 * tick, here, velocity, np.pi / 2, 0.0, airspeed=22.0)
+        controller.response.estimator.see = lambda *_: None  # knows already
+        controller.see_target(state.stamp, here - [300.0, 0.0, 120.0])
+        command = controller.step(state, state.stamp)
+        assert np.isfinite(command.inputs).all()
+    assert controller.response.delay(0) == pytest.approx(2.65)
+    assert controller.response.flown.dead_times[0] == pytest.approx(2.35)
+
+
+def test_a_model_that_has_no_lags_to_change_takes_what_is_learnt_as_dead_time(monkeypatch):
+    monkeypatch.setattr(Lagged, "with_lags", VehicleModel.with_lags)
+    found = adaptation(ChannelResponse(lag=0.5, dead_time=0.4, **SURE))
+    followed(found, 30.0)
+    assert tuple(found.flown.lags) == TOLD.rate_lag
+    assert found.delay(0) == pytest.approx(0.9)
 
 
 def test_commands_are_what_is_wanted_divided_by_the_gain():

@@ -50,16 +50,16 @@ def test_plans_follow_each_other_as_they_are(shaper):
 
 def test_a_law_takes_over_from_a_plan_little_by_little(shaper):
     shaper.shape(0.0, PLAN, 0.5, 22.0, FallbackMode.OPTIMAL)
-    for share in (1.0, 0.5, 0.0):
-        time = 0.1 + (1.0 - share) * FADE_TIME
+    for time in (0.0, 0.1, 0.5, 9.0):
         (shaped,) = shaper.shape(time, LAW, 1.0, 22.0, FallbackMode.LOITER)
+        share = np.exp(-time / FADE_TIME)
         np.testing.assert_allclose(shaped, share * PLAN[0] + (1.0 - share) * LAW[0], atol=1e-12)
 
 
 def test_within_a_plan_the_fading_goes_on(shaper):
     shaper.shape(0.0, LAW, 1.0, 22.0, FallbackMode.LOITER)
     shaped = shaper.shape(0.1, PLAN, 0.25, 22.0, FallbackMode.OPTIMAL)
-    share = np.array([1.0, 0.5, 0.0, 0.0, 0.0])[:, np.newaxis]
+    share = np.exp(-0.25 * np.arange(5) / FADE_TIME)[:, np.newaxis]
     np.testing.assert_allclose(shaped, PLAN + share * (LAW - PLAN), atol=1e-12)
 
 
@@ -68,6 +68,25 @@ def test_other_parameters_take_over_without_a_jump(shaper):
     shaper.change(replace(FLIGHT, acceleration_max=1.0))
     shaped = shaper.shape(0.1, -PLAN, 0.5, 22.0, FallbackMode.OPTIMAL)
     np.testing.assert_allclose(shaped[0], PLAN[0], atol=1e-12)
+
+
+def test_a_change_with_every_command_makes_it_lag_and_never_stops_it(shaper):
+    """The turn rate that is wanted rises by 0.1 rad/s in a second, at 20 Hz."""
+    for count in range(61):
+        wanted = np.array([[0.005 * count - 0.1, 0.0, 0.0]])
+        shaper.change(FLIGHT)
+        (shaped,) = shaper.shape(0.05 * count, wanted, 1.0, 22.0, FallbackMode.OPTIMAL)
+    lag = wanted[0] - shaped
+    np.testing.assert_allclose(lag, [0.1 * FADE_TIME, 0.0, 0.0], rtol=0.15)
+
+
+def test_two_guidances_that_alternate_are_blended(shaper):
+    sent = []
+    for count in range(100):
+        inputs, mode = [(PLAN, FallbackMode.OPTIMAL), (LAW, FallbackMode.LOITER)][count % 2]
+        sent.append(shaper.shape(0.05 * count, inputs, 1.0, 22.0, mode)[0])
+    middle = 0.5 * (PLAN[0] + LAW[0])
+    np.testing.assert_allclose(sent[-2:], [middle, middle], atol=0.1 * np.max(PLAN[0] - LAW[0]))
 
 
 def test_after_silence_the_command_comes_as_it_is(shaper):

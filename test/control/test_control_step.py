@@ -26,6 +26,7 @@ from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE
 from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
 from uav_tracking_mpc.laws import GuidanceLaw
+from uav_tracking_mpc.laws.vector_field import VectorField
 from uav_tracking_mpc.parameters.registry import GUIDANCE_LAW
 from uav_tracking_mpc.parameters.specification import ParameterError
 
@@ -86,6 +87,60 @@ def test_a_target_of_another_clock_is_refused(constant):
         constant.see_target(3600.0, STILL)
     with pytest.raises(ValueError, match="must be three finite numbers"):
         constant.see_target(0.1, [np.nan, 0.0, 0.0])
+
+
+def test_one_stamp_that_is_ahead_does_not_blind_the_track(constant):
+    for tick in range(100):
+        constant.see_target(tick * TICK, STILL)
+        constant.step(measured(tick * TICK), tick * TICK)
+    with pytest.raises(MeasurementError, match=r"4.800 s ahead of the vehicle's, may be 0.5 s"):
+        constant.see_target(99 * TICK + 4.8, STILL)
+    constant.see_target(100 * TICK, STILL)
+    assert constant.navigator.target.time == 100 * TICK
+
+
+def test_targets_go_on_while_no_state_comes(constant):
+    constant.step(measured(0.0), 0.0)
+    for tick in range(60):
+        assert constant.see_target(tick * TICK, STILL)
+
+
+def test_an_answer_that_comes_too_late_was_never_given():
+    clock = iter([0.0, 0.0, 1.0, 3.0, 4.0, 4.0])
+    plan = Constant(np.array([-0.08, 0.0, 0.0]))
+    controller = Controller(FLIGHT, plan, stopwatch=lambda: next(clock))
+    controller.see_target(0.0, STILL)
+    assert controller.step(measured(0.0), 0.0) is not None
+    assert controller.step(measured(0.1), 0.1) is None
+    assert controller.modes.mode is FallbackMode.SILENCE
+    assert "answered only after 2.000 s" in controller.modes.reason
+    assert controller.modes.counts[FallbackMode.OPTIMAL] == 1
+    plan.converges = False
+    assert controller.step(measured(0.2), 0.2).mode is FallbackMode.LOITER  # no earlier plan
+
+
+def test_periods_of_silence_are_not_missed(constant):
+    constant.see_target(0.0, STILL)
+    constant.step(measured(0.0), 0.0)
+    constant.fall_silent("vehicle state is lost")
+    constant.see_target(600.0, STILL)
+    for tick in range(10):
+        constant.step(measured(600.0 + tick * TICK), 600.0 + tick * TICK)
+    assert constant.modes.mode is FallbackMode.OPTIMAL
+    assert (constant.rate.missed, constant.rate.late) == (0, 0)
+
+
+def test_where_no_law_has_an_answer_level_flight_is_flown_and_said(constant, monkeypatch):
+    monkeypatch.setattr(VectorField, "inputs", lambda *_: np.full(3, np.nan))
+    constant.formulation.converges = False
+    constant.see_target(0.0, STILL)
+    for tick in range(5):
+        command = constant.step(measured(2 * tick * TICK), 2 * tick * TICK)
+        assert command.mode is constant.modes.mode is FallbackMode.HOLD
+        assert "three finite numbers" in command.reason
+    assert constant.modes.changes == 1
+    assert constant.modes.counts[FallbackMode.HOLD] == 5
+    np.testing.assert_array_equal(command.inputs, [[0.0, 0.0, 0.0]])
 
 
 def test_an_old_target_is_circled_by_the_loiter_law(constant):

@@ -86,8 +86,9 @@ def test_an_earlier_plan_is_not_flown_for_ever(controller, start):
     late = controller._fly(2.1, start)
     assert (late.mode, late.reason) == (FallbackMode.LOITER, "told to")
     np.testing.assert_allclose(late.inputs[0], bridged.inputs[0], atol=1e-12)
-    later = controller._fly(2.1 + FADE_TIME, start)
-    np.testing.assert_allclose(later.inputs, [law], atol=1e-12)
+    later = controller._fly(2.1 + 3.0 * FADE_TIME, start)
+    left = np.exp(-3.0) * (bridged.inputs[0] - law)
+    np.testing.assert_allclose(later.inputs, [law + left], atol=1e-12)
 
 
 def test_after_a_failure_it_returns_to_optimal_plans(controller, start):
@@ -159,7 +160,7 @@ def test_a_level_flight_that_is_no_number_does_not_outlast_itself(controller, st
     vehicle = np.array([0.0, 0.0, 50.0, 1.0, path_angle, 4.0])
     held = controller._hold(0.05, vehicle, "no target position")
     assert np.all(np.isfinite(held.inputs))
-    expected = 0.8 * held.inputs  # what fades out, by a fifth of the time
+    expected = np.exp(-0.1 / FADE_TIME) * held.inputs
     vehicle[4] = 0.0
     np.testing.assert_allclose(controller._hold(0.15, vehicle, "").inputs[0, 0], expected[0, 0])
 

@@ -20,6 +20,7 @@ import small_uav
 
 from uav_tracking_mpc.control.loop_margins import UNSTABLE
 from uav_tracking_mpc.control.margin_check import MarginWatch, margin_warning, shortfalls
+from uav_tracking_mpc.control.orbit_loop import OrbitLoop
 
 HASTY = ("input_weights=[0.04, 0.04, 0.2]", "rate_weights=[0.0, 0.0, 0.0]")
 
@@ -49,6 +50,17 @@ def test_nothing_asked_nothing_computed(monkeypatch):
 
 def test_an_unstable_loop_lacks_everything():
     assert len(shortfalls(UNSTABLE, small_uav.parameters())) == 6
+
+
+def test_an_orbit_that_limits_forbid_is_no_alarm_about_margins():
+    words = margin_warning(small_uav.parameters("fence_radius=250.0"))
+    assert words.endswith("are not known: limits leave no steady orbit as it is asked for")
+
+
+def test_a_loop_that_is_not_stable_is_told_in_one_sentence(monkeypatch):
+    monkeypatch.setattr(OrbitLoop, "margins", lambda *_: UNSTABLE)
+    words = margin_warning(small_uav.parameters())
+    assert words == "the closed loop is not stable on its orbit"
 
 
 def test_an_orbit_without_an_answer_is_told(monkeypatch):

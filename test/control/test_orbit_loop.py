@@ -21,7 +21,7 @@ import pytest
 import small_uav
 
 from uav_tracking_mpc.control.orbit_loop import OrbitLoop
-from uav_tracking_mpc.control.sampled_loop import Response
+from uav_tracking_mpc.dynamics.response import Response
 from uav_tracking_mpc.settings.configuration import load_configuration
 
 STILL = np.zeros(3)

@@ -36,8 +36,15 @@ def test_lost_time_is_not_caught_up_with():
     assert pace.due(5.1)
 
 
-def test_after_a_reset_the_next_state_is_due():
+def test_where_time_went_back_the_next_state_is_due():
     pace = Pace(1.0)
     pace.due(10.0)
-    pace.reset()
     assert pace.due(0.0)
+
+
+def test_another_rate_counts_from_the_command_before():
+    pace = Pace(1.0)
+    assert pace.due(10.0)
+    pace.period = 0.1
+    assert not pace.due(10.05)
+    assert pace.due(10.1)

@@ -21,8 +21,9 @@ import pytest
 
 from uav_tracking_mpc.control.loop_margins import loop_margins
 from uav_tracking_mpc.control.orbit_deviation import SIZE, FrozenOrbit
-from uav_tracking_mpc.control.sampled_loop import Response, sampled_loop
+from uav_tracking_mpc.control.sampled_loop import sampled_loop
 from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.dynamics.response import Response
 
 PERIOD = 0.05
 STILL = FrozenOrbit(Orbit(300.0, 120.0, 22.0), np.zeros(3), 0.0)

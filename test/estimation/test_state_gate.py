@@ -64,6 +64,31 @@ def test_after_a_gap_flight_goes_on_without_a_new_beginning(gate):
     assert verdicts == [Verdict.DOUBT] * (AGREEING - 1) + [Verdict.USE] * 2
 
 
+@pytest.mark.parametrize("gap", [2.0, 14.0, 60.0])
+def test_a_gap_that_the_steady_clock_has_seen_too_is_no_doubt(gate, gap):
+    """Nor is it a jump to be where 22 m/s lead."""
+
+    def flown(time):
+        return Measurement(10.0 + time, [22.0 * time, 0, 0], [22.0, 0, 0], 0.0, 0.0)
+
+    gate.judge(flown(0.25), 1000.25)
+    assert gate.judge(flown(0.25 + gap), 1000.3 + gap) is Verdict.USE
+
+
+@pytest.mark.parametrize("gap", [14.0, 60.0])
+def test_a_gap_of_a_flight_is_no_jump_without_a_clock_either(gap):
+    gate = StateGate(0.5)
+    for time in (0.0, gap, gap + 0.05, gap + 0.1):
+        verdict = gate.judge(Measurement(time, [22.0 * time, 0, 0], [22.0, 0, 0], 0.0, 0.0))
+    assert verdict is Verdict.USE
+    assert "stamp went ahead" in gate.reason
+
+
+def test_a_stamp_that_goes_ahead_of_the_steady_clock_is_doubted(gate):
+    gate.judge(measurement(10.25), 1000.25)
+    assert gate.judge(measurement(20.25), 1000.3) is Verdict.DOUBT
+
+
 def test_a_teleport_is_a_new_beginning_when_states_agree(gate):
     there = np.array([5e3, 0.0, 0.0])
     assert judged(gate, [5], there) == [Verdict.DOUBT]

@@ -68,7 +68,7 @@ def test_with_the_artificial_orbit_lag_dead_time_and_the_nearest_direction_are_a
 def test_an_autopilot_that_holds_altitude_and_airspeed_leaves_the_turn_to_be_commanded():
     held = TrackingParameters(**ARTIFICIAL, autopilot_holds=True, dead_time=(0.1, 0.2, 0.3))
     assert (held.vehicle.name, held.vehicle.commanded) == ("held", 1)
-    assert held.commanded_dead_time.tolist() == [0.1, 0.0, 0.0]
+    assert held.response.dead_times.tolist() == [0.1, 0.0, 0.0]
     law = TrackingParameters(autopilot_holds=True, law="vector_field")  # needs no problem
     assert law.vehicle.commanded == 1
 

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Flies by the response that the aircraft shows in place of the one that was told, slowly."""
+"""The response that is predicted with: the one that the aircraft shows replaces the told one."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.control.event import EventLog, Level
 from uav_tracking_mpc.control.oscillation import OscillationReport
+from uav_tracking_mpc.dynamics.response import Response
 from uav_tracking_mpc.estimation.channel_response import CHANNELS, ChannelResponse
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.response_estimator import ResponseEstimator
-from uav_tracking_mpc.parameters.specification import changed
 from uav_tracking_mpc.settings.tracking import PREDICTIVE, TrackingParameters
 
 TAKING_OVER = 5.0  # s after an aircraft begins to fly the commands, in which nothing is learnt
@@ -51,9 +51,7 @@ class ResponseAdaptation:
     Attributes:
         estimator: Of the response.
         oscillation: Limit cycles of the commands.
-        lag: Flown by, shape (3,), in [s].
-        dead_time: Flown by, shape (3,), in [s].
-        gain: Flown by, shape (3,): what is sent is what is wanted divided by it [-].
+        flown: What is flown by. What is sent is what is wanted divided by its gains.
     """
 
     def __init__(self, parameters: TrackingParameters, events: EventLog) -> None:
@@ -85,27 +83,26 @@ class ResponseAdaptation:
         """What is known of turn rate, path-angle rate and acceleration."""
         return self.estimator.channels
 
-    def reset(self) -> TrackingParameters | None:
+    def reset(self) -> Response | None:
         """Forget what was learnt: what was told is flown by.
 
         Returns:
             What was told; None if it has been flown by.
         """
+        before = self.flown
         self._seen = self._sent = None
         self.estimator.reset()
         self.oscillation.reset()
-        same = self.flown is self._told
         self._begin()
-        return None if same else self._told
+        return None if _same(before, self.flown) else self.flown
 
     def _begin(self) -> None:
-        self.gain = np.ones(3)
-        self.lag, self.dead_time = np.array(self._told.rate_lag), np.array(self._told.dead_time)
+        self.flown = self._told.response
         self._time: float | None = None
         # Whether estimates replace what was told: of lag, delay, gain of each channel.
         self._replaced = np.zeros((3, 3), dtype=bool)
 
-    def _begin_anew(self, axis: int) -> TrackingParameters:
+    def _begin_anew(self, axis: int) -> Response:
         """Fly by what was told again, since the loop swings with what was learnt.
 
         An aircraft that rolls no faster than it can seems to lag the more the further it swings,
@@ -118,7 +115,7 @@ class ResponseAdaptation:
         self.estimator.reset()
         self.oscillation.reset()
         self._begin()
-        return self._told
+        return self.flown
 
     def interrupt(self) -> None:
         """Forget commands and times, keep what was learnt."""
@@ -139,21 +136,21 @@ class ResponseAdaptation:
             self._learns_from = None
             self.interrupt()
 
-    def tell(self, parameters: TrackingParameters) -> TrackingParameters:
+    def tell(self, parameters: TrackingParameters) -> Response | None:
         """Take other parameters; what was learnt stays unless they tell another response.
 
         Args:
             parameters: What is told now.
 
         Returns:
-            What to fly by.
+            What was learnt; None where what is told is flown by.
         """
         self.learn()
         before, self._told = self._told, parameters
-        told = [(p.rate_lag, p.dead_time, p.response_estimation) for p in (before, parameters)]
-        if told[0] != told[1]:
+        estimating = before.response_estimation, parameters.response_estimation
+        if estimating[0] != estimating[1] or not _same(before.response, parameters.response):
             self._begin()
-        return self.flown
+        return None if _same(self.flown, parameters.response) else self.flown
 
     def delay(self, axis: int) -> float:
         """Lag plus dead time that a channel is flown by, in [s].
@@ -161,15 +158,7 @@ class ResponseAdaptation:
         Args:
             axis: 0 for u_psi, 1 for u_chi, 2 for u_v.
         """
-        return float(self.lag[axis] + self.dead_time[axis])
-
-    @property
-    def flown(self) -> TrackingParameters:
-        """The parameters that were told, with the lag and the dead time that are flown by."""
-        lag, dead_time = tuple(self.lag.tolist()), tuple(self.dead_time.tolist())
-        if (lag, dead_time) == (self._told.rate_lag, self._told.dead_time):
-            return self._told
-        return changed(self._told, {"rate_lag": lag, "dead_time": dead_time})
+        return float(self.flown.lags[axis] + self.flown.dead_times[axis])
 
     def see(
         self, measurement: Measurement, vehicle: NDArray[np.float64], airspeed_measured: bool
@@ -202,7 +191,7 @@ class ResponseAdaptation:
             What the aircraft makes of it at its gain, shape (n, 3).
         """
         self._sent = stamp, delay, plan, step
-        return plan * self.gain
+        return plan * self.flown.gains
 
     def learn(self) -> None:
         """Learn from the latest measurement and plan.
@@ -227,17 +216,17 @@ class ResponseAdaptation:
             self.estimator.commanded(stamp + delay, stamp, plan, step)
         if self._engaged:
             rates = plan[0, : min(self._commanded, 2)].tolist()
-            delays = (self.lag + self.dead_time).tolist()
+            delays = (self.flown.lags + self.flown.dead_times).tolist()
             self.oscillation.see(stamp, rates, self._airspeed, self.channels, delays)
 
-    def follow(self, time: float) -> TrackingParameters | None:
+    def follow(self, time: float) -> Response | None:
         """Move what is flown towards what is trusted.
 
         Args:
             time: Now in [s].
 
         Returns:
-            What to fly by from now on; None if it stays.
+            What to predict with from now on; None if it stays.
         """
         if not self.enabled or self._told.law != PREDICTIVE:
             return None
@@ -249,37 +238,40 @@ class ResponseAdaptation:
             if swing is not None and self._replaced[:, axis].any():
                 return self._begin_anew(axis)
         most = SPEED * min(max(elapsed, 0.0), PERIOD)
-        before = self.lag.copy(), self.dead_time.copy()
+        before = self.flown
         for axis, channel in enumerate(self.channels):
             self._follow(axis, channel, most)
-        moved = np.abs(before[0] - self.lag) + np.abs(before[1] - self.dead_time)
-        return self.flown if moved.max() > 0.0 else None
+        return None if _same(before, self.flown) else self.flown
 
     def _follow(self, axis: int, channel: ChannelResponse, most: float) -> None:
         """Move one channel by at most so many [s], or so much gain."""
-        told_lag, told_dead_time = self._told.rate_lag[axis], self._told.dead_time[axis]
-        lag, delay = float(self.lag[axis]), self.delay(axis)
-        gain = float(self.gain[axis])
+        told = self._told.response
+        told_lag, told_dead_time = float(told.lags[axis]), float(told.dead_times[axis])
+        lags, dead_times, gains = (values.copy() for values in self.flown)
+        lag, delay, gain = float(lags[axis]), self.delay(axis), float(gains[axis])
         if channel.gain_trusted:
             least = LEAST_GAIN, channel.gain_deviation
             gain = self._wanted((axis, 2), channel.gain, 1.0, *least)
-        self.gain[axis] += min(max(gain - self.gain[axis], -most), most)
+        gains[axis] += min(max(gain - gains[axis], -most), most)
+        self.flown = Response(lags, dead_times, gains)
         wanted_lag, wanted_delay = lag, delay
         if channel.trusted:
-            told = told_lag + told_dead_time
             least = LEAST_DELAY, channel.delay_deviation
-            wanted_delay = self._wanted((axis, 1), channel.delay, told, *least)
+            told_delay = told_lag + told_dead_time
+            wanted_delay = self._wanted((axis, 1), channel.delay, told_delay, *least)
         if channel.lag_trusted:
             least = LEAST_LAG, channel.lag_deviation
             wanted_lag = self._wanted((axis, 0), channel.lag, told_lag, *least)
         if max(abs(wanted_lag - lag), abs(wanted_delay - delay)) < ROUNDING:
             return
         delay += min(max(wanted_delay - delay, -most), most)
-        self.lag[axis] = min(lag + min(max(wanted_lag - lag, -most), most), delay)
-        self.dead_time[axis] = delay - self.lag[axis]
-        off = abs(self.lag[axis] - told_lag), abs(self.dead_time[axis] - told_dead_time)
+        lags[axis] = min(lag + min(max(wanted_lag - lag, -most), most), delay)
+        lags = np.array(self._told.vehicle.with_lags(lags).lags)  # a model may have its own
+        dead_times[axis] = max(delay - float(lags[axis]), 0.0)
+        off = abs(lags[axis] - told_lag), abs(dead_times[axis] - told_dead_time)
         if max(off) < ROUNDING:
-            self.lag[axis], self.dead_time[axis] = told_lag, told_dead_time
+            lags[axis], dead_times[axis] = told_lag, told_dead_time
+        self.flown = Response(lags, dead_times, gains)
 
     def _wanted(
         self, which: tuple[int, int], found: float, told: float, least: float, deviation: float
@@ -288,3 +280,7 @@ class ResponseAdaptation:
         needed = 0.5 * least if self._replaced[which] else max(least, SIGNIFICANT * deviation)
         self._replaced[which] = abs(found - told) > needed
         return found if self._replaced[which] else told
+
+
+def _same(one: Response, other: Response) -> bool:
+    return np.array_equal(one, other)

@@ -12,7 +12,12 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Commands inside their limits, faded where one kind of guidance takes over from another."""
+"""Commands inside their limits, without a jump where one kind of guidance takes over from another.
+
+What is sent is what is wanted plus an offset that always decays. Where what is wanted jumps, since
+another kind of guidance or other parameters are flown, the offset takes up the jump: the command
+goes on from where it was, and converges to what is wanted however often that changes.
+"""
 
 from __future__ import annotations
 
@@ -26,12 +31,14 @@ from uav_tracking_mpc.control.excitation import Excitation
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
-FADE_TIME = 0.5  # s, in which the command moves over from one kind of guidance to another
+# s, time constant of the offset that a change leaves. Changes with every command make it a lag in
+# the loop, which must stay below the delay margin that is asked for by default.
+FADE_TIME = 0.25
 TURN = 0  # axis of u_psi among the inputs
 
 
 class CommandShaper:
-    """Clips commands and fades between kinds of guidance.
+    """Clips commands and keeps them from jumping.
 
     Args:
         parameters: Limits of the inputs and of the bank, and the excitation.
@@ -49,7 +56,7 @@ class CommandShaper:
     def change(self, parameters: TrackingParameters) -> None:
         """Use other limits from now on.
 
-        The difference to the next command fades: a wider orbit would begin at the bank limit.
+        The offset takes up the difference: a wider orbit would begin at the bank limit.
 
         Args:
             parameters: The new ones.
@@ -61,9 +68,9 @@ class CommandShaper:
 
     def reset(self) -> None:
         """Forget what was commanded: the next command comes as it is."""
-        self._sent: NDArray[np.float64] | None = None
+        self._wanted: NDArray[np.float64] | None = None
         self._mode = FallbackMode.SILENCE
-        self._offset, self._begin = np.zeros(3), 0.0
+        self._offset, self._time = np.zeros(3), 0.0
         self._changed = False
         self.excitation.reset()
 
@@ -91,26 +98,15 @@ class CommandShaper:
             self._upper[TURN] = self._envelope.turn_rate_max(airspeed)
             self._lower[TURN] = -self._upper[TURN]
         inside = self._clipped(inputs)
-        shaped = self._faded(time, inside, step, mode)
-        if shaped is not inside:
-            shaped = self._clipped(shaped)
-        self._sent, self._mode, self._changed = shaped[0], mode, False
-        return shaped
-
-    def _faded(
-        self, time: float, inputs: NDArray[np.float64], step: float, mode: FallbackMode
-    ) -> NDArray[np.float64]:
-        if self._sent is None:
-            self._offset = np.zeros(3)
-        elif self._changed or (
-            mode is not self._mode and not (mode.planned and self._mode.planned)
-        ):
-            self._offset, self._begin = self._sent - inputs[0], time
-        if not 0.0 <= time - self._begin < FADE_TIME or not self._offset.any():
-            return inputs
-        ahead = time - self._begin + step * np.arange(len(inputs))
-        share = np.clip(1.0 - ahead / FADE_TIME, 0.0, 1.0)
-        return inputs + share[:, np.newaxis] * self._offset
+        other = mode is not self._mode and not (mode.planned and self._mode.planned)
+        self._offset *= math.exp(-max(0.0, time - self._time) / FADE_TIME)
+        if self._wanted is not None and (other or self._changed):
+            self._offset += self._wanted - inside[0]
+        self._wanted, self._time, self._mode, self._changed = inside[0], time, mode, False
+        if not self._offset.any():
+            return inside
+        share = np.exp(-step / FADE_TIME * np.arange(len(inside)))
+        return self._clipped(inside + share[:, np.newaxis] * self._offset)
 
     def _clipped(self, inputs: NDArray[np.float64]) -> NDArray[np.float64]:
         """Inputs inside their limits; what is not finite becomes 0."""

@@ -41,9 +41,9 @@ class CommandPaths:
             measurement: That it answers; it counts where the situation is not known.
             command: What is sent.
         """
-        response, present = controller.response, command.present
-        flown = command.inputs * response.gain
-        answer = flown, command.step, response.lag, response.dead_time
+        response, present = controller.response.flown, command.present
+        flown = command.inputs * response.gains
+        answer = flown, command.step, response.lags, response.dead_times
         if present is not None:
             wind = controller.navigator.wind
             path = self._planner.path(present.vehicle, present.rates, wind, *answer)

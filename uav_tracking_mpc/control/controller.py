@@ -39,12 +39,13 @@ from uav_tracking_mpc.control.command import Command, orbit_from
 from uav_tracking_mpc.control.command_shaping import CommandShaper
 from uav_tracking_mpc.control.direction import nearest_direction
 from uav_tracking_mpc.control.event import EventLog, Level
-from uav_tracking_mpc.control.fallback import Available, FallbackMode, ModeSelector
+from uav_tracking_mpc.control.fallback import Available, FallbackMode, ModeSelector, choose
 from uav_tracking_mpc.control.guidance import formulation_of, law_about, law_inputs, law_of, planned
 from uav_tracking_mpc.control.orbit_shortfall import OrbitShortfall
 from uav_tracking_mpc.control.pace import Pace
 from uav_tracking_mpc.control.plan_memory import PlanMemory
 from uav_tracking_mpc.control.rate_keeper import RateKeeper
+from uav_tracking_mpc.dynamics.response import Response
 from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
 from uav_tracking_mpc.estimation.navigator import Estimate, Navigator
 from uav_tracking_mpc.estimation.situation import Situation
@@ -103,12 +104,12 @@ class Controller:
         """Forget aircraft, air, target, plans and commands; counts stay."""
         self._gate.reset()
         self.flying = False
-        self._fly_by(self.response.reset())
+        self._respond(self.response.reset())
         self._forget()
 
     def _forget(self) -> None:
         """Forget what belongs to a time or a place that is no more."""
-        for part in (self.navigator, self._pace, self.rate, self._shaper, self._plan):
+        for part in (self.navigator, self.rate, self._shaper, self._plan):
             part.reset()
         self._shortfall.reset()
         self.response.interrupt()
@@ -148,21 +149,24 @@ class Controller:
         """
         parameters = changed(self.parameters, values)
         self.check(parameters)
-        self._fly_by(self.response.tell(parameters))
+        self.navigator.change(parameters)
+        if self.formulation is not None:
+            self.formulation.change(parameters)
+        self._respond(self.response.tell(parameters))
         if parameters.direction != self.parameters.direction:
             self._direction = None
         self._shaper.change(parameters)
-        self._pace, self.rate.rate = Pace(parameters.control_rate), parameters.control_rate
+        self._pace.period, self.rate.rate = 1.0 / parameters.control_rate, parameters.control_rate
         self._gate.timeout, self.parameters = parameters.state_timeout, parameters
         self._choose()
         self.events.add(Level.INFO, f"from now on {self.orbit.in_short}, {parameters.direction}")
 
-    def _fly_by(self, parameters: TrackingParameters | None) -> None:
-        """Predict with other parameters from now on; with None as before."""
-        if parameters is not None:
-            self.navigator.change(parameters)
+    def _respond(self, response: Response | None) -> None:
+        """Predict with another response from now on; with None as before."""
+        if response is not None:
+            self.navigator.respond(response)
             if self.formulation is not None:
-                self.formulation.change(parameters)
+                self.formulation.respond(response)
 
     def _choose(self) -> None:
         """Fly the orbit that is asked for, in the nearest direction once that is chosen."""
@@ -199,10 +203,14 @@ class Controller:
         Raises:
             MeasurementError: Not finite, not of its shape, or stamped by another clock.
         """
-        if (lead := self._gate.lead(stamp)) > self.parameters.target_timeout:
+        lead, newest = self._gate.lead(stamp), self.navigator.target.time
+        # While no state comes, targets may: what matters is the step from the newest of both.
+        step = lead if newest is None else min(lead, stamp - newest)
+        allowed = min(self.parameters.state_timeout, self.parameters.target_timeout)
+        if step > allowed or lead > self.parameters.target_timeout:
             raise MeasurementError(
-                f"target: its stamp is {lead:.3f} s ahead of the vehicle's, may be "
-                f"{self.parameters.target_timeout:g} s: do the clocks agree?"
+                f"target: its stamp is {lead:.3f} s ahead of the vehicle's, may be {allowed:g} s: "
+                "do the clocks agree?"
             )
         return self.navigator.see_target(stamp, position, velocity, covariance)
 
@@ -212,7 +220,7 @@ class Controller:
         Args:
             measurement: Of the aircraft.
         """
-        self._believe(measurement)
+        self._believe(measurement, self._stopwatch())
 
     def step(self, measurement: Measurement, now: float) -> Command | None:
         """Answer a measurement.
@@ -225,7 +233,7 @@ class Controller:
             None while no command is due, the measurement is doubted or late, or no target seen.
         """
         begin, stamp = self._stopwatch(), measurement.stamp
-        if not self._believe(measurement):
+        if not self._believe(measurement, begin):
             return None
         self.rate.state(stamp)
         target = self.navigator.target
@@ -239,11 +247,15 @@ class Controller:
             return None
         if not self.flying:
             self.navigator.begin(now - stamp)
-        self._fly_by(self.response.follow(stamp))
+        self._respond(self.response.follow(stamp))
         command = self._answer(measurement)
         taken = self._stopwatch() - begin
         if taken > self.parameters.state_timeout:
-            self.events.add(Level.REFUSAL, f"vehicle state: answered only after {taken:.3f} s")
+            late = f"vehicle state: answered only after {taken:.3f} s"
+            self.events.add(Level.REFUSAL, late)
+            self.modes.counts[command.mode] -= 1  # it is not sent, and nothing of it stays
+            self._plan.reset()
+            self._silence(late)
             return None
         # A clock that stands ahead does not send later than that.
         delay = min(max(0.0, now - stamp), self.parameters.state_timeout) + taken
@@ -269,12 +281,17 @@ class Controller:
             reason: Why, in words.
         """
         self._gate.lost = True  # what is stamped later is not ahead of the aircraft
+        self.rate.reset()
+        self._silence(reason)
+
+    def _silence(self, reason: str) -> None:
         self._shaper.reset()
         self._select(Available(state=False, trouble=reason))
 
-    def _believe(self, measurement: Measurement) -> bool:
+    def _believe(self, measurement: Measurement, arrival: float) -> bool:
         """Whether a measurement is to be used."""
-        verdict, reason = self._gate.judge(measurement), f"vehicle state: {self._gate.reason}"
+        verdict = self._gate.judge(measurement, arrival)
+        reason = f"vehicle state: {self._gate.reason}"
         if verdict is Verdict.DOUBT:
             self.events.add(Level.REFUSAL, f"{reason}; used if the next ones agree")
         if verdict is Verdict.RESTART:
@@ -313,7 +330,12 @@ class Controller:
         left = self._plan.remaining(stamp, self.parameters.plan_age_max)
         solution = None if plan is None else plan.solution
         there = left is not None, by_law is not None
-        mode = self._select(Available(True, True, target_fresh, solution, *there, trouble))
+        available = Available(True, True, target_fresh, solution, *there, trouble)
+        if choose(available)[0] is FallbackMode.LOITER:
+            by_law, failed = law_inputs(self._loiter, estimate.effect)
+            if by_law is None:
+                return self._hold(stamp, estimate.effect.vehicle, failed)
+        mode = self._select(available)
         if mode is FallbackMode.EARLIER_PLAN and left is not None:
             inputs, step = left
         elif mode.planned and plan is not None:
@@ -321,9 +343,8 @@ class Controller:
             self._shortfall.see(stamp, plan, self.orbit)
             inputs, step = plan.inputs, plan.step
         else:
-            if by_law is None:
-                by_law, _ = law_inputs(self._loiter, estimate.effect)
-            inputs, step = np.zeros((1, 3)) if by_law is None else by_law, LEVELLING_TIME
+            assert by_law is not None
+            inputs, step = by_law, LEVELLING_TIME
         airspeed = max(estimate.effect.airspeed, self.navigator.airspeed)  # that lags behind
         return self._command(stamp, inputs, step, airspeed, plan, estimate.present)
 
@@ -351,7 +372,7 @@ class Controller:
         present: Situation | None = None,
     ) -> Command:
         mode, reason = self.modes.mode, self.modes.reason
-        inputs = self._shaper.shape(stamp, inputs / self.response.gain, step, airspeed, mode)
+        inputs = self._shaper.shape(stamp, inputs / self.response.flown.gains, step, airspeed, mode)
         inputs = self._shaper.excitation.added(stamp, inputs, mode, self.orbit, present)
         shape = self._plan.orbit if mode.planned else None
         flown = orbit_from(present, self.navigator.wind, self.orbit, shape)

@@ -27,7 +27,7 @@ from collections.abc import Callable
 import numpy as np
 
 from uav_tracking_mpc.control.latest_job import LatestJob
-from uav_tracking_mpc.control.loop_margins import CHANNELS, LoopMargins
+from uav_tracking_mpc.control.loop_margins import CHANNELS, UNSTABLE, LoopMargins
 from uav_tracking_mpc.control.orbit_loop import OrbitLoop
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
@@ -128,5 +128,7 @@ def _warning(
         margins = loop.margins(loop.orbit_in(np.zeros(3)))
     except (ArithmeticError, RuntimeError, ValueError) as error:
         return loop, f"the margins of the closed loop are not known: {error}"
+    if margins is UNSTABLE:
+        return loop, "the closed loop is not stable on its orbit"
     small = shortfalls(margins, parameters)
     return loop, f"the closed loop has small margins: {'; '.join(small)}" if small else ""

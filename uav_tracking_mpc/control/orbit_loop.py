@@ -30,12 +30,15 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.control.guidance import formulation_of, law_about, law_of
 from uav_tracking_mpc.control.loop_margins import UNSTABLE, LoopMargins, loop_margins
 from uav_tracking_mpc.control.orbit_deviation import SIZE, STEPS, FrozenOrbit
-from uav_tracking_mpc.control.sampled_loop import Response, SampledLoop, sampled_loop
+from uav_tracking_mpc.control.sampled_loop import SampledLoop, sampled_loop
+from uav_tracking_mpc.dynamics.response import Response
 from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
 SOLVE_TIME_MAX = 10.0  # s: nothing flies on these solves
+# Of the inputs on the orbit off its own motion, in [rad/s, rad/s, m/s^2]: beyond them it is left.
+STEADY = np.array([0.02, 0.02, 0.1])
 FREQUENCIES = 400  # of a response: its margins are then within 1 % of those of 4000
 
 
@@ -66,7 +69,7 @@ class OrbitLoop:
     def _take(self, parameters: TrackingParameters) -> None:
         self.parameters, law = parameters, law_of(parameters)
         self._law = None if law is None else law_about(law, parameters.orbit, parameters)
-        self.told = Response(parameters.vehicle.lags, parameters.commanded_dead_time, np.ones(3))
+        self.told = parameters.response
         if self._formulation is not None:
             unhurried = replace(parameters, solve_time_max=SOLVE_TIME_MAX)
             self._formulation.change(unhurried)
@@ -87,11 +90,13 @@ class OrbitLoop:
             frozen: Where.
 
         Raises:
-            ArithmeticError: The guidance has no answer there.
+            ArithmeticError: The guidance has no answer there, or none that stays on the orbit.
         """
         if self._formulation is not None:
             self._formulation.reset()
-        self._answer(frozen.situation(np.zeros(SIZE)), None)
+        off = self._answer(frozen.situation(np.zeros(SIZE)), None) - frozen.motion()[-3:]
+        if not (np.abs(off) <= STEADY).all():
+            raise ArithmeticError("limits leave no steady orbit as it is asked for")
         gain = np.zeros((3, SIZE))
         for component, step in enumerate(STEPS):
             deviation = np.zeros(SIZE)

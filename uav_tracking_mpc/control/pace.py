@@ -28,25 +28,21 @@ class Pace:
 
     def __init__(self, rate: float) -> None:
         self.period = 1.0 / rate
-        self._next: float | None = None
+        self._due: float | None = None  # when the latest command was
 
     def due(self, stamp: float) -> bool:
         """Whether the state of this stamp is the one to answer.
 
-        Time lost is not caught up with: after a gap the pace starts anew.
+        Lost time is not made up for: after a gap, and where time went back, the pace starts anew.
 
         Args:
             stamp: In [s].
         """
-        if self._next is None:
-            self._next = stamp
-        if stamp < self._next - FORGIVEN * self.period:
+        if self._due is None or stamp < self._due - self.period:
+            self._due = stamp
+            return True
+        due = self._due + self.period
+        if stamp < due - FORGIVEN * self.period:
             return False
-        self._next += self.period
-        if self._next <= stamp:
-            self._next = stamp + self.period
+        self._due = stamp if due + self.period <= stamp else due
         return True
-
-    def reset(self) -> None:
-        """Forget when the last command was: the next state is due."""
-        self._next = None

@@ -128,7 +128,9 @@ class RecordingController(Controller):
         """
         if len(self._calls) >= PENDING:
             self.flush()
-        self._calls.append({"call": name, "arguments": list(arguments), "named": named})
+        self._readings = []
+        call = {"call": name, "arguments": list(arguments), "named": named}
+        self._calls.append({**call, "stopwatch": self._readings})
         return self._calls[-1]
 
     reset = _noted(Controller.reset)
@@ -141,10 +143,8 @@ class RecordingController(Controller):
 
     def step(self, measurement: Measurement, now: float) -> Command | None:
         """See :meth:`Controller.step`."""
-        self._readings.clear()
         call = self.note("step", (measurement, now), {})
         command = super().step(measurement, now)
-        call["stopwatch"] = list(self._readings)
         if self.formulation is not None:
             call["solver"] = self.formulation.solver.name
         if command is not None:
@@ -212,7 +212,9 @@ def replay(path: Path) -> Iterator[ReplayedStep]:
         solver = header.get("solver")
         told = solver_as_told(lambda: solver in (None, parameters.solver))
         formulation = formulation_of(parameters, told)
-        controller = Controller(parameters, formulation, lambda: readings.pop(0))
+        controller = Controller(
+            parameters, formulation, lambda: readings.pop(0) if readings else math.nan
+        )
         for line in file:
             call = json.loads(line)
             solver = call.pop("solver", solver)

@@ -31,29 +31,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.control.orbit_deviation import ACCELERATION, SIZE
+from uav_tracking_mpc.dynamics.response import Response
 from uav_tracking_mpc.estimation.navigator import LONGEST_SUBSTEP, ROUNDING
 
 SLOWEST = 1e-2  # rad/s, the lowest frequency of a response
-
-
-class Response(NamedTuple):
-    """How the three channels respond.
-
-    Attributes:
-        lags: Time constants, shape (3,), in [s].
-        dead_times: Shape (3,), in [s].
-        gains: Shape (3,) [-].
-    """
-
-    lags: NDArray[np.float64]
-    dead_times: NDArray[np.float64]
-    gains: NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics import vehicle as vehicle_model
 from uav_tracking_mpc.dynamics.buffered_function import BufferedFunction
+from uav_tracking_mpc.dynamics.response import Response
 from uav_tracking_mpc.dynamics.symbolic_work import one_at_a_time
 from uav_tracking_mpc.dynamics.vehicle_models import step_function
 from uav_tracking_mpc.estimation.air_data import AirData
@@ -120,15 +121,24 @@ class Navigator:
             self._step = BufferedFunction(step_function(parameters.vehicle))
         self._model = parameters.vehicle
         self._estimating = parameters.air_estimation
-        self._lag = float(self._model.lags[ACCELERATION])
-        self._dead_time = parameters.commanded_dead_time.tolist()
+        self.respond(parameters.response)
         self._stages = parameters.horizon_step * np.arange(parameters.horizon + 1)
         if len(self._times) != len(self._stages) + 1:
             self._times = np.zeros(len(self._stages) + 1)
             self._outlook = Outlook(len(self._times), REWIND)
-        self._history.memory = 2.0 * max(self._dead_time) + 1.0
         self.air.timeout = parameters.state_timeout
         self.target.tune(parameters.target_noise, parameters.target_agility)
+
+    def respond(self, response: Response) -> None:
+        """Predict with another response of the aircraft until the parameters change.
+
+        Args:
+            response: As it was learnt in flight.
+        """
+        self._model = self._model.with_lags(response.lags)
+        self._lag = float(self._model.lags[ACCELERATION])
+        self._dead_time = response.dead_times.tolist()
+        self._history.memory = 2.0 * max(self._dead_time) + 1.0
 
     def reset(self) -> None:
         """Forget air, target and commands."""

@@ -22,6 +22,7 @@ from enum import Enum
 from uav_tracking_mpc.estimation.measurement import Measurement
 
 SPEED_LIMIT = 500.0  # m/s over ground; a faster change of position is a jump
+FASTER = 2.0  # times the ground velocity before a gap, that explain a change of position after it
 JUMP_MIN = 50.0  # m; a smaller change of position is never a jump
 NOISE_MULTIPLE = 6.0  # standard deviations of the position that are no jump either
 AGREEING = 3  # outliers in a row, each consistent with the one before, that are a fact
@@ -55,6 +56,7 @@ class StateGate:
     def reset(self) -> None:
         """Believe the next measurement, whatever it is."""
         self.newest: Measurement | None = None
+        self._arrived = math.nan
         self.lost = False
         self._outlier: Measurement | None = None
         self._agreeing = 0
@@ -68,21 +70,25 @@ class StateGate:
         """
         return 0.0 if self.newest is None or self.lost else stamp - self.newest.stamp
 
-    def judge(self, measurement: Measurement) -> Verdict:
+    def judge(self, measurement: Measurement, arrival: float = math.nan) -> Verdict:
         """What to do with a measurement.
 
         Args:
             measurement: Stamp and position count, and the noise of the position where it is known.
+            arrival: When it arrived in [s], by a steady clock; not a number where that is unknown.
         """
-        newest = self.newest
+        newest, waited = self.newest, arrival - self._arrived
         if newest is None:
-            return self._believe(measurement, Verdict.USE)
+            return self._believe(measurement, arrival, Verdict.USE)
         step, jump = _change(newest, measurement)
         if -self.timeout <= step <= 0.0:
             return Verdict.DROP
-        moved = jump > _explained(measurement, min(abs(step), self.timeout))
-        if abs(step) <= self.timeout and not moved:
-            return self._believe(measurement, Verdict.USE)
+        flown = FASTER * math.hypot(*newest.ground_velocity.tolist()) * abs(step)
+        moved = jump > flown + _explained(measurement, min(abs(step), self.timeout))
+        # A gap that the steady clock has seen as well is one of the messages, not of the stamps.
+        ordinary = abs(step) <= self.timeout or abs(step - waited) <= self.timeout
+        if ordinary and not moved:
+            return self._believe(measurement, arrival, Verdict.USE)
         if step < 0.0:
             self.reason = f"the stamp went back by {-step:.3f} s"
         elif moved:
@@ -95,11 +101,11 @@ class StateGate:
             return Verdict.DOUBT
         # After a gap the flight goes on; time gone back and a vehicle elsewhere are a new beginning
         verdict = Verdict.RESTART if step < 0.0 or moved else Verdict.USE
-        return self._believe(measurement, verdict)
+        return self._believe(measurement, arrival, verdict)
 
-    def _believe(self, measurement: Measurement, verdict: Verdict) -> Verdict:
+    def _believe(self, measurement: Measurement, arrival: float, verdict: Verdict) -> Verdict:
         self.newest, self._outlier, self._agreeing = measurement, None, 0
-        self.lost = False
+        self._arrived, self.lost = arrival, False
         return verdict
 
     def _agrees(self, measurement: Measurement) -> bool:

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.buffered_function import BufferedFunction
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
+from uav_tracking_mpc.dynamics.response import Response
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.flight_problem import DECISION_SCALE, FlightProblem, part_of
@@ -97,9 +98,6 @@ class FlightFormulation:
             * (1.0 + parameters.airspeed_band * np.array([-1.0, 1.0])),
             "offset_weights": parameters.offset_weights,
             "offset_reach": OFFSET_REACH * reach,
-            # Held commands lag by tau, and by half a step behind what they follow.
-            "lead": float(self.model.lags[0]) + 0.5 * self.step,
-            "model": self.model.numbers(self.step),
             **{part_of(limit): limit.numbers(nowhere) for limit in self.envelope.limits},
         }
         for name, values in parts.items():
@@ -110,6 +108,15 @@ class FlightFormulation:
             if limit.on_ground
         ]
         self.solver.time_limit = parameters.solve_time_max
+        self.respond(parameters.response)
+
+    def respond(self, response: Response) -> None:
+        """See :meth:`Formulation.respond`."""
+        self.model = self.model.with_lags(response.lags)
+        where = self.flight.layout.where
+        # Held commands lag by tau, and by half a step behind what they follow.
+        self._data[:, where["lead"]] = float(self.model.lags[0]) + 0.5 * self.step
+        self._data[:, where["model"]] = self.model.numbers(self.step)
 
     def reset(self) -> None:
         """Forget the last plan."""

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.dynamics.response import Response
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.mpc.bridged_solver import BridgedSolver, MachineCode
@@ -92,6 +93,14 @@ class Formulation(Protocol):
 
         Args:
             parameters: The new ones.
+        """
+        ...
+
+    def respond(self, response: Response) -> None:
+        """Predict with another response of the aircraft until the parameters change.
+
+        Args:
+            response: As it was learnt in flight.
         """
         ...
 

@@ -20,6 +20,7 @@ import numpy as np
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import relative_state, tracking_error
+from uav_tracking_mpc.dynamics.response import Response
 from uav_tracking_mpc.dynamics.symbolic_work import one_at_a_time
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.situation import Situation
@@ -87,6 +88,9 @@ class PaperFormulation:
             self._flown, self.decrease = self._next, self._next.decrease.after(self.decrease)
             self.solver.change(self._flown.problem)
         self.solver.time_limit = parameters.solve_time_max
+
+    def respond(self, response: Response) -> None:
+        """See :meth:`Formulation.respond`: the paper's aircraft answers at once."""
 
     def reset(self) -> None:
         """Forget the last plan."""

@@ -27,6 +27,7 @@ def response_values(response: ResponseAdaptation) -> dict[str, object]:
         response: Of the controller.
     """
     values: dict[str, object] = {}
+    lags, dead_times, gains = response.flown
     for axis, (name, channel) in enumerate(zip(CHANNELS, response.channels, strict=True)):
         if response.enabled:
             values |= {
@@ -42,9 +43,9 @@ def response_values(response: ResponseAdaptation) -> dict[str, object]:
                 f"{name} gain trusted": channel.gain_trusted,
             }
         values |= {
-            f"{name} lag flown by [s]": float(response.lag[axis]),
-            f"{name} dead time flown by [s]": float(response.dead_time[axis]),
-            f"{name} gain flown by": float(response.gain[axis]),
+            f"{name} lag flown by [s]": float(lags[axis]),
+            f"{name} dead time flown by [s]": float(dead_times[axis]),
+            f"{name} gain flown by": float(gains[axis]),
         }
     for axis in range(2):
         values[f"limit cycle of the {CHANNELS[axis]}"] = response.oscillation.words(axis)

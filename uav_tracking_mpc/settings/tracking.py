@@ -29,6 +29,7 @@ from uav_tracking_mpc.dynamics import paper_numbers as paper
 from uav_tracking_mpc.dynamics.discretisation import SCHEMES
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, DIRECTIONS, Orbit
 from uav_tracking_mpc.dynamics.relative import steady_inputs
+from uav_tracking_mpc.dynamics.response import Response
 from uav_tracking_mpc.dynamics.vehicle_models import VehicleModel
 from uav_tracking_mpc.limits import COMPILED, Limit
 from uav_tracking_mpc.limits._envelope import Envelope
@@ -315,11 +316,11 @@ class TrackingParameters(Gathered):
         return taken(VEHICLE_MODEL.find(model), self)
 
     @property
-    def commanded_dead_time(self) -> NDArray[np.float64]:
-        """Dead time of each input, 0 for those that the autopilot finds itself, shape (3,)."""
-        dead_time = np.array(self.dead_time)
-        dead_time[self.vehicle.commanded :] = 0.0
-        return dead_time
+    def response(self) -> Response:
+        """How the aircraft answers commands, as told; no dead time in what the autopilot finds."""
+        dead_times = np.array(self.dead_time)
+        dead_times[self.vehicle.commanded :] = 0.0
+        return Response(self.vehicle.lags, dead_times, np.ones(3))
 
     @property
     def steady_inputs(self) -> NDArray[np.float64]:

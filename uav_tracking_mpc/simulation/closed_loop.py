@@ -293,7 +293,7 @@ class ClosedLoop:
     def _new_controller(self, formulation: Formulation | None) -> Controller:
         if formulation is not None:
             formulation.change(self._parameters)
-        return Controller(self._parameters, formulation, stopwatch=lambda: 0.0)
+        return Controller(self._parameters, formulation, stopwatch=lambda: self.time)
 
 
 def simulate(

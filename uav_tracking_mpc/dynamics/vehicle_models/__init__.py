@@ -76,6 +76,14 @@ class VehicleModel(PredictionModel):
     def lags(self) -> NDArray[np.float64]:
         """Time constants with which (psi', chi', v') follow commands, shape (3,), in [s]."""
 
+    def with_lags(self, lags: NDArray[np.float64]) -> VehicleModel:
+        """This model with other time constants; itself where they cannot be changed, by default.
+
+        Args:
+            lags: As of :attr:`lags`, shape (3,), in [s].
+        """
+        return self
+
     @abstractmethod
     def step(self, state: Any, inputs: Any, duration: Any, numbers: Any, drift: Drift) -> Any:
         """State after a step under held inputs, for numbers and CasADi symbols alike.

@@ -30,7 +30,7 @@ rule, exact to fourth order in the step.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import casadi as ca
@@ -107,6 +107,10 @@ class Lagged(VehicleModel):
     def lags(self) -> NDArray[np.float64]:
         """See :attr:`VehicleModel.lags`."""
         return np.array(self.rate_lag)
+
+    def with_lags(self, lags: NDArray[np.float64]) -> VehicleModel:
+        """See :meth:`VehicleModel.with_lags`."""
+        return replace(self, rate_lag=tuple(lags.tolist()))
 
     def step(
         self, state: LaggedState, inputs: Any, duration: Any, numbers: Any, drift: Drift

@@ -36,7 +36,7 @@ from uav_tracking_mpc.control.loop_margins import (
 )
 from uav_tracking_mpc.control.margin_check import shortfalls
 from uav_tracking_mpc.control.orbit_loop import OrbitLoop
-from uav_tracking_mpc.control.sampled_loop import Response
+from uav_tracking_mpc.dynamics.response import Response
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.studies.margins.flown_loop import flown_loops
