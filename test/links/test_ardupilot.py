@@ -16,10 +16,12 @@
 
 import math
 import re
+import threading
 
 import numpy as np
 import pytest
 from stepped_flight import ORBIT, STEP, TURN, ByController, Nobody, Planner, SteppedFlight
+from waiting import PATIENCE
 
 from uav_tracking_mpc.autopilot.stepped_autopilot import SteppedAutopilot
 from uav_tracking_mpc.links import LinkError, LinkRefusedError
@@ -166,6 +168,34 @@ def test_a_restart_of_the_autopilot_gives_command_back(engaged):
     engaged.fly(3.0)
     assert not engaged.link.engaged
     assert engaged.link.values()["restarts"] == 1
+
+
+def test_a_wire_that_is_opened_anew_keeps_neither_commands_nor_the_pilot_waiting(engaged):
+    link, wire = engaged.link, engaged.link.heard.connection
+    opening, opened = threading.Event(), threading.Event()
+
+    def slow():
+        opening.set()
+        opened.wait(PATIENCE)
+        raise LinkError("not there")
+
+    def answer():
+        link.command(link.now(), TURN, STEP, ORBIT)
+        link.disengage()
+        answered.append(link.engaged)
+
+    wire.open, answered = slow, []
+    wire._drop()
+    threads = [
+        threading.Thread(target=work, daemon=True) for work in (lambda: link.measured(1.0), answer)
+    ]
+    threads[0].start()
+    assert opening.wait(PATIENCE)
+    threads[1].start()
+    threads[1].join(10.0)
+    assert answered == [False]
+    opened.set()
+    threads[0].join(PATIENCE)
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -117,8 +118,8 @@ class Listener:
         self._rates = dict.fromkeys(ALWAYS, parameters.telemetry_rate)
         self._rates.update(dict.fromkeys((*NOW_AND_THEN, *slow_messages), SLOW_RATE))
         self._rates.update(dict.fromkeys(quick_messages, QUICK_RATE))
-        self._asked_at, self._told_lost = 0, False
-        self._heartbeat_at = self._reopened_at = -math.inf
+        self._asked_at, self._told_lost, self._told_wire = 0, False, False
+        self._heartbeat_at = -math.inf
         self._looked_at = math.inf
         self._due: dict[str, float] = {}
 
@@ -210,7 +211,7 @@ class Listener:
         )
 
     def receive(self, timeout: float) -> list[Any]:
-        """Take in what has come; the wire is opened anew if it was lost.
+        """Take in what has come; nothing comes over a lost wire, see :meth:`restore`.
 
         Args:
             timeout: How long to wait in [s].
@@ -227,7 +228,11 @@ class Listener:
             if stalled:
                 messages = self._modes_of(messages)
         except LinkError as error:
-            self._reopen(error)
+            if self.connection.closed:
+                raise
+            if not self._told_wire:
+                self._told_wire = True
+                self._events.add(Level.WARNING, str(error))
             return []
         self._looked_at = self.connection.now()
         arrival, own = self.connection.now(), []
@@ -248,20 +253,12 @@ class Listener:
             messages = messages + self.connection.receive(0.0)
         return [message for message in messages if message.get_type() == "HEARTBEAT"]
 
-    def _reopen(self, error: LinkError) -> None:
-        if self.connection.closed:
-            raise error
-        now = self.connection.now()
-        if now - self._reopened_at < REOPEN_PERIOD:
-            return
-        if self._reopened_at == -math.inf:
-            self._events.add(Level.WARNING, str(error))
-        self._reopened_at = now
-        try:
-            self.connection.open()
-        except LinkError:
-            return
-        self._reopened_at = -math.inf
+    def restore(self) -> None:
+        """Open the wire anew if it was lost; may take its time, so nobody is to wait for it."""
+        if self.connection.lost_wire and self.is_due("wire", self.connection.now(), REOPEN_PERIOD):
+            with contextlib.suppress(LinkError):  # it is tried again
+                self.connection.open()
+                self._told_wire = False
 
     def _see(self, message: Any, arrival: float) -> None:
         """Take in a message of the autopilot."""

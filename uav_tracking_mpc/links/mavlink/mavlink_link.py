@@ -225,6 +225,7 @@ class MavlinkLink(VehicleLink):
         while not heard.measurements:
             left = end - self.now()
             wait = min(max(left, 0.0), PERIOD)
+            heard.restore()
             if heard.connection.wait(wait):
                 with self._lock:
                     # All that waits: whoever falls behind is to fly by what came last.
