@@ -57,7 +57,7 @@ class ByController:
     def __init__(self, flown):
         envelope = flown.link.inspect().envelope
         envelope = {"autopilot_holds": flown.link.holds, **envelope}
-        self.configuration, _ = with_envelope(flown.configuration, envelope, ())
+        self.configuration, _ = with_envelope(flown.configuration, envelope)
         self.controller = Controller(self.configuration.controller, stopwatch=lambda: 0.0)
         self._motion = motion_of(self.configuration.target)
         self._target_at = -math.inf
@@ -92,9 +92,11 @@ class SteppedFlight:
     ``sent`` has time and content of every set-point as it arrives, ``words`` what was reported.
     """
 
-    def __init__(self, dialect, scenario="wind", link=None, **changed):
-        settings = ("uav_simulator.state_rate=50.0", *NEAR)
-        self.configuration = load_configuration("small_uav", settings, scenario)
+    def __init__(
+        self, dialect, scenario="wind", link=None, config="small_uav", near=NEAR, **changed
+    ):
+        settings = ("uav_simulator.state_rate=50.0", *near)
+        self.configuration = load_configuration(config, settings, scenario)
         self.autopilot = SteppedAutopilot(dialect, self.configuration)
         for name, value in changed.items():
             assert self.autopilot.core.parameters.set(name, value)

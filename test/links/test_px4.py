@@ -93,6 +93,21 @@ def test_it_circles_in_wind_and_about_a_moving_target(scenario):
     assert flown.link.values()["commands refused"] == 0
 
 
+def test_its_small_airplane_circles_by_its_own_configuration():
+    near = [
+        "uav_simulator.initial_position=[170.0, 0.0, 98.0]",
+        "uav_simulator.initial_heading=1.6",
+    ]
+    flown = flight(scenario=None, config="px4_uav", near=near)
+    controller = ByController(flown)
+    assert flown.engage(controller) == ""
+    begin = flown.time
+    flown.fly(35.0, controller)
+    distance, height, _ = controller.since(begin + 25.0)
+    assert distance < 0.3
+    assert height < 1.0
+
+
 def test_what_is_sent_keeps_to_the_limits(engaged):
     engaged.fly(10.0)
     envelope = Px4Envelope(engaged.link.vehicle, 1.06)
