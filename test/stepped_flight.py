@@ -117,6 +117,25 @@ class SteppedFlight:
     def time(self):
         return self.autopilot.time
 
+    def shake(self, nose, climb):
+        """Turbulence in what is told: of the nose's pitch rate [rad/s] and the climb [m/s]."""
+        send, random_ = self.autopilot.radio.send, np.random.default_rng(1)
+        shaking = {"ATTITUDE": [0.0, 0.1, nose], "GLOBAL_POSITION_INT": [0.0, 0.7, climb]}
+
+        def shaken(message):
+            if (kind := message.get_type()) in shaking:
+                value, correlation, deviation = shaking[kind]
+                kept = math.exp(-0.02 / correlation)
+                value = kept * value + math.sqrt(1.0 - kept**2) * deviation * random_.normal()
+                shaking[kind][0] = value
+                if kind == "ATTITUDE":
+                    message.pitchspeed += value
+                else:
+                    message.vz = round(message.vz - 100.0 * value)
+            send(message)
+
+        self.autopilot.radio.send = shaken
+
     def fly(self, duration, by=None):
         """Until so much time has gone by."""
         by, end = by or Planner(), self.time + duration

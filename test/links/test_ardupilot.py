@@ -95,6 +95,19 @@ def test_it_circles_in_wind_and_about_a_moving_target(scenario):
     assert flown.link.values()["commands refused"] == 0
 
 
+def test_turbulence_up_and_down_does_not_shake_the_bank():
+    """The bank jumped by 14 deg from one set-point to the next."""
+    flown = flight()
+    flown.shake(0.3, 1.5)
+    controller = ByController(flown)
+    assert flown.engage(controller) == ""
+    begin = flown.time
+    flown.fly(30.0, controller)
+    banks = np.degrees([target.roll for time, target in flown.sent if time > begin + 20.0])
+    assert np.sqrt(np.mean(np.diff(banks) ** 2)) < 1.5
+    assert controller.since(begin + 20.0)[0] < 1.0
+
+
 @pytest.mark.parametrize("mode", ["FBWA", "MANUAL", "RTL", "LOITER"])
 def test_a_pilot_takes_over_within_one_message_and_for_good(engaged, mode):
     engaged.fly(2.0)
