@@ -54,8 +54,8 @@ ARGUMENTS = (
     DeclareLaunchArgument(
         "config",
         default_value="small_uav",
-        description="Configuration: name of one of the package (paper, small_uav, jsbsim_uav), or "
-        "path of a YAML file.",
+        description="Configuration: name of one of the package (paper, small_uav, px4_uav, "
+        "jsbsim_uav), or path of a YAML file.",
     ),
     DeclareLaunchArgument(
         "scenario",

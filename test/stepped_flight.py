@@ -57,7 +57,7 @@ class ByController:
     def __init__(self, flown):
         envelope = flown.link.inspect().envelope
         envelope = {"autopilot_holds": flown.link.holds, **envelope}
-        self.configuration, _ = with_envelope(flown.configuration, envelope, ())
+        self.configuration, _ = with_envelope(flown.configuration, envelope)
         self.controller = Controller(self.configuration.controller, stopwatch=lambda: 0.0)
         self._motion = motion_of(self.configuration.target)
         self._target_at = -math.inf
@@ -92,9 +92,11 @@ class SteppedFlight:
     ``sent`` has time and content of every set-point as it arrives, ``words`` what was reported.
     """
 
-    def __init__(self, dialect, scenario="wind", link=None, **changed):
-        settings = ("uav_simulator.state_rate=50.0", *NEAR)
-        self.configuration = load_configuration("small_uav", settings, scenario)
+    def __init__(
+        self, dialect, scenario="wind", link=None, config="small_uav", near=NEAR, **changed
+    ):
+        settings = ("uav_simulator.state_rate=50.0", *near)
+        self.configuration = load_configuration(config, settings, scenario)
         self.autopilot = SteppedAutopilot(dialect, self.configuration)
         for name, value in changed.items():
             assert self.autopilot.core.parameters.set(name, value)
@@ -114,6 +116,25 @@ class SteppedFlight:
     @property
     def time(self):
         return self.autopilot.time
+
+    def shake(self, nose, climb):
+        """Turbulence in what is told: of the nose's pitch rate [rad/s] and the climb [m/s]."""
+        send, random_ = self.autopilot.radio.send, np.random.default_rng(1)
+        shaking = {"ATTITUDE": [0.0, 0.1, nose], "GLOBAL_POSITION_INT": [0.0, 0.7, climb]}
+
+        def shaken(message):
+            if (kind := message.get_type()) in shaking:
+                value, correlation, deviation = shaking[kind]
+                kept = math.exp(-0.02 / correlation)
+                value = kept * value + math.sqrt(1.0 - kept**2) * deviation * random_.normal()
+                shaking[kind][0] = value
+                if kind == "ATTITUDE":
+                    message.pitchspeed += value
+                else:
+                    message.vz = round(message.vz - 100.0 * value)
+            send(message)
+
+        self.autopilot.radio.send = shaken
 
     def fly(self, duration, by=None):
         """Until so much time has gone by."""

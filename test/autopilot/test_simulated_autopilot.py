@@ -18,11 +18,12 @@ import os
 import time
 
 import pytest
+from pymavlink import mavutil
 
 from uav_tracking_mpc.autopilot.simulated_autopilot import SimulatedAutopilot
 from uav_tracking_mpc.autopilot.wire_faults import WIRE_FAULTS
 from uav_tracking_mpc.links import LinkError
-from uav_tracking_mpc.links.mavlink.dialect import mavlink, mavutil
+from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration
 

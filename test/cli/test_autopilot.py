@@ -20,9 +20,9 @@ import subprocess
 import sys
 
 import pytest
+from pymavlink import mavutil
 
 from uav_tracking_mpc.cli.main import main
-from uav_tracking_mpc.links.mavlink.dialect import mavutil
 
 PORT = 20000 + os.getpid() % 20000 + 50
 

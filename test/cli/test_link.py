@@ -27,7 +27,6 @@ from uav_tracking_mpc.cli.link_arguments import (
     add_link_arguments,
     check_link_arguments,
     place,
-    told_names,
     with_connection,
 )
 from uav_tracking_mpc.cli.main import main
@@ -102,14 +101,12 @@ def test_options_are_short_forms_of_settings():
     arguments = parsed(
         *("--link", "ardupilot", "--connection", "udpin:0.0.0.0:14550", "--engage"),
         *("--origin=-33.9,18.4,40", "--target-system", "7", "--signing-key", "key"),
-        *("--set", "nmpc_controller.bank_max=0.5"),
     )
     check_link_arguments(arguments)
     link = load_configuration("small_uav", arguments.overrides).link
     assert (link.link, link.connection, link.engage) == ("ardupilot", "udpin:0.0.0.0:14550", True)
     assert link.origin == (-33.9, 18.4, 40.0)
     assert (link.target_system, link.signing_key) == (7, "key")
-    assert told_names(arguments) == {"bank_max"}
     assert parsed().overrides == []
 
 

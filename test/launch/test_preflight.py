@@ -21,6 +21,7 @@ import pytest
 
 from uav_tracking_mpc.launch.preflight import preflight, refusal, refuse, with_envelope
 from uav_tracking_mpc.links import LinkError, LinkRefusedError
+from uav_tracking_mpc.links.mavlink.px4_envelope import Px4Envelope
 from uav_tracking_mpc.parameters.registry import ExtensionError
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration
@@ -33,19 +34,57 @@ def configuration(*overrides, address="", link=LINK):
     return load_configuration("small_uav", [*own, *overrides])
 
 
-def fitted(envelope, told=(), overrides=()):
+def fitted(envelope, overrides=(), name="small_uav"):
     settings = [f"nmpc_controller.{override}" for override in overrides]
-    return with_envelope(load_configuration("small_uav", settings), envelope, told)
+    return with_envelope(load_configuration(name, settings), envelope)
 
 
-def test_the_vehicles_limits_take_the_place_of_the_configurations():
-    flown, changes = fitted({"bank_max": 1.0, "airspeed_min": 12.0, "airspeed_max": 32.0})
-    assert flown.controller.bank_max == 1.0
-    assert flown.controller.airspeed_min == 12.0
-    assert len(changes) == 2  # the airspeed_max is the same
-    assert changes[0] == "bank_max is 1 by the vehicle, not 0.7854"
-    assert flown.sections["nmpc_controller"]["bank_max"] == 1.0
+def test_a_vehicle_tightens_what_was_asked_for_and_never_loosens_it():
+    flown, changes = fitted({"bank_max": 0.7, "airspeed_min": 12.0, "airspeed_max": 32.0})
+    assert flown.controller.bank_max == 0.7
+    assert flown.controller.airspeed_min == 14.0
+    assert changes == ("bank_max is 0.7 by the vehicle, not 0.7854",)
+    assert flown.sections["nmpc_controller"]["bank_max"] == 0.7
     assert flown.name == "small_uav"
+    assert fitted({"bank_max": 1.1}) == (load_configuration("small_uav"), ())
+
+
+def test_what_an_autopilot_holds_is_its_own_and_no_limit():
+    flown, _ = fitted({"hold_climb_max": 9.0, "rate_lag": (0.2, 0.2, 0.2)})
+    assert flown.controller.hold_climb_max == 9.0
+    assert flown.controller.rate_lag == (0.2, 0.2, 0.2)
+
+
+def test_the_force_that_is_left_is_within_both_at_every_airspeed():
+    vehicle = {"airspeed_min": 10.0, "airspeed_max": 26.0}
+    vehicle |= {"force_min": (-1.0, -2.0), "force_max": (2.0, 1.6)}
+    flown = fitted(vehicle)[0].controller
+    asked = load_configuration("small_uav").controller
+    assert (flown.airspeed_min, flown.airspeed_max) == (14.0, 26.0)
+    for airspeed in np.linspace(14.0, 26.0, 13):
+        least = np.interp(airspeed, (10.0, 26.0), vehicle["force_min"])
+        most = np.interp(airspeed, (10.0, 26.0), vehicle["force_max"])
+        own = [
+            np.interp(airspeed, (14.0, 32.0), each) for each in (asked.force_min, asked.force_max)
+        ]
+        left = [
+            np.interp(airspeed, (14.0, 26.0), each) for each in (flown.force_min, flown.force_max)
+        ]
+        assert max(least, own[0]) - 1e-9 <= left[0] < left[1] <= min(most, own[1]) + 1e-9
+
+
+def test_the_small_airplane_of_px4_is_flown_by_its_own_configuration():
+    """Its parameters are PX4's own defaults; they loosen nothing and fit the orbit."""
+    own = {"FW_R_LIM": 50.0, "FW_AIRSPD_MIN": 10.0, "FW_AIRSPD_TRIM": 15.0, "FW_AIRSPD_MAX": 20.0}
+    envelope = Px4Envelope(own, 1.0)
+    assert envelope.refusals() == []
+    flown, changes = fitted(envelope.values(12.5), name="px4_uav")
+    asked = load_configuration("px4_uav").controller
+    assert flown.controller.airspeed == 12.5
+    assert flown.controller.airspeed_max == asked.airspeed_max <= 14.0
+    assert flown.controller.bank_max == asked.bank_max
+    assert not any("airspeed" in words for words in changes)
+    assert refusal(flown.controller, np.array([5.0, 0.0, 0.0])) == ""
 
 
 @pytest.mark.parametrize(
@@ -56,11 +95,10 @@ def test_the_vehicles_limits_take_the_place_of_the_configurations():
         ("airspeed_min", 16.0, 15.0, 16.0),
         ("airspeed_min", 10.0, 15.0, 15.0),
         ("path_angle_min", -0.1, -0.2, -0.1),
-        ("rate_lag", [0.3, 0.1, 0.1], (0.2, 0.2, 0.2), (0.2, 0.2, 0.2)),
     ],
 )
 def test_what_was_asked_for_counts_where_it_is_tighter(name, asked, vehicle, flown):
-    got, _ = fitted({name: vehicle}, told={name}, overrides=[f"{name}={asked}"])
+    got, _ = fitted({name: vehicle}, overrides=[f"{name}={asked}"])
     assert getattr(got.controller, name) == flown
 
 
@@ -91,7 +129,7 @@ def test_a_wind_may_be_too_much_for_the_orbit():
 
 
 def test_a_link_is_looked_at_and_let_go():
-    found = preflight(configuration(), (), 1.0)
+    found = preflight(configuration(), 1.0)
     assert found.inspection.found == {"firmware": "paced 1.0"}
     assert found.refusals == ()
     assert found.configuration.controller.bank_max == 0.7
@@ -105,7 +143,7 @@ def test_a_link_is_looked_at_and_let_go():
     ("address", "words"), [("tight", "needs a turn rate"), ("disarmed", "disarmed")]
 )
 def test_what_cannot_be_flown_is_refused(address, words):
-    found = preflight(configuration(address=address), (), 1.0)
+    found = preflight(configuration(address=address), 1.0)
     with pytest.raises(LinkRefusedError, match=words):
         refuse(found)
 
@@ -120,4 +158,4 @@ def test_what_cannot_be_flown_is_refused(address, words):
 )
 def test_an_aircraft_that_is_not_there_is_an_error(chosen, error, words):
     with pytest.raises(error, match=words):
-        preflight(configuration(**chosen), (), 1.0)
+        preflight(configuration(**chosen), 1.0)

@@ -16,10 +16,12 @@
 
 import math
 import re
+import threading
 
 import numpy as np
 import pytest
 from stepped_flight import ORBIT, STEP, TURN, ByController, Nobody, Planner, SteppedFlight
+from waiting import PATIENCE
 
 from uav_tracking_mpc.autopilot.stepped_autopilot import SteppedAutopilot
 from uav_tracking_mpc.links import LinkError, LinkRefusedError
@@ -91,6 +93,19 @@ def test_it_circles_in_wind_and_about_a_moving_target(scenario):
     assert height < 1.0
     assert roll_rate < 5.0
     assert flown.link.values()["commands refused"] == 0
+
+
+def test_turbulence_up_and_down_does_not_shake_the_bank():
+    """The bank jumped by 14 deg from one set-point to the next."""
+    flown = flight()
+    flown.shake(0.3, 1.5)
+    controller = ByController(flown)
+    assert flown.engage(controller) == ""
+    begin = flown.time
+    flown.fly(30.0, controller)
+    banks = np.degrees([target.roll for time, target in flown.sent if time > begin + 20.0])
+    assert np.sqrt(np.mean(np.diff(banks) ** 2)) < 1.5
+    assert controller.since(begin + 20.0)[0] < 1.0
 
 
 @pytest.mark.parametrize("mode", ["FBWA", "MANUAL", "RTL", "LOITER"])
@@ -166,6 +181,34 @@ def test_a_restart_of_the_autopilot_gives_command_back(engaged):
     engaged.fly(3.0)
     assert not engaged.link.engaged
     assert engaged.link.values()["restarts"] == 1
+
+
+def test_a_wire_that_is_opened_anew_keeps_neither_commands_nor_the_pilot_waiting(engaged):
+    link, wire = engaged.link, engaged.link.heard.connection
+    opening, opened = threading.Event(), threading.Event()
+
+    def slow():
+        opening.set()
+        opened.wait(PATIENCE)
+        raise LinkError("not there")
+
+    def answer():
+        link.command(link.now(), TURN, STEP, ORBIT)
+        link.disengage()
+        answered.append(link.engaged)
+
+    wire.open, answered = slow, []
+    wire._drop()
+    threads = [
+        threading.Thread(target=work, daemon=True) for work in (lambda: link.measured(1.0), answer)
+    ]
+    threads[0].start()
+    assert opening.wait(PATIENCE)
+    threads[1].start()
+    threads[1].join(10.0)
+    assert answered == [False]
+    opened.set()
+    threads[0].join(PATIENCE)
 
 
 @pytest.mark.parametrize(

@@ -93,6 +93,34 @@ def test_it_circles_in_wind_and_about_a_moving_target(scenario):
     assert flown.link.values()["commands refused"] == 0
 
 
+def test_a_nose_that_shakes_does_not_shake_the_bank():
+    """The bank went as quickly as it may from one set-point to the next, by 1.2 deg."""
+    flown = flight()
+    flown.shake(0.3, 0.0)
+    controller = ByController(flown)
+    assert flown.engage(controller) == ""
+    begin = flown.time
+    flown.fly(35.0, controller)
+    banks = np.degrees([target.roll for time, target in flown.sent if time > begin + 25.0])
+    assert np.sqrt(np.mean(np.diff(banks) ** 2)) < 0.3
+    assert controller.since(begin + 25.0)[0] < 0.3
+
+
+def test_its_small_airplane_circles_by_its_own_configuration():
+    near = [
+        "uav_simulator.initial_position=[170.0, 0.0, 98.0]",
+        "uav_simulator.initial_heading=1.6",
+    ]
+    flown = flight(scenario=None, config="px4_uav", near=near)
+    controller = ByController(flown)
+    assert flown.engage(controller) == ""
+    begin = flown.time
+    flown.fly(35.0, controller)
+    distance, height, _ = controller.since(begin + 25.0)
+    assert distance < 0.3
+    assert height < 1.0
+
+
 def test_what_is_sent_keeps_to_the_limits(engaged):
     engaged.fly(10.0)
     envelope = Px4Envelope(engaged.link.vehicle, 1.06)

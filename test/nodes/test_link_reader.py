@@ -59,6 +59,23 @@ def test_measurements_come_in_the_readers_thread_until_it_is_stopped(reader):
     assert not wait_for(lambda: len(seen) > count, 0.2)
 
 
+def test_a_measurement_that_cannot_be_published_ends_no_flight(reader):
+    link, seen = PacedLink(), []
+
+    def taken(measurement):
+        seen.append(measurement)
+        if len(seen) == 2:
+            raise OverflowError("no such stamp")
+
+    made = reader(link, taken)
+    link.engage()
+    assert wait_for(lambda: len(seen) > 4)
+    assert link.engaged and not link.closed
+    assert made.connected and made.trouble == ""
+    words = [words for _, words in link.events.take() if "not published" in words]
+    assert words == ["a measurement is not published: OverflowError: no such stamp"]
+
+
 def test_it_waits_for_an_aircraft_that_is_not_there_yet(reader):
     link = PacedLink("nobody")
     made = reader(link)

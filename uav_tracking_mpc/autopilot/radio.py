@@ -18,10 +18,10 @@ from __future__ import annotations
 
 import heapq
 import itertools
-from typing import Any
 
 from uav_tracking_mpc.autopilot.wire_faults import WireFault
 from uav_tracking_mpc.links.mavlink.connection import CHUNK, Connection
+from uav_tracking_mpc.links.mavlink.wire import Wire
 
 Queue = list[tuple[float, int, bytes]]  # when it arrives in s, order, bytes
 
@@ -72,13 +72,15 @@ class Radio(Connection):
             if self._wire is not None:
                 self._wire.write(frame)
 
-    def _opened(self) -> Any:
+    def _opened(self) -> Wire:
         wire = super()._opened()
         self._outward.clear()
         self._inward.clear()
         self._ended = False
         self._write, self._read, self._wait = wire.write, wire.recv, wire.select
-        wire.write, wire.recv, wire.select = self._sent, self._received, self._ready
+        wire.write = self._sent  # type: ignore[method-assign]
+        wire.recv = self._received  # type: ignore[method-assign]
+        wire.select = self._ready  # type: ignore[method-assign]
         return wire
 
     def _sent(self, frame: bytes) -> None:
@@ -88,11 +90,11 @@ class Radio(Connection):
         self._queue(self._outward, bytes(frame), outward=True)
         self._flush()
 
-    def _received(self, _size: int | None = None) -> bytes:
+    def _received(self, size: int) -> bytes | None:
         """One piece: a cut one must not swallow the next."""
         if self._inward and self._inward[0][0] <= self.now():
             return heapq.heappop(self._inward)[2]
-        return b""
+        return b"" if self._ended else None
 
     def _ready(self, timeout: float) -> bool:
         """Whether there is something to receive, or the other end has closed."""
@@ -110,17 +112,10 @@ class Radio(Connection):
                 data = self._read(CHUNK)
                 if data:
                     self._queue(self._inward, bytes(data), outward=False)
-                elif isinstance(data, bytes):  # an end, where pymavlink has nothing it is text
-                    self._other_end_closed()
+                elif data == b"":
+                    self._ended = True
             elif timeout <= 0.0:
                 return bool(self._inward and self._inward[0][0] <= self.now())
-
-    def _other_end_closed(self) -> None:
-        if self._kind == "tcp":
-            self._ended = True
-        elif self._kind == "tcpin":  # the next may come, and may be waiting already
-            self._wire.port.close()
-            self._wire.port, self._wire.fd = None, self._wire.listen.fileno()
 
     def _queue(self, queue: Queue, data: bytes, outward: bool) -> None:
         now = self.now()

@@ -23,37 +23,34 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Sequence
-from typing import Any
 
 from uav_tracking_mpc.autopilot.flight_loops import TICK
 from uav_tracking_mpc.autopilot.radio import Radio
 from uav_tracking_mpc.autopilot.vehicle_protocol import COMPONENT
 from uav_tracking_mpc.autopilot.wired_autopilot import ORIGIN, WiredAutopilot
 from uav_tracking_mpc.links.mavlink.connection import Connection
-from uav_tracking_mpc.links.mavlink.dialect import mavlink
+from uav_tracking_mpc.links.mavlink.wire import Wire
 from uav_tracking_mpc.settings.configuration import Configuration
 
 DATAGRAMS = "udpin:127.0.0.1:1"  # the form of an address; nothing is opened there
 CAPACITY = 2000  # datagrams that wait; the oldest are dropped first, as a socket drops the newest
 
 
-class _End:
-    """One end of the wire, as pymavlink's connections are."""
+class _End(Wire):
+    """One end of the wire."""
 
-    def __init__(self, system: int, component: int) -> None:
-        self.mav = mavlink.MAVLink(self, system, component)
-        self.port = None
+    def __init__(self) -> None:
         self.incoming: deque[bytes] = deque(maxlen=CAPACITY)
         self.other: _End | None = None
 
-    def write(self, frame: Any) -> None:
+    def write(self, frame: bytes) -> None:
         if self.other is not None:
             self.other.incoming.append(bytes(frame))
 
-    def recv(self, _size: int | None = None) -> bytes | str:
-        return self.incoming.popleft() if self.incoming else ""
+    def recv(self, size: int) -> bytes | None:
+        return self.incoming.popleft() if self.incoming else None
 
-    def select(self, _timeout: float) -> bool:
+    def select(self, timeout: float) -> bool:
         return bool(self.incoming)
 
     def close(self) -> None:
@@ -84,7 +81,7 @@ class SteppedAutopilot(WiredAutopilot):
         on_runway: bool = False,
     ) -> None:
         self.time = 0.0
-        self.ends = _End(255, 191), _End(1, COMPONENT)
+        self.ends = _End(), _End()
         ours, theirs = self.ends
         ours.other, theirs.other = theirs, ours
         super().__init__(dialect, configuration, lambda: _SteppedRadio(self), origin, 1, on_runway)
@@ -117,7 +114,7 @@ class _SteppedRadio(Radio):
     def now(self) -> float:
         return self._autopilot.time
 
-    def _socket(self) -> Any:
+    def _socket(self) -> Wire:
         return self._autopilot.ends[1]
 
 
@@ -138,5 +135,5 @@ class _SteppedConnection(Connection):
             ticks -= 1
         return bool(self._autopilot.ends[0].incoming)
 
-    def _socket(self) -> Any:
+    def _socket(self) -> Wire:
         return self._autopilot.ends[0]

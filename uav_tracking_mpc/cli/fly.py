@@ -38,7 +38,6 @@ from uav_tracking_mpc.cli.link_arguments import (
     add_link_arguments,
     check_link_arguments,
     preflight_lines,
-    told_names,
     with_connection,
 )
 from uav_tracking_mpc.cli.page_arguments import add_view_argument, check_page, told_page_arguments
@@ -182,7 +181,7 @@ def _fly_link(
         if arguments.simulated:
             place = stack.enter_context(autopilot_process(configuration, console))
             configuration = with_connection(configuration, place)
-        found = preflight(configuration, told_names(arguments), CONNECT_LIMIT)
+        found = preflight(configuration, CONNECT_LIMIT)
         for line in preflight_lines(found):
             console.print(line, markup=False, highlight=False, soft_wrap=True)
         refuse(found)

@@ -20,12 +20,7 @@ import argparse
 
 from uav_tracking_mpc.cli.answer import answer
 from uav_tracking_mpc.cli.arguments import add_configuration_arguments, chosen_configuration, number
-from uav_tracking_mpc.cli.link_arguments import (
-    CONNECT_LIMIT,
-    add_link_arguments,
-    preflight_lines,
-    told_names,
-)
+from uav_tracking_mpc.cli.link_arguments import CONNECT_LIMIT, add_link_arguments, preflight_lines
 
 HELP = "what a real autopilot says before a flight"
 DESCRIPTION = "Look at an autopilot. Nothing is commanded, and nothing is changed there."
@@ -70,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
     from uav_tracking_mpc.launch.preflight import preflight, refuse
 
     configuration = chosen_configuration(arguments)
-    found = preflight(configuration, told_names(arguments), arguments.timeout)
+    found = preflight(configuration, arguments.timeout)
     inspection = found.inspection
     content = {
         "link": configuration.link.link,

@@ -147,17 +147,6 @@ def place(text: str) -> tuple[float, float, float]:
     return latitude, longitude, altitude
 
 
-def told_names(arguments: argparse.Namespace) -> set[str]:
-    """Names of the controller's parameters that the command line sets.
-
-    Args:
-        arguments: As parsed.
-    """
-    names = (override.partition("=")[0].strip() for override in arguments.overrides)
-    section = "nmpc_controller."
-    return {name.removeprefix(section) for name in names if name.startswith(section)}
-
-
 def with_connection(configuration: Configuration, connection: str) -> Configuration:
     """The configuration with another place of the autopilot.
 

@@ -14,15 +14,14 @@
 
 """Before a flight with a real autopilot: what is found there, and the envelope that follows.
 
-The limits of the vehicle take the place of those of the configuration: they are read, not typed.
-What somebody has asked for explicitly counts where it is tighter, and so do the configuration's
-floor and fence in any case.
+What is read of the vehicle takes the place of what the configuration says of it, but a limit only
+where it is tighter: a vehicle never loosens what was asked for.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,8 +37,8 @@ from uav_tracking_mpc.settings.configuration import Configuration, configuration
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
 SECTION = "nmpc_controller"
-ALWAYS = ("height_min",)  # of which the configuration's counts wherever it is tighter
 WIND_STATES, WIND_WAIT = 25, 2.0  # states that the wind is taken from; s that they may take
+HELD = "hold_"  # begins the names of what the autopilot does itself, which is no limit of ours
 SAME = 1e-9  # share by which two numbers may differ and count as the same
 
 
@@ -62,12 +61,11 @@ class Preflight:
     refusals: tuple[str, ...]
 
 
-def preflight(configuration: Configuration, told: Collection[str], timeout: float) -> Preflight:
+def preflight(configuration: Configuration, timeout: float) -> Preflight:
     """Connect, look, let go again; nothing is commanded.
 
     Args:
         configuration: To be flown, with the link in its section ``autopilot_link``.
-        told: Names of the controller's parameters that were asked for explicitly.
         timeout: How long to try to connect in [s].
 
     Raises:
@@ -87,7 +85,7 @@ def preflight(configuration: Configuration, told: Collection[str], timeout: floa
     )
     refusals = list(inspection.refusals)
     try:
-        fitted, changes = with_envelope(configuration, envelope, told)
+        fitted, changes = with_envelope(configuration, envelope)
         if wind is not None and (words := refusal(fitted.controller, wind)):
             refusals.append(words)
     except ParameterError as error:
@@ -122,7 +120,7 @@ def refuse(found: Preflight) -> None:
 
 
 def with_envelope(
-    configuration: Configuration, envelope: Mapping[str, Any], told: Collection[str]
+    configuration: Configuration, envelope: Mapping[str, Any]
 ) -> tuple[Configuration, tuple[str, ...]]:
     """The configuration with a vehicle's limits, and what they changed in words.
 
@@ -130,16 +128,15 @@ def with_envelope(
         configuration: As asked for.
         envelope: Parameters of the controller by name, in the units of
             :class:`TrackingParameters`.
-        told: Names of those that were asked for explicitly.
 
     Raises:
         ParameterError: What is asked for cannot be flown by this vehicle.
     """
     present, values, changes = configuration.controller, dict[str, Any](), []
-    fence = _fence(present, envelope)
-    for name, value in {**envelope, **fence}.items():
+    limits = {**_fence(present, envelope), **_forces(present, envelope)}
+    for name, value in {**envelope, **limits}.items():
         before = getattr(present, name, None)
-        if name in (*told, *ALWAYS) and before is not None:
+        if isinstance(before, float):
             value = _tighter(name, before, value)
         if before is None or not _same(before, value):
             values[name] = list(value) if isinstance(value, tuple) else value
@@ -162,20 +159,34 @@ def _fence(present: TrackingParameters, envelope: Mapping[str, Any]) -> dict[str
     return {"fence_radius": present.fence_radius, "fence_centre": present.fence_centre}
 
 
-def _tighter(name: str, before: Any, value: Any) -> Any:
-    """The tighter of two limits; the vehicle's where the name does not tell which that is."""
+def _forces(present: TrackingParameters, envelope: Mapping[str, Any]) -> dict[str, Any]:
+    """The tighter forces at the ends of the airspeeds that are left."""
+    own = present.airspeed_min, present.airspeed_max
+    vehicles = [envelope.get(f"airspeed_{end}", own[i]) for i, end in enumerate(("min", "max"))]
+    ends = max(own[0], vehicles[0]), min(own[1], vehicles[1])
+    return {
+        name: tuple(
+            choose(
+                np.interp(ends, own, getattr(present, name)), np.interp(ends, vehicles, given)
+            ).tolist()
+        )
+        for name, choose in {"force_min": np.maximum, "force_max": np.minimum}.items()
+        if (given := envelope.get(name)) is not None
+    }
+
+
+def _tighter(name: str, before: float, value: float) -> float:
+    """The tighter of two limits; the vehicle's number where it is none."""
     choose = {"_max": min, "_min": max}.get(name[-4:])
-    if choose is None or isinstance(value, (str, bool)):
+    if choose is None or name.startswith(HELD):
         return value
-    if isinstance(value, tuple):
-        return tuple(choose(pair) for pair in zip(before, value, strict=True))
     return choose(before, value)
 
 
 def _same(before: Any, value: Any) -> bool:
     if isinstance(before, (bool, str)) or isinstance(value, (bool, str)):
         return bool(before == value)
-    return bool(np.allclose(before, value, rtol=SAME, atol=SAME))
+    return np.shape(before) == np.shape(value) and np.allclose(before, value, rtol=SAME, atol=SAME)
 
 
 def _words(value: Any) -> str:

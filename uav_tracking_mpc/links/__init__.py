@@ -19,7 +19,6 @@
 ``px4``         PX4 with a fixed wing in OFFBOARD, over MAVLink
 ``simulated``   a plant, as if it were behind a radio
 ``mavlink``     what autopilots on MAVLink share
-``px4``         PX4 fixed wing in OFFBOARD, over MAVLink
 ==============  ==================================================================
 
 A link is a subclass of :class:`VehicleLink` in a file of its own name. It is found by that name,

@@ -22,9 +22,6 @@
 ``clock_offset``           ROS time by the clock of a link
 ``link_reader``            the thread that reads a vehicle link
 ``sighting_publisher``     what a vehicle to circle says of itself, as the target
-``px4_ros_link``           PX4 over its own ROS 2 interface, as a link
-``px4_topics``             its topics
-``px4_messages``           its messages to measurements, inputs to its set-points
 ``nmpc_controller``        messages to the controller, its commands to the vehicle
 ``engage_service``         takes its commands away and gives them back
 ``controller_report``      what it has done, as numbers for /diagnostics

@@ -20,6 +20,7 @@ import contextlib
 import threading
 from collections.abc import Callable
 
+from uav_tracking_mpc.control.event import Level
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import LinkError, LinkRefusedError, VehicleLink
 
@@ -34,7 +35,8 @@ class LinkReader:
 
     Args:
         link: To be read; this thread alone connects it.
-        taken: Called with each measurement, in this thread.
+        taken: Called with each measurement, in this thread; what it raises is reported among
+            the link's events.
 
     Attributes:
         connected: Whether the aircraft was reached.
@@ -45,6 +47,7 @@ class LinkReader:
     def __init__(self, link: VehicleLink, taken: Callable[[Measurement], None]) -> None:
         self._link, self._taken = link, taken
         self.connected, self.trouble, self.refusal = False, "not connected yet", ""
+        self._told = ""
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="link", daemon=True)
 
@@ -83,5 +86,12 @@ class LinkReader:
     def _read(self) -> None:
         while not self._stop.is_set():
             measurement = self._link.measured(WAIT)
-            if measurement is not None and not self._stop.is_set():
+            if measurement is None or self._stop.is_set():
+                continue
+            try:
                 self._taken(measurement)
+            except Exception as error:  # not the link's: it is flown on
+                words = f"a measurement is not published: {type(error).__name__}: {error}"
+                if words != self._told:
+                    self._told = words
+                    self._link.events.add(Level.WARNING, words)

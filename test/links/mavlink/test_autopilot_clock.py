@@ -60,6 +60,18 @@ def test_an_answer_from_nowhere_changes_nothing():
     assert clock.offset == before
 
 
+def test_a_clock_that_has_fallen_behind_is_believed_again():
+    clock, late = AutopilotClock(), 5.0  # s that the autopilot's clock stood still
+    for sent in range(5):
+        exchange(clock, float(sent), 0.01, 0.01)
+    for number in range(50):
+        clock.see_stamp(OFFSET - late + 10.0 + 0.02 * number, 10.0 + 0.02 * number)
+    for sent in (10.0, 10.5, 11.0):
+        clock.see_answer(sent, sent + 0.01 + OFFSET - late, sent + 0.02)
+    assert clock.ours(OFFSET - late + 12.0) == pytest.approx(12.0)
+    assert clock.restarts == 0
+
+
 def test_a_restart_is_seen_from_stamps_that_agree():
     clock = AutopilotClock()
     exchange(clock, 0.0, 0.01, 0.01)

@@ -14,12 +14,18 @@
 
 """The wire: addresses, signing, losses, and frames that are none."""
 
+import contextlib
 import random
+import socket
+import sys
+import threading
 import time
 
 import pytest
+from waiting import PATIENCE
 
 from uav_tracking_mpc.links import LinkError, LinkRefusedError
+from uav_tracking_mpc.links.mavlink import wire
 from uav_tracking_mpc.links.mavlink.connection import KEY_LENGTH, Connection
 from uav_tracking_mpc.links.mavlink.dialect import mavlink, name_of
 from uav_tracking_mpc.studies.link_faults.bad_frames import changed
@@ -34,8 +40,6 @@ def heartbeat(system_status=mavlink.MAV_STATE_ACTIVE):
 @pytest.fixture
 def ports():
     """Ports of this machine that nobody uses."""
-    import socket
-
     found = []
     for kind in (socket.SOCK_DGRAM, socket.SOCK_STREAM):
         with socket.socket(socket.AF_INET, kind) as probe:
@@ -87,6 +91,70 @@ def test_a_stream_that_ends_is_told_and_can_be_opened_anew(ports):
     assert len(received(server)) == 1
     client.close()
     server.close()
+
+
+def test_a_server_takes_the_next_client(ports):
+    server = Connection(f"tcpin:127.0.0.1:{ports[1]}")
+    for _ in range(2):
+        client = Connection(f"tcp:127.0.0.1:{ports[1]}")
+        client.send(heartbeat())
+        assert len(received(server)) == 1
+        server.send(heartbeat())
+        assert len(received(client)) == 1
+        client.close()
+        assert received(server, timeout=0.1) == []
+    server.close()
+
+
+def test_reaching_a_peer_that_does_not_answer_has_a_deadline(monkeypatch):
+    monkeypatch.setattr(wire, "OPEN_LIMIT", 0.2)
+    with contextlib.ExitStack() as opened:
+        full = opened.enter_context(socket.create_server(("127.0.0.1", 0), backlog=0))
+        for _ in range(3):  # more than wait to be accepted: the next is not answered
+            waiting = opened.enter_context(socket.socket())
+            waiting.setblocking(False)
+            waiting.connect_ex(full.getsockname())
+        ended = []
+
+        def reach():
+            with pytest.raises(LinkError, match="timed out"):
+                Connection(f"tcp:127.0.0.1:{full.getsockname()[1]}")
+            ended.append(True)
+
+        thread = threading.Thread(target=reach, daemon=True)
+        thread.start()
+        thread.join(PATIENCE)
+        assert ended
+
+
+def test_whoever_prints_while_a_wire_is_opened_is_read(ports):
+    found = []
+
+    class Looking(Connection):
+        def _socket(self):
+            found.append(sys.stdout)
+            return super()._socket()
+
+    Looking(f"udpin:127.0.0.1:{ports[0]}").close()
+    assert found == [sys.stdout]
+
+
+def test_a_peer_that_reads_nothing_keeps_nobody_waiting():
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        ours.setblocking(False)
+        end = wire.Wire(ours)
+        for _ in range(100):
+            end.write(bytes(100_000))
+        assert theirs.recv(1) == bytes(1)
+
+
+def test_a_second_program_takes_no_messages_from_the_first(pair, ports):
+    ours, theirs = pair
+    with pytest.raises(LinkError, match="another program receives there"):
+        Connection(f"udpin:127.0.0.1:{ports[0]}")
+    theirs.send(heartbeat())
+    assert len(received(ours)) == 1
 
 
 @pytest.mark.parametrize(

@@ -23,15 +23,15 @@ from uav_tracking_mpc.dynamics.atmosphere import true_over_equivalent
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
-from uav_tracking_mpc.links.mavlink.telemetry import Telemetry
+from uav_tracking_mpc.links.mavlink.telemetry import QUICK_CLIMB, SLOW_CLIMB, Telemetry
 
 HOME = LocalFrame(math.radians(47.3977), math.radians(8.5456), 488.0)
 
 
-def telemetry(origin=None):
+def telemetry(origin=None, *climb_frequency):
     clock = AutopilotClock()
     clock.see_answer(0.0, 100.0, 0.0)  # 100 s ahead of ours
-    return Telemetry(clock, origin)
+    return Telemetry(clock, origin, *climb_frequency)
 
 
 def home():
@@ -102,7 +102,23 @@ def test_a_measurement_is_complete_and_in_our_axes():
     assert seen.heading == pytest.approx(math.radians(60.0))
     assert seen.airspeed == pytest.approx(true, rel=1e-4)
     assert seen.path_angle == pytest.approx(math.asin(2.0 / true), abs=1e-3)
-    assert (seen.turn_rate, seen.path_angle_rate) == pytest.approx((turn, 0.1))
+    assert (seen.turn_rate, seen.path_angle_rate) == pytest.approx((turn, 0.0))
+
+
+@pytest.mark.parametrize("frequency", [QUICK_CLIMB, SLOW_CLIMB])
+def test_a_steady_change_of_the_climb_is_followed_and_the_noses_shaking_is_not(frequency):
+    heard, gain = telemetry(HOME, frequency), 0.4  # m/s^2
+    flown(heard, hud(20.0))
+    for number in range(1000):
+        time, shaking = 0.02 * number, 0.5 * (-1.0) ** number
+        messages = (
+            attitude(101.0 + time, rates=(0.0, shaking, 0.0)),
+            position(101.0 + time, (0.0, 0.0, 100.0), (20.0, 0.0, gain * time - 4.0)),
+        )
+        seen = flown(heard, *messages)
+    airspeed = seen.airspeed
+    assert seen.path_angle == pytest.approx(math.asin((gain * time - 4.0) / airspeed), abs=2e-3)
+    assert seen.path_angle_rate == pytest.approx(gain / airspeed, rel=0.05)
 
 
 def test_the_heading_is_carried_on_to_the_positions_time():

@@ -19,6 +19,7 @@
 ``listener``            everything that is heard of one autopilot
 ``dialect``             pymavlink and its messages
 ``connection``          bytes to messages and back
+``wire``                sockets and serial ports that never block
 ``autopilot_clock``     the autopilot's clock by ours
 ``telemetry``           messages to measurements
 ``accuracies``          how accurate it says that they are

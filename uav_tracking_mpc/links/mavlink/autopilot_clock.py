@@ -31,7 +31,7 @@ KEPT = 20  # round trips
 LONGEST = 1.0  # s of a round trip that tells anything
 AHEAD = 1.0  # s by which a stamp may lie in the future before its clock is doubted
 BACK = 1.0  # s by which a stamp may lie before the newest one before its clock is doubted
-WITNESSES = 3  # stamps in a row that must doubt the clock alike: one may be an old repeat
+WITNESSES = 3  # stamps or answers that must doubt the clock alike: one may be an old repeat
 
 
 class RoundTrip(NamedTuple):
@@ -64,6 +64,7 @@ class AutopilotClock:
         """Begin anew: the autopilot has restarted."""
         self._trips: deque[RoundTrip] = deque(maxlen=KEPT)
         self._doubts: list[float] = []
+        self._strays: list[RoundTrip] = []
         self._newest = -math.inf
         self.offset: float | None = None
         self.jitter = self.delay = 0.0
@@ -104,8 +105,16 @@ class AutopilotClock:
             return
         trip = RoundTrip(answered - 0.5 * (sent + arrival), duration)
         if self._trips and abs(trip.offset - self._trips[-1].offset) > AHEAD:
-            return  # of another boot: the stamps of telemetry tell which is the present one
-        self._trips.append(trip)
+            # Of another boot, or the clock stood still: those that agree count from now on.
+            alike = [other for other in self._strays if abs(other.offset - trip.offset) <= AHEAD]
+            self._strays = [*alike, trip]
+            if len(self._strays) < WITNESSES:
+                return
+            self._trips.clear()
+            self._trips.extend(self._strays)
+        else:
+            self._trips.append(trip)
+        self._strays = []
         best = min(self._trips, key=lambda each: each.duration)
         self.offset, self.delay = best.offset, 0.5 * best.duration
         mean = sum(each.offset for each in self._trips) / len(self._trips)

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Bytes to messages and back: one end of a MAVLink connection, by pymavlink.
+"""Bytes to messages and back: one end of a MAVLink connection.
 
 Everything that comes over a wire may be late, doubled, cut or garbled, so nothing that arrives
 raises: what is no message is counted and dropped.
@@ -21,14 +21,14 @@ raises: what is no message is counted and dropped.
 from __future__ import annotations
 
 import contextlib
-import io
 import threading
 import time
 from pathlib import Path
 from typing import Any
 
 from uav_tracking_mpc.links import LinkError, LinkRefusedError
-from uav_tracking_mpc.links.mavlink.dialect import mavlink, mavutil
+from uav_tracking_mpc.links.mavlink.dialect import mavlink
+from uav_tracking_mpc.links.mavlink.wire import Wire, open_wire, words_of
 
 USUAL = "udpin:127.0.0.1:14550"
 FORMS = "udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT or serial:DEVICE:BAUD"
@@ -36,12 +36,13 @@ KEY_LENGTH = 32  # bytes of a signing key: MAVLink guide, Message Signing
 CHUNK = 2048  # bytes read at once from a stream
 DATAGRAM, STREAM, SERIAL = ("udpin", "udpout"), ("tcp", "tcpin"), ("serial",)
 SEQUENCE = 256  # numbers of messages of one sender wrap there
+SIGNING_EPOCH = 1420070400.0  # s, 2015-01-01: since then signatures count units of 10 us
 
 
 class Connection:
     """Messages of everybody at the other end; one thread receives, any may send.
 
-    Sockets and serial ports are pymavlink's. A subclass may bring another wire, and another clock.
+    A subclass may bring another wire, and another clock.
 
     Args:
         address: In the forms of :data:`FORMS`; empty for :data:`USUAL`.
@@ -79,26 +80,28 @@ class Connection:
         """
         self.close()
         self._closed = False
-        words = f"connection {self.address!r} cannot be opened"
         try:
-            with contextlib.redirect_stdout(io.StringIO()):  # pymavlink tells of its attempts
-                self._wire = self._opened()
+            wire = self._opened()
         except Exception as error:  # of sockets, serial ports, names, numbers
-            raise LinkError(f"{words}: {error}") from error
-        self._wire.mav.robust_parsing = True
+            words = f"connection {self.address!r} cannot be opened"
+            raise LinkError(f"{words}: {words_of(error)}") from error
+        wire.mav = mavlink.MAVLink(wire, self._system, self._component)
+        wire.mav.robust_parsing = True
         if self._key:
-            self._wire.setup_signing(self._key, allow_unsigned_callback=_unsigned)
+            signing = wire.mav.signing
+            signing.secret_key, signing.sign_outgoing = self._key, True
+            signing.timestamp = int(max(time.time() - SIGNING_EPOCH, 0.0) * 1e5)
+            signing.allow_unsigned_callback = _unsigned
+        self._wire = wire
+        if self._closed:  # by another thread meanwhile
+            self._drop()
 
-    def _opened(self) -> Any:
+    def _opened(self) -> Wire:
         return self._socket()
 
-    def _socket(self) -> Any:
-        """A wire as those of pymavlink's mavutil are."""
-        who = {"source_system": self._system, "source_component": self._component}
-        if self._kind == "serial":
-            device, _, baud = self._place.rpartition(":")
-            return mavutil.mavlink_connection(device, baud=int(baud), **who)
-        return mavutil.mavlink_connection(f"{self._kind}:{self._place}", retries=1, **who)
+    def _socket(self) -> Wire:
+        """The wire itself."""
+        return open_wire(self._kind, *self._place)
 
     def close(self) -> None:
         """Let go of the wire."""
@@ -106,10 +109,15 @@ class Connection:
         self._drop()
 
     def _drop(self) -> None:
-        if self._wire is not None:
+        wire, self._wire = self._wire, None
+        if wire is not None:
             with contextlib.suppress(Exception):  # it may be lost already
-                self._wire.close()
-            self._wire = None
+                wire.close()
+
+    @property
+    def lost_wire(self) -> bool:
+        """Whether there is no wire though nobody closed it."""
+        return self._wire is None and not self._closed
 
     @property
     def closed(self) -> bool:
@@ -141,10 +149,14 @@ class Connection:
         Args:
             timeout: How long to wait for it in [s].
         """
-        if self._wire is None:
+        wire = self._wire
+        if wire is None:
             time.sleep(max(timeout, 0.0))
             return True
-        return bool(self._wire.select(max(timeout, 0.0)))
+        try:
+            return bool(wire.select(max(timeout, 0.0)))
+        except (OSError, ValueError):  # closed meanwhile
+            return True
 
     def receive(self, timeout: float) -> list[Any]:
         """Messages that have come, at least one unless none comes in time.
@@ -155,22 +167,20 @@ class Connection:
         Raises:
             LinkError: The wire is closed or lost.
         """
-        if self._wire is None:
+        wire = self._wire
+        if wire is None:
             raise LinkError(f"connection {self.address!r} is closed")
         if not self.wait(timeout):
             return []
         try:
-            data = self._wire.recv(CHUNK)
+            data = wire.recv(CHUNK)
         except Exception as error:  # of sockets and serial ports
             self._drop()
             raise LinkError(f"connection {self.address!r} is lost: {error}") from error
-        if not data:
-            # Nothing to read where there was something: the end of a stream, told as no bytes.
-            if self._kind in STREAM and isinstance(data, bytes):
-                self._drop()
-                raise LinkError(f"connection {self.address!r} is lost: the other end closed it")
-            return []
-        return self.parse(data)
+        if data == b"":
+            self._drop()
+            raise LinkError(f"connection {self.address!r} is lost: the other end closed it")
+        return [] if data is None else self._parse(wire.mav, data)
 
     def parse(self, data: bytes) -> list[Any]:
         """Messages in what came; what is none is counted and dropped.
@@ -178,7 +188,9 @@ class Connection:
         Args:
             data: A datagram, or the next bytes of a stream.
         """
-        parser = self._wire.mav
+        return self._parse(self._wire.mav, data)
+
+    def _parse(self, parser: Any, data: bytes) -> list[Any]:
         if self._kind in DATAGRAM and parser.buf_len():
             # A frame never goes on in the next datagram: the rest of a cut one would swallow it.
             self.bad += 1
@@ -215,13 +227,11 @@ class Connection:
             message: Of the dialect.
         """
         with self._sending:
-            if self._wire is None:
-                return
-            with contextlib.suppress(OSError):
-                self._wire.mav.send(message)
+            if (wire := self._wire) is not None:
+                wire.mav.send(message)
 
 
-def _parsed(address: str) -> tuple[str, str]:
+def _parsed(address: str) -> tuple[str, tuple[str, int]]:
     """Kind and place of an address."""
     kind, _, place = address.partition(":")
     host, _, number = place.rpartition(":")
@@ -229,7 +239,7 @@ def _parsed(address: str) -> tuple[str, str]:
         raise LinkRefusedError(f"connection is {address!r}, must be {FORMS}")
     if kind not in SERIAL and not 0 < int(number) < 65536:
         raise LinkRefusedError(f"connection is {address!r}: port {number} must be from 1 to 65535")
-    return kind, place
+    return kind, (host, int(number))
 
 
 def _key(file: str) -> bytes:

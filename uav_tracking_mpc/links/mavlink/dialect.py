@@ -23,12 +23,10 @@ from uav_tracking_mpc.links import LinkError
 
 os.environ.setdefault("MAVLINK20", "1")  # pymavlink reads it once, when it is imported
 try:
-    from pymavlink import mavutil
     from pymavlink.dialects.v20 import ardupilotmega, development
 except ImportError as error:
     raise LinkError('MAVLink needs pymavlink: pip install "uav_tracking_mpc[mavlink]"') from error
 
-mavutil.set_dialect("ardupilotmega")
 mavlink: Any = ardupilotmega
 # PX4 sends it, the dialect of ArduPilot does not have it.
 CURRENT_MODE: int = development.MAVLINK_MSG_ID_CURRENT_MODE

@@ -29,6 +29,14 @@ with the nose at :math:`\psi_n`, its rate :math:`r_n`, the rate :math:`r_b = -g 
 coordinated turn, and the swing :math:`\beta`. An aircraft that slips in a steady turn turns at
 another rate than that of its bank, by b; this shows slowly, and is to be taken out as slowly: in a
 quick roll the bank still counts in full.
+
+Up and down there is no such second source: in turbulence the nose's pitch rate is mostly that of
+the gusts and of the autopilot's answer to them. The measured climb :math:`w_m` is followed instead,
+by a filter of second order, which a steady change passes without an error:
+
+.. math::
+
+    \dot w = a + 2 \omega_w (w_m - w), \quad \dot a = \omega_w^2 (w_m - w)
 """
 
 from __future__ import annotations
@@ -82,3 +90,37 @@ class FlightDirection:
 
     def _surpass(self, surplus: float) -> None:
         self.surplus = min(max(surplus, -SURPLUS_LIMIT), SURPLUS_LIMIT)
+
+
+class Climb:
+    """Follows one aircraft's climb.
+
+    Args:
+        frequency: omega_w in [rad/s].
+
+    Attributes:
+        value: w, positive up, in [m/s].
+        rate: a in [m/s^2].
+    """
+
+    def __init__(self, frequency: float) -> None:
+        self.value = self.rate = 0.0
+        self._frequency, self._time = frequency, -math.inf
+
+    def see(self, time: float, measured: float) -> None:
+        """Take in a climb.
+
+        Args:
+            time: Of the measurement in [s].
+            measured: Positive up, in [m/s].
+        """
+        step, self._time = time - self._time, time
+        if not 0.0 < step <= LONGEST_STEP:
+            self.value, self.rate = measured, 0.0
+            return
+        # The solution for a measurement that stands still during the step.
+        faded, error = math.exp(-self._frequency * step), self.value - measured
+        slope = self.rate - self._frequency * error
+        error += step * slope
+        self.value = measured + faded * error
+        self.rate = faded * (slope + self._frequency * error)

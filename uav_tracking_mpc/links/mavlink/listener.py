@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -29,7 +30,7 @@ from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
 from uav_tracking_mpc.links.mavlink.connection import Connection
 from uav_tracking_mpc.links.mavlink.dialect import mavlink, name_of
 from uav_tracking_mpc.links.mavlink.requests import Requests
-from uav_tracking_mpc.links.mavlink.telemetry import LEAST_AIRSPEED, Telemetry
+from uav_tracking_mpc.links.mavlink.telemetry import LEAST_AIRSPEED, QUICK_CLIMB, Telemetry
 from uav_tracking_mpc.links.mavlink.vehicle_sighting import VehicleSighting
 from uav_tracking_mpc.settings.link import LinkParameters
 
@@ -67,6 +68,7 @@ class Listener:
         events: Where what happens is reported.
         slow_messages: Asked for now and then, beside those of every autopilot.
         quick_messages: Asked for often, so that what they tell is not missed.
+        climb_frequency: See :class:`Telemetry`.
 
     Attributes:
         connection: The wire.
@@ -92,6 +94,7 @@ class Listener:
         events: EventLog,
         slow_messages: Iterable[int] = (),
         quick_messages: Iterable[int] = (),
+        climb_frequency: float = QUICK_CLIMB,
     ) -> None:
         self._parameters, self._events = parameters, events
         self.connection = connection
@@ -101,7 +104,7 @@ class Listener:
         if parameters.origin:
             latitude, longitude, altitude = parameters.origin
             origin = LocalFrame(math.radians(latitude), math.radians(longitude), altitude)
-        self.telemetry = Telemetry(self.clock, origin)
+        self.telemetry = Telemetry(self.clock, origin, climb_frequency)
         self.target = VehicleSighting()
         self.heartbeat: Any = None
         self.version: Any = None
@@ -117,8 +120,8 @@ class Listener:
         self._rates = dict.fromkeys(ALWAYS, parameters.telemetry_rate)
         self._rates.update(dict.fromkeys((*NOW_AND_THEN, *slow_messages), SLOW_RATE))
         self._rates.update(dict.fromkeys(quick_messages, QUICK_RATE))
-        self._asked_at, self._told_lost = 0, False
-        self._heartbeat_at = self._reopened_at = -math.inf
+        self._asked_at, self._told_lost, self._told_wire = 0, False, False
+        self._heartbeat_at = -math.inf
         self._looked_at = math.inf
         self._due: dict[str, float] = {}
 
@@ -210,7 +213,7 @@ class Listener:
         )
 
     def receive(self, timeout: float) -> list[Any]:
-        """Take in what has come; the wire is opened anew if it was lost.
+        """Take in what has come; nothing comes over a lost wire, see :meth:`restore`.
 
         Args:
             timeout: How long to wait in [s].
@@ -227,7 +230,11 @@ class Listener:
             if stalled:
                 messages = self._modes_of(messages)
         except LinkError as error:
-            self._reopen(error)
+            if self.connection.closed:
+                raise
+            if not self._told_wire:
+                self._told_wire = True
+                self._events.add(Level.WARNING, str(error))
             return []
         self._looked_at = self.connection.now()
         arrival, own = self.connection.now(), []
@@ -248,20 +255,12 @@ class Listener:
             messages = messages + self.connection.receive(0.0)
         return [message for message in messages if message.get_type() == "HEARTBEAT"]
 
-    def _reopen(self, error: LinkError) -> None:
-        if self.connection.closed:
-            raise error
-        now = self.connection.now()
-        if now - self._reopened_at < REOPEN_PERIOD:
-            return
-        if self._reopened_at == -math.inf:
-            self._events.add(Level.WARNING, str(error))
-        self._reopened_at = now
-        try:
-            self.connection.open()
-        except LinkError:
-            return
-        self._reopened_at = -math.inf
+    def restore(self) -> None:
+        """Open the wire anew if it was lost; may take its time, so nobody is to wait for it."""
+        if self.connection.lost_wire and self.is_due("wire", self.connection.now(), REOPEN_PERIOD):
+            with contextlib.suppress(LinkError):  # it is tried again
+                self.connection.open()
+                self._told_wire = False
 
     def _see(self, message: Any, arrival: float) -> None:
         """Take in a message of the autopilot."""

@@ -15,8 +15,8 @@
 """What an autopilot tells in flight, put together to measurements.
 
 ==========================  ==========================================================
-GLOBAL_POSITION_INT         position, ground velocity: each one makes a measurement
-ATTITUDE                    direction of flight, rates; carried on to the position's time
+GLOBAL_POSITION_INT         position, ground velocity, path angle: each makes a measurement
+ATTITUDE                    heading and its rate; carried on to the position's time
 VFR_HUD                     airspeed, which both autopilots tell as calibrated
 WIND, WIND_COV              the autopilot's estimate of the wind, ArduPilot's and PX4's
 HOME_POSITION               origin of ``map`` unless another is stated
@@ -24,8 +24,8 @@ ESTIMATOR_STATUS, GPS raw   accuracies: :mod:`~uav_tracking_mpc.links.mavlink.ac
 ==========================  ==========================================================
 
 Position comes from latitude and longitude, see :mod:`~uav_tracking_mpc.dynamics.geodesy`. The path
-angle is that of the flight through the air, w = v sin(chi), and not the nose's elevation, which an
-angle of attack lies above it.
+angle is that of the flight through the air, w = v sin(chi), behind a filter, and not the nose's
+elevation, which an angle of attack lies above it.
 """
 
 from __future__ import annotations
@@ -46,13 +46,15 @@ from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links.mavlink.accuracies import Accuracies
 from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
-from uav_tracking_mpc.links.mavlink.flight_direction import FlightDirection
+from uav_tracking_mpc.links.mavlink.flight_direction import Climb, FlightDirection
 
 DEGREE_SCALE = math.radians(1e-7)  # of latitude and longitude on the wire
 ATTITUDE_AGE = 0.25  # s that attitude and position may lie apart
 AIRSPEED_AGE = 1.0  # s that airspeed may be older than the position
 LEAST_AIRSPEED = 3.0  # m/s; below it nothing flies, and the path angle means nothing
 STEEPEST = 0.5 * math.pi
+QUICK_CLIMB = 8.0  # rad/s, for autopilots whose climb is commanded: it delays by little
+SLOW_CLIMB = 0.5  # rad/s, for those that hold altitude themselves, where the rest is turbulence
 WIND_AGE = 10.0  # s
 
 
@@ -80,6 +82,7 @@ class Telemetry:
     Args:
         clock: Of this autopilot.
         origin: Of ``map``; None for the autopilot's home.
+        climb_frequency: Up to which changes of the climb count, in [rad/s].
 
     Attributes:
         frame: Axes of ``map``; None until the origin is known.
@@ -93,8 +96,13 @@ class Telemetry:
         newest: The newest measurement.
     """
 
-    def __init__(self, clock: AutopilotClock, origin: LocalFrame | None = None) -> None:
-        self._clock = clock
+    def __init__(
+        self,
+        clock: AutopilotClock,
+        origin: LocalFrame | None = None,
+        climb_frequency: float = QUICK_CLIMB,
+    ) -> None:
+        self._clock, self._climb_frequency = clock, climb_frequency
         self.frame = origin
         self.home: LocalFrame | None = None
         self.forget()
@@ -107,7 +115,7 @@ class Telemetry:
         self.newest: Measurement | None = None
         self.direction = FlightDirection()
         self._accuracies = Accuracies()
-        self._nose_rate = 0.0
+        self._climb = Climb(self._climb_frequency)
         self.throttle: float | None = None
         self._calibrated: float | None = None
         self._calibrated_at = self._wind_at = self._position_at = -math.inf
@@ -139,7 +147,7 @@ class Telemetry:
         if all(map(math.isfinite, values)) and abs(message.pitch) < STEEPEST:
             time = message.time_boot_ms * 1e-3
             self.attitude = Attitude(time, message.roll, message.pitch, message.yaw, rates)
-            yaw_rate, self._nose_rate = course_rates_from_euler(message.roll, message.pitch, rates)
+            yaw_rate, _ = course_rates_from_euler(message.roll, message.pitch, rates)
             airspeed = self.airspeed or 0.0
             known = airspeed >= LEAST_AIRSPEED
             by_bank = turn_rate_from_bank(message.roll, airspeed) if known else None
@@ -189,7 +197,8 @@ class Telemetry:
         if abs(apart) > ATTITUDE_AGE or message.lat == message.lon == 0:
             return None
         direction = self.direction
-        climb = -message.vz * 1e-2
+        self._climb.see(time, -message.vz * 1e-2)
+        climb = self._climb.value
         airspeed = self.airspeed
         if airspeed is None or airspeed < LEAST_AIRSPEED:
             airspeed = None
@@ -207,7 +216,7 @@ class Telemetry:
             heading=math.remainder(direction.heading + direction.rate * apart, 2.0 * math.pi),
             path_angle=path_angle,
             turn_rate=direction.rate,
-            path_angle_rate=self._nose_rate,
+            path_angle_rate=self._climb.rate / max(airspeed or 0.0, LEAST_AIRSPEED),
             airspeed=airspeed,
             noise=self._accuracies.noise(arrival),
         )

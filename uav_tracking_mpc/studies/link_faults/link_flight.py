@@ -73,7 +73,7 @@ class LinkFlight:
         if found.refusals:
             raise LinkError("; ".join(found.refusals))
         envelope = {"autopilot_holds": self.link.holds, **found.envelope}
-        fitted, _ = with_envelope(configuration, envelope, ())
+        fitted, _ = with_envelope(configuration, envelope)
         self.parameters = fitted.controller
         self.controller = Controller(self.parameters, stopwatch=lambda: 0.0)
         self.command: Command | None = None
