@@ -45,6 +45,18 @@ def test_what_does_not_fly_leaves_the_last_flight_as_it_is(tmp_path, monkeypatch
     assert {file.name: file.read_text() for file in tmp_path.iterdir()} == last
 
 
+@pytest.mark.nodes
+def test_security_without_keys_is_refused_in_words(tmp_path, monkeypatch, capfd):
+    (tmp_path / "keys" / "enclaves").mkdir(parents=True)
+    monkeypatch.setenv("ROS_SECURITY_ENABLE", "true")
+    monkeypatch.setenv("ROS_SECURITY_STRATEGY", "Enforce")
+    monkeypatch.setenv("ROS_SECURITY_KEYSTORE", str(tmp_path / "keys"))
+    output = tmp_path / "output"
+    assert main(["fly", "--output", str(output)]) == 2
+    assert "which needs ROS_SECURITY_KEYSTORE" in capfd.readouterr().err
+    assert not list(output.iterdir())
+
+
 class ViewedFlight:
     """``uav_tracking fly --view`` as a process."""
 

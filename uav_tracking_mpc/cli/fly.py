@@ -139,8 +139,9 @@ def _page(
     arguments: argparse.Namespace, words: Sequence[str], console: Console
 ) -> Iterator[PageProcess]:
     """A page of the domain in which is flown from now on."""
-    from uav_tracking_mpc.launch.domain import exported_domain, own_domain
+    from uav_tracking_mpc.launch.domain import own_domain
     from uav_tracking_mpc.launch.page_process import page_process
+    from uav_tracking_mpc.nodes.ros_environment import exported_domain
 
     check_page()
     asked = exported_domain() if arguments.domain_id is None else arguments.domain_id

@@ -28,9 +28,9 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
-from uav_tracking_mpc.launch.domain import VARIABLE, exported_domain
 from uav_tracking_mpc.launch.node_process import STOP_LIMIT
 from uav_tracking_mpc.launch.supervisor import LaunchError, Supervisor, supervised
+from uav_tracking_mpc.nodes.ros_environment import VARIABLE, exported_domain
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.settings.link import LinkParameters
 
