@@ -55,8 +55,8 @@ DESCRIPTION = (
     "a real autopilot flies in the simulator's place: it is looked at first (see `link check`), "
     "its limits become the controller's, and the duration counts from when it is engaged. Nothing "
     "here arms it or takes off. Exit code 0: range, altitude, speed and bearing came to stay "
-    "within 1 m, 1 m, 0.1 m/s and 0.05 rad of the orbit asked for; 3: one of them never did, which "
-    "in gusts or in a short flight may be as it should."
+    "within 1 m, 1 m, 0.1 m/s and 0.05 rad of the orbit asked for, and as much further as gusts "
+    "move an aircraft; 3: one of them never did, as in a short flight; 1: a node died."
 )
 BAG = "mission.mcap"
 RECORD = "controller.jsonl"
