@@ -37,6 +37,7 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from uav_tracking_mpc.launch.fleet import namespaces, recorded_topics, rviz_view, starts
+from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration
 
 SHARE = Path(__file__).parents[1]
@@ -46,7 +47,8 @@ ARGUMENTS = (
     DeclareLaunchArgument(
         "aircraft",
         default_value="1",
-        description="How many. With more than one, each has a namespace uav1, uav2 and so on.",
+        description="How many, simulated. With more than one, each has a namespace uav1, uav2 and "
+        "so on.",
     ),
     DeclareLaunchArgument(
         "namespace", default_value="", description="Namespace of everything; empty for none."
@@ -130,6 +132,11 @@ def _everything(context):
         argument.name: LaunchConfiguration(argument.name).perform(context) for argument in ARGUMENTS
     }
     spaces = namespaces(given["namespace"], given["aircraft"])
+    if given["vehicle"] == "autopilot" and len(spaces) > 1:
+        raise ParameterError(
+            f"argument 'aircraft' is '{len(spaces)}', must be 1 with vehicle:=autopilot: all would "
+            "have one connection; include aircraft.launch.py for each, with one of its own"
+        )
     actions = _fleet(given, spaces)
     if given["rviz"] == "true":
         actions.append(_rviz(given, spaces))

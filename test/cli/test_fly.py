@@ -35,6 +35,28 @@ def test_options_of_a_page_need_one(words, tmp_path, capsys):
     assert f"{words[0]} needs --view" in capsys.readouterr().err
 
 
+def test_what_does_not_fly_leaves_the_last_flight_as_it_is(tmp_path, monkeypatch, capsys):
+    last = {name: f"the last {name}" for name in ("mission.mcap", "controller.jsonl")}
+    for name, content in last.items():
+        (tmp_path / name).write_text(content)
+    monkeypatch.setenv("ROS_DOMAIN_ID", "far")
+    assert main(["fly", "--output", str(tmp_path)]) == 2
+    assert "ROS_DOMAIN_ID is 'far'" in capsys.readouterr().err
+    assert {file.name: file.read_text() for file in tmp_path.iterdir()} == last
+
+
+@pytest.mark.nodes
+def test_security_without_keys_is_refused_in_words(tmp_path, monkeypatch, capfd):
+    (tmp_path / "keys" / "enclaves").mkdir(parents=True)
+    monkeypatch.setenv("ROS_SECURITY_ENABLE", "true")
+    monkeypatch.setenv("ROS_SECURITY_STRATEGY", "Enforce")
+    monkeypatch.setenv("ROS_SECURITY_KEYSTORE", str(tmp_path / "keys"))
+    output = tmp_path / "output"
+    assert main(["fly", "--output", str(output)]) == 2
+    assert "which needs ROS_SECURITY_KEYSTORE" in capfd.readouterr().err
+    assert not list(output.iterdir())
+
+
 class ViewedFlight:
     """``uav_tracking fly --view`` as a process."""
 

@@ -17,7 +17,7 @@ from __future__ import annotations
 import pytest
 
 from uav_tracking_mpc.cli.ending import explanation
-from uav_tracking_mpc.launch.domain import DomainValueError, exported_domain
+from uav_tracking_mpc.nodes.ros_environment import DomainValueError, exported_domain
 
 
 @pytest.mark.parametrize(("text", "domain"), [("", None), ("0", 0), (" 42 ", 42), ("232", 232)])

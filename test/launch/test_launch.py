@@ -27,7 +27,7 @@ from processes import INTERRUPT, KILL, TERMINATE, alive, command, environment, n
 from rosbags.rosbag2 import Reader
 from waiting import wait_for
 
-from uav_tracking_mpc.control.record import replay
+from uav_tracking_mpc.control.record import recorded_parameters, replay
 from uav_tracking_mpc.launch.domain import LAST_DOMAIN, own_domain
 from uav_tracking_mpc.launch.shared_memory import SharedMemoryFiles
 from uav_tracking_mpc.nodes.conversions import plan_from_command, vehicle_from_odometry
@@ -153,6 +153,31 @@ def test_an_interrupted_flight_says_so(tmp_path, after, words):
     else:
         assert not list(tmp_path.iterdir())
         assert output == ""
+
+
+def test_a_flight_whose_node_died_is_kept_and_reported(tmp_path):
+    process = subprocess.Popen(
+        command("cli.main", "fly", "--duration", "600", "--output", tmp_path),
+        stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env=environment(),
+    )
+    assert process.stderr is not None
+    for line in process.stderr:
+        if line.startswith("t   "):
+            break
+    os.kill(nodes_of(process.pid)["nmpc_controller"], KILL)
+    output, errors = process.communicate(timeout=60)
+    assert process.returncode == 1, errors
+    assert "nmpc_controller died with exit code -9" in errors
+    assert "of 600 s were flown" in errors
+    assert "Traceback" not in errors
+    assert str(tmp_path / "report.html") in output
+    log = flight_log(tmp_path / "mission.mcap", load_configuration("paper"))
+    assert 0.0 < log.duration < 600.0
+    assert recorded_parameters(tmp_path / "controller.jsonl").orbit == log.orbit
+    assert not list(tmp_path.glob(".*"))
 
 
 @pytest.fixture(scope="module")

@@ -97,6 +97,12 @@ def test_an_autopilot_is_where_it_is_told_to_be():
     assert "connection" not in nodes(TRACKING, vehicle="autopilot")["/autopilot_link"].values
 
 
+@pytest.mark.parametrize("connection", ["", "udpin:127.0.0.1:14550"])
+def test_two_aircraft_with_one_autopilot_are_refused(connection):
+    with pytest.raises(ParameterError, match="must be 1 with vehicle:=autopilot"):
+        started(TRACKING, vehicle="autopilot", aircraft="2", connection=connection)
+
+
 def test_a_lifecycle_manager_may_start_the_controller():
     found = nodes(TRACKING, autostart="false", namespace="uav")
     assert found["/uav/nmpc_controller"].values["autostart"] is False

@@ -20,6 +20,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import rclpy
+from diagnostic_msgs.msg import DiagnosticStatus
 from processes import run_node
 from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message, serialize_message
@@ -228,7 +229,9 @@ def test_it_lets_go_at_the_end(node):
     made.finish()
     assert not link.engaged
     assert link.closed
-    assert made.sent["/diagnostics"][-1][1].status[0].values
+    (last,) = made.sent["/diagnostics"][-1][1].status
+    assert (last.level, last.message) == (DiagnosticStatus.STALE, "ended")
+    assert last.values
 
 
 @pytest.mark.parametrize(

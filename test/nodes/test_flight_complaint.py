@@ -67,6 +67,10 @@ def complaint(path, *said, last_state=10):
             "pilot said at 1.0 s: loiter (target lost)",
         ),
         ([(2, "pilot", WARN, "slow"), (3, "pilot", OK, "fine")], None),
+        (
+            [(2, "pilot", WARN, "slow"), (3, "pilot", DiagnosticStatus.STALE, "ended")],
+            "pilot said at 1.0 s: slow",
+        ),
         ([(2, "pilot", WARN, "slow"), (3, "other", OK, "fine")], "pilot said at 1.0 s: slow"),
     ],
 )

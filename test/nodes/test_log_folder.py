@@ -51,6 +51,13 @@ def test_without_a_writable_home_logs_go_under_temp_and_that_is_said(home):
     assert log_folder.ensure_log_folder() == ""  # in the processes that inherit it
 
 
+def test_without_a_home_logs_go_under_temp(home, monkeypatch):
+    """Where rcl knows none, though Python finds one."""
+    monkeypatch.delenv("HOME")
+    assert "log folder ~/.ros/log cannot be written" in log_folder.ensure_log_folder()
+    assert Path(os.environ["ROS_LOG_DIR"]).parent == home.parent / "temp"
+
+
 @pytest.mark.parametrize(("variable", "below"), [("ROS_LOG_DIR", "."), ("ROS_HOME", "log")])
 def test_what_is_exported_is_respected(home, monkeypatch, variable, below):
     home.write_text("")

@@ -19,6 +19,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import rclpy
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from waiting import spin
@@ -116,6 +117,32 @@ def test_all_nodes_fly_onto_the_orbit(executor):
     assert all(point.transforms for point in heard[COMMAND.name][-1].points)
     names = {status.name for message in heard[DIAGNOSTICS.name] for status in message.status}
     assert names == {"uav_simulator: status", "target_publisher: status", "nmpc_controller: status"}
+
+
+def test_the_last_diagnostics_say_that_a_node_has_ended(executor):
+    heard = listen(executor, ODOMETRY, DIAGNOSTICS)
+    nodes = [
+        add(executor, TargetPublisher, use_sim_time=True),
+        add(executor, NmpcController, use_sim_time=True),
+        add(executor, UavSimulator, publish_clock=True, speed=10.0, start_on_command=True),
+    ]
+
+    def last():
+        statuses = [each for message in heard[DIAGNOSTICS.name] for each in message.status]
+        return {status.name.partition(":")[0]: status for status in statuses}
+
+    assert spin(executor, lambda: "tracking" in str(last().get("nmpc_controller")))
+    for node in nodes:
+        node.finish()
+        executor.remove_node(node)
+    names = {node.get_name() for node in nodes}
+    assert spin(
+        executor, lambda: {n for n, each in last().items() if each.message == "ended"} == names
+    )
+    assert all(status.level == DiagnosticStatus.STALE for status in last().values())
+    assert all(status.values for status in last().values())
+    for node in nodes:
+        node.destroy_node()
 
 
 def test_controller_is_silent_without_a_target(executor):

@@ -16,8 +16,10 @@
 
 import pytest
 from processes import INTERRUPT, TERMINATE, run_node
+from rclpy.node import Node
 
-from uav_tracking_mpc.nodes.run import refusal
+from uav_tracking_mpc.nodes.run import refusal, run
+from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
 
 pytestmark = pytest.mark.nodes
 
@@ -61,6 +63,37 @@ def test_bad_parameters_end_in_one_fatal_line_and_code_2(node, arguments, words)
     assert "Traceback" not in output
 
 
+class Failing(Node):
+    """A node that gives up, or whose callback raises."""
+
+    finished = False
+
+    def __init__(self, refused):
+        super().__init__("failing")
+        self._refused, self.refusal = refused, ""
+        self.create_timer(0.01, self._fail)
+
+    def _fail(self):
+        if not self._refused:
+            raise LookupError("a mistake")
+        self.refusal = self._refused
+
+    def finish(self):
+        Failing.finished = True
+
+
+@pytest.mark.parametrize("refused", ["no such aircraft", ""])
+def test_a_node_lets_go_of_what_it_holds_whatever_ends_it(refused, monkeypatch, capfd):
+    monkeypatch.setattr(Failing, "finished", False)
+    if refused:
+        assert run("failing", lambda: Failing(refused), []) == 2
+        assert f"[FATAL] [failing]: {refused}\n" in capfd.readouterr().err
+    else:
+        with pytest.raises(LookupError, match="a mistake"):
+            run("failing", lambda: Failing(refused), [])
+    assert Failing.finished
+
+
 @pytest.mark.parametrize(
     ("arguments", "right"),
     [
@@ -94,6 +127,64 @@ def test_misspelt_parameters_are_warned_of():
     )
     assert code == 0
     assert "parameter 'raet' is unknown and has no effect" in output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "variables", "words"),
+    [
+        (["--ros-args", "--bogus"], {}, "arguments that ROS does not know: '--bogus'"),
+        ([], {"ROS_DOMAIN_ID": "300"}, "ROS_DOMAIN_ID is '300', must be an integer from 0 to 232"),
+        ([], {"ROS_SECURITY_ENABLE": "true"}, "which needs ROS_SECURITY_KEYSTORE"),
+    ],
+)
+def test_what_ros_does_not_start_with_is_said_in_words(
+    arguments, variables, words, monkeypatch, tmp_path, capfd
+):
+    (tmp_path / "enclaves").mkdir()  # a keystore without keys
+    variables |= {"ROS_SECURITY_STRATEGY": "Enforce", "ROS_SECURITY_KEYSTORE": str(tmp_path)}
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+    assert run("target_publisher", TargetPublisher, arguments) == 2
+    fatal = [line for line in capfd.readouterr().err.splitlines() if "[FATAL]" in line]
+    assert len(fatal) == 1
+    assert words in fatal[0]
+
+
+VAIN = "has no section for /red/target_publisher and no effect"
+
+
+@pytest.mark.parametrize(
+    ("section", "rate", "warned"),
+    [
+        ("target_publischer", 10.0, True),  # misspelt
+        ("target_publisher", 10.0, True),  # in no namespace
+        ("blue: {target_publisher", 10.0, True),
+        ("/**/uav_simulator", 10.0, False),  # a neighbour's
+        ("/**/target_publisher", 7.0, False),
+        ("/*/target_publisher", 7.0, False),
+        ("/**", 7.0, False),
+        ("red: {target_publisher", 7.0, False),
+    ],
+)
+def test_a_parameter_file_without_effect_is_warned_of(section, rate, warned, tmp_path, capfd):
+    file = tmp_path / "parameters.yaml"
+    file.write_text(f"{section}: {{ros__parameters: {{rate: 7.0}}}}{'}' * section.count('{')}")
+    made = []
+
+    class Ended(TargetPublisher):
+        def __init__(self):
+            super().__init__()
+            made.append(self)
+
+        @property
+        def refusal(self):
+            return "enough"
+
+    arguments = ["--params-file", str(file), "-r", "__ns:=/red"]
+    assert run("target_publisher", Ended, ["--ros-args", *arguments]) == 2
+    log = capfd.readouterr().err
+    assert (VAIN in log) == warned
+    assert made[0].parameters.rate == rate
 
 
 def test_a_configuration_serves_nodes_in_any_namespace(tmp_path):

@@ -25,7 +25,10 @@ from example_flights import ORBIT, log_of, orbiting, paper_flight
 
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
+from uav_tracking_mpc.dynamics.vehicle import velocity
 from uav_tracking_mpc.report.metrics import bank_rate_rms, metrics, range_errors, settling_time
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, Latency, LinkFigures
 
 KEYS = {
@@ -33,6 +36,7 @@ KEYS = {
     "duration_s": None,
     "speed": None,
     "settling_s": {"range", "altitude", "speed", "bearing"},
+    "settling_bands": {"range", "altitude", "speed", "bearing"},
     "steady_state": {
         "range_rms_m",
         "range_max_m",
@@ -141,6 +145,25 @@ def test_only_the_last_third_is_steady_state():
     steady = metrics(log_of(relative))["steady_state"]
     assert steady["range_max_m"] == pytest.approx(0.0, abs=1e-9)
     assert steady["altitude_rms_m"] == pytest.approx(3.0 / np.sqrt(2.0), rel=0.01)
+
+
+def test_gusts_widen_the_bands_by_three_of_their_standard_deviations():
+    log = orbiting(300)
+    gusts = np.where(np.arange(300) % 2, 0.5, -0.5)[:, None] * np.ones(3)
+    steady = np.array([8.0, 0.0, 0.0])
+    through_air = np.array([velocity(state) for state in log.vehicle])
+    still = metrics(replace(log, ground_velocity=through_air + steady))["settling_bands"]
+    assert still == pytest.approx({"range": 1.0, "altitude": 1.0, "speed": 0.1, "bearing": 0.05})
+    moved = metrics(replace(log, ground_velocity=through_air + steady + gusts))["settling_bands"]
+    bearing = 0.05 + 1.5 / ORBIT.speed
+    assert moved == pytest.approx({"range": 2.5, "altitude": 2.5, "speed": 1.6, "bearing": bearing})
+
+
+def test_a_flight_in_gusts_settles():
+    configuration = load_configuration("small_uav", ["mission.duration=40.0"], "gusts")
+    times = metrics(simulate(configuration))["settling_s"]
+    assert all(time is not None for time in times.values())
+    assert 10.0 < times["range"] < 25.0
 
 
 def test_settling_counts_from_the_last_exit():

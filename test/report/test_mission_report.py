@@ -175,6 +175,13 @@ def test_verdicts():
     assert verdict(metrics(orbiting(0))).startswith("No usable record")
 
 
+@pytest.mark.parametrize(("late", "sound"), [(0, True), (12, True), (290, False)])
+def test_a_flight_whose_commands_came_late_is_not_shown_as_good(late, sound):
+    page = page_of(orbiting(commands=CommandCounts(sent=1207, late=late)))
+    assert ('class="verdict settled"' in page) == sound
+    assert ("290 of 1207 commands (24.0%) came late." in words(page)) == (not sound)
+
+
 @pytest.mark.parametrize(
     ("value", "text"),
     [

@@ -136,7 +136,7 @@ def add_domain_argument(parser: argparse.ArgumentParser, words: str) -> None:
         parser: Gets the option.
         words: What the domain is for, and what is taken without the option.
     """
-    from uav_tracking_mpc.launch.domain import GREATEST_DOMAIN
+    from uav_tracking_mpc.nodes.ros_environment import GREATEST_DOMAIN
 
     parser.add_argument(
         "--domain-id", type=number(int, 0, GREATEST_DOMAIN), metavar="N", help=words

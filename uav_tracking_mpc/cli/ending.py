@@ -76,11 +76,12 @@ def explanation(error: BaseException) -> tuple[int, str] | None:
     if isinstance(error, ImportError):
         return _missing(error)
     # Only now: what raises these errors takes longer to import than help takes to print.
-    from uav_tracking_mpc.launch.domain import DomainError, DomainValueError
+    from uav_tracking_mpc.launch.domain import DomainError
     from uav_tracking_mpc.launch.flight import FlightInterruptedError
     from uav_tracking_mpc.launch.supervisor import LaunchError
     from uav_tracking_mpc.links import LinkError
     from uav_tracking_mpc.mpc.compilation import CompilationError
+    from uav_tracking_mpc.nodes.ros_environment import DomainValueError, refusal_of_ros
     from uav_tracking_mpc.parameters.registry import ExtensionError
     from uav_tracking_mpc.parameters.specification import ParameterError
     from uav_tracking_mpc.simulation.closed_loop import SimulationError
@@ -93,7 +94,8 @@ def explanation(error: BaseException) -> tuple[int, str] | None:
     expected = (LaunchError, DomainError, SimulationError, CampaignError, CompilationError, OSError)
     if isinstance(error, expected):
         return 1, str(error)
-    return None
+    refused = refusal_of_ros(error)
+    return (2, refused) if refused else None
 
 
 def _missing(error: ImportError) -> tuple[int, str] | None:

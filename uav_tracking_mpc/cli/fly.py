@@ -54,8 +54,8 @@ DESCRIPTION = (
     "a real autopilot flies in the simulator's place: it is looked at first (see `link check`), "
     "its limits become the controller's, and the duration counts from when it is engaged. Nothing "
     "here arms it or takes off. Exit code 0: range, altitude, speed and bearing came to stay "
-    "within 1 m, 1 m, 0.1 m/s and 0.05 rad of the orbit asked for; 3: one of them never did, which "
-    "in gusts or in a short flight may be as it should."
+    "within 1 m, 1 m, 0.1 m/s and 0.05 rad of the orbit asked for, and as much further as gusts "
+    "move an aircraft; 3: one of them never did, as in a short flight; 1: a node died."
 )
 BAG = "mission.mcap"
 RECORD = "controller.jsonl"
@@ -93,30 +93,41 @@ def run(arguments: argparse.Namespace) -> int:
     """
     from rich.console import Console
 
-    from uav_tracking_mpc.launch.flight import launch
+    from uav_tracking_mpc.launch.flight import BrokenFlightError, launch
 
-    console = Console(stderr=True)
+    console, link = Console(stderr=True), arguments.link is not None
     bag, record = arguments.output / BAG, (arguments.output / RECORD).resolve()
-    setting = f"nmpc_controller.record={json.dumps(str(record))}"
+    unfinished = record.with_name(f".{RECORD}")  # the last flight's stays until this one flew
+    setting = f"nmpc_controller.record={json.dumps(str(unfinished))}"
     arguments.overrides = [setting, *arguments.overrides]
     check_link_arguments(arguments)
     page_words = told_page_arguments(arguments)
-    if arguments.link is not None:
+    if link:
         arguments.overrides = [*arguments.overrides, "mission.speed=1.0"]  # real time has one
     configuration = chosen_configuration(arguments, arguments.scenario)
+    number: int | None = None
+    died: BrokenFlightError | None = None
     with ExitStack() as stack:
         page = (
             stack.enter_context(_page(arguments, page_words, console)) if arguments.view else None
         )
         try:
-            if arguments.link is None:
-                number = launch(configuration, domain=arguments.domain_id, bag=bag, console=console)
-            else:
-                number, configuration = _fly_link(configuration, arguments, bag, console)
+            with ExitStack() as autopilot:
+                if link:
+                    configuration = _inspected(configuration, arguments, console, autopilot)
+                number = launch(
+                    configuration, domain=arguments.domain_id, bag=bag, console=console, link=link
+                )
+        except BrokenFlightError as error:
+            died = error
         except BaseException:
-            record.unlink(missing_ok=True)
+            unfinished.unlink(missing_ok=True)
             raise
-        code = _reported(configuration, arguments, bag, number)
+        if unfinished.exists():  # not where a file of its own was asked for
+            unfinished.replace(record)
+        code = _reported(configuration, arguments, bag, number, died is None)
+        if died is not None:
+            raise died
         if page is not None and number is None:
             page.stay()
     return code
@@ -127,8 +138,9 @@ def _page(
     arguments: argparse.Namespace, words: Sequence[str], console: Console
 ) -> Iterator[PageProcess]:
     """A page of the domain in which is flown from now on."""
-    from uav_tracking_mpc.launch.domain import exported_domain, own_domain
+    from uav_tracking_mpc.launch.domain import own_domain
     from uav_tracking_mpc.launch.page_process import page_process
+    from uav_tracking_mpc.nodes.ros_environment import exported_domain
 
     check_page()
     asked = exported_domain() if arguments.domain_id is None else arguments.domain_id
@@ -140,9 +152,13 @@ def _page(
 
 
 def _reported(
-    configuration: Configuration, arguments: argparse.Namespace, bag: Path, number: int | None
+    configuration: Configuration,
+    arguments: argparse.Namespace,
+    bag: Path,
+    number: int | None,
+    whole: bool,
 ) -> int:
-    """Report what was flown until its end or until a signal came; exit code."""
+    """Report what was flown until its end, until a signal came or a node died; exit code."""
     from uav_tracking_mpc.nodes.flight_bag import flight_log
     from uav_tracking_mpc.report.flight_findings import in_short, unsettled
     from uav_tracking_mpc.report.mission_report import write_report
@@ -151,13 +167,14 @@ def _reported(
     log = flight_log(bag, configuration)
     metrics = write_report(log, arguments.output, recorded_scene)
     answer(metrics, in_short(metrics, arguments.output), arguments.json)
-    if number is None:
+    if number is None and whole:
         if words := unsettled(metrics):
             print(_not_settled(words, log.duration, bag), file=sys.stderr)
         return NOT_SETTLED if words else 0
     wanted = configuration.mission.duration
-    print(f"interrupted: {log.duration:.1f} s of {wanted:g} s were flown", file=sys.stderr)
-    return 128 + number
+    why = "broken off" if number is None else "interrupted"
+    print(f"{why}: {log.duration:.1f} s of {wanted:g} s were flown", file=sys.stderr)
+    return 1 if number is None else 128 + number
 
 
 def _not_settled(words: str, duration: float, bag: Path) -> str:
@@ -169,22 +186,18 @@ def _not_settled(words: str, duration: float, bag: Path) -> str:
     return " ".join(line.split())
 
 
-def _fly_link(
-    configuration: Configuration, arguments: argparse.Namespace, bag: Path, console: Console
-) -> tuple[int | None, Configuration]:
-    """Look at the autopilot, then fly it; what was flown has its limits."""
+def _inspected(
+    configuration: Configuration, arguments: argparse.Namespace, console: Console, stack: ExitStack
+) -> Configuration:
+    """Look at the autopilot, a simulated one on the stack; what is flown has its limits."""
     from uav_tracking_mpc.launch.autopilot_process import autopilot_process
-    from uav_tracking_mpc.launch.flight import launch
     from uav_tracking_mpc.launch.preflight import preflight, refuse
 
-    with ExitStack() as stack:
-        if arguments.simulated:
-            place = stack.enter_context(autopilot_process(configuration, console))
-            configuration = with_connection(configuration, place)
-        found = preflight(configuration, CONNECT_LIMIT)
-        for line in preflight_lines(found):
-            console.print(line, markup=False, highlight=False, soft_wrap=True)
-        refuse(found)
-        flown = found.configuration
-        number = launch(flown, domain=arguments.domain_id, bag=bag, console=console, link=True)
-    return number, flown
+    if arguments.simulated:
+        place = stack.enter_context(autopilot_process(configuration, console))
+        configuration = with_connection(configuration, place)
+    found = preflight(configuration, CONNECT_LIMIT)
+    for line in preflight_lines(found):
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
+    refuse(found)
+    return found.configuration

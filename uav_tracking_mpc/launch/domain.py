@@ -22,38 +22,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 FIRST_DOMAIN, LAST_DOMAIN = 1, 101  # what Linux's ephemeral ports leave free
-GREATEST_DOMAIN = 232  # what DDS's port numbers leave room for
-
-
-VARIABLE = "ROS_DOMAIN_ID"
 
 
 class DomainError(RuntimeError):
     """No domain is free."""
-
-
-class DomainValueError(ValueError):
-    """ROS_DOMAIN_ID is exported with a value that is not allowed; the message says which are."""
-
-
-def exported_domain() -> int | None:
-    """Domain that the environment asks for, as every ROS program understands it.
-
-    Returns:
-        None where it asks for none.
-
-    Raises:
-        DomainValueError: It is no integer from 0 to 232.
-    """
-    text = os.environ.get(VARIABLE, "").strip()
-    if not text:
-        return None
-    if not (text.isascii() and text.isdigit() and int(text) <= GREATEST_DOMAIN):
-        raise DomainValueError(
-            f"environment variable {VARIABLE} is {text!r}, must be an integer from 0 to "
-            f"{GREATEST_DOMAIN}"
-        )
-    return int(text)
 
 
 @contextmanager

@@ -20,7 +20,7 @@ import math
 import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
@@ -28,9 +28,9 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
-from uav_tracking_mpc.launch.domain import VARIABLE, exported_domain
 from uav_tracking_mpc.launch.node_process import STOP_LIMIT
 from uav_tracking_mpc.launch.supervisor import LaunchError, Supervisor, supervised
+from uav_tracking_mpc.nodes.ros_environment import VARIABLE, exported_domain
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.settings.link import LinkParameters
 
@@ -63,6 +63,10 @@ class FlightInterruptedError(LaunchError):
         self.signal = number
 
 
+class BrokenFlightError(LaunchError):
+    """A node died in flight; what was flown until then has been recorded."""
+
+
 def launch(
     configuration: Configuration,
     *,
@@ -86,8 +90,9 @@ def launch(
         Number of the signal that ended the flight, None if it was flown to its end.
 
     Raises:
+        BrokenFlightError: A node died in flight.
         DomainValueError: The exported domain is not allowed.
-        LaunchError: A node died, or nothing flew.
+        LaunchError: A node died before that, or nothing flew.
         ModuleNotFoundError: There is no rclpy.
     """
     console = console or Console(stderr=True)
@@ -119,17 +124,22 @@ def _fly(
     from uav_tracking_mpc.nodes.flight_bag import FlightBag
     from uav_tracking_mpc.nodes.flight_recorder import FlightRecorder
 
-    bag = None if bag_path is None else FlightBag(bag_path, alone=True)
-    recorder = FlightRecorder(bag, link)
-    pace = None if link else SimulatedPace(configuration, recorder, console)
-    meanwhile: list[Callable[[], None]] = []
-    if pace is not None:  # nobody kills what commands a real aircraft
-        meanwhile = [pace.follow, ControllerKill(recorder, supervisor).follow]
-    executor = EventsExecutor()
-    executor.add_node(recorder)
-    try:
+    with ExitStack() as stack:
+        bag = None
+        if bag_path is not None:
+            bag = FlightBag(bag_path, alone=True)
+            stack.callback(bag.discard)  # nothing, once it is closed
+        recorder = FlightRecorder(bag, link)
+        stack.callback(recorder.destroy_node)
+        executor = EventsExecutor()
+        stack.callback(executor.shutdown)
+        executor.add_node(recorder)
+        pace = None if link else SimulatedPace(configuration, recorder, console)
+        meanwhile: list[Callable[[], None]] = []
+        if pace is not None:  # nobody kills what commands a real aircraft
+            meanwhile = [pace.follow, ControllerKill(recorder, supervisor).follow]
+        limit, died = START_LIMIT, None
         try:
-            limit = START_LIMIT
             if link:
                 supervisor.start_link_flight(configuration)
                 if not configuration.link.engage:
@@ -140,19 +150,19 @@ def _fly(
             _watch(
                 configuration, supervisor, recorder, executor, received, console, limit, meanwhile
             )
+        except LaunchError as error:
+            died = error
         finally:
             supervisor.end(lambda: _drain(supervisor, executor))
-        if received and recorder.progress().time is None:
+        if recorder.progress().time is not None:
+            if bag is not None:
+                bag.close()
+            if died is not None:
+                raise BrokenFlightError(str(died)) from died
+        elif died is not None:
+            raise died
+        elif received:
             raise FlightInterruptedError(received[0], link)
-    except BaseException:
-        if bag is not None:
-            bag.discard()
-        raise
-    finally:
-        executor.shutdown()
-        recorder.destroy_node()
-    if bag is not None:
-        bag.close()
     return received[0] if received else None
 
 

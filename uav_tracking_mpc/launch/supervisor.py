@@ -28,10 +28,11 @@ from pathlib import Path
 
 from rich.console import Console
 
-from uav_tracking_mpc.launch.domain import VARIABLE, own_domain
+from uav_tracking_mpc.launch.domain import own_domain
 from uav_tracking_mpc.launch.node_process import NodeProcess
 from uav_tracking_mpc.launch.shared_memory import SharedMemoryFiles
 from uav_tracking_mpc.nodes.log_folder import ensure_log_folder
+from uav_tracking_mpc.nodes.ros_environment import VARIABLE
 from uav_tracking_mpc.settings.configuration import Configuration
 
 NODES = ("uav_simulator", "target_publisher", "nmpc_controller")

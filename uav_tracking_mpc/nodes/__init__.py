@@ -73,6 +73,7 @@
 ``node_help``              what a node prints with --help
 ``reference_tables``       the tables of the README, written from the code
 ``log_folder``             a folder for log files that can be written
+``ros_environment``        the domain that is exported, and why ROS does not start
 ``steering_requests``      what another node asks of them: parameters, services, the target's goal
 ``outage``                 a service that keeps back what a node sends, for a while
 ``run``                    start, spin, stop, exit codes

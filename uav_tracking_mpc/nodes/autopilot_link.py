@@ -265,7 +265,7 @@ class AutopilotLink(Node):
         self._wanted = False
         self._disengage()
         self._look()
-        self._diagnostics.publish()
+        self._diagnostics.end()
         self._reader.stop()
 
 

@@ -53,6 +53,7 @@ class ControllerReport:
 
     Attributes:
         alarm: Shows an error while it lasts: see :meth:`Diagnostics.alarm`.
+        end: Publishes that the node has ended: see :meth:`Diagnostics.end`.
         peers: Who publishes what the node listens to.
         refused: Messages that could not be used.
         deadlines_missed: How often no command came for two control periods of wall time.
@@ -69,7 +70,8 @@ class ControllerReport:
         self._solve_times, self._response_times = SampleWindow(), SampleWindow()
         self._diagnostics = diagnostics.Diagnostics(node, self._values)
         self.peers = Peers(lambda words: self._diagnostics.report(diagnostics.WARN, words))
-        self.alarm, self._throttled = self._diagnostics.alarm, ThrottledWarnings(node)
+        self.alarm, self.end = self._diagnostics.alarm, self._diagnostics.end
+        self._throttled = ThrottledWarnings(node)
 
     def configured(self, controller: Controller, claims: ClaimWatch) -> None:
         """Report a controller from now on.

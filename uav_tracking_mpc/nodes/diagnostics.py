@@ -29,6 +29,7 @@ from uav_tracking_mpc.nodes.steady_status import SteadyStatus
 from uav_tracking_mpc.nodes.topics import DIAGNOSTICS
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
+STALE = DiagnosticStatus.STALE  # of a node that has ended
 STARTING = 3.0  # s for which it is ordinary at the start that something is not there yet
 AIRCRAFT = "uav"  # the aircraft of nodes without a namespace
 
@@ -100,6 +101,11 @@ class Diagnostics:
         self._status.begin(level, message)
         self._unlogged = ""
         self.publish()
+
+    def end(self) -> None:
+        """Publish the last values, and that nothing comes after them."""
+        self._alarm = ""
+        self.announce(STALE, "ended")
 
     def alarm(self, words: str) -> None:
         """Show an error in place of what is reported, as long as it lasts.

@@ -139,7 +139,7 @@ class FlightBag:
         shutil.rmtree(self._folder)
 
     def discard(self) -> None:
-        """Drop what was written."""
+        """Drop what was written; nothing, once the file is complete."""
         shutil.rmtree(self._folder, ignore_errors=True)
 
 

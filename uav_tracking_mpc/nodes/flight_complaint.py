@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from uav_tracking_mpc.nodes.conversions import nanoseconds
-from uav_tracking_mpc.nodes.diagnostics import ERROR, OK, WARN
+from uav_tracking_mpc.nodes.diagnostics import ERROR, OK, STALE, WARN
 from uav_tracking_mpc.nodes.flight_bag import messages
 from uav_tracking_mpc.nodes.topics import COMMAND, DIAGNOSTICS, ODOMETRY
 
@@ -63,7 +63,7 @@ def last_complaint(path: Path) -> Complaint | None:
             start = nanoseconds(message.header.stamp) if start is None else start
         elif topic is DIAGNOSTICS:
             stamp = nanoseconds(message.header.stamp)
-            waiting += [(stamp, status) for status in message.status]
+            waiting += [(stamp, each) for each in message.status if each.level != STALE]
         else:
             for said in waiting:
                 standing[said[1].name] = said

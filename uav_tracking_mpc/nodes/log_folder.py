@@ -52,10 +52,10 @@ def _wanted() -> Path | None:
 
 
 def _expanded(folder: str) -> Path | None:
-    try:
-        return Path(folder).expanduser()
-    except RuntimeError:  # nobody knows where this user's home is
+    home = "HOME" if os.name == "posix" else "USERPROFILE"
+    if folder.startswith("~") and not os.environ.get(home):  # rcl looks nowhere else
         return None
+    return Path(folder).expanduser()
 
 
 def _writable(folder: Path) -> bool:

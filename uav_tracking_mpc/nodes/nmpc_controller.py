@@ -336,7 +336,7 @@ class NmpcController(ManagedNode):
 
     def finish(self) -> None:
         """Publish the last diagnostics and end the record."""
-        self.report.publish()
+        self.report.end()
         self._end_record()
 
 

@@ -18,12 +18,15 @@ from __future__ import annotations
 
 import gc
 import logging
+import re
 import shlex
 import signal
 import sys
-from collections.abc import Callable, Sequence
-from itertools import takewhile
+from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise, takewhile
+from pathlib import Path
 from types import FrameType
+from typing import Any
 
 import rclpy
 from rclpy.exceptions import ParameterException
@@ -35,7 +38,10 @@ from rclpy.utilities import remove_ros_args
 from uav_tracking_mpc.nodes.log_folder import ensure_log_folder
 from uav_tracking_mpc.nodes.node_help import help_text
 from uav_tracking_mpc.nodes.qos_overrides import warn_of_vain_overrides
+from uav_tracking_mpc.nodes.ros_environment import exported_domain, refusal_of_ros
 from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.configuration import SCENARIO, SECTIONS
+from uav_tracking_mpc.settings.parameter_file import read_yaml
 
 # Arguments of ROS that a word follows.
 ROS_FLAGS = {
@@ -48,7 +54,8 @@ def run(name: str, create: Callable[[], Node], arguments: Sequence[str] | None =
     """Run a node until SIGINT or SIGTERM.
 
     The signals are handled here, not by rclpy, so that the node can publish its last
-    diagnostics (``node.finish()``) before the context is shut down.
+    diagnostics and let go of what it holds (``node.finish()``) before the context is shut down;
+    it does so whatever ended it.
 
     A node that cannot go on says why in ``node.refusal``.
 
@@ -80,33 +87,31 @@ def run(name: str, create: Callable[[], Node], arguments: Sequence[str] | None =
             refused = refusal(name, arguments)
             if refused:
                 return _fatal(name, refused)
+            exported_domain()
             if changed := ensure_log_folder():
                 logging.getLogger(__name__).info(changed)
             rclpy.init(args=[name, *arguments], signal_handler_options=SignalHandlerOptions.NO)
         except Exception as error:  # rclpy has no common base for what a command line can do wrong
-            return _fatal(name, str(error))
+            return _fatal(name, refusal_of_ros(error) or str(error))
         node = create()
         warn_of_vain_overrides(node)
-        # What exists now lives as long as the node: the collector need not look at it again, which
-        # would take tens of milliseconds in the middle of a flight.
-        gc.collect()
-        gc.freeze()
-        executor = EventsExecutor()
-        executor.add_node(node)
-        while rclpy.ok() and not stopped:
-            executor.spin_once(timeout_sec=0.1)
-            if words := getattr(node, "refusal", ""):
-                return _fatal(name, words)
-        finish = getattr(node, "finish", None)
-        if finish is not None and rclpy.ok():
-            finish()
-        return 0
+        _warn_of_vain_files(node, name, arguments)
+        try:
+            return _spun(name, node, lambda: stopped)
+        finally:
+            finish = getattr(node, "finish", None)
+            if finish is not None and rclpy.ok():
+                finish()
     except (ParameterError, ParameterException) as error:
         return _fatal(name, str(error))
     except ImportError as error:  # of what a parameter asks for, such as JSBSim
         if (error.name or "").startswith("uav_tracking_mpc"):
             raise
         return _fatal(name, str(error))
+    except RuntimeError as error:
+        if node is None and (words := refusal_of_ros(error)):
+            return _fatal(name, words)
+        raise
     finally:
         if node is not None:
             node.destroy_node()
@@ -114,6 +119,21 @@ def run(name: str, create: Callable[[], Node], arguments: Sequence[str] | None =
         for number, handler in previous.items():
             # The process ends: whoever signals it once more must not break that off.
             signal.signal(number, signal.SIG_IGN if stopped else handler)
+
+
+def _spun(name: str, node: Node, stopped: Callable[[], bool]) -> int:
+    """Spin a node until it is stopped or gives up; exit code."""
+    # What exists now lives as long as the node: the collector need not look at it again, which
+    # would take tens of milliseconds in the middle of a flight.
+    gc.collect()
+    gc.freeze()
+    executor = EventsExecutor()
+    executor.add_node(node)
+    while rclpy.ok() and not stopped():
+        executor.spin_once(timeout_sec=0.1)
+        if words := getattr(node, "refusal", ""):
+            return _fatal(name, words)
+    return 0
 
 
 def refusal(name: str, arguments: Sequence[str]) -> str:
@@ -139,6 +159,45 @@ def refusal(name: str, arguments: Sequence[str]) -> str:
         words.append(word)
     right = " ".join([name, "--ros-args", *words])
     return f"what is not behind --ros-args has no effect: {shlex.join(stray)}; write: {right}"
+
+
+def _warn_of_vain_files(node: Node, name: str, arguments: Sequence[str]) -> None:
+    """Warn of parameter files that say nothing of a node, unless they are of its neighbours alone.
+
+    Args:
+        node: As it is called.
+        name: Of the executable.
+        arguments: Command line without the program.
+    """
+    others = {*SECTIONS, SCENARIO} - {name, node.get_name()}
+    for flag, file in pairwise(arguments):
+        if flag != "--params-file":
+            continue
+        sections = _sections(read_yaml(Path(file), "parameter file"))
+        own = node.get_fully_qualified_name()
+        if any(_matches(section, own) for section in sections):
+            continue
+        if not sections or {section.rpartition("/")[2] for section in sections} - others:
+            node.get_logger().warning(
+                f"parameter file {file} has no section for {own} and no effect; it has: "
+                f"{', '.join(sections) or 'none'}"
+            )
+
+
+def _sections(content: Any, above: str = "") -> list[str]:
+    """Names of nodes in a parameter file, which may stand below their namespaces."""
+    if not isinstance(content, Mapping):
+        return []
+    found = [above] if "ros__parameters" in content else []
+    for key, inside in content.items():
+        found += _sections(inside, f"{above}/{str(key).lstrip('/')}")
+    return found
+
+
+def _matches(section: str, name: str) -> bool:
+    """Whether a section with the wildcards of ROS is of a node."""
+    pattern = re.escape(section).replace(r"/\*\*", "(/[^/]+)*").replace(r"\*", "[^/]+")
+    return re.fullmatch(pattern, name) is not None
 
 
 def _described(create: Callable[[], Node]) -> str:

@@ -149,7 +149,7 @@ class TargetPublisher(Node):
 
     def finish(self) -> None:
         """Publish the last diagnostics."""
-        self._diagnostics.publish()
+        self._diagnostics.end()
 
 
 def main() -> int:

@@ -291,7 +291,7 @@ class UavSimulator(Node):
 
     def finish(self) -> None:
         """Publish the last diagnostics."""
-        self._diagnostics.publish()
+        self._diagnostics.end()
 
 
 def _plant(parameters: SimulatorParameters) -> Plant:

@@ -28,7 +28,7 @@ from PIL import Image
 
 from uav_tracking_mpc.report.atomic_write import write_atomically
 from uav_tracking_mpc.report.figure_style import BLACK, BLUE, GREEN, LIGHT_GREY, VERMILLION, drawing
-from uav_tracking_mpc.report.metrics import COLUMNS, SETTLING_BANDS
+from uav_tracking_mpc.report.metrics import COLUMNS, settling_bands
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
 SIZE, DPI = (7.6, 3.3), 100  # [inch], dots per inch
@@ -90,7 +90,7 @@ def _scene(figure: Figure, log: FlightLog) -> Callable[[int], None]:
     error = np.maximum(np.abs(log.error[:, COLUMNS["range"]]), FINEST)
     beside.set(yscale="log", xlim=log.time[[0, -1]], ylim=(FINEST, 1.5 * error.max()))
     beside.set(xlabel="time [s]", ylabel="range error [m]", title="shaded: settled")
-    beside.axhspan(FINEST, SETTLING_BANDS["range"], color=GREEN, alpha=0.15, lw=0.0)
+    beside.axhspan(FINEST, settling_bands(log)["range"], color=GREEN, alpha=0.15, lw=0.0)
     beside.plot(log.time, error, color=LIGHT_GREY, lw=0.8)
     flown = _line(beside, color=BLUE, lw=1.4)
 

@@ -36,7 +36,7 @@ from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate
 from uav_tracking_mpc.limits import COMPILED
 from uav_tracking_mpc.report.figure_style import BLUE, GREY, MODES, PURPLE, VERMILLION, drawing
-from uav_tracking_mpc.report.metrics import COLUMNS, SETTLING_BANDS
+from uav_tracking_mpc.report.metrics import COLUMNS, settling_bands
 from uav_tracking_mpc.report.time_axes import (
     BAND,
     BOUND,
@@ -184,7 +184,7 @@ def _error_panel(axes: Axes, log: FlightLog) -> None:
         error = np.maximum(np.abs(log.error[:, COLUMNS[name]]), FINEST)
         axes.plot(log.time, error, color=colour, label=name, lw=1.2)
         top = max(top, np.nanmax(error, initial=FINEST))
-    axes.axhspan(FINEST, SETTLING_BANDS["range"], **BAND)
+    axes.axhspan(FINEST, settling_bands(log)["range"], **BAND)
     _inner_legend(axes)
     high = 10.0 ** math.ceil(math.log10(top) + 1e-9)
     finish(axes, "Off the orbit", "error [m]", FINEST, max(high, 10.0))

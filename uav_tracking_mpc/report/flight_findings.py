@@ -24,11 +24,12 @@ import numpy as np
 
 from uav_tracking_mpc.dynamics.relative import steady_inputs
 from uav_tracking_mpc.parameters.registry import RELATIVE_MODEL
-from uav_tracking_mpc.report.metrics import SETTLING_BANDS, range_errors
+from uav_tracking_mpc.report.metrics import range_errors
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
 UNITS = {"range": "m", "altitude": "m", "speed": "m/s", "bearing": "rad"}
 FALLBACKS = 12  # most that a page lists
+LATE_SHARE = 0.01  # of the commands: with more of them a flight is not what was asked for
 NOTABLE_OFFSET = 0.01  # mean range error that the report speaks of, [m]
 
 
@@ -91,10 +92,24 @@ def unsettled(numbers: dict[str, Any]) -> str:
         numbers: What :func:`uav_tracking_mpc.report.metrics.metrics` returned.
     """
     return " and ".join(
-        f"{name} never came to stay within {quantity(SETTLING_BANDS[name], UNITS[name])}"
+        f"{name} never came to stay within {_band(numbers, name)}"
         for name, time in numbers["settling_s"].items()
         if time is None
     )
+
+
+def sound(numbers: dict[str, Any]) -> bool:
+    """Whether a flight settled and its commands came in time, but for one in a hundred.
+
+    Args:
+        numbers: What :func:`uav_tracking_mpc.report.metrics.metrics` returned.
+    """
+    commands = numbers["commands"]
+    return settled(numbers) and commands["late"] <= LATE_SHARE * commands["sent"]
+
+
+def _band(numbers: dict[str, Any], name: str) -> str:
+    return quantity(numbers["settling_bands"][name], UNITS[name], 2)
 
 
 def verdict(numbers: dict[str, Any]) -> str:
@@ -108,7 +123,7 @@ def verdict(numbers: dict[str, Any]) -> str:
         return "No usable record: the last sample of the flight is missing or not finite."
     if settled(numbers):
         text = (
-            f"Settled: altitude within {quantity(SETTLING_BANDS['altitude'], 'm')} from "
+            f"Settled: altitude within {_band(numbers, 'altitude')} from "
             f"{quantity(times['altitude'], 's')} on, "
             f"range from {quantity(times['range'], 's')} on; over the last third of the flight "
             f"the range held to {quantity(steady['range_rms_m'], 'm')} RMS and the altitude to "
@@ -129,6 +144,11 @@ def _failures(numbers: dict[str, Any]) -> list[str]:
     solver, commands = numbers["solver"], numbers["commands"]
     if solver["failures"]:
         sentences.append(f"{solver['failures']} of {solver['solves']} solves did not converge.")
+    if commands["late"]:
+        share = commands["late"] / max(commands["sent"], 1)
+        sentences.append(
+            f"{commands['late']} of {commands['sent']} commands ({share:.1%}) came late."
+        )
     if commands["failsafe"]:
         times = "once" if commands["failsafe"] == 1 else f"{commands['failsafe']} times"
         sentences.append(f"The vehicle ran out of plan {times} and held wings level.")

@@ -31,8 +31,8 @@ from uav_tracking_mpc.dynamics.angles import wrap_angle
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
-# Half widths of the bands that count as settled, [m], [m], [m/s], [rad].
-SETTLING_BANDS = {"range": 1.0, "altitude": 1.0, "speed": 0.1, "bearing": 0.05}
+# Half widths of the bands that count as settled in still air, [m], [m], [m/s], [rad].
+STILL_AIR_BANDS = {"range": 1.0, "altitude": 1.0, "speed": 0.1, "bearing": 0.05}
 
 SPACING = 0.045  # s at least between samples that a rate is taken from
 LEAST_SAMPLES = 8  # for a rate
@@ -52,7 +52,8 @@ def metrics(log: FlightLog) -> dict[str, Any]:
         Plain floats, ints, strings, None and dictionaries of these, never NaN:
 
         - ``config``, ``duration_s``, ``speed``
-        - ``settling_s``: per quantity of :data:`SETTLING_BANDS` see :func:`settling_time`
+        - ``settling_s``: per quantity of :func:`settling_bands` see :func:`settling_time`
+        - ``settling_bands``: these, in SI
         - ``steady_state``: errors over the last third of the flight; ``horizontal_rms_m`` is that
           of sqrt(r^2 - z^2) against the radius of the orbit, ``bank_rate_rms_dps`` see
           :func:`bank_rate_rms`
@@ -64,14 +65,15 @@ def metrics(log: FlightLog) -> dict[str, Any]:
     """
     errors = dict(zip(COLUMNS, log.error.T, strict=True))
     steady = {name: values[_last_third(log)] for name, values in errors.items()}
+    bands = settling_bands(log)
     numbers: dict[str, Any] = {
         "config": log.config,
         "duration_s": _plain(log.duration),
         "speed": _plain(log.speed),
         "settling_s": {
-            name: settling_time(log.time, errors[name], band)
-            for name, band in SETTLING_BANDS.items()
+            name: settling_time(log.time, errors[name], band) for name, band in bands.items()
         },
+        "settling_bands": {name: _plain(band) for name, band in bands.items()},
         "steady_state": {
             "range_rms_m": _rms(steady["range"]),
             "range_max_m": _plain(np.max(np.abs(steady["range"]), initial=-np.inf)),
@@ -105,6 +107,27 @@ def metrics(log: FlightLog) -> dict[str, Any]:
             "refused": link.refused,
         }
     return numbers
+
+
+def settling_bands(log: FlightLog) -> dict[str, float]:
+    r"""Half widths of the bands in which a flight counts as settled, in SI.
+
+    They are those of still air, and what gusts move against which nobody can fly. Three standard
+    deviations :math:`3\sigma` of the air's velocity over the last third of the flight (mean of the
+    three axes) change the airspeed at once, the bearing by the angle of drift, and the position
+    within a second:
+
+    .. math:: 1\,\mathrm{m} + 3\sigma \cdot 1\,\mathrm{s}, \quad
+        0.1\,\mathrm{m/s} + 3\sigma, \quad 0.05 + 3\sigma / v_d
+
+    Args:
+        log: Record of the flight.
+    """
+    wind = log.wind[_last_third(log)]
+    wind = wind[np.all(np.isfinite(wind), axis=1)]
+    gusts = 3.0 * math.sqrt(float(np.mean(np.var(wind, axis=0)))) if len(wind) else 0.0
+    moved = {"range": gusts, "altitude": gusts, "speed": gusts, "bearing": gusts / log.orbit.speed}
+    return {name: band + moved[name] for name, band in STILL_AIR_BANDS.items()}
 
 
 def settling_time(

@@ -29,10 +29,11 @@ from uav_tracking_mpc.report.flight_findings import (
     quantity,
     range_offset_finding,
     settled,
+    sound,
     verdict,
 )
 from uav_tracking_mpc.report.html_page import embedded, render
-from uav_tracking_mpc.report.metrics import SETTLING_BANDS, metrics
+from uav_tracking_mpc.report.metrics import metrics
 from uav_tracking_mpc.report.replay import Replay
 from uav_tracking_mpc.report.states import DECADES, states_figure
 from uav_tracking_mpc.report.trajectory import trajectory_figure
@@ -108,10 +109,10 @@ def render_page(
         log=log,
         numbers=numbers,
         numbers_json=json_text(numbers),
-        bands=SETTLING_BANDS,
         units=UNITS,
         decades=DECADES,
         settled=settled(numbers),
+        sound=sound(numbers),
         verdict=verdict(numbers),
         offset=range_offset_finding(log),
         trajectory=embedded(trajectory),

@@ -32,7 +32,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.report.figure_style import BLUE, GREY, VERMILLION, drawing
-from uav_tracking_mpc.report.metrics import COLUMNS, SETTLING_BANDS, settling_time
+from uav_tracking_mpc.report.metrics import COLUMNS, settling_bands, settling_time
 from uav_tracking_mpc.report.time_axes import (
     BAND,
     BOUND,
@@ -105,7 +105,7 @@ def _state_panel(
     reference = log.orbit.steady_state[COLUMNS[name]]
     asked = log.reference[:, COLUMNS[name]]  # in flight it may have been another
     values = asked + (_unwrapped(error) if name == "bearing" else error)
-    band = SETTLING_BANDS.get(name)
+    band = settling_bands(log).get(name)
     # Room above and below the band, so that it reads as one where nothing else happens.
     room = 0.0 if band is None else 2.0 * band
     low, high = value_limits(values, reference - room, reference + room)

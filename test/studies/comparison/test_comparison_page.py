@@ -31,7 +31,7 @@ def test_the_folder_tells_the_comparison(tmp_path):
     page = (tmp_path / "new" / "compare.html").read_text()
     assert page.count("data:image/png;base64,") == 3
     assert "Wind with gusts" in page
-    assert "gusts: settled never" in page
+    assert "gusts: within 10 m never" in page
     assert "http" not in page
 
 

@@ -47,4 +47,4 @@ def test_the_terminal_shows_every_unit_and_number():
 
 
 def test_misses_name_the_scenario():
-    assert any(words.startswith("gusts: settled never") for words in misses([compared()]))
+    assert any(words.startswith("gusts: within 10 m never") for words in misses([compared()]))

@@ -31,7 +31,7 @@ def test_json_has_every_number_of_every_flight():
     assert all(set(flight) == KEYS for flight in flights.values())
     assert flights["l1"]["settling_s"] is None  # 12 s are not enough
     assert content["targets"]["gusts"]["range_rms_m"] == 0.4
-    assert content["targets"]["gusts"]["missed"][1].startswith("settled never")
+    assert content["targets"]["gusts"]["missed"][1].startswith("within 10 m never")
     assert content["solves"]["gusts"]["count"] == 0
 
 

@@ -24,11 +24,11 @@ from uav_tracking_mpc.studies.comparison.measures import Measures
 from uav_tracking_mpc.studies.comparison.results import Scenario
 
 COLUMNS = (
-    "range RMS [m]", "settled [s]", "altitude RMS [m]", "airspeed RMS [m/s]",
+    "range RMS [m]", "within 10 m [s]", "altitude RMS [m]", "airspeed RMS [m/s]",
     "bank rate RMS [deg/s]", "violations",
 )  # fmt: skip
 CAPTION = (
-    "RMS over the last third of the flight; settled: from then on within 10 m of the range; "
+    "RMS over the last third of the flight; within 10 m: of the range, from then on; "
     "violations: samples at which airspeed, path angle, bank, specific force, height or "
     "distance is beyond its limit by more than 1 %; target: range RMS and settling of nmpc."
 )

@@ -34,7 +34,7 @@ from uav_tracking_mpc.report.metrics import settling_time
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
-SETTLED = 10.0  # m of range error below which a flight counts as settled
+SETTLED = 10.0  # m of range error: coarser than in a report, for what every law reaches
 
 
 @dataclass(frozen=True)

@@ -85,7 +85,7 @@ def missed(
         words.append(f"range RMS {own.range_rms_m:.3f} m, at most {target.range_rms:g} m")
     if own.settling_s is None or own.settling_s > target.settling:
         when = "never" if own.settling_s is None else f"after {own.settling_s:.1f} s"
-        words.append(f"settled {when}, at most {target.settling:g} s")
+        words.append(f"within 10 m {when}, at most {target.settling:g} s")
     if own.envelope_violations:
         limits = ", ".join(f"{name} {count}" for name, count in own.violations.items())
         words.append(f"{own.envelope_violations} samples outside the envelope ({limits})")
@@ -115,7 +115,7 @@ def _disturbed(configuration: Configuration) -> bool:
 def _settled_later(own: float | None, best: float | None) -> list[str]:
     if own is None or best is None or own <= best + LATER_BY:
         return []  # that it never settled has been said
-    return [f"settled after {own:.1f} s, {best:.1f} s by the better classical law"]
+    return [f"within 10 m after {own:.1f} s, {best:.1f} s by the better classical law"]
 
 
 def _compared(own: float, best: float, disturbed: bool) -> list[str]:

@@ -22,8 +22,8 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
 
-from uav_tracking_mpc.launch.domain import exported_domain
 from uav_tracking_mpc.nodes.flight_watcher import FlightWatcher
+from uav_tracking_mpc.nodes.ros_environment import exported_domain
 from uav_tracking_mpc.nodes.spun_node import SpunNode
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.view.live.live_sight import live_sight, node_statuses
