@@ -79,7 +79,7 @@ $(VENV)/bin/python:
 	@$(PYTHON) -m venv $(VENV)
 
 $(VENV)/demo: $(VENV)/bin/python setup.py
-	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,view]'
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,mavlink,view]'
 	@touch $@
 
 $(VENV)/view: $(VENV)/bin/python setup.py
@@ -91,5 +91,5 @@ $(VENV)/test: $(VENV)/bin/python setup.py
 	@touch $@ $(VENV)/demo
 
 $(VENV)/docs: $(VENV)/bin/python setup.py
-	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,docs]'
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,mavlink,view,docs]'
 	@touch $@ $(VENV)/demo
