@@ -93,7 +93,7 @@ $(VENV)/bin/python:
 	@$(PYTHON) -m venv $(VENV)
 
 $(VENV)/demo: $(VENV)/bin/python setup.py
-	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,view]'
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,mavlink,view]'
 	@touch $@
 
 $(VENV)/view: $(VENV)/bin/python setup.py
@@ -109,5 +109,5 @@ $(VENV)/mutants: $(VENV)/test setup.py
 	@touch $@
 
 $(VENV)/docs: $(VENV)/bin/python setup.py
-	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,docs]'
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,mavlink,view,docs]'
 	@touch $@ $(VENV)/demo

@@ -26,6 +26,7 @@ from contextlib import ExitStack
 
 import numpy as np
 import pytest
+from extras import missing_extra
 from hypothesis import HealthCheck, settings
 
 from uav_tracking_mpc.dynamics import paper_numbers
@@ -69,6 +70,23 @@ def weights() -> tuple[np.ndarray, np.ndarray]:
 def paper_start() -> np.ndarray:
     """x_o of Section 6: (r, theta, z, chi, v)."""
     return np.array(paper_numbers.INITIAL_STATE)
+
+
+class OptionalModule(pytest.Module):
+    """A file of tests, skipped with a word where an extra that it imports is not installed."""
+
+    def collect(self):
+        try:
+            return super().collect()
+        except Exception as error:
+            if (name := missing_extra(error)) is None:
+                raise
+            pytest.skip(f"{name} is not installed", allow_module_level=True)
+
+
+def pytest_pycollect_makemodule(module_path, parent):
+    """Every file may need an extra: `colcon test` runs with what package.xml declares."""
+    return OptionalModule.from_parent(parent, path=module_path)
 
 
 def pytest_collection_modifyitems(items):

@@ -82,7 +82,7 @@ class SyntheticFlight:
         return TARGET_VELOCITY * time
 
     def vehicle(self, time):
-        """(x, y, z, psi, chi, v)"""
+        """(x, y, z, psi, chi, v)."""
         angle = self._turn + self._rate * time
         circle = ORBIT_WANTED.radius * np.array([np.cos(angle), np.sin(angle)])
         x, y = self.target(time)[:2] + circle

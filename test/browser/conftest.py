@@ -20,6 +20,8 @@ import os
 import shutil
 
 import pytest
+
+pytest.importorskip("msgspec")  # which comes with the page
 from seen_page import SeenPage
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")

@@ -154,6 +154,7 @@ def test_the_folder_is_a_bag_of_ros_2(tmp_path):
     """As ``ros2 bag info FOLDER`` reads it: the file by its name, what was offered, all counts."""
     bag = recorded(tmp_path / "mission.mcap", alone=True)
     about = yaml.safe_load((tmp_path / "metadata.yaml").read_text())[ROSBAG]
+    assert about["ros_distro"] == "jazzy"
     assert about["relative_file_paths"] == ["mission.mcap"]
     assert [entry["path"] for entry in about["files"]] == ["mission.mcap"]
     assert (about["version"], about["storage_identifier"]) == (9, "mcap")

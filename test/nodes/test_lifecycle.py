@@ -17,6 +17,9 @@
 from __future__ import annotations
 
 import dataclasses
+import gc
+import threading
+from collections import Counter
 
 import numpy as np
 import pytest
@@ -25,6 +28,7 @@ from lifecycle_msgs.srv import GetState
 from node_flight import Flight
 from processes import run_node
 from rclpy.parameter import Parameter
+from waiting import wait_for
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.control.record import replay
@@ -125,6 +129,31 @@ def test_a_target_is_not_refused_while_the_vehicle_is_silent(flight):
     assert "uav/odometry" in flight.told()[0]
     flight.spin(lambda: False, 3.0)
     assert flight.controller.report.refused == 0
+
+
+def own_objects():
+    """How many objects of each class of the package there are."""
+    gc.collect()
+    kinds = (type(thing) for thing in gc.get_objects())
+    return Counter(kind for kind in kinds if str(kind.__module__).startswith("uav_tracking_mpc."))
+
+
+def test_a_cycle_through_all_states_leaves_nothing_behind(flight, monkeypatch):
+    """No judgement of margins waits for a controller that is gone; no object of it stays."""
+    monkeypatch.setattr("uav_tracking_mpc.nodes.nmpc_controller.MARGIN_PATIENCE", 1e6)
+    flight.add_all(autostart=False)
+    before = Counter()
+    for cycle in range(6):
+        assert flight.change(Transition.TRANSITION_CONFIGURE)
+        assert flight.change(Transition.TRANSITION_ACTIVATE)
+        assert flight.commanded(3)
+        assert flight.change(Transition.TRANSITION_DEACTIVATE)
+        assert flight.change(Transition.TRANSITION_CLEANUP)
+        if cycle == 2:  # all that is loaded once is loaded
+            before = own_objects()
+    assert not own_objects() - before
+    judging = lambda: [t for t in threading.enumerate() if t.name == "margins"]  # noqa: E731
+    assert wait_for(lambda: not judging())
 
 
 def test_a_transition_that_is_not_possible_is_refused_and_the_node_flies_on(flight):

@@ -150,9 +150,9 @@ def serve_until_signal(page: Page, source: FlightSource) -> None:
             print(words, file=sys.stderr)
         return stopped
 
-    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {each: signal.signal(each, stop) for each in (signal.SIGINT, signal.SIGTERM)}
     try:
         page.serve(ended)
     finally:  # what comes after it can be interrupted as ever
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        for each, handler in before.items():
+            signal.signal(each, handler)

@@ -99,14 +99,17 @@ class MarginWatch:
         """Return when all that was asked is judged."""
         self._job.wait()
 
-    def _work(self, parameters: TrackingParameters) -> None:
+    def end(self) -> None:
+        """Judge nothing more; a judgement that waits is given up."""
+        self._latest = None
+
+    def _work(self, _: TrackingParameters) -> None:
         while time.monotonic() < self._begin:
-            if not threading.main_thread().is_alive():  # the program ends
+            if self._latest is None or not threading.main_thread().is_alive():  # the program ends
                 return
             time.sleep(LOOK_PERIOD)
-        if self._latest is not None:  # others may have come while it waited
-            parameters = self._latest
-        if parameters is self._judged:
+        parameters = self._latest  # others may have come while it waited
+        if parameters is None or parameters is self._judged:
             return
         self._judged = parameters
         self._loop, words = _warning(parameters, self._loop)

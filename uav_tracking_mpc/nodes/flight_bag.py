@@ -135,7 +135,10 @@ class FlightBag:
         written = self._folder / self.path.stem
         (written / self.path.name).replace(self.path)
         if self._alone:
-            (written / METADATA).replace(self.path.parent / METADATA)
+            metadata = written / METADATA
+            text = metadata.read_text().replace("ros_distro: rosbags", "ros_distro: jazzy")
+            metadata.write_text(text)
+            metadata.replace(self.path.parent / METADATA)
         shutil.rmtree(self._folder)
 
     def discard(self) -> None:

@@ -183,6 +183,8 @@ class NmpcController(ManagedNode):
     def release(self) -> None:
         """Forget everything; parameters may then be set that are fixed while configured."""
         self._end_record()
+        if self._margins is not None:
+            self._margins.end()
         self.controller = self._margins = None
 
     def show(self, trouble: str) -> None:

@@ -18,9 +18,10 @@ import io
 import time
 
 import pytest
-import viser
-from viser._messages import GuiUpdateMessage
-from watched_flight_stand_in import StandInFlight, StandInSource, StandInSteering
+
+viser = pytest.importorskip("viser")
+from viser._messages import GuiUpdateMessage  # noqa: E402
+from watched_flight_stand_in import StandInFlight, StandInSource, StandInSteering  # noqa: E402
 
 WAIT = 60.0  # s, for what other threads do on a loaded machine
 

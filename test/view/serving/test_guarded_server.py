@@ -22,11 +22,8 @@ import sys
 from types import SimpleNamespace
 
 import pytest
-from waiting import wait_for
-
-pytest.importorskip("viser")
-
 import viser
+from waiting import wait_for
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
