@@ -72,6 +72,33 @@ def test_the_scene_moves_with_the_aircraft_and_stands_with_the_clock(look, sourc
         seen.pixels_unlike(second)
 
 
+@pytest.mark.parametrize("direction", ["clockwise", "counter_clockwise"])
+def test_the_orbit_that_is_asked_for_is_seen_either_way_round(look, direction):
+    """Half of its dashed circle has the aircraft's colour, and the circle inside of it none."""
+    from uav_tracking_mpc import load_configuration, simulate
+    from uav_tracking_mpc.view.page import COLOURS
+    from uav_tracking_mpc.view.recorded.logged_flight import LoggedSource
+
+    overrides = ["mission.duration=2.0", f"nmpc_controller.direction={direction}"]
+    configuration = load_configuration("small_uav", overrides)
+    source = LoggedSource(simulate(configuration), configuration.controller)
+    source.clock.pause()
+    wanted = source.flights()[0].sight.wanted
+    turn = np.linspace(0.0, 2.0 * np.pi, 120, endpoint=False)
+    circle = np.stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)], axis=1)
+    with served(source) as page:
+        seen = look(page.address)
+        pixels = seen.still_pixels()
+        shares = []
+        for size in (1.0, 0.85):
+            points = wanted.centre + size * abs(wanted.radius) * circle
+            places = [around(pixels, seen.pixel_of(point), 2) for point in points]
+            away = [np.abs(place - COLOURS[0]).max(axis=2).min(initial=255) for place in places]
+            shares.append(np.mean(np.array(away) < 60))
+        assert shares[0] > 0.3
+        assert shares[1] < 0.05
+
+
 def test_the_replay_stands_at_the_time_of_its_slider(look, source):
     (aircraft,) = source.flights()
     with served(source) as page:
