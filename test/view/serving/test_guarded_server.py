@@ -15,6 +15,7 @@
 """The page's server as its port shows it: raw requests, websockets, slow and greedy clients."""
 
 import contextlib
+import gc
 import logging
 import socket
 import subprocess
@@ -26,8 +27,9 @@ from waiting import wait_for
 
 pytest.importorskip("viser")
 
+import msgspec
 import viser
-from websockets.exceptions import InvalidStatus
+from websockets.exceptions import ConnectionClosedError, InvalidStatus
 from websockets.sync.client import connect
 
 from uav_tracking_mpc.view.serving import guarded_server
@@ -87,12 +89,12 @@ def get(server, path="/", host=None, **headers):
     return int(head.split()[1]), head.decode(), body
 
 
-def open_websocket(server, **options):
+def open_websocket(server, protocol=PROTOCOL, **options):
     port = port_of(server)
     options.setdefault("origin", f"http://127.0.0.1:{port}")
     return connect(
         f"ws://127.0.0.1:{port}",
-        subprotocols=[PROTOCOL],
+        subprotocols=[protocol],
         open_timeout=PATIENCE,
         proxy=None,
         **options,
@@ -204,6 +206,48 @@ def test_a_reason_is_logged_once(caplog):
         get(server)
     said = [record.getMessage() for record in caplog.records]
     assert said == ["page: refused a request of 127.0.0.1: other sites may not use this page"]
+
+
+def pack(**message):
+    return msgspec.msgpack.encode(message)
+
+
+def test_junk_is_one_line_of_a_kind_and_the_page_goes_on(caplog, capfd):
+    """Text, bytes that are no message, one of no kind, and one that viser cannot do."""
+    with served() as server, caplog.at_level(logging.INFO):
+        slider = server.gui.add_slider("wind", 0.0, 9.0, 1.0, 2.0)
+        uuid = slider._impl.uuid
+        beside = pack(type="GuiUpdateMessage", uuid=uuid, updates={"no_such": 1})
+        junk = ["text", b"\xc1\xff", pack(type="NoSuchMessage"), pack(no="type"), b"", beside]
+        with open_websocket(server) as websocket:
+            for _ in range(20):
+                for message in junk:
+                    websocket.send(message)
+            good = pack(type="GuiUpdateMessage", uuid=uuid, updates={"value": 5.0})
+            websocket.send(good)
+            assert wait_for(lambda: slider.value == 5.0, PATIENCE)
+        gc.collect()  # failed tasks speak when they are collected
+        assert wait_for(lambda: len(caplog.records) >= 2, PATIENCE)
+    assert sorted(record.getMessage() for record in caplog.records) == [
+        "page: refused a request of 127.0.0.1: its message is none that a page sends",
+        "page: what a client sent failed: AssertionError",
+    ]
+    assert capfd.readouterr().err == ""
+
+
+def test_a_message_larger_than_any_of_a_page_closes_its_websocket(open_server, caplog):
+    with open_websocket(open_server, max_size=None) as websocket:
+        with contextlib.suppress(ConnectionClosedError):
+            websocket.send(b"x" * 20_000_000)
+        assert wait_for(lambda: websocket.close_code == 1009, PATIENCE)  # too big
+    assert caplog.text == ""
+    assert get(open_server)[0] == 200
+
+
+def test_a_page_of_another_viser_is_told_to_load_again(open_server):
+    with pytest.raises(InvalidStatus) as refused:
+        open_websocket(open_server, protocol="viser-v0.0.1")
+    assert b"load it again" in refused.value.response.body
 
 
 def test_a_viser_that_serves_in_another_way_is_not_used(monkeypatch):
