@@ -113,7 +113,7 @@ class Page:
 
     Args:
         source: What is shown.
-        host: Address to listen at, and to ask for a token; without one 127.0.0.1, and no token.
+        host: Address to listen at; without one 127.0.0.1.
         port: Port to listen at; without one the first free one from 8080 on.
 
     Attributes:

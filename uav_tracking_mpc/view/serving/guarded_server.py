@@ -75,7 +75,7 @@ class GuardedServer(viser.ViserServer):
     """A viser server that answers to whom it should.
 
     Args:
-        host: Address to listen at, and to ask for a token; without one 127.0.0.1, and no token.
+        host: Address to listen at; without one 127.0.0.1.
         port: See :func:`~uav_tracking_mpc.view.serving.listening.listen`.
         label: Title of the panel.
 
@@ -88,9 +88,8 @@ class GuardedServer(viser.ViserServer):
 
     def __init__(self, host: str | None = None, port: int | None = None, label: str = "") -> None:
         listener = listen(host or LOOPBACK, port)
-        token = None if host is None else new_token()
-        query = "" if token is None else f"/?token={token}"
-        self.address = address_of(listener, host or LOOPBACK) + query
+        token = new_token()
+        self.address = f"{address_of(listener, host or LOOPBACK)}/?token={token}"
         names = () if host is None else (host, *_names_of_this_machine())
         guard = _Guard(Access(token, names), listener)
         with _silent(), guard.around_serve():
