@@ -30,6 +30,7 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
+from urllib.parse import urlsplit
 
 PATIENCE = 120.0  # s: a limit for what is broken, not a measure of what works
 
@@ -66,7 +67,7 @@ class PageProcess:
         assert self._process.stdout is not None
         self.address = self._process.stdout.readline().strip()
         assert self.address.startswith("http://"), "the page's process did not start"
-        self.port = int(self.address.rpartition(":")[2])
+        self.port = urlsplit(self.address).port
 
     def kill(self) -> None:
         """As a crash or the loss of power would."""

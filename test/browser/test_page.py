@@ -21,6 +21,7 @@ import threading
 
 import numpy as np
 import pytest
+from seen_page import SeenPage
 from served_page import PageProcess, save_flight, served
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
@@ -72,6 +73,33 @@ def test_the_scene_moves_with_the_aircraft_and_stands_with_the_clock(look, sourc
         seen.pixels_unlike(second)
 
 
+@pytest.mark.parametrize("direction", ["clockwise", "counter_clockwise"])
+def test_the_orbit_that_is_asked_for_is_seen_either_way_round(look, direction):
+    """Half of its dashed circle has the aircraft's colour, and the circle inside of it none."""
+    from uav_tracking_mpc import load_configuration, simulate
+    from uav_tracking_mpc.view.page import COLOURS
+    from uav_tracking_mpc.view.recorded.logged_flight import LoggedSource
+
+    overrides = ["mission.duration=2.0", f"nmpc_controller.direction={direction}"]
+    configuration = load_configuration("small_uav", overrides)
+    source = LoggedSource(simulate(configuration), configuration.controller)
+    source.clock.pause()
+    wanted = source.flights()[0].sight.wanted
+    turn = np.linspace(0.0, 2.0 * np.pi, 120, endpoint=False)
+    circle = np.stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)], axis=1)
+    with served(source) as page:
+        seen = look(page.address)
+        pixels = seen.still_pixels()
+        shares = []
+        for size in (1.0, 0.85):
+            points = wanted.centre + size * abs(wanted.radius) * circle
+            places = [around(pixels, seen.pixel_of(point), 2) for point in points]
+            away = [np.abs(place - COLOURS[0]).max(axis=2).min(initial=255) for place in places]
+            shares.append(np.mean(np.array(away) < 60))
+        assert shares[0] > 0.3
+        assert shares[1] < 0.05
+
+
 def test_the_replay_stands_at_the_time_of_its_slider(look, source):
     (aircraft,) = source.flights()
     with served(source) as page:
@@ -102,14 +130,15 @@ def test_two_pages_at_once_and_one_opened_again(look, source):
         assert two.errors == again.errors == []
 
 
-def test_the_page_comes_back_with_its_server(look, flight, tmp_path):
+def test_the_page_opens_again_when_its_server_was_started_again(look, flight, tmp_path):
     saved = save_flight(*flight, tmp_path / "flight.pickle")
     with PageProcess(saved) as process:
         seen = look(process.address)
         seen.wait_for_text("Airspeed")
         process.kill()
         seen.wait_for_loss()
-        with PageProcess(saved, process.port):
+        with PageProcess(saved, process.port) as again:  # of a new token
+            seen.page.goto(again.address)
             seen.wait_for_scene()
             seen.wait_for_text("Airspeed")
             moving = seen.pixels()
@@ -117,7 +146,7 @@ def test_the_page_comes_back_with_its_server(look, flight, tmp_path):
 
 
 def test_with_a_token_the_page_opens_and_without_it_says_why(look, source):
-    with served(source, host="127.0.0.1") as page:
+    with served(source) as page:
         refused = look(page.address.partition("?")[0], ready=False)
         refused.wait_for_text("asks for its token")
         seen = look(page.address)
@@ -148,7 +177,7 @@ def test_an_address_cannot_point_the_page_at_another_server(look, source):
     """What another server sends would run as this page, and could steer."""
     with served(source) as page, socket.create_server(("127.0.0.1", 0)) as other:
         port = other.getsockname()[1]
-        seen = look(f"{page.address}/?websocket=ws://127.0.0.1:{port}", ready=False)
+        seen = look(f"{page.address}&websocket=ws://127.0.0.1:{port}", ready=False)
         tries = f"Connecting to: ws://127.0.0.1:{port}"
         seen.eventually(
             lambda: any(tries in words for words in seen.console), "the page tries to connect"
@@ -157,6 +186,22 @@ def test_an_address_cannot_point_the_page_at_another_server(look, source):
         other.setblocking(False)
         with pytest.raises(BlockingIOError):
             other.accept()
+
+
+def test_the_browser_that_is_opened_is_led_to_the_page(context, source, monkeypatch, tmp_path):
+    """By a file: in the arguments of its process everybody could read the token."""
+    from uav_tracking_mpc.view.serving import browser
+
+    started = []
+    monkeypatch.setattr(browser.subprocess, "Popen", lambda words, **_: started.append(words))
+    monkeypatch.setenv("HOME", str(tmp_path))
+    with served(source) as page, browser.open_browser(page.address):
+        (words,) = started
+        assert not any("token" in word for word in words)
+        seen = SeenPage(context.new_page(), words[-1])
+        seen.wait_for_text("Airspeed")
+        assert seen.errors == []
+    assert list(tmp_path.iterdir()) == []
 
 
 @contextlib.contextmanager

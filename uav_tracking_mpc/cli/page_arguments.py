@@ -20,7 +20,7 @@ import argparse
 import signal
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from importlib import import_module
 from types import FrameType
 from typing import TYPE_CHECKING
@@ -42,8 +42,7 @@ def add_page_arguments(parser: argparse.ArgumentParser) -> None:
         "--host",
         metavar="ADDRESS",
         help="listen at this address of the machine, 0.0.0.0 for all, so that others reach the "
-        "page; it then asks for the token in the address that is printed (default: 127.0.0.1, "
-        "without a token)",
+        "page, with the token in the address that is printed (default: 127.0.0.1)",
     )
     parser.add_argument(
         "--port",
@@ -123,9 +122,10 @@ def opened_page(source: FlightSource, arguments: argparse.Namespace) -> Iterator
         raise
     try:
         print(f"page: {page.address}", file=sys.stderr, flush=True)
-        if arguments.host is None and not arguments.no_browser and is_watched():
-            open_browser(page.address)
-        yield page
+        with ExitStack() as window:
+            if arguments.host is None and not arguments.no_browser and is_watched():
+                window.enter_context(open_browser(page.address))
+            yield page
     finally:
         page.close()
 

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -39,6 +40,8 @@ from uav_tracking_mpc.report.states import DECADES, states_figure
 from uav_tracking_mpc.report.trajectory import trajectory_figure
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
+logger = logging.getLogger(__name__)
+
 TEMPLATE = "mission_report.html.j2"
 RecordScene = Callable[[FlightLog], Replay | None]
 
@@ -57,7 +60,8 @@ def write_report(
     Args:
         log: Record of the flight.
         output: Folder, made if it is not there.
-        record_scene: Makes the moving scene of the page; it may answer None.
+        record_scene: Makes the moving scene of the page; it may answer None. Where it raises
+            anything, the page says so in its place.
 
     Returns:
         The content of ``metrics.json``.
@@ -75,13 +79,22 @@ def write_report(
         conditions = None
         if has_conditions(log):
             conditions = save_figure(conditions_figure(log), output / "conditions.png")
-        replay = None if record_scene is None else record_scene(log)
-        page = render_page(log, numbers, trajectory, states, conditions, replay)
+        replay, failure = _recorded(log, record_scene)
+        page = render_page(log, numbers, trajectory, states, conditions, replay, failure)
         write_atomically(output / "report.html", page.encode())
     except OSError as error:
         reason = error.strerror or str(error)
         raise OSError(error.errno, f"cannot write the report: {reason}", str(output)) from error
     return numbers
+
+
+def _recorded(log: FlightLog, record_scene: RecordScene | None) -> tuple[Replay | None, str]:
+    """The moving scene, and why there is none where that failed: the report stands without it."""
+    try:
+        return None if record_scene is None else record_scene(log), ""
+    except Exception as error:  # drawn by what users add, too
+        logger.exception("the report is without its moving scene")
+        return None, f"{type(error).__name__}: {error}"
 
 
 def render_page(
@@ -91,6 +104,7 @@ def render_page(
     states: bytes,
     conditions: bytes | None = None,
     replay: Replay | None = None,
+    scene_failure: str = "",
 ) -> str:
     """The page as HTML, with style and pictures inside.
 
@@ -101,6 +115,7 @@ def render_page(
         states: PNG file of states and inputs over time.
         conditions: PNG file of limits, air, target and modes over time; None where there is none.
         replay: The moving scene; None where there is none.
+        scene_failure: Why there is none where it could not be made; else empty.
     """
     return render(
         "uav_tracking_mpc.report",
@@ -119,5 +134,6 @@ def render_page(
         states=embedded(states),
         conditions=None if conditions is None else embedded(conditions),
         replay=replay,
+        scene_failure=scene_failure,
         fallbacks=fallbacks(log),
     )

@@ -23,6 +23,7 @@
 ``recorded``        flights that have been flown: logs and bags
 ``play_clock``      the time at which a flight is shown
 ``page``            the server: draws every aircraft of a source, twenty times a second
+``guarded``         an element or a part whose exceptions end it alone
 ``serving``         who may open a page, and where it listens
 ``cameras``         from where each page looks
 ``appearance``      light or dark, and what the colours mean

@@ -19,13 +19,17 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable
+from html import escape
+from typing import Any
 
 import viser
 
 from uav_tracking_mpc.parameters.registry import PANEL_PART, SCENE_ELEMENT
 from uav_tracking_mpc.view.appearance import Appearance
 from uav_tracking_mpc.view.cameras import Cameras
+from uav_tracking_mpc.view.guarded import Guarded
 from uav_tracking_mpc.view.panel import PanelPart
+from uav_tracking_mpc.view.panel._html import ALARM, badge, block
 from uav_tracking_mpc.view.scene import Colour, SceneElement
 from uav_tracking_mpc.view.serving.guarded_server import GuardedServer
 from uav_tracking_mpc.view.sight import Sight
@@ -37,7 +41,23 @@ FRAME_PERIOD = 0.05  # s of wall time between frames
 COLOURS: tuple[Colour, ...] = (  # Okabe and Ito: told apart by everybody
     (0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (230, 159, 0), (86, 180, 233),
 )  # fmt: skip
+FIRST = -1e6  # order of what stands above all parts
 WORLD = "/world"  # node under which the scene hangs; cameras move it, page by page
+
+
+def elements_of(scene: viser.SceneApi, flight: WatchedFlight, colour: Colour) -> list[Guarded]:
+    """All elements of one aircraft.
+
+    Args:
+        scene: Where to draw.
+        flight: What is drawn.
+        colour: Of this aircraft.
+    """
+
+    def begin(kind: type[SceneElement]) -> Callable[[Any], SceneElement]:
+        return lambda scene: kind(scene, f"{WORLD}/{flight.name}", flight, colour)
+
+    return [Guarded(name, scene, begin(kind)) for name, kind in SCENE_ELEMENT.all().items()]
 
 
 class _Drawn:
@@ -51,31 +71,40 @@ class _Drawn:
         flight: WatchedFlight,
         colour: Colour,
     ) -> None:
-        self._server, self._source, self.flight = server, source, flight
-        root = f"{WORLD}/{flight.name}"
-        self._elements: list[SceneElement] = [
-            element(server.scene, root, flight, colour) for element in SCENE_ELEMENT.all().values()
-        ]
-        kinds: list[type[PanelPart]] = list(PANEL_PART.all().values())
-        self._missing = sorted(kinds, key=lambda kind: kind.order)
-        self._parts: list[PanelPart] = []
+        self._flight, self._tab = flight, tabs.add_tab(flight.name)
+        with self._tab:
+            self._failures = server.gui.add_html("", order=FIRST, visible=False)
+
+        def begin_part(kind: type[PanelPart]) -> Callable[[Any], PanelPart | None]:
+            def begin(gui: Any) -> PanelPart | None:
+                if not kind.fits(flight, source):
+                    return None
+                with self._tab:
+                    return kind(gui, flight, source)
+
+            return begin
+
+        self._elements = elements_of(server.scene, flight, colour)
+        kinds = sorted(PANEL_PART.all().items(), key=lambda item: item[1].order)
+        self._parts = [Guarded(name, server.gui, begin_part(kind)) for name, kind in kinds]
+        self._periods = {name: kind.period for name, kind in kinds}
         self._due: dict[str, float] = {}
-        self._tab = tabs.add_tab(flight.name)
 
     def show(self, now: float) -> Sight | None:
-        sight = self.flight.sight
+        sight = self._flight.sight
         if sight is None:
             return None
         for element in self._elements:
             element.show(sight)
-        for kind in [kind for kind in self._missing if kind.fits(self.flight, self._source)]:
-            self._missing.remove(kind)
-            with self._tab:
-                self._parts.append(kind(self._server.gui, self.flight, self._source))
         for part in self._parts:
             if now >= self._due.get(part.name, 0.0):
-                self._due[part.name] = now + part.period
+                self._due[part.name] = now + self._periods[part.name]
                 part.show(sight)
+        failed = [each for each in (*self._elements, *self._parts) if each.failure]
+        self._failures.visible = bool(failed)
+        self._failures.content = block(
+            *(f"{badge('switched off', ALARM)} {escape(f'{f.name}: {f.failure}')}" for f in failed)
+        )
         return sight
 
 
@@ -84,7 +113,7 @@ class Page:
 
     Args:
         source: What is shown.
-        host: Address to listen at, and to ask for a token; without one 127.0.0.1, and no token.
+        host: Address to listen at; without one 127.0.0.1.
         port: Port to listen at; without one the first free one from 8080 on.
 
     Attributes:
@@ -127,8 +156,13 @@ class Page:
             ended: Whether it is.
         """
         due = time.monotonic()
+        failure = ""
         while not ended():
-            self.draw()
+            try:
+                self.draw()
+            except Exception as error:  # a flight must not end because it is watched
+                if failure != (failure := f"{type(error).__name__}: {error}"):
+                    logger.exception("page: a frame was not drawn")
             due = max(due + FRAME_PERIOD, time.monotonic())
             time.sleep(max(due - time.monotonic(), 0.0))
 

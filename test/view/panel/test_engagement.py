@@ -26,6 +26,15 @@ def test_buttons(label, on, panel, flight):
     assert flight.steering.asked == [("engage", on)]
 
 
+def test_a_button_that_there_is_not_does_nothing(panel, flight, capfd):
+    shown = panel(Engagement)
+    shown.by_hand("commands", "no such button")
+    shown.by_hand("commands", "Engage")
+    shown.until(lambda: flight.steering.asked)
+    assert flight.steering.asked == [("engage", True)]
+    assert capfd.readouterr().err == ""
+
+
 def test_it_is_absent_from_a_record():
     flight = StandInFlight()
     assert not Engagement.fits(flight, StandInSource(flight))

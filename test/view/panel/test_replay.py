@@ -102,6 +102,18 @@ def test_who_moves_the_slider_moves_the_clock(part, source):
     assert source.clock.time == 305.0
 
 
+def test_what_no_page_sends_moves_nothing(part, source, capfd):
+    source.wall = 12.5
+    by_hand(part, part._slider, float("nan"))
+    by_hand(part, part._speed, "of nobody")
+    by_hand(part, part._jumps, "of nobody")
+    by_hand(part, part._slider, 100.0)
+    until(lambda: source.clock.time == 100.0)
+    part.show(None)
+    assert part._speed.value == "1x"
+    assert capfd.readouterr().err == ""
+
+
 def test_the_slider_is_left_to_the_hand_that_moves_it(part, source, monkeypatch):
     by_hand(part, part._slider, 300.0)
     until(lambda: source.clock.time == 300.0)

@@ -56,6 +56,16 @@ def test_without_wind_its_direction_waits_for_some(wind, flight):
     assert wind.widget("from [deg]").value == 270.0
 
 
+@pytest.mark.parametrize("number", [float("nan"), float("inf"), float("-inf")])
+def test_a_number_that_is_not_finite_is_refused_and_the_slider_goes_on(wind, flight, number):
+    wind.by_hand("from [deg]", number)
+    assert f"from [deg] cannot be {number}" in wind.show()
+    assert wind.widget("from [deg]").value == 0.0
+    wind.by_hand("from [deg]", 90.0)
+    wind.until(lambda: flight.steering.asked)
+    assert flight.steering.asked == [("change", SIMULATOR, {"wind": (-8.0, 0.0, 0.5)})]
+
+
 def test_gusts(wind, flight):
     wind.by_hand("gusts [m/s]", 7.5)
     wind.until(lambda: flight.steering.asked)

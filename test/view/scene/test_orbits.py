@@ -15,6 +15,7 @@
 """Orbits: where they are, how large, and which way round."""
 
 import numpy as np
+import viser.transforms
 from watched_flight_stand_in import StandInFlight, sight
 
 from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
@@ -38,8 +39,9 @@ def test_the_arrow_heads_of_a_clockwise_orbit_turn_the_other_way(draw, node):
     draw(Orbits, StandInFlight()).show(sight(wanted=orbit(275.0), flown=orbit(-275.0)))
     for name, sense in (("wanted", 1.0), ("flown", -1.0)):
         circle = node(f"orbits/{name}")
-        behind, tip = (circle.points * circle.scale)[-1]
+        behind, tip = viser.transforms.SO3(circle.wxyz).apply(circle.points[-1].astype(float))
         assert sense * np.cross(behind, tip)[2] > 0.0
+        assert np.all(np.asarray(circle.scale) > 0.0)  # of what is mirrored nothing is seen
 
 
 def test_an_orbit_that_is_not_known_is_hidden(draw, node):

@@ -15,16 +15,22 @@
 """The page's server as its port shows it: raw requests, websockets, slow and greedy clients."""
 
 import contextlib
+import gc
 import logging
+import re
 import socket
 import subprocess
 import sys
 from types import SimpleNamespace
 
 import pytest
-import viser
 from waiting import wait_for
-from websockets.exceptions import InvalidStatus
+
+pytest.importorskip("viser")
+
+import msgspec
+import viser
+from websockets.exceptions import ConnectionClosedError, InvalidStatus
 from websockets.sync.client import connect
 
 from uav_tracking_mpc.view.serving import guarded_server
@@ -49,19 +55,18 @@ def open_server():
         yield server
 
 
-@pytest.fixture(scope="module")
-def token_server():
-    """On loopback, so that the test opens nothing to the network; asked for, so with a token."""
-    with served("127.0.0.1") as server:
-        yield server
-
-
 def port_of(server):
     return server.get_port()
 
 
 def token_of(server):
     return server.address.partition("?token=")[2]
+
+
+def cookie_of(server):
+    """As the page itself sets it."""
+    kept = re.search(r"Set-Cookie: ([^;]*)", get(server)[1])
+    return kept.group(1)
 
 
 def send(server, raw):
@@ -75,21 +80,23 @@ def send(server, raw):
     return answer
 
 
-def get(server, path="/", host=None, **headers):
+def get(server, path=None, host=None, **headers):
     """Status, head and body of a request."""
     host = f"127.0.0.1:{port_of(server)}" if host is None else host
+    path = f"/?token={token_of(server)}" if path is None else path
     lines = [f"GET {path} HTTP/1.1", f"Host: {host}"]
     lines += [f"{name}: {value}" for name, value in headers.items()]
     head, _, body = send(server, "\r\n".join([*lines, "", ""]).encode()).partition(b"\r\n\r\n")
     return int(head.split()[1]), head.decode(), body
 
 
-def open_websocket(server, **options):
+def open_websocket(server, protocol=PROTOCOL, **options):
     port = port_of(server)
+    options.setdefault("additional_headers", {"Cookie": cookie_of(server)})
     options.setdefault("origin", f"http://127.0.0.1:{port}")
     return connect(
         f"ws://127.0.0.1:{port}",
-        subprotocols=[PROTOCOL],
+        subprotocols=[protocol],
         open_timeout=PATIENCE,
         proxy=None,
         **options,
@@ -97,19 +104,19 @@ def open_websocket(server, **options):
 
 
 def test_the_page_is_served_on_loopback_alone(open_server):
-    assert open_server.address == f"http://127.0.0.1:{port_of(open_server)}"
+    token = token_of(open_server)
+    assert open_server.address == f"http://127.0.0.1:{port_of(open_server)}/?token={token}"
+    assert len(token) >= 32
     status, head, body = get(open_server)
     assert status == 200
     assert b"<title>Viser</title>" in body
     assert "frame-ancestors 'none'" in head
-    assert "Set-Cookie" not in head
 
 
 @pytest.mark.parametrize(
     ("headers", "words"),
     [
         ({"host": "rebound.example"}, b"host name"),
-        ({"host": "192.168.1.7"}, b"host name"),
         ({"Origin": "http://site.example"}, b"other sites"),
         ({"Origin": "null"}, b"other sites"),
     ],
@@ -130,32 +137,28 @@ def test_a_websocket_opens_from_the_page_and_from_no_other(open_server):
         assert refused.value.response.status_code == 403
 
 
-def test_without_the_token_nothing_opens(token_server):
+def test_without_the_token_nothing_opens(open_server):
     for path in ("/", "/?token=wrong", "/index.html", "/no/such/file"):
-        status, head, body = get(token_server, path)
+        status, head, body = get(open_server, path)
         assert (status, body.count(b"\n")) == (403, 1)
         assert b"token" in body
-        assert token_of(token_server) not in head + body.decode()
-    for cookie in ("", "uav_tracking=1", "uav_tracking_00000000=" + token_of(token_server)):
+        assert token_of(open_server) not in head + body.decode()
+    for cookie in ("", "uav_tracking=1", "uav_tracking_00000000=" + token_of(open_server)):
         with pytest.raises(InvalidStatus) as refused:
-            open_websocket(token_server, additional_headers={"Cookie": cookie})
+            open_websocket(open_server, additional_headers={"Cookie": cookie})
         assert refused.value.response.status_code == 403
 
 
-def test_the_token_becomes_a_cookie_and_the_cookie_opens_the_websocket(token_server):
-    status, head, body = get(token_server, f"/?token={token_of(token_server)}")
+def test_the_token_becomes_a_cookie_and_the_cookie_opens_the_websocket(open_server):
+    status, head, body = get(open_server)
     assert (status, b"<title>" in body) == (200, True)
     kept = next(line for line in head.splitlines() if line.startswith("Set-Cookie: "))
     assert "HttpOnly" in kept
     assert "SameSite=Strict" in kept
     cookie = kept.removeprefix("Set-Cookie: ").partition(";")[0]
-    assert get(token_server, Cookie=cookie)[0] == 200
-    with open_websocket(token_server, additional_headers={"Cookie": cookie}) as websocket:
+    assert get(open_server, "/", Cookie=cookie)[0] == 200
+    with open_websocket(open_server, additional_headers={"Cookie": cookie}) as websocket:
         assert websocket.recv(timeout=PATIENCE)
-    with pytest.raises(InvalidStatus):
-        open_websocket(
-            token_server, origin="http://site.example", additional_headers={"Cookie": cookie}
-        )
 
 
 def test_a_head_that_does_not_end_is_cut_off(open_server):
@@ -201,6 +204,48 @@ def test_a_reason_is_logged_once(caplog):
         get(server)
     said = [record.getMessage() for record in caplog.records]
     assert said == ["page: refused a request of 127.0.0.1: other sites may not use this page"]
+
+
+def pack(**message):
+    return msgspec.msgpack.encode(message)
+
+
+def test_junk_is_one_line_of_a_kind_and_the_page_goes_on(caplog, capfd):
+    """Text, bytes that are no message, one of no kind, and one that viser cannot do."""
+    with served() as server, caplog.at_level(logging.INFO):
+        slider = server.gui.add_slider("wind", 0.0, 9.0, 1.0, 2.0)
+        uuid = slider._impl.uuid
+        beside = pack(type="GuiUpdateMessage", uuid=uuid, updates={"no_such": 1})
+        junk = ["text", b"\xc1\xff", pack(type="NoSuchMessage"), pack(no="type"), b"", beside]
+        with open_websocket(server) as websocket:
+            for _ in range(20):
+                for message in junk:
+                    websocket.send(message)
+            good = pack(type="GuiUpdateMessage", uuid=uuid, updates={"value": 5.0})
+            websocket.send(good)
+            assert wait_for(lambda: slider.value == 5.0, PATIENCE)
+        gc.collect()  # failed tasks speak when they are collected
+        assert wait_for(lambda: len(caplog.records) >= 2, PATIENCE)
+    assert sorted(record.getMessage() for record in caplog.records) == [
+        "page: refused a request of 127.0.0.1: its message is none that a page sends",
+        "page: what a client sent failed: AssertionError",
+    ]
+    assert capfd.readouterr().err == ""
+
+
+def test_a_message_larger_than_any_of_a_page_closes_its_websocket(open_server, caplog):
+    with open_websocket(open_server, max_size=None) as websocket:
+        with contextlib.suppress(ConnectionClosedError):
+            websocket.send(b"x" * 20_000_000)
+        assert wait_for(lambda: websocket.close_code == 1009, PATIENCE)  # too big
+    assert caplog.text == ""
+    assert get(open_server)[0] == 200
+
+
+def test_a_page_of_another_viser_is_told_to_load_again(open_server):
+    with pytest.raises(InvalidStatus) as refused:
+        open_websocket(open_server, protocol="viser-v0.0.1")
+    assert b"load it again" in refused.value.response.body
 
 
 def test_a_viser_that_serves_in_another_way_is_not_used(monkeypatch):

@@ -38,7 +38,7 @@ class _Steered:
     """A widget: its value when it was looked at last, and whether that is to be sent."""
 
     name: str
-    widget: viser.GuiInputHandle[Any]
+    widget: Any  # mypy takes the value of viser's handles for one that cannot be set
     seen: Any
     wanted: bool = False
 
@@ -129,8 +129,12 @@ class ParameterPart(SteeringPart):
         By their values and not in their callbacks: those come later, in other threads.
         """
         for steered in self._steered:
-            if steered.widget.value != steered.seen:
-                steered.seen, steered.wanted = steered.widget.value, True
+            value = steered.widget.value
+            if isinstance(value, float) and not math.isfinite(value):
+                steered.widget.value = steered.seen
+                self.say(f"{steered.widget.label} cannot be {value}", of="refused")
+            elif value != steered.seen:
+                steered.seen, steered.wanted = value, True
                 self._touched = time.monotonic()
 
     def _send(self, wanted: list[_Steered]) -> None:

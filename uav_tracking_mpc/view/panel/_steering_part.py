@@ -125,7 +125,7 @@ class SteeringPart(PanelPart):
         def clicked(event: viser.GuiEvent[viser.GuiButtonGroupHandle]) -> None:
             chosen = event.target.value
             self.client = event.client
-            if not self.asking:
+            if chosen in requests and not self.asking:
                 self.ask(chosen, requests[chosen], lambda refusal: None)
 
         buttons.on_click(clicked)

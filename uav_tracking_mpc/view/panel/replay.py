@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -74,7 +75,7 @@ class Replay(PanelPart):
         self._slider.on_update(self._slide)
         self._button.on_click(lambda _: self._toggle())
         self._speed.on_update(lambda _: self._change_speed())
-        self._jumps.on_click(lambda event: self._jump(JUMPS[event.target.value]))
+        self._jumps.on_click(lambda event: self._jump(JUMPS.get(event.target.value, 0.0)))
 
     def show(self, sight: Sight) -> None:
         """Follow the clock.
@@ -89,7 +90,7 @@ class Replay(PanelPart):
             self._slider.value = self.clock.time
 
     def _slide(self, event: viser.GuiEvent[viser.GuiSliderHandle[float]]) -> None:
-        if event.client is not None:  # else the slider follows the clock
+        if event.client is not None and math.isfinite(event.target.value):  # by hand
             self._moved = time.monotonic()
             self.clock.seek(event.target.value)
 
@@ -105,7 +106,7 @@ class Replay(PanelPart):
         self._label()
 
     def _change_speed(self) -> None:
-        self.clock.rate = SPEEDS[self._speed.value]
+        self.clock.rate = SPEEDS.get(self._speed.value, self.clock.rate)
 
     def _label(self) -> None:
         label = "pause" if self.clock.playing else "play"

@@ -88,9 +88,8 @@ def pace_of(duration: float) -> float:
 
 def _record(log: FlightLog, flown: NDArray[np.float64], count: int) -> Replay:
     """Play so many frames, at times of which the state is known."""
-    from uav_tracking_mpc.parameters.registry import SCENE_ELEMENT
     from uav_tracking_mpc.view.cameras import ABOVE, scene_pose
-    from uav_tracking_mpc.view.page import COLOURS, WORLD
+    from uav_tracking_mpc.view.page import COLOURS, WORLD, elements_of
     from uav_tracking_mpc.view.recorded.logged_flight import LoggedSource
     from uav_tracking_mpc.view.serving.guarded_server import GuardedServer
 
@@ -106,10 +105,7 @@ def _record(log: FlightLog, flown: NDArray[np.float64], count: int) -> Replay:
         source.clock.seek(times[0])
         world = server.scene.add_frame(WORLD, show_axes=False)
         follows = _look_at(server.initial_camera, flight, log)
-        elements = [
-            kind(server.scene, f"{WORLD}/{flight.name}", flight, COLOURS[0])
-            for kind in SCENE_ELEMENT.all().values()
-        ]
+        elements = elements_of(server.scene, flight, COLOURS[0])
         serializer = server.get_scene_serializer()
         for time, next_time in zip(times, [*times[1:], times[-1]], strict=True):
             source.clock.seek(time)

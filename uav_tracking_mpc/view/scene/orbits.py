@@ -16,8 +16,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import viser
 
@@ -28,6 +26,8 @@ from uav_tracking_mpc.view.scene._extent import finite
 from uav_tracking_mpc.view.scene._palette import paint
 from uav_tracking_mpc.view.scene._rings import chevrons, ring
 from uav_tracking_mpc.view.sight import Sight
+
+UPRIGHT, UPSIDE_DOWN = (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0)  # seen from above: clockwise
 
 
 class Orbits(SceneElement):
@@ -67,6 +67,6 @@ def _place(circle: viser.LineSegmentsHandle, orbit: FlownOrbit | None) -> None:
     circle.visible = orbit is not None and finite(orbit.centre, orbit.radius)
     if orbit is None or not circle.visible:
         return
-    radius = abs(float(orbit.radius))
-    circle.position = orbit.centre
-    circle.scale = (radius, math.copysign(radius, orbit.radius), radius)  # clockwise is mirrored
+    circle.position, circle.scale = orbit.centre, abs(float(orbit.radius))
+    # Turned about an axis and not mirrored: of mirrored lines a browser draws nothing.
+    circle.wxyz = UPSIDE_DOWN if orbit.radius < 0.0 else UPRIGHT

@@ -17,8 +17,8 @@
 A browser lets every site that its user visits send requests to the user's own machine. Without a
 check such a site could open the page's websocket and steer an aircraft. Hence each request must
 name this machine as its ``Host`` (a site whose name was made to resolve to this machine names
-itself), and an ``Origin``, which browsers send with every websocket, must be the page's own. Where
-the page listens at an address that others can reach, a token is asked for as well.
+itself), and an ``Origin``, which browsers send with every websocket, must be the page's own. Other
+users and programs of this machine can name both, hence a token is asked for as well.
 """
 
 from __future__ import annotations
@@ -45,12 +45,11 @@ class Access:
     """Decides about requests.
 
     Args:
-        token: What a request must know, in its address or as a cookie; None asks for none.
-        names: By which browsers may address this machine, beside ``localhost``. IP addresses are
-            known without: only loopback ones where there is no token, any where there is one.
+        token: What a request must know, in its address or as a cookie.
+        names: By which browsers may address this machine, beside ``localhost`` and IP addresses.
     """
 
-    def __init__(self, token: str | None = None, names: Collection[str] = ()) -> None:
+    def __init__(self, token: str, names: Collection[str] = ()) -> None:
         self._token = token
         self._names = {"localhost", *(name.lower() for name in names)}
 
@@ -69,7 +68,7 @@ class Access:
             return "this page does not answer to that host name; open the address that was printed"
         if len(origins) > 1 or any(not _is_own(origin, hosts[0]) for origin in origins):
             return "other sites may not use this page"
-        if self._token is None or self.knows_token(path) or self._in_cookies(cookies):
+        if self.knows_token(path) or self._in_cookies(cookies):
             return ""
         return "this page asks for its token; open the address that was printed, with ?token=..."
 
@@ -80,7 +79,7 @@ class Access:
             path: That was asked for, with its query.
         """
         given = parse_qs(urlsplit(path).query).get("token", [])
-        return self._token is not None and any(_same(word, self._token) for word in given)
+        return any(_same(word, self._token) for word in given)
 
     @property
     def cookie(self) -> str:
@@ -90,7 +89,7 @@ class Access:
     @property
     def _cookie_name(self) -> str:
         # Cookies are shared by all ports of a host: each server has a name of its own for its one.
-        return f"uav_tracking_{hashlib.sha256((self._token or '').encode()).hexdigest()[:8]}"
+        return f"uav_tracking_{hashlib.sha256(self._token.encode()).hexdigest()[:8]}"
 
     def _in_cookies(self, cookies: Sequence[str]) -> bool:
         for text in cookies:
@@ -98,7 +97,7 @@ class Access:
                 kept = SimpleCookie(text).get(self._cookie_name)
             except CookieError:
                 continue
-            if kept is not None and self._token is not None and _same(kept.value, self._token):
+            if kept is not None and _same(kept.value, self._token):
                 return True
         return False
 
@@ -110,10 +109,10 @@ class Access:
         if name in self._names:
             return True
         try:
-            address = ipaddress.ip_address(name.strip("[]"))
+            ipaddress.ip_address(name.strip("[]"))
         except ValueError:
             return False
-        return address.is_loopback or self._token is not None
+        return True
 
 
 def _is_own(origin: str, host: str) -> bool:

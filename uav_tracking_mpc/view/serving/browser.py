@@ -16,10 +16,21 @@
 
 from __future__ import annotations
 
+import html
 import os
 import subprocess
 import sys
-from collections.abc import Mapping
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+
+LEADS_TO = """<!doctype html>
+<meta charset="utf-8">
+<meta name="referrer" content="no-referrer">
+<meta http-equiv="refresh" content="0; url={0}">
+<a href="{0}">The page of the flight</a>
+"""
 
 
 def is_watched(environment: Mapping[str, str] = os.environ, platform: str = sys.platform) -> bool:
@@ -36,17 +47,29 @@ def is_watched(environment: Mapping[str, str] = os.environ, platform: str = sys.
     return bool(environment.get("DISPLAY") or environment.get("WAYLAND_DISPLAY"))
 
 
-def open_browser(address: str) -> None:
+@contextmanager
+def open_browser(address: str) -> Iterator[None]:
     """Open a page without waiting for it; a browser that does not start is nobody's failure.
 
+    Other users of this machine can read the list of processes. So the browser is given a file that
+    this user alone can read, which leads to the page. The file is gone when the context ends.
+
     Args:
-        address: Of the page. Other users of this machine can read it in the list of processes, so
-            that it must hold no token.
+        address: Of the page, with its token.
     """
-    subprocess.Popen(
-        [sys.executable, "-m", "webbrowser", address],  # a browser's own words are not ours
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )
+    # In the home folder: a browser that is a snap has another /tmp.
+    home = os.path.expanduser("~")
+    folder = home if os.access(home, os.W_OK) else None
+    with tempfile.NamedTemporaryFile(
+        "w", prefix="uav_tracking_page_", suffix=".html", dir=folder
+    ) as file:
+        file.write(LEADS_TO.format(html.escape(address)))
+        file.flush()
+        subprocess.Popen(
+            [sys.executable, "-m", "webbrowser", Path(file.name).as_uri()],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+        yield

@@ -27,6 +27,7 @@ its address (``?websocket=...``), whose content would then run as this page's.
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import inspect
 import logging
@@ -39,6 +40,7 @@ from typing import Any
 import rich
 import viser
 import websockets.asyncio.server
+from viser._messages import Message
 from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
@@ -47,6 +49,8 @@ from uav_tracking_mpc.view.serving.listening import LOOPBACK, address_of, listen
 
 logger = logging.getLogger(__name__)
 
+PROTOCOL = f"viser-v{viser.__version__}"
+LARGEST = 2**16  # bytes of a message: a page tells of its camera and of one widget at a time
 HEAD_TIME = 10.0  # s within which a client must have sent its request
 HEADERS = {
     "X-Frame-Options": "DENY",
@@ -71,7 +75,7 @@ class GuardedServer(viser.ViserServer):
     """A viser server that answers to whom it should.
 
     Args:
-        host: Address to listen at, and to ask for a token; without one 127.0.0.1, and no token.
+        host: Address to listen at; without one 127.0.0.1.
         port: See :func:`~uav_tracking_mpc.view.serving.listening.listen`.
         label: Title of the panel.
 
@@ -84,9 +88,8 @@ class GuardedServer(viser.ViserServer):
 
     def __init__(self, host: str | None = None, port: int | None = None, label: str = "") -> None:
         listener = listen(host or LOOPBACK, port)
-        token = None if host is None else new_token()
-        query = "" if token is None else f"/?token={token}"
-        self.address = address_of(listener, host or LOOPBACK) + query
+        token = new_token()
+        self.address = f"{address_of(listener, host or LOOPBACK)}/?token={token}"
         names = () if host is None else (host, *_names_of_this_machine())
         guard = _Guard(Access(token, names), listener)
         with _silent(), guard.around_serve():
@@ -131,6 +134,7 @@ class _Guard:
             def guarded(handler: Any, *_: Any, process_request: ProcessRequest, **rest: Any) -> Any:
                 self.serves = True
                 rest |= {"open_timeout": HEAD_TIME, "logger": _quiet_logger()}
+                rest |= {"max_size": LARGEST, "create_connection": self._connection}
                 return serve(
                     handler,
                     sock=self._listener,
@@ -151,6 +155,10 @@ class _Guard:
             refusal = self._access.refusal(
                 path, hosts, headers.get_all("Origin"), headers.get_all("Cookie")
             )
+            if headers.get("Upgrade") == "websocket" and PROTOCOL not in headers.get_all(
+                "Sec-WebSocket-Protocol"
+            ):
+                refusal = refusal or "this page is of another version of viser; load it again"
             if refusal:
                 self._tell(refusal, connection)
                 return connection.respond(HTTPStatus.FORBIDDEN, f"{refusal}\n")
@@ -165,12 +173,55 @@ class _Guard:
 
         return checked
 
+    def _connection(self, *args: Any, **kwargs: Any) -> ServerConnection:
+        """A websocket whose messages are those of a page; called in the loop that reads them."""
+        asyncio.get_running_loop().set_exception_handler(self._tell_failure)
+        return _Checked(self._tell, *args, **kwargs)
+
+    def _tell_failure(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+        """One line for each kind of message that viser cannot do: else it is a traceback each."""
+        failure = type(context.get("exception")).__name__
+        if failure not in self._told:
+            self._told.add(failure)
+            logger.warning("page: what a client sent failed: %s", failure)
+
     def _tell(self, refusal: str, connection: ServerConnection) -> None:
         """Log each reason once: whoever asks again and again does not fill the log."""
         if refusal not in self._told:
             self._told.add(refusal)
             client, *_ = connection.remote_address
             logger.warning("page: refused a request of %s: %s", client, refusal)
+
+
+class _Checked(ServerConnection):
+    """A websocket that hands on what viser can read; its own consumer ends at anything else.
+
+    Args:
+        tell: Takes why a message was refused, and this websocket.
+        args: Of websockets.
+        kwargs: Of websockets.
+    """
+
+    def __init__(
+        self, tell: Callable[[str, ServerConnection], None], *args: Any, **kwargs: Any
+    ) -> None:
+        super().__init__(*args, **kwargs)
+        self._tell = tell
+
+    async def recv(self, decode: bool | None = None) -> Any:
+        """The next message that viser can read.
+
+        Args:
+            decode: Of websockets.
+        """
+        while True:
+            raw: Any = await super().recv(decode)
+            try:
+                Message.deserialize(raw)
+            except Exception:  # of msgspec, or of viser's own making
+                self._tell("its message is none that a page sends", self)
+            else:
+                return raw
 
 
 def _names_of_this_machine() -> tuple[str, str]:
