@@ -54,8 +54,8 @@ from mutants import PACKAGE, ROOT, Mutant, digest, first_line, git, sample
 LEVELS = ("near", "unit", "all")  # the module's folder; all without processes; everything
 KINDS = {
     "unit": ["-m", "not nodes and not browser and not long"],
-    "nodes": ["-m", "nodes and not long", "--reruns=1"],
-    "browser": ["-m", "browser and not long", "--reruns=1"],
+    "nodes": ["-m", "nodes and not long"],
+    "browser": ["-m", "browser and not long"],
 }
 KINDS_OF = {"near": ["unit"], "unit": ["unit"], "all": ["nodes", "browser"]}
 # Sources of machine code, which is kept: whoever asks for the code is said to run them.

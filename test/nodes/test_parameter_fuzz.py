@@ -38,6 +38,16 @@ from uav_tracking_mpc.settings.configuration import SECTIONS
 
 pytestmark = pytest.mark.nodes
 
+
+@pytest.fixture(autouse=True)
+def handlers():
+    """Those of this process, for `run` leaves signals ignored, and children inherit that."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
 NODES = {
     "uav_simulator": UavSimulator,
     "target_publisher": TargetPublisher,
