@@ -15,6 +15,7 @@
 """Options that commands share, and the configuration that they choose."""
 
 import argparse
+from pathlib import Path
 
 import pytest
 
@@ -53,6 +54,16 @@ def test_limits_are_added_to_those_of_the_configuration():
     chosen = parser.parse_args(words)
     assert chosen_configuration(chosen).controller.limits == "height,fence,bank"
     assert chosen_overrides(chosen)[-1] == 'nmpc_controller.limits="height,fence,bank"'
+
+
+def test_parameters_of_an_added_limit_can_be_set():
+    example = Path(__file__).parents[2] / "examples" / "add_a_limit.py"
+    parser = argparse.ArgumentParser()
+    add_configuration_arguments(parser)
+    add_limit_argument(parser)
+    words = ["--set", "nmpc_controller.cylinder_radius=40", "--limit", f"{example}:NoFlyCylinder"]
+    chosen = chosen_configuration(parser.parse_args(words)).controller
+    assert chosen.envelope.cylinder_radius == 40.0
 
 
 def test_what_does_not_exist_is_refused():

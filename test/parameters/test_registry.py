@@ -14,7 +14,10 @@
 
 """Extensions by name: those of a room, of a file, of a module; and what is refused in words."""
 
+import os
 import pickle
+import subprocess
+import sys
 from importlib import metadata
 
 import numpy as np
@@ -24,6 +27,7 @@ from uav_tracking_mpc.laws import GuidanceLaw
 from uav_tracking_mpc.parameters import registry
 from uav_tracking_mpc.parameters.registry import GUIDANCE_LAW, LIMIT, ExtensionError, Kind
 from uav_tracking_mpc.parameters.specification import ParameterError, from_mapping
+from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
 KINDS = [value for value in vars(registry).values() if isinstance(value, Kind)]
@@ -110,3 +114,59 @@ def test_a_further_limit_brings_its_parameters(ceiling):
 def test_laws_are_classes_of_their_base():
     assert all(issubclass(law, GuidanceLaw) for law in GUIDANCE_LAW.all().values())
     assert np.all([":" not in name for name in GUIDANCE_LAW.names])
+
+
+def test_an_installed_limit_is_in_force_where_it_is_named(ceiling, monkeypatch):
+    found = LIMIT.find(ceiling)
+    point = metadata.EntryPoint("ceiling", f"{found.__module__}:Ceiling", LIMIT.room)
+    monkeypatch.setattr(registry, "entry_points", lambda group: (point,))
+    assert "ceiling" not in [limit.name for limit in TrackingParameters().envelope.limits]
+    named = from_mapping(TrackingParameters, {"limits": "ceiling", "ceiling": 90.0})
+    assert named.envelope.ceiling == 90.0
+
+
+def test_a_limit_named_twice_or_one_of_the_project_is_installed_once(ceiling):
+    usual = TrackingParameters().envelope.limits
+    assert from_mapping(TrackingParameters, {"limits": "fence"}).envelope.limits == usual
+    twice = from_mapping(TrackingParameters, {"limits": f"{ceiling}, fence, {ceiling}"})
+    assert len(twice.envelope.limits) == len(usual) + 1
+
+
+def test_an_extension_that_fails_is_named_and_left_out(monkeypatch, caplog):
+    point = metadata.EntryPoint("mine", "no_such_module:Law", GUIDANCE_LAW.room)
+    monkeypatch.setattr(registry, "entry_points", lambda group: (point,))
+    assert list(GUIDANCE_LAW.all()) == GUIDANCE_LAW.own_names
+    assert "guidance law 'mine' cannot be loaded: ModuleNotFoundError" in caplog.text
+    with pytest.raises(ExtensionError, match="'mine' cannot be loaded"):
+        GUIDANCE_LAW.find("mine")
+
+
+def test_a_broken_installed_limit_stops_no_program(tmp_path):
+    (tmp_path / "broken_limit.py").write_text("1 / 0")
+    installed = tmp_path / "broken-1.0.dist-info"
+    installed.mkdir()
+    (installed / "METADATA").write_text("Metadata-Version: 2.1\nName: broken\nVersion: 1.0\n")
+    (installed / "entry_points.txt").write_text(f"[{LIMIT.room}]\nmine = broken_limit:Mine\n")
+    program = (
+        "from uav_tracking_mpc import TrackingParameters, load_configuration\n"
+        "print(len(TrackingParameters().envelope.limits))\n"
+        "try:\n    load_configuration('paper', ['nmpc_controller.limits=mine'])\n"
+        "except ValueError as error:\n    print(error)"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
+    ended = subprocess.run(
+        [sys.executable, "-c", program], env=environment, capture_output=True, text=True
+    )
+    count, words = ended.stdout.splitlines()
+    assert int(count) == len(TrackingParameters().envelope.limits)
+    assert "'mine' cannot be loaded: ZeroDivisionError" in words
+
+
+def test_every_set_of_parameters_is_checked_however_it_is_made():
+    with pytest.raises(ParameterError, match="'horizon' is 0, must be an integer from 1"):
+        TrackingParameters(horizon=0)
+    with pytest.raises(ParameterError, match="'control_rate' is -1.0"):
+        TrackingParameters(control_rate=-1.0)
+    with pytest.raises(ParameterError, match="'speed' is -1.0"):
+        SimulatorParameters(speed=-1.0)
+    assert isinstance(TrackingParameters(range=60).range, float)

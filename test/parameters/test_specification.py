@@ -21,6 +21,7 @@ from hypothesis import strategies as st
 from uav_tracking_mpc.parameters.registry import GUIDANCE_LAW
 from uav_tracking_mpc.parameters.specification import (
     ParameterError,
+    Parameters,
     changed,
     from_mapping,
     parameter,
@@ -30,7 +31,7 @@ from uav_tracking_mpc.parameters.specification import (
 
 
 @dataclass(frozen=True)
-class Example:
+class Example(Parameters):
     """Parameters of every kind."""
 
     rate: float = parameter(10.0, "A rate.", "Hz", 1.0, 100.0)
@@ -105,7 +106,7 @@ def test_every_parameter_of_the_package_is_described_and_its_default_allowed():
 
 
 @dataclass(frozen=True)
-class Held:
+class Held(Parameters):
     """One parameter of each kind: free, fixed, and fixed unless another has a value."""
 
     kind: str = parameter("plain", "A kind.", choices=("plain", "free"), fixed=True)

@@ -235,12 +235,14 @@ def chosen_overrides(arguments: argparse.Namespace, scenario: str | None = None)
     Raises:
         ParameterError: There is no such configuration, or it is not allowed.
     """
-    from uav_tracking_mpc.settings.configuration import load_configuration
+    from uav_tracking_mpc.settings.configuration import chosen_sections
 
     overrides: list[str] = list(arguments.overrides)
     more = getattr(arguments, "limits", [])
     if more:
-        configured = load_configuration(arguments.config, overrides, scenario).controller.limits
+        # Not checked yet: what is set may be a parameter of a limit that is only added here.
+        _, sections, _ = chosen_sections(arguments.config, overrides, scenario)
+        configured = str(sections["nmpc_controller"].get("limits", ""))
         limits = ",".join(filter(None, [configured, *more]))
         overrides.append(_override("nmpc_controller.limits", limits))
     return overrides

@@ -37,7 +37,7 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
-from uav_tracking_mpc.parameters.specification import parameter
+from uav_tracking_mpc.parameters.specification import Parameters, parameter
 
 SPEED_SHARE = 0.5  # of the specific energy rate, that may go into speed
 SLOWEST = 1.0  # [m/s] at which v cos(chi) is held, so that no iterate divides by nothing
@@ -64,7 +64,7 @@ class HoldConstants(NamedTuple):
 
 
 @dataclass(frozen=True)
-class HoldParameters:
+class HoldParameters(Parameters):
     """The constants as parameters; the defaults are those of ArduPlane."""
 
     hold_time: tuple[float, ...] = parameter(

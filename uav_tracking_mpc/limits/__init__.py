@@ -50,7 +50,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.parameters.specification import specifications
+from uav_tracking_mpc.parameters.specification import Parameters
 
 # Parameter and value without which the bounds of the inputs are compiled into the problem, which is
 # then the paper's.
@@ -175,7 +175,7 @@ Shape = Cylinder | Floor | Ball
 
 
 @dataclass(frozen=True)
-class Limit:
+class Limit(Parameters):
     """Base of all limits. The fields of a subclass are its parameters.
 
     Attributes:
@@ -196,11 +196,6 @@ class Limit:
     by_squares: ClassVar[bool] = False
     of_rates: ClassVar[bool] = False
     on_ground: ClassVar[bool] = False
-
-    def __post_init__(self) -> None:
-        """Check every parameter by its description."""
-        for specification in specifications(type(self)):
-            specification.check(getattr(self, specification.name))
 
     @property
     def label(self) -> str:

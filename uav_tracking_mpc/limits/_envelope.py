@@ -53,7 +53,7 @@ class Envelope:
     """Limits of the aircraft and of where it may fly.
 
     Args:
-        extensions: Classes of limits beyond those that are installed.
+        extensions: Classes of limits beyond those that come with the project.
         values: Parameters of the limits by name; what is missing takes its default.
 
     Attributes:
@@ -67,7 +67,7 @@ class Envelope:
     def __init__(self, extensions: Iterable[type[Limit]] = (), **values: Any) -> None:
         self._values: dict[str, Any] = {}
         limits = []
-        for kind in (*LIMIT.all().values(), *extensions):
+        for kind in (*LIMIT.own().values(), *extensions):
             own = {
                 field.name: values.get(field.name, field.default)
                 for field in dataclasses.fields(kind)

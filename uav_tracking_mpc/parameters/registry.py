@@ -28,7 +28,9 @@ from __future__ import annotations
 import functools
 import importlib
 import importlib.util
+import logging
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
@@ -36,6 +38,8 @@ from types import ModuleType
 from typing import Any
 
 from uav_tracking_mpc.parameters.suggestion import did_you_mean
+
+logger = logging.getLogger(__name__)
 
 PACKAGE = Path(__file__).parents[1]
 
@@ -83,21 +87,31 @@ class Kind:
             ExtensionError: There is none, it cannot be loaded, or it does not derive from the base.
         """
         if ":" in name:
-            return self._checked(name, _loaded(self.title, name))
+            return self._checked(name, _loaded(self.title, name, lambda: _referred(name)))
         if name in self.own_names:
             module = importlib.import_module(f"{self.room}.{name}")
             return self._of_module(name, module)
         for point in entry_points(self.room):
             if point.name == name:
-                return self._checked(name, point.load())
+                return self._checked(name, _loaded(self.title, name, point.load))
         raise ExtensionError(
             f"{self.title} is {name!r}{did_you_mean(name, self.names)}, must be one of "
             f"{', '.join(self.names)}, or path.py:Class"
         )
 
+    def own(self) -> dict[str, type[Any]]:
+        """Classes of those that come with the project, by name."""
+        return {name: self.find(name) for name in self.own_names}
+
     def all(self) -> dict[str, type[Any]]:
-        """Classes of all that are installed, by name."""
-        return {name: self.find(name) for name in self.names}
+        """Classes of all that are installed, by name; one that fails is logged and left out."""
+        found = self.own()
+        for name in (name for name in self.names if name not in found):
+            try:
+                found[name] = self.find(name)
+            except ExtensionError as error:
+                logger.warning("%s; it is left out", error)
+        return found
 
     def _of_module(self, name: str, module: ModuleType) -> type[Any]:
         base = self.base_class
@@ -130,25 +144,27 @@ def entry_points(group: str) -> tuple[metadata.EntryPoint, ...]:
     return tuple(metadata.entry_points(group=group))
 
 
-def _loaded(title: str, reference: str) -> Any:
-    """Value of ``path.py:Class`` or ``module:Class``."""
-    where, _, attribute = reference.rpartition(":")
+def _loaded(title: str, name: str, load: Callable[[], Any]) -> Any:
+    """What ``load`` returns; whatever a user's file raises meanwhile is an ExtensionError."""
     try:
-        module = _module_of_file(Path(where)) if where.endswith(".py") else _module(where)
+        return load()
     except ExtensionError:
         raise
-    except Exception as error:  # whatever the user's file raises while it is loaded
+    except Exception as error:
         raise ExtensionError(
-            f"{title} {reference!r} cannot be loaded: {type(error).__name__}: {error}"
+            f"{title} {name!r} cannot be loaded: {type(error).__name__}: {error}"
         ) from error
+
+
+def _referred(reference: str) -> Any:
+    """Value of ``path.py:Class`` or ``module:Class``."""
+    where, _, attribute = reference.rpartition(":")
+    file = where.endswith(".py")
+    module = _module_of_file(Path(where)) if file else importlib.import_module(where)
     try:
         return getattr(module, attribute)
     except AttributeError:
-        raise ExtensionError(f"{title} {reference!r}: {where} has no {attribute}") from None
-
-
-def _module(name: str) -> ModuleType:
-    return importlib.import_module(name)
+        raise ExtensionError(f"{where} has no {attribute}") from None
 
 
 def _module_of_file(path: Path) -> ModuleType:

@@ -14,8 +14,9 @@
 
 """Parameters described once: name, type, default, unit, meaning, allowed values.
 
-A set of parameters is a frozen dataclass whose fields are made by :func:`parameter`. From the same
-description come the checks, the ROS declarations, the tables in the README and ``--help``.
+A set of parameters is a frozen dataclass derived from :class:`Parameters`, whose fields are made by
+:func:`parameter`. From the same description come the checks, the ROS declarations, the tables in
+the README and ``--help``.
 """
 
 from __future__ import annotations
@@ -184,6 +185,20 @@ def parameter(
     return dataclasses.field(default=default, metadata=metadata)
 
 
+@dataclass(frozen=True)
+class Parameters:
+    """Base of all sets of parameters: every value is checked, however the set is made.
+
+    Raises:
+        ParameterError: A value is not allowed.
+    """
+
+    def __post_init__(self) -> None:
+        """Check every value by its description, and keep it in its parameter's own type."""
+        for known in specifications(type(self)):
+            object.__setattr__(self, known.name, known.check(getattr(self, known.name)))
+
+
 def specifications(parameters: type) -> tuple[Specification, ...]:
     """Specifications of a dataclass of ``parameters``, in the order of its fields."""
     fields: tuple[dataclasses.Field[Any], ...] = dataclasses.fields(parameters)
@@ -215,7 +230,7 @@ def gathered(name: str, owners: Iterable[type]) -> type[Any]:
     for field in found.values():
         copy: Any = dataclasses.field(default=field.default, metadata=field.metadata)
         fields.append((field.name, field.type, copy))
-    return dataclasses.make_dataclass(name, fields, frozen=True)
+    return dataclasses.make_dataclass(name, fields, bases=(Parameters,), frozen=True)
 
 
 def taken(owner: type[T], values: object) -> T:
@@ -251,14 +266,14 @@ def from_mapping(parameters: type[T], values: Mapping[str, Any]) -> T:
         ParameterError: An unknown name, or a value that is not allowed.
     """
     parameters = resolved(parameters, values)
-    known = {specification.name: specification for specification in specifications(parameters)}
+    known = [specification.name for specification in specifications(parameters)]
     for name in values:
         if name not in known:
             meant = did_you_mean(name, known)
             raise ParameterError(
                 f"parameter '{name}' is unknown{meant}, known are: {', '.join(known)}"
             )
-    return parameters(**{name: known[name].check(value) for name, value in values.items()})
+    return parameters(**values)
 
 
 def changed(parameters: T, values: Mapping[str, Any]) -> T:

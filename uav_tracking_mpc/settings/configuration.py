@@ -117,6 +117,22 @@ def load_configuration(
         ParameterError: No such configuration or scenario, not readable as YAML, an unknown section
             or parameter, a value that is not allowed.
     """
+    return configuration_of(*chosen_sections(name_or_file, overrides, scenario))
+
+
+def chosen_sections(
+    name_or_file: str, overrides: Iterable[str] = (), scenario: str | None = None
+) -> tuple[str, Sections, ScenarioParameters | None]:
+    """Name, values by section and scenario of a configuration, its values not checked yet.
+
+    Args:
+        name_or_file: As of :func:`load_configuration`.
+        overrides: As of :func:`load_configuration`.
+        scenario: As of :func:`load_configuration`.
+
+    Raises:
+        ParameterError: No such configuration or scenario, not readable as YAML, an unknown section.
+    """
     folder = configuration_folder()
     path = found("configuration", name_or_file, folder)
     sections = read_sections(path, SECTIONS)
@@ -129,7 +145,7 @@ def load_configuration(
             sections[section].update(values)
     for assignment in overrides:
         override(sections, assignment)
-    return configuration_of(path.stem, sections, about)
+    return path.stem, sections, about
 
 
 def configuration_of(

@@ -18,11 +18,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from uav_tracking_mpc.parameters.specification import parameter
+from uav_tracking_mpc.parameters.specification import Parameters, parameter
 
 
 @dataclass(frozen=True)
-class EstimationParameters:
+class EstimationParameters(Parameters):
     """Part of :class:`~uav_tracking_mpc.settings.tracking.TrackingParameters`."""
 
     dead_time: tuple[float, ...] = parameter(

@@ -18,13 +18,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from uav_tracking_mpc.parameters.specification import parameter
+from uav_tracking_mpc.parameters.specification import Parameters, parameter
 
 NAMESPACE = "auto"  # as frame_prefix: the namespace of the node
 
 
 @dataclass(frozen=True)
-class MapFrameParameters:
+class MapFrameParameters(Parameters):
     """Of every node that reads or writes positions."""
 
     map_frame: str = parameter("map", "Frame of all positions: ENU (REP-103, REP-105).", fixed=True)

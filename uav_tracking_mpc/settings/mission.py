@@ -20,11 +20,11 @@ from dataclasses import dataclass
 
 from uav_tracking_mpc.dynamics import paper_numbers as paper
 from uav_tracking_mpc.parameters.registry import PLANT
-from uav_tracking_mpc.parameters.specification import parameter
+from uav_tracking_mpc.parameters.specification import Parameters, parameter
 
 
 @dataclass(frozen=True)
-class MissionParameters:
+class MissionParameters(Parameters):
     """What `fly` and `simulate` add to the nodes: how long, how fast, on which plant."""
 
     duration: float = parameter(
@@ -45,7 +45,7 @@ class MissionParameters:
 
 
 @dataclass(frozen=True)
-class ScenarioParameters:
+class ScenarioParameters(Parameters):
     """What a scenario is; no node reads it."""
 
     title: str = parameter("", "What it is called.")

@@ -217,6 +217,7 @@ class SimulatorParameters(HoldParameters, FrameParameters):
 
     def __post_init__(self) -> None:
         """Check the speed limits against each other and the start."""
+        super().__post_init__()
         if not self.speed_min < self.speed_max:
             raise ParameterError(
                 f"parameter 'speed_min' is {self.speed_min}, must be below 'speed_max' = "

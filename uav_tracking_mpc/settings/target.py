@@ -93,6 +93,7 @@ class TargetParameters(MapFrameParameters):
 
     def __post_init__(self) -> None:
         """Check that the waypoints make a path."""
+        super().__post_init__()
         points = {self.waypoints[first : first + 3] for first in range(0, len(self.waypoints), 3)}
         if len(points) < 2:
             raise ParameterError(

@@ -57,7 +57,7 @@ PREDICTIVE = "nmpc"  # law: none, the optimal control problem is solved
 LAGGED, HELD = "lagged", "held"  # vehicle models, all inputs commanded and the bank alone
 SOLVERS = ("newton", "ipopt")  # fatrop may never return, see CasadiSolver
 PARTS = EstimationParameters, FrameParameters
-OWNERS = (*LIMIT.all().values(), *VEHICLE_MODEL.all().values(), *PARTS)
+OWNERS = (*LIMIT.own().values(), *VEHICLE_MODEL.own().values(), *PARTS)
 Gathered: Any = gathered("Gathered", OWNERS)
 
 
@@ -65,8 +65,8 @@ Gathered: Any = gathered("Gathered", OWNERS)
 class TrackingParameters(Gathered):
     """What the controller is asked to do. The defaults are those of the paper's Table 1 and (59).
 
-    The parameters of all limits and vehicle models are among its fields, each described in the file
-    of its owner; :attr:`limits` and :attr:`vehicle_model` may bring more.
+    The parameters of the project's limits and vehicle models are among its fields, each described
+    in the file of its owner; :attr:`limits` and :attr:`vehicle_model` may bring more.
 
     Raises:
         ParameterError: The values do not fit together: no such orbit, or inputs that cannot hold
@@ -182,7 +182,8 @@ class TrackingParameters(Gathered):
     )
     limits: str = parameter(
         "",
-        "Further limits, comma-separated: names of installed ones, or path.py:Class.",
+        "Further limits, comma-separated: names of installed ones, or path.py:Class. One that is "
+        "not named is not in force.",
         fixed=True,
     )
     vehicle_model: str = parameter(
@@ -215,6 +216,7 @@ class TrackingParameters(Gathered):
 
     def __post_init__(self) -> None:
         """Check what no single range can: the orbit exists, and can be held."""
+        super().__post_init__()
         try:
             orbit = self.orbit
         except ValueError as error:
@@ -303,7 +305,7 @@ class TrackingParameters(Gathered):
     def envelope(self) -> Envelope:
         """Limits of the aircraft and of where it may fly."""
         further = _further_limits(self.limits)
-        owners = (*LIMIT.all().values(), *further)
+        owners = (*LIMIT.own().values(), *further)
         names = {field.name for owner in owners for field in dataclasses.fields(owner)}
         return Envelope(further, **{name: getattr(self, name) for name in names})
 
@@ -339,7 +341,9 @@ class TrackingParameters(Gathered):
 
 
 def _further_limits(names: str) -> list[type[Limit]]:
-    return [LIMIT.find(name.strip()) for name in names.split(",") if name.strip()]
+    """Classes of the named limits, each once, without the project's own, which hold anyway."""
+    named = dict.fromkeys(LIMIT.find(name.strip()) for name in names.split(",") if name.strip())
+    return [limit for limit in named if limit not in LIMIT.own().values()]
 
 
 @lru_cache

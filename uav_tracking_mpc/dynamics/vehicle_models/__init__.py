@@ -35,6 +35,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.drifting_orbit import OrbitMotion
 from uav_tracking_mpc.dynamics.prediction_model import PredictionModel
+from uav_tracking_mpc.parameters.specification import Parameters
 
 
 class Drift(NamedTuple):
@@ -50,7 +51,7 @@ class Drift(NamedTuple):
 
 
 @dataclass(frozen=True)
-class VehicleModel(PredictionModel):
+class VehicleModel(Parameters, PredictionModel):
     """Base of the models.
 
     The state's first nine components are x, y, z relative to the target in the axes of ``map``,
