@@ -24,9 +24,11 @@ from rosbags.typesys import Stores, get_typestore
 from scipy.spatial.transform import Rotation
 
 from uav_tracking_mpc.dynamics.vehicle import velocity
+from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes.conversions import (
     set_air_velocity,
     set_command,
+    set_measurement,
     set_odometry,
     set_point,
 )
@@ -40,6 +42,8 @@ from uav_tracking_mpc.nodes.topics import (
     ROSOUT,
     TARGET,
 )
+from uav_tracking_mpc.report.flight_findings import verdict
+from uav_tracking_mpc.report.metrics import metrics
 from uav_tracking_mpc.settings.configuration import load_configuration
 
 WIND = np.array([3.0, -2.0, 0.5])
@@ -53,11 +57,19 @@ def states():
         yield k * STEP, np.array([200.0 - k, 3.0 * k, 50.0, 0.1 * k, 0.05, 20.0 + 0.1 * k])
 
 
-def fly(path, air=lambda k: True):
+def fly(path, air=lambda k: True, bank=None, astray=()):
     bag = FlightBag(path)
     for k, (stamp, state) in enumerate(states()):
         message = ODOMETRY.type()
-        set_odometry(message, stamp, state, np.zeros(3), velocity(state) + WIND)
+        if bank is None:
+            set_odometry(message, stamp, state, np.zeros(3), velocity(state) + WIND)
+        else:
+            *place, heading, path_angle, _ = state
+            ground = velocity(state) + WIND
+            seen = Measurement(0.0, np.array(place), ground, heading, path_angle, bank=bank(k))
+            set_measurement(message, stamp, seen)
+        if k in astray:
+            message.pose.pose.position.x = -10_837_714.0
         bag.write(ODOMETRY, stamp + 1, serialize_message(message))
         if air(k):
             message = AIR_VELOCITY.type()
@@ -90,6 +102,23 @@ def test_the_vehicles_speed_is_that_through_the_air(tmp_path, air):
 def test_without_an_airspeed_the_air_is_taken_as_still(tmp_path):
     log = fly(tmp_path / "flight.mcap", air=lambda k: False)
     np.testing.assert_allclose(log.vehicle[:, 5], np.linalg.norm(log.ground_velocity, axis=1))
+
+
+def test_a_measured_bank_is_read_back_and_changes_nothing_else(tmp_path):
+    level = fly(tmp_path / "level.mcap")
+    rolled = fly(tmp_path / "rolled.mcap", bank=lambda k: 0.05 * k - 0.3)
+    assert level.measured_bank is None
+    np.testing.assert_allclose(rolled.measured_bank, 0.05 * np.arange(20) - 0.3, atol=1e-9)
+    np.testing.assert_allclose(rolled.vehicle, level.vehicle, atol=1e-7)
+    np.testing.assert_allclose(rolled.ground_velocity, level.ground_velocity, atol=1e-7)
+
+
+def test_a_state_of_no_place_on_this_earth_is_left_out_and_counted(tmp_path):
+    log = fly(tmp_path / "flight.mcap", astray={3, 7})
+    assert len(log.time) == 18
+    numbers = metrics(log)
+    assert numbers["unusable_messages"] == 2
+    assert "2 messages could not be used" in verdict(numbers)
 
 
 def fly_with_link(path, engaged=True, target_system=0):

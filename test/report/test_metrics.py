@@ -108,6 +108,14 @@ def test_bank_rate_of_a_bank_that_swings(step):
     assert bank_rate_rms(log) == pytest.approx(expected, rel=5e-3)
 
 
+def test_bank_rate_is_that_of_the_measured_bank_where_there_is_one():
+    log, w = orbiting(3001, step=0.02), 2.0 * np.pi / 5.0
+    heading = log.vehicle[:, 3]
+    heading += 0.01 * np.random.default_rng(1).normal(size=len(heading))
+    log = replace(log, measured_bank=0.1 * np.sin(w * log.time))
+    assert bank_rate_rms(log) == pytest.approx(np.degrees(0.1 * w / np.sqrt(2.0)), rel=5e-3)
+
+
 def test_without_samples_there_is_no_bank_rate():
     assert bank_rate_rms(orbiting(10)) is None
 

@@ -83,6 +83,18 @@ def course_from_quaternion(x: float, y: float, z: float, w: float) -> tuple[floa
     return math.atan2(north, east), math.asin(max(-1.0, min(1.0, up)))
 
 
+def bank_from_quaternion(x: float, y: float, z: float, w: float) -> float:
+    """Bank of the body, right wing down, in [rad].
+
+    Args:
+        x: First component of the unit quaternion of ``base_link`` in ``map`` [-].
+        y: Second [-].
+        z: Third [-].
+        w: Its scalar part [-].
+    """
+    return math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+
+
 def rotation_from_quaternion(x: float, y: float, z: float, w: float) -> NDArray[np.float64]:
     """Rotation matrix, shape (3, 3), from ``base_link`` to ``map``; roll included.
 

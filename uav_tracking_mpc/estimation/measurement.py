@@ -32,6 +32,9 @@ NOISE_LIMITS = {
 }
 
 
+NUMBERS = ("stamp", "heading", "path_angle", "turn_rate", "path_angle_rate", "airspeed", "bank")
+
+
 class MeasurementError(ValueError):
     """A measurement cannot be used; the text names the value and what is allowed."""
 
@@ -86,6 +89,7 @@ class Measurement:
         path_angle_rate: chi' in [rad/s].
         airspeed: v in [m/s]; None where the source has no air data.
         noise: What is known of the sensors' noise.
+        bank: Of the body, right wing down, in [rad]; None where the source tells none.
 
     Raises:
         MeasurementError: A value is not finite, or not of its shape.
@@ -100,6 +104,7 @@ class Measurement:
     path_angle_rate: float = 0.0
     airspeed: float | None = None
     noise: SensorNoise = SILENT
+    bank: float | None = None
 
     def __post_init__(self) -> None:
         """Refuse what is no measurement; copy the vectors, which must not change afterwards."""
@@ -110,9 +115,9 @@ class Measurement:
                     f"{name} is {getattr(self, name)!r}, must be three finite numbers"
                 )
             object.__setattr__(self, name, vector)
-        for name in ("stamp", "heading", "path_angle", "turn_rate", "path_angle_rate", "airspeed"):
+        for name in NUMBERS:
             value = getattr(self, name)
-            if not (value is None and name == "airspeed") and not math.isfinite(value):
+            if not (value is None and name in ("airspeed", "bank")) and not math.isfinite(value):
                 raise MeasurementError(f"{name} is {value!r}, must be a finite number")
 
     def state(self, airspeed: float) -> NDArray[np.float64]:

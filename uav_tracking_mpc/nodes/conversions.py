@@ -123,7 +123,22 @@ def set_measurement(
     rates = np.array([seen.turn_rate, seen.path_angle_rate, 0.0])
     state = seen.state(math.nan if seen.airspeed is None else seen.airspeed)
     set_odometry(message, stamp, state, rates, seen.ground_velocity, frames)
-    set_noise(message, seen.noise, rotation_from_course(seen.heading, seen.path_angle))
+    rotation = rotation_from_course(seen.heading, seen.path_angle)
+    if seen.bank is not None:
+        rotation = rotation @ _roll(message, seen.bank)
+    set_noise(message, seen.noise, rotation)
+
+
+def _roll(message: Odometry, bank: float) -> NDArray[np.float64]:
+    """Bank the body of an Odometry message whose wings are level; the rotation, shape (3, 3)."""
+    q, twist = message.pose.pose.orientation, message.twist.twist
+    s, c = math.sin(0.5 * bank), math.cos(0.5 * bank)
+    q.x, q.y, q.z, q.w = c * q.x + s * q.w, c * q.y + s * q.z, c * q.z - s * q.y, c * q.w - s * q.x
+    sine, cosine = math.sin(bank), math.cos(bank)
+    rolled = np.array([[1.0, 0.0, 0.0], [0.0, cosine, -sine], [0.0, sine, cosine]])
+    for vector in (twist.linear, twist.angular):
+        set_vector(vector, rolled.T @ [vector.x, vector.y, vector.z])
+    return rolled
 
 
 def set_air_velocity(

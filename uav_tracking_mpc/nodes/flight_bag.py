@@ -32,6 +32,7 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, Reader, StorageP
 from rosbags.typesys import Stores, get_typestore
 
 from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.dynamics.frames import bank_from_quaternion
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes.bag_series import airspeeds, beside_commands, latency
@@ -66,6 +67,7 @@ from uav_tracking_mpc.nodes.topics import (
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, LinkFigures
 
+WINGS_LEVEL = 1e-6  # rad; a source that never tells more tells no bank
 METADATA = "metadata.yaml"  # as ROS 2 calls it
 MOVING = QoSProfile(depth=100)  # as tf2's broadcasters offer
 STATIC = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -188,6 +190,7 @@ class _Contents:
         modes: Stamp in [ns], mode and reason of each report of the controller.
         engaged: Wall time in [ns] at which an autopilot first flew the commands; None if none did.
         reports: Latest diagnostics of each node.
+        unusable: How many messages were left out: not finite, or of no place on this earth.
     """
 
     def __init__(self, path: Path) -> None:
@@ -202,6 +205,7 @@ class _Contents:
         self.orbits: list[tuple[int, Orbit]] = []
         self.modes: list[tuple[int, FallbackMode, str]] = []
         self.engaged: int | None = None
+        self.unusable = 0
         self.reports: dict[str, dict[str, str]] = {}
         figures = {TRACKING[name].name: name for name in self.values}
         topics = (
@@ -218,8 +222,11 @@ class _Contents:
         for topic, time, message in messages(path, *topics):
             if topic.name in figures:
                 self.values[figures[topic.name]].append((time, message.data))
-            else:
+                continue
+            try:
                 self._take(topic, time, message)
+            except ValueError:  # of a message
+                self.unusable += 1
 
     def commands_from(
         self, start: int, end: int
@@ -254,7 +261,12 @@ class _Contents:
             return
         stamp = nanoseconds(message.header.stamp)
         if topic is ODOMETRY:
-            self.states.append((stamp, measurement_from_odometry(message, frames=ANY_FRAMES)))
+            motion, q = (
+                measurement_from_odometry(message, 0.0, ANY_FRAMES),
+                message.pose.pose.orientation,
+            )
+            bank = bank_from_quaternion(q.x, q.y, q.z, q.w)
+            self.states.append((stamp, replace(motion, bank=bank)))
             self.heard.append(time)
         elif topic is AIR_VELOCITY:
             speed = float(np.linalg.norm(air_velocity_from_twist(message, ANY_FRAMES)))
@@ -315,6 +327,7 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
         motion.state(speed)
         for (_, motion), speed in zip(flown, airspeeds(flown, bag.airspeeds), strict=True)
     ]
+    banks = np.array([motion.bank for _, motion in flown])
     return FlightLog(
         config=configuration.name,
         duration=min(configuration.mission.duration, span),
@@ -348,6 +361,8 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
         ground_velocity=np.array([motion.ground_velocity for _, motion in flown]),
         target_velocity=target.velocity,
         turn_rate=np.array([motion.turn_rate for _, motion in flown]),
+        measured_bank=banks if np.abs(banks).max(initial=0.0) > WINGS_LEVEL else None,
+        unusable=bag.unusable,
         modes=mode_changes(bag.modes, start, end),
         tracking=tracking,
         link=None if link is None else _figures(link),

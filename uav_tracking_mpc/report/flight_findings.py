@@ -152,6 +152,8 @@ def _failures(numbers: dict[str, Any]) -> list[str]:
     if commands["failsafe"]:
         times = "once" if commands["failsafe"] == 1 else f"{commands['failsafe']} times"
         sentences.append(f"The vehicle ran out of plan {times} and held wings level.")
+    if unusable := numbers.get("unusable_messages"):
+        sentences.append(f"{unusable} messages could not be used and are left out.")
     return sentences
 
 

@@ -61,6 +61,7 @@ def metrics(log: FlightLog) -> dict[str, Any]:
         - ``solver``: wall time of the solves, their number and how many did not converge
         - ``latency_us``: only where the flight measured it
         - ``commands``: what the command link saw
+        - ``unusable_messages``: only where there were some
         - ``link``: only with a real autopilot; ``latency_ms`` is the median
     """
     errors = dict(zip(COLUMNS, log.error.T, strict=True))
@@ -94,6 +95,8 @@ def metrics(log: FlightLog) -> dict[str, Any]:
         },
         "commands": asdict(log.commands),
     }
+    if log.unusable:
+        numbers["unusable_messages"] = log.unusable
     if log.latency is not None:
         numbers["latency_us"] = {name: _plain(value) for name, value in asdict(log.latency).items()}
     if log.link is not None:
@@ -160,7 +163,8 @@ def range_errors(log: FlightLog) -> NDArray[np.float64]:
 def bank_rate_rms(log: FlightLog) -> float | None:
     r"""RMS of the rate of the bank that was flown over the last third of the flight, in [deg/s].
 
-    The bank is that of a coordinated turn between two samples, as measured:
+    The bank is that of the measured attitude or, where there is none, that of a coordinated turn
+    between two samples, as measured:
 
     .. math:: \tan\phi = \frac{\bar v}{g} \frac{\Delta\psi}{\Delta t}
 
@@ -174,6 +178,8 @@ def bank_rate_rms(log: FlightLog) -> float | None:
     # Stamps of autopilots are whole milliseconds: samples must not be too close for a rate.
     stride = max(1, math.ceil(SPACING / float(np.median(np.diff(time)))))
     time = time[::stride]
+    if log.measured_bank is not None:
+        return _rms(np.degrees(np.diff(log.measured_bank[late][::stride]) / np.diff(time)))
     _, _, _, heading, _, airspeed = log.vehicle[late][::stride].T
     turn_rate = np.asarray(wrap_angle(np.diff(heading))) / np.diff(time)
     bank = np.arctan(0.5 * (airspeed[1:] + airspeed[:-1]) * turn_rate / GRAVITY)

@@ -141,6 +141,9 @@ class FlightLog:
             the diagnostics tell it, about once a second. Empty where it is not recorded.
         tracking: What the controller flew by at the start, with the limits of the aircraft; None
             where it is not known.
+        measured_bank: At the times of the states by the attitude, positive to the right, shape
+            (n,), in [rad]; None where the source tells none.
+        unusable: Messages that could not be read as what they are.
     """
 
     config: str
@@ -170,6 +173,8 @@ class FlightLog:
     turn_rate: NDArray[np.float64] | None = None
     modes: tuple[FlownMode, ...] = ()
     tracking: TrackingParameters | None = None
+    measured_bank: NDArray[np.float64] | None = None
+    unusable: int = 0
 
     @property
     def steady_inputs(self) -> NDArray[np.float64]:

@@ -128,6 +128,13 @@ def test_the_heading_is_carried_on_to_the_positions_time():
     assert seen.heading == pytest.approx(0.5 * math.pi + 0.05, abs=1e-4)
 
 
+def test_a_position_before_the_filter_has_an_origin_is_none():
+    heard = telemetry(HOME)
+    nowhere = mavlink.MAVLink_global_position_int_message(101000, 12, -7, 0, 0, 0, 0, 0, 0)
+    assert flown(heard, attitude(101.0), nowhere) is None
+    assert flown(heard, attitude(101.1), position(101.1, (9.0, 0.0, 100.0))) is not None
+
+
 def test_another_origin_may_be_stated():
     origin = LocalFrame(*HOME.place((1000.0, 2000.0, 0.0)))
     seen = flown(

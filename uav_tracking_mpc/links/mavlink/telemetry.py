@@ -53,6 +53,7 @@ ATTITUDE_AGE = 0.25  # s that attitude and position may lie apart
 AIRSPEED_AGE = 1.0  # s that airspeed may be older than the position
 LEAST_AIRSPEED = 3.0  # m/s; below it nothing flies, and the path angle means nothing
 STEEPEST = 0.5 * math.pi
+FARTHEST = 1e6  # m from the origin; beyond it the autopilot's filter has no origin yet
 QUICK_CLIMB = 8.0  # rad/s, for autopilots whose climb is commanded: it delays by little
 SLOW_CLIMB = 0.5  # rad/s, for those that hold altitude themselves, where the rest is turbulence
 WIND_AGE = 10.0  # s
@@ -196,6 +197,11 @@ class Telemetry:
         apart = time - attitude.time
         if abs(apart) > ATTITUDE_AGE or message.lat == message.lon == 0:
             return None
+        place = self.frame.position(
+            message.lat * DEGREE_SCALE, message.lon * DEGREE_SCALE, self.altitude
+        )
+        if not np.linalg.norm(place) <= FARTHEST:
+            return None
         direction = self.direction
         self._climb.see(time, -message.vz * 1e-2)
         climb = self._climb.value
@@ -209,9 +215,7 @@ class Telemetry:
         self._position_at = time
         self.newest = Measurement(
             stamp=stamp,
-            position=self.frame.position(
-                message.lat * DEGREE_SCALE, message.lon * DEGREE_SCALE, self.altitude
-            ),
+            position=place,
             ground_velocity=np.array([message.vy * 1e-2, message.vx * 1e-2, climb]),
             heading=math.remainder(direction.heading + direction.rate * apart, 2.0 * math.pi),
             path_angle=path_angle,
@@ -219,6 +223,7 @@ class Telemetry:
             path_angle_rate=self._climb.rate / max(airspeed or 0.0, LEAST_AIRSPEED),
             airspeed=airspeed,
             noise=self._accuracies.noise(arrival),
+            bank=attitude.roll,
         )
         return self.newest
 
