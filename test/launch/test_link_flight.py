@@ -89,7 +89,7 @@ def test_without_engage_nothing_is_commanded_and_it_says_how(tmp_path):
     process.send_signal(INTERRUPT)
     output, rest = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert "call the service autopilot_link/engage" in told
+    assert "until somebody engages: `uav_tracking engage --domain-id" in told
     assert "interrupted before the autopilot was engaged" in rest
     assert output == ""
     assert not (tmp_path / "mission.mcap").exists()

@@ -98,8 +98,8 @@ def add_link_arguments(parser: argparse.ArgumentParser, flown: bool) -> None:
         action=_Setting,
         nargs=0,
         default=False,
-        help="take command as soon as nothing speaks against it; without it the service "
-        "autopilot_link/engage does",
+        help="take command as soon as nothing speaks against it; without it "
+        "`uav_tracking engage` does",
     )
     parser.add_argument(
         "--simulated",

@@ -32,6 +32,7 @@ from uav_tracking_mpc.cli.output_folder import check_writable
 COMMANDS = (
     "fly", "view", "autopilot", "link", "simulate", "compare", "campaign", "margins", "identify",
     "stability", "benchmark", "compile", "torture", "monitor",
+    "engage", "set",
 )  # fmt: skip
 EPILOG = """\
 examples:
@@ -58,6 +59,9 @@ examples:
   uav_tracking torture --soak 2                 hours of flight, watched for growth
   uav_tracking view output/mission.mcap         a recorded flight on a page in the browser
   uav_tracking monitor --domain-id 7            watch a flight from another terminal
+  uav_tracking set nmpc_controller.range=350 --domain-id 7
+                                                change it meanwhile
+  uav_tracking engage --off --domain-id 7       give command back, or take it without --off
   uav_tracking autopilot --dialect ardupilot    a simulated ArduPlane behind MAVLink
 """
 

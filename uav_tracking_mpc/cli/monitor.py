@@ -18,9 +18,8 @@ from __future__ import annotations
 
 import argparse
 import os
-import re
 
-from uav_tracking_mpc.cli.arguments import add_domain_argument
+from uav_tracking_mpc.cli.flight_requests import add_flight_arguments
 
 HELP = "a live table of a flight in the terminal"
 DESCRIPTION = (
@@ -35,27 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     Args:
         parser: Of this command.
     """
-    add_domain_argument(
-        parser, "ROS domain to watch (default: ROS_DOMAIN_ID, or 0); a launch prints its own"
-    )
-
-    parser.add_argument(
-        "--namespace",
-        type=_namespace,
-        default="/",
-        metavar="NAME",
-        help="of the aircraft to watch, such as red",
-    )
-
-
-def _namespace(text: str) -> str:
-    """A ROS namespace, with or without its first slash."""
-    name = text.strip("/")
-    if name and not re.fullmatch(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*", name, re.ASCII):
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not a namespace: letters, digits and underscores, no digit first"
-        )
-    return f"/{name}"
+    add_flight_arguments(parser, "watch")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -143,7 +143,9 @@ def _fly(
             if link:
                 supervisor.start_link_flight(configuration)
                 if not configuration.link.engage:
-                    console.print(_how_to_engage(configuration.link), soft_wrap=True)
+                    console.print(
+                        _how_to_engage(configuration.link, supervisor.domain), soft_wrap=True
+                    )
                     limit = math.inf
             elif pace is not None:
                 supervisor.start_flight(configuration, pace.speed)
@@ -217,9 +219,11 @@ def _watch(
                     console.print(line, highlight=False, soft_wrap=True)
 
 
-def _how_to_engage(parameters: LinkParameters) -> str:
+def _how_to_engage(parameters: LinkParameters, domain: int) -> str:
     """What the pilot can do to hand over command, in words."""
-    words = "nothing is commanded until somebody engages: call the service autopilot_link/engage"
+    words = (
+        f"nothing is commanded until somebody engages: `uav_tracking engage --domain-id {domain}`"
+    )
     if parameters.engage_on_mode:
         words += ", or switch the autopilot to its mode of external commands"
     return words

@@ -28,6 +28,7 @@ import numpy as np
 from rcl_interfaces.msg import ParameterEvent
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParametersAtomically
 from rclpy.client import Client
+from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.qos import qos_profile_parameter_events
@@ -45,6 +46,15 @@ PARAMETER_SERVICES = {
     "get_parameters": GetParameters,
     "set_parameters_atomically": SetParametersAtomically,
 }
+
+
+def asking_node(context: Context) -> Node:
+    """A node for requests alone.
+
+    Args:
+        context: Of rclpy, in the domain that is asked.
+    """
+    return Node("uav_tracking", context=context, start_parameter_services=False)
 
 
 class NoAnswerError(RuntimeError):
