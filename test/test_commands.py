@@ -202,7 +202,7 @@ def test_every_command_does_what_is_said(reader):
     for page in (TUTORIAL, README):
         for line in commands(page):
             code, output = reader.type(line)
-            print(f"{line}\n{output[-2000:]}")
+            print(f"$ {line}\n{output[-2000:]}", flush=True)
             if code != exit_code(line):
                 wrong.append(f"{line}: exit code {code}\n{output[-2000:]}")
             for folder in re.findall(r"--output (\S+)", line):

@@ -42,6 +42,14 @@ def test_at_the_start_every_change_is_shown():
     assert status.see(OK, "flying", 0.03)
 
 
+def test_an_error_at_the_start_is_shown_once_however_often_it_comes_and_goes():
+    """As on a machine that plans too slowly until the solver is compiled."""
+    status = SteadyStatus(WARN, "starting")
+    told = [status.see((WARN, ERROR)[tick % 2], "slow", TICK * tick) for tick in range(600)]
+    assert sum(told) <= 2
+    assert status.level == ERROR
+
+
 @pytest.mark.parametrize("worse", [WARN, ERROR])
 def test_what_alternates_twenty_times_a_second_is_shown_as_its_worse_half(worse):
     assert shown((worse + OK, 30.0)) == [OK, worse]

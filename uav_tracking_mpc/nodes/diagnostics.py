@@ -38,9 +38,9 @@ class Diagnostics:
     """Diagnostics of one node.
 
     The timer runs on a steady clock: a stopped simulation must not silence it. A status that
-    changes with every message is shown as :class:`SteadyStatus` says. Until it was
-    fine for the first time, a warning is logged as information, and as a warning only if it stands
-    for some seconds.
+    changes with every message is shown as :class:`SteadyStatus` says. Until it was fine or
+    erroneous for the first time, a warning is logged as information, and as a warning only if it
+    stands for some seconds.
 
     Args:
         node: Whose they are.

@@ -22,13 +22,13 @@ half, and a state of affairs that lasted ends at once.
 from __future__ import annotations
 
 LASTING = 2.0  # s
-FINE = b"\x00"  # level OK of diagnostic_msgs
+FINE, WARN = b"\x00", b"\x01"  # levels of diagnostic_msgs
 
 
 class SteadyStatus:
     """The status of a node.
 
-    Until it was fine for the first time every change is shown at once.
+    Until it was fine or erroneous for the first time every change is shown at once.
 
     Args:
         level: At the start, as of diagnostic_msgs.
@@ -37,7 +37,7 @@ class SteadyStatus:
     Attributes:
         level: That is shown.
         message: That is shown.
-        starting: Whether it has not been fine yet.
+        starting: Whether it has been neither fine nor erroneous yet.
     """
 
     def __init__(self, level: bytes, message: str) -> None:
@@ -51,7 +51,7 @@ class SteadyStatus:
             message: For people.
         """
         self.level, self.message = level, message
-        self.starting = level != FINE
+        self.starting = level == WARN
         self._since = self._seen = -float("inf")
         self._alone = True  # whether nothing else was reported since it is shown
 
@@ -77,5 +77,5 @@ class SteadyStatus:
             return False
         self.level, self.message = level, message
         self._since, self._seen, self._alone = now, now, True
-        self.starting = self.starting and level != FINE
+        self.starting = self.starting and level == WARN
         return True
