@@ -33,7 +33,7 @@ HELP = "the controller beside classical laws: in wind, about moving targets, tol
 DESCRIPTION = (
     "Fly all laws through all scenarios, or with --mismatch where lag, delay, noise, biases or air "
     "are other than the controller was told; print and plot how they do. Exit code 0: flown; "
-    "whether the targets are reached is said in the table."
+    "whether what is asked of nmpc is reached is said in the table."
 )
 
 

@@ -12,6 +12,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+import dataclasses
+
 import pytest
 from compared_flights import compared
 
@@ -37,6 +39,24 @@ def test_the_path_begins_where_the_aircraft_is_seen_from_the_target():
     scenario = compared("circling_target")
     path = scenario_figure(scenario).axes[0].lines[1].get_xydata()
     assert path[0] == pytest.approx([591.608, 0.0], abs=1e-3)
+
+
+def test_the_words_of_a_picture_have_one_meaning_each():
+    """The target is what is circled; a bank is positive with the right wing down."""
+    figure = scenario_figure(compared("circling_target"))
+    _, error, bank = figure.axes
+    assert "asked of nmpc" in error.get_title("left") and "target" not in error.get_title("left")
+    assert "right wing down" in bank.get_title("left")
+    legend = summary_figure([compared("still")]).legends[0]
+    assert [words.get_text() for words in legend.get_texts()] == ["nmpc", "l1", "asked of nmpc"]
+
+
+def test_a_bar_that_the_axis_cannot_show_is_a_bound_in_words():
+    still = compared("still")
+    fine = dataclasses.replace(still.measures["nmpc"], range_rms_m=2e-4)
+    ranges = summary_figure([dataclasses.replace(still, measures={"nmpc": fine})]).axes[0]
+    assert [text.get_text() for text in ranges.texts] == ["< 0.001"]
+    assert len(ranges.patches) == 0
 
 
 def test_the_summary_has_a_bar_for_every_flight_that_settled():

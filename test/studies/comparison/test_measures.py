@@ -47,7 +47,7 @@ def test_a_perfect_orbit_has_no_error_and_breaks_no_limit():
 def test_bank_of_the_steady_turn_is_that_of_its_centripetal_acceleration():
     bank = flown_bank(STEADY)
     assert len(bank) == len(STEADY.time) - 1
-    expected = -np.arctan(ORBIT.speed**2 / (GRAVITY * ORBIT.radius))  # clockwise: to the right
+    expected = np.arctan(ORBIT.speed**2 / (GRAVITY * ORBIT.radius))  # clockwise: to the right
     np.testing.assert_allclose(bank, expected, rtol=1e-9)
 
 

@@ -12,8 +12,11 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+import dataclasses
+
 import pytest
 from compared_flights import mistold
+from matplotlib.markers import CARETLEFT
 
 from uav_tracking_mpc.report.figure_style import LAWS, png
 from uav_tracking_mpc.studies.comparison.mismatch_figure import mismatch_figure
@@ -32,3 +35,14 @@ def test_there_is_a_mark_for_every_flight_and_a_bar_for_what_is_asked():
     better = mismatches[1].measures["l1"].bank_rate_rms_dps
     assert list(bank_rates.lines[-1].get_xdata()) == pytest.approx([1.5 * better] * 2)
     assert len(png(figure)) < 300_000
+
+
+def test_what_the_axis_cannot_show_points_beyond_it():
+    mismatch = mistold()
+    fine = dataclasses.replace(mismatch.measures["nmpc"], range_rms_m=2e-4)
+    mismatch = dataclasses.replace(mismatch, measures={**mismatch.measures, "nmpc": fine})
+    figure = mismatch_figure([mismatch])
+    own, other, *_ = figure.axes[0].lines
+    assert own.get_marker() == CARETLEFT
+    assert other.get_marker() != CARETLEFT
+    assert "below 0.001 m or 0.1 deg/s" in [w.get_text() for w in figure.legends[0].get_texts()]

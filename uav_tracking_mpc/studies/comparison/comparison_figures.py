@@ -120,7 +120,7 @@ def _draw_error(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> None:
         axes.plot(scenario.target.settling, SETTLED, "v", color=BLACK, ms=5)
     axes.set(ylabel="$|r - r_d|$ [m]", xlim=(0.0, end))
     axes.set_ylim(bottom=FINEST)
-    axes.set_title("(b) range error; shaded: settled, black: targets for settling and RMS")
+    axes.set_title("(b) range error; shaded: settled, black: asked of nmpc (settling, RMS)")
 
 
 def _draw_bank(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> None:
@@ -131,11 +131,11 @@ def _draw_bank(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> None:
     for bound in (-limit, limit):
         axes.axhline(bound, color=BLACK, lw=1.0, ls=(0, (1, 1.2)))
     axes.set(xlabel="time [s]", ylabel="bank [deg]", ylim=(-1.15 * limit, 1.15 * limit))
-    axes.set_title("(c) bank flown, positive to the left; dotted: its limit")
+    axes.set_title("(c) bank flown, right wing down; dotted: its limit")
 
 
 def summary_figure(scenarios: Sequence[Scenario]) -> Figure:
-    """Range RMS, settling and bank rate of every law in every scenario, with the targets.
+    """Range RMS, settling and bank rate of every law in every scenario, and what is asked.
 
     Args:
         scenarios: What was flown.
@@ -144,11 +144,11 @@ def summary_figure(scenarios: Sequence[Scenario]) -> Figure:
     colour = colours(law for scenario in scenarios for law in scenario.logs)
     with drawing(9.5, height) as figure:
         panels = figure.subplots(1, 3, sharey=True)
+        panels[0].set_xscale("log")
         for axes, (title, value) in zip(panels, PANELS, strict=True):
             _draw_bars(axes, scenarios, value, colour)
             axes.set_title(title)
             axes.grid(axis="y", visible=False)
-        panels[0].set_xscale("log")
         panels[0].set_xlim(left=FINEST)
         panels[0].set_yticks(range(len(scenarios)), [scenario.name for scenario in scenarios])
         panels[0].invert_yaxis()
@@ -160,7 +160,7 @@ def summary_figure(scenarios: Sequence[Scenario]) -> Figure:
                     axes.plot([bound] * 2, [index - 0.42, index + 0.42], color=BLACK, lw=1.8)
         handles = [Line2D([], [], color=paint, lw=6, label=law) for law, paint in colour.items()]
         if any(scenario.target is not None for scenario in scenarios):
-            handles.append(Line2D([], [], color=BLACK, lw=1.8, label="target"))
+            handles.append(Line2D([], [], color=BLACK, lw=1.8, label="asked of nmpc"))
         figure.subplots_adjust(
             left=0.13, right=0.985, bottom=0.35 / height, top=1.0 - 0.6 / height, wspace=0.08
         )
@@ -169,7 +169,7 @@ def summary_figure(scenarios: Sequence[Scenario]) -> Figure:
 
 
 PANELS: tuple[tuple[str, Callable[[Measures], float | None]], ...] = (
-    ("range RMS, last third [m]", lambda flight: max(flight.range_rms_m, 1.1 * FINEST)),
+    ("range RMS, last third [m]", lambda flight: flight.range_rms_m),
     ("settled within 10 m [s]", lambda flight: flight.settling_s),
     ("bank rate RMS, last third [deg/s]", lambda flight: flight.bank_rate_rms_dps),
 )
@@ -186,10 +186,13 @@ def _draw_bars(
         pitch = 0.78 / max(count, 3)
         for place, (law, flight) in enumerate(scenario.measures.items()):
             y, length = index + pitch * (place - 0.5 * (count - 1)), value(flight)
-            if length is None:
+            # A bar has no length where the logarithmic axis begins, and less before.
+            clipped = length is not None and axes.get_xscale() == "log" and length < FINEST
+            if length is None or clipped:
+                words = f"< {FINEST:g}" if clipped else "never"
                 axes.text(
-                    0.01, y, "never", transform=axes.get_yaxis_transform(), va="center",
-                    color=colour[law], fontsize=8,
+                    0.01, y, words, transform=axes.get_yaxis_transform(), va="center",
+                    color=colour[law], fontsize=7,
                 )  # fmt: skip
             else:
                 axes.barh(y, length, height=0.88 * pitch, color=colour[law])

@@ -30,7 +30,7 @@ COLUMNS = (
 CAPTION = (
     "RMS over the last third of the flight; within 10 m: of the range, from then on; "
     "violations: samples at which airspeed, path angle, bank, specific force, height or "
-    "distance is beyond its limit by more than 1 %; target: range RMS and settling of nmpc."
+    "distance is beyond its limit by more than 1 %; asked: range RMS and settling of nmpc."
 )
 
 
@@ -41,15 +41,15 @@ def comparison_table(scenarios: Sequence[Scenario]) -> Table:
         scenarios: What was flown.
     """
     return Table(
-        headings=("scenario", "law", *COLUMNS, "target", "verdict"),
+        headings=("scenario", "law", *COLUMNS, "asked", "verdict"),
         rows=comparison_rows(scenarios),
-        numeric=(*COLUMNS, "target"),
+        numeric=(*COLUMNS, "asked"),
         caption=CAPTION,
     )
 
 
 def comparison_rows(scenarios: Sequence[Scenario]) -> list[list[str]]:
-    """Scenario (once), law, the numbers, target and verdict (where set) of every flight.
+    """Scenario (once), law, the numbers, what is asked and verdict (where set) of every flight.
 
     Args:
         scenarios: What was flown.

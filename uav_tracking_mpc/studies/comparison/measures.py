@@ -106,13 +106,13 @@ def measures(
 def flown_bank(log: FlightLog) -> NDArray[np.float64]:
     """Bank of a coordinated turn between each two samples, shape (n - 1,), in [rad].
 
-    Positive to the left, as the turn rate that it comes from.
+    Right wing down positive, as everywhere.
 
     Args:
         log: Record of the flight.
     """
     motion = _between_samples(log)
-    return np.asarray(np.arctan(motion.airspeed * motion.turn_rate / GRAVITY))
+    return np.asarray(np.arctan(-motion.airspeed * motion.turn_rate / GRAVITY))
 
 
 def violations(

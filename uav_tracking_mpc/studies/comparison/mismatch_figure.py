@@ -21,6 +21,7 @@ from collections.abc import Sequence
 
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.markers import CARETLEFT
 
 from uav_tracking_mpc.report.figure_style import BLACK, LIGHT_GREY, colours, drawing
 from uav_tracking_mpc.settings.tracking import PREDICTIVE
@@ -51,7 +52,8 @@ def mismatch_figure(mismatches: Sequence[Scenario]) -> Figure:
                     panels, (flight.range_rms_m, flight.bank_rate_rms_dps), FINEST, strict=True
                 ):
                     axes.plot(
-                        max(value, finest), index, marker[law], color=colour[law], ms=5.0,
+                        max(value, finest), index, ls="", color=colour[law], ms=5.0,
+                        marker=marker[law] if value >= finest else CARETLEFT,
                         mec="white", mew=0.4, zorder=order[law],
                     )  # fmt: skip
             asked = asked_of(mismatch.configuration, mismatch.name)
@@ -73,6 +75,8 @@ def mismatch_figure(mismatches: Sequence[Scenario]) -> Figure:
         handles = [
             Line2D([], [], color=colour[law], marker=marker[law], ls="", label=law) for law in laws
         ]
+        less = f"below {FINEST[0]:g} m or {FINEST[1]:g} deg/s"
+        handles.append(Line2D([], [], color=BLACK, marker=CARETLEFT, ls="", label=less))
         handles.append(
             Line2D([], [], color=BLACK, marker="|", ls="", ms=9, mew=1.6, label="asked of nmpc")
         )

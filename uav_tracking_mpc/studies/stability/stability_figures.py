@@ -127,7 +127,10 @@ def _draw_map(axes: Axes, entry: AttractionMap) -> None:
     )
     first, second = COORDINATES[where.first], COORDINATES[where.second]
     colour, word = (GREEN, "feasible") if entry.marked_feasible else (VERMILLION, "infeasible")
-    axes.plot(entry.marked[second], entry.marked[first], "*", ms=13, color=colour)
+    axes.plot(
+        entry.marked[second], entry.marked[first], "*", ms=14, color=colour, mec="white", mew=0.8,
+        clip_on=False, zorder=3,
+    )  # fmt: skip
     axes.set_title(f"N = {entry.horizon}: marked start {word}")
     axes.set_xlabel(_label(where.second))
     axes.set_ylabel(_label(where.first))

@@ -50,7 +50,8 @@ class Plots(PanelPart):
         with self.gui.add_folder(f"Last {SPAN:.0f} s"):
             self._range = self._plot("Range error [m]", [("range error", BLUE)])
             self._bank = self._plot(
-                "Bank [deg]", [("bank", BLUE), ("limit", ORANGE), ("limit", ORANGE)]
+                "Bank, right wing down [deg]",
+                [("bank", BLUE), ("limit", ORANGE), ("limit", ORANGE)],
             )
             self._cost = self._plot(COST, [("cost", BLUE)], distr=3)
 
