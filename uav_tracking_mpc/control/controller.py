@@ -55,6 +55,7 @@ from uav_tracking_mpc.laws.vector_field import VectorField
 from uav_tracking_mpc.parameters.specification import ParameterError, changed, refuse_fixed
 from uav_tracking_mpc.settings.tracking import NEAREST, TrackingParameters
 
+OWN_SOLVE = "the own solve is late"  # not the state that it answers
 LEVELLING_TIME = 1.0  # s, in which wings-level flight takes the path angle out
 
 
@@ -251,11 +252,11 @@ class Controller:
         command = self._answer(measurement)
         taken = self._stopwatch() - begin
         if taken > self.parameters.state_timeout:
-            late = f"vehicle state: answered only after {taken:.3f} s"
-            self.events.add(Level.REFUSAL, late)
+            words = f"vehicle state: answered only after {taken:.3f} s: {OWN_SOLVE}"
+            self.events.add(Level.REFUSAL, words)
             self.modes.counts[command.mode] -= 1  # it is not sent, and nothing of it stays
             self._plan.reset()
-            self._silence(late)
+            self._silence(OWN_SOLVE)
             return None
         # A clock that stands ahead does not send later than that.
         delay = min(max(0.0, now - stamp), self.parameters.state_timeout) + taken

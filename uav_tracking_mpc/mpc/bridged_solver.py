@@ -80,6 +80,12 @@ class BridgedSolver:
         return self.prepare().name
 
     @property
+    def compiling(self) -> bool:
+        """Whether another solver stands in only until this problem's is compiled."""
+        waits = isinstance(self._compiled, MachineCode) and self._compiled.pending
+        return waits and self.name == BRIDGE
+
+    @property
     def time_limit(self) -> float:
         """Time budget of one solve in [s]."""
         return self._time_limit
@@ -146,6 +152,11 @@ class MachineCode:
         if not machine_code.finished(folder):
             self._compilation = Compilation(folder, aside=True)
             report(f"{BRIDGE} solves while the solver is compiled, once; kept in {folder}")
+
+    @property
+    def pending(self) -> bool:
+        """Whether it is still being made."""
+        return self._compilation is not None
 
     def __call__(self) -> bool:
         """Whether it is there; where it cannot be made, that is said once and it never will be."""

@@ -20,10 +20,11 @@ from rclpy.node import Node
 
 from uav_tracking_mpc.control.claim_watch import ClaimWatch
 from uav_tracking_mpc.control.command import Command
-from uav_tracking_mpc.control.controller import Controller
+from uav_tracking_mpc.control.controller import OWN_SOLVE, Controller
 from uav_tracking_mpc.control.event import Level
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.estimation.channel_response import CHANNELS
+from uav_tracking_mpc.mpc.bridged_solver import BridgedSolver
 from uav_tracking_mpc.nodes import diagnostics
 from uav_tracking_mpc.nodes.air_values import air_values
 from uav_tracking_mpc.nodes.managed_node import Stage
@@ -36,7 +37,6 @@ from uav_tracking_mpc.nodes.throttled_warnings import ThrottledWarnings
 from uav_tracking_mpc.nodes.topics import TARGET, TARGET_ODOMETRY
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
-WARNING_PERIOD = 5.0  # s between warnings of one kind that may come with every message
 STAGES = {
     Stage.UNCONFIGURED: "unconfigured: no command is sent",
     Stage.INACTIVE: "inactive: no command is sent",
@@ -132,7 +132,7 @@ class ControllerReport:
             topic: From which it came, if it is known: each has its own throttle.
         """
         self.refused += 1
-        self._throttled.warn(f"{topic} refused", f"message refused: {words}")
+        self._warn(f"{topic} refused", f"message refused: {words}")
 
     def leave_out(self, topic: str, words: str) -> None:
         """Report a message that is sound and has not been used.
@@ -141,19 +141,19 @@ class ControllerReport:
             topic: From which it came.
             words: Why not.
         """
-        self._throttled.warn(f"{topic} left out", f"{topic}: message left out: {words}")
+        self._warn(f"{topic} left out", f"{topic}: message left out: {words}")
+
+    def _warn(self, subject: str, words: str) -> None:
+        """Warn, now and then; while the solver is compiled that explains it."""
+        if self._controller is not None and _compiling(self._controller):
+            self._node.get_logger().debug(words)
+        else:
+            self._throttled.warn(subject, words)
 
     def late(self) -> None:
-        """Report that no command came in two control periods of wall time."""
-        controller = self._controller
-        if controller is None or not controller.flying:
-            return
-        self.deadlines_missed += 1
-        if controller.modes.mode is not FallbackMode.SILENCE:  # else that is said already
-            self._node.get_logger().warning(
-                "the control rate is not kept: a command is overdue",
-                throttle_duration_sec=WARNING_PERIOD,
-            )
+        """Count that no command came in two control periods of wall time: the status tells why."""
+        if self._controller is not None and self._controller.flying:
+            self.deadlines_missed += 1
 
     def tell(self) -> None:
         """Log what has happened to the controller, and say how it is if that is news."""
@@ -261,9 +261,18 @@ class ControllerReport:
         return values
 
 
+def _compiling(controller: Controller) -> bool:
+    """Whether a slow solver stands in for one that is being compiled."""
+    solver = None if controller.formulation is None else controller.formulation.solver
+    return isinstance(solver, BridgedSolver) and solver.compiling
+
+
 def _status(controller: Controller) -> tuple[bytes, str] | tuple[bytes, str, str]:
     """Level and words of how the active controller is, and why."""
     mode, reason = controller.modes.mode, controller.modes.reason
+    by_solves = reason == OWN_SOLVE if mode is FallbackMode.SILENCE else "target" not in reason
+    if by_solves and _compiling(controller):
+        return diagnostics.WARN, "the solver is being compiled", "a slower one solves meanwhile"
     heard = f"nothing usable comes on {TARGET.name} or {TARGET_ODOMETRY.name}"
     if mode is FallbackMode.SILENCE:
         level = diagnostics.ERROR if controller.flying else diagnostics.WARN

@@ -95,7 +95,7 @@ class NmpcController(ManagedNode):
         self._margins: MarginWatch | None = None  # of the present controller
         self._times = MessageTimes(self)
         self._tracked, self._both_told = -math.inf, False  # stamp of the newest target/odometry [s]
-        self._arrival = -math.inf  # of the newest state that was believed, steady [s]
+        self._waiting = -math.inf  # since the newest believed state was answered, steady [s]
         self._activated = -math.inf  # when it was activated, steady [s]
         self._engaged = True  # until an autopilot's link says otherwise
         self._paths = CommandPaths()
@@ -278,14 +278,16 @@ class NmpcController(ManagedNode):
             controller.see_state(measurement)
             if active and not self._consent.engaged:
                 controller.fall_silent(DISENGAGED)
-        if controller.state_time != before:
-            self._arrival = arrival
-        elif before is not None and 0.0 <= before - stamp <= self.parameters.state_timeout:
+        believed = controller.state_time != before
+        age = math.inf if before is None else before - stamp
+        if not believed and 0.0 <= age <= self.parameters.state_timeout:
             self.report.leave_out(ODOMETRY.name, "it is no newer than the one before")
         if command is not None:
             self._send(message, controller, measurement, command, arrival)
         controller.response.learn()
         self.report.tell()
+        if believed:  # the time that an answer takes is none in which states are missing
+            self._waiting = time.monotonic()
 
     def _send(
         self,
@@ -312,17 +314,18 @@ class NmpcController(ManagedNode):
 
     def _watch(self) -> None:
         now = time.monotonic()
-        self._stall.alive(now)
+        stopped = not self._stall.alive(now)
         if isinstance(self.controller, RecordingController):
             self.controller.flush()
-        silent = now - max(self._arrival, self._activated)
+        silent = now - max(self._waiting, self._activated)
         if self.controller is None or silent <= self.parameters.state_timeout:
             return
         if self._time_stands(self.controller):
             self.report.stands()
             return
-        words = "vehicle state is lost: nothing" if math.isfinite(self._arrival) else "nothing"
-        self.controller.fall_silent(f"{words} usable comes on {ODOMETRY.name}")
+        words = "vehicle state is lost: nothing" if math.isfinite(self._waiting) else "nothing"
+        why = "the own process stood still" if stopped else "its sender is late or gone"
+        self.controller.fall_silent(f"{words} usable comes on {ODOMETRY.name}: {why}")
         self.report.tell()
 
     def _time_stands(self, controller: Controller) -> bool:
