@@ -15,7 +15,7 @@
 """The whole control step, from a measurement to a command; knows nothing of ROS.
 
 A step judges the measurement, estimates where the aircraft will be when the command takes effect,
-solves the optimal control problem from there, or falls back. Times are in [s] of the stamps' clock::
+solves the optimal control problem from there, or falls back. Times are in [s] of stamps' clock::
 
     controller = Controller(load_configuration("small_uav").controller)
     controller.see_target(stamp, position)
