@@ -26,7 +26,7 @@ author whether it keeps what the base asks for.
 
 from __future__ import annotations
 
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
@@ -35,7 +35,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics.drifting_orbit import OrbitMotion
-from uav_tracking_mpc.dynamics.prediction_model import PredictionModel
 from uav_tracking_mpc.parameters.specification import Parameters
 
 
@@ -80,7 +79,7 @@ class VehicleState(NamedTuple):
 
 
 @dataclass(frozen=True)
-class VehicleModel(Parameters, PredictionModel):
+class VehicleModel(Parameters, ABC):
     """Base of the models.
 
     A model says how the state moves on over a step (:meth:`step`), what of that changes in flight
@@ -90,10 +89,13 @@ class VehicleModel(Parameters, PredictionModel):
     measured state and on an orbit.
 
     Attributes:
+        name: By which it is found.
+        State: NamedTuple of the state's components.
         commanded: How many of (u_psi, u_chi, u_v), from the first on, the controller commands; the
             autopilot finds the others itself, see :meth:`held`.
     """
 
+    name: ClassVar[str]
     State: ClassVar[Any] = VehicleState
     commanded: ClassVar[int] = 3
 
@@ -141,7 +143,16 @@ class VehicleModel(Parameters, PredictionModel):
         return []
 
     def initial(self, vehicle: ArrayLike, target: ArrayLike, rates: ArrayLike) -> Any:
-        """See :meth:`PredictionModel.initial`; a model with further components overrides it."""
+        """State of a measured motion; a model with further components overrides it.
+
+        Args:
+            vehicle: (x, y, z, psi, chi, v) in ``map``, shape (6,).
+            target: Position in ``map``, shape (3,), in [m].
+            rates: (psi', chi', v'), shape (3,), in [rad/s, rad/s, m/s^2].
+
+        Returns:
+            A ``State`` of floats.
+        """
         *position, psi, chi, v = np.asarray(vehicle, dtype=float).tolist()
         offset = np.array(position) - np.asarray(target, dtype=float)
         values = [*offset.tolist(), psi, chi, v, *np.asarray(rates, dtype=float).tolist()]
