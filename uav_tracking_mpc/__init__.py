@@ -56,6 +56,8 @@ if TYPE_CHECKING:
     from uav_tracking_mpc.dynamics.orbit import Orbit as Orbit
     from uav_tracking_mpc.dynamics.relative_models import RelativeModel as RelativeModel
     from uav_tracking_mpc.dynamics.vehicle_models import VehicleModel as VehicleModel
+    from uav_tracking_mpc.dynamics.vehicle_models import VehicleState as VehicleState
+    from uav_tracking_mpc.dynamics.vehicle_models._check import check_model as check_model
     from uav_tracking_mpc.estimation.measurement import Measurement as Measurement
     from uav_tracking_mpc.estimation.situation import Situation as Situation
     from uav_tracking_mpc.laws import GuidanceLaw as GuidanceLaw
@@ -103,8 +105,10 @@ _HOMES = {
     "TrackingParameters": "settings.tracking",
     "VehicleLink": "links",
     "VehicleModel": "dynamics.vehicle_models",
+    "VehicleState": "dynamics.vehicle_models",
     "check_law": "laws._check",
     "check_link": "links._check",
+    "check_model": "dynamics.vehicle_models._check",
     "check_motion": "simulation.motions._check",
     "check_plant": "simulation.plants._check",
     "load_configuration": "settings.configuration",

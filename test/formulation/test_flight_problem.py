@@ -30,7 +30,7 @@ from uav_tracking_mpc.dynamics.relative import (
     tracking_error,
     vehicle_state,
 )
-from uav_tracking_mpc.dynamics.vehicle_models.lagged import LaggedState
+from uav_tracking_mpc.dynamics.vehicle_models import VehicleState
 from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation, flight_problem
 from uav_tracking_mpc.formulation.flight_problem import DECISION_SCALE, SMALL
@@ -71,7 +71,7 @@ def decision_of(orbit):
 
 def state_of(vehicle, rates=(0.0, 0.0, 0.0)):
     """State of a vehicle about a target at the origin."""
-    return LaggedState(*vehicle, *rates)
+    return VehicleState(*vehicle, *rates)
 
 
 def shares_of(inputs, state, data, flight=LAGGED):

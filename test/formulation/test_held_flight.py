@@ -22,7 +22,7 @@ import numpy as np
 import pytest
 import small_uav
 
-from uav_tracking_mpc.dynamics.vehicle_models.lagged import LaggedState
+from uav_tracking_mpc.dynamics.vehicle_models import VehicleState
 from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
@@ -83,7 +83,7 @@ def test_what_is_not_commanded_is_what_the_autopilot_is_expected_to_want():
     model, states = HELD.vehicle, plan.solution.states
     for stage in (0, 7, 21):
         expected = model.held(
-            LaggedState(*states[stage]), 120.0, 22.0, model.numbers(0.4), [5.0, 2.0, 0.3]
+            VehicleState(*states[stage]), 120.0, 22.0, model.numbers(0.4), [5.0, 2.0, 0.3]
         )
         np.testing.assert_allclose(plan.inputs[stage, 1:], expected, rtol=1e-9)
 
@@ -104,7 +104,7 @@ def test_in_a_wind_that_leaves_no_such_orbit_it_is_told_a_higher_airspeed_and_fl
     _, _, airspeed = plan.orbit
     assert airspeed > 22.5
     _, u_v = HELD.vehicle.held(
-        LaggedState(*plan.solution.states[0]), 120.0, airspeed, HELD.vehicle.numbers(0.4), [0] * 3
+        VehicleState(*plan.solution.states[0]), 120.0, airspeed, HELD.vehicle.numbers(0.4), [0] * 3
     )
     assert plan.inputs[0, 2] == pytest.approx(u_v, rel=1e-3)
 

@@ -19,10 +19,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.vehicle import advance
+from uav_tracking_mpc.limits import OrbitShape
 from uav_tracking_mpc.limits._envelope import Envelope
+from uav_tracking_mpc.limits.bank import Bank
+from uav_tracking_mpc.limits.yaw_rate import YawRate
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.configuration import load_configuration
 
 VALUES = {
     "airspeed_min": 14.0,
@@ -141,7 +147,7 @@ def test_an_orbit_that_fits_is_not_refused():
             [
                 "an orbit of 60.0 m range at 22 m/s needs a turn rate of 0.682 rad/s where the "
                 "drift of 8.0 m/s follows the flight, bank 45 deg allows 0.446 rad/s",
-                "the nearest orbit that can be flown has a range of 96.6 m",
+                "the nearest orbit that can be flown has a range of 98.6 m",
             ],
         ),
         (Orbit(40.0, 0.0, 22.0), STILL, ["needs a turn rate of 0.55 rad/s, bank 45 deg"]),
@@ -198,3 +204,41 @@ def test_the_nearest_orbit_can_be_flown(orbit, drift):
 def test_limits_that_contradict_themselves_are_refused_by_name(name, value):
     with pytest.raises(ValueError, match=f"parameter '{name}' is"):
         Envelope(**{**VALUES, name: value})
+
+
+@given(st.floats(15.0, 30.0), st.floats(0.0, 8.0), st.floats(0.9, 1.1))
+def test_a_turn_is_refused_where_no_plan_may_end_on_it(speed, along, share):
+    drift = [along, 0.0, 0.0]
+    tight = SMALL_UAV.smallest_radius(speed, drift) / 0.95
+    asked = Orbit(share * tight, 0.0, speed)
+    shape = OrbitShape(asked.radius, 0.0, speed, asked.range, along)
+    kinds = [SMALL_UAV.find(kind) for kind in (Bank, YawRate)]
+    ends = [limit.orbit(shape, limit.numbers(np.zeros((1, 3)))[0], np).value for limit in kinds]
+    if abs(max(ends) - 1.0) > 1e-9:
+        assert ("turn rate" in SMALL_UAV.refusal(asked, drift)) == (max(ends) > 1.0)
+
+
+def test_an_orbit_below_the_least_height_is_refused_in_words():
+    low, envelope = Orbit(300.0, 5.0, 22.0), Envelope(**VALUES, height_min=30.0)
+    assert envelope.refusal(low, STILL) == ""  # nobody knows how high the target is
+    assert envelope.refusal(low, STILL, 40.0) == ""
+    words = envelope.refusal(low, STILL, 0.0)
+    assert "altitude of 5 m above a target at 0 m is below the least height of 30 m" in words
+    assert "the least altitude is 30 m" in words
+
+
+def test_a_configuration_below_the_least_height_is_refused():
+    with pytest.raises(ParameterError, match="below the least height of 30 m"):
+        load_configuration("small_uav", ["nmpc_controller.altitude=5.0"])
+    raised = ["nmpc_controller.altitude=5.0", "target_publisher.position=[0, 0, 40]"]
+    assert load_configuration("small_uav", raised).controller.altitude == 5.0
+
+
+def test_a_change_below_the_least_height_is_refused_in_flight():
+    controller = Controller(load_configuration("small_uav", ["nmpc_controller.law=l1"]).controller)
+    controller.change(altitude=25.0)  # the target's height is not known yet
+    controller.see_target(0.0, [0.0, 0.0, 2.0])
+    with pytest.raises(ParameterError, match="altitude of 5 m above a target at 2 m"):
+        controller.change(altitude=5.0)
+    assert controller.parameters.altitude == 25.0
+    controller.change(altitude=28.5)

@@ -445,3 +445,18 @@ def test_a_new_controller_knows_nothing_and_flies_on():
     assert not loop.controller.flying
     assert loop.controller.parameters.range == 300.0
     assert all(tick.command is not None for tick in flown(loop, 1.0)[2:])
+
+
+def test_a_flight_is_the_same_however_short_the_budget_of_a_live_solve_is():
+    """As on a machine too busy for any solve: half of the paper's solves need more than 0.1 ms."""
+    logs = []
+    for budget in ("0.0001", "10"):
+        overrides = [f"nmpc_controller.solve_time_max={budget}", "mission.duration=5"]
+        loop = ClosedLoop(load_configuration("paper", overrides))
+        while loop.time < 5.0:
+            if loop.time == 2.0:
+                loop.controller.change(range=160.0)  # sets the budget again
+            loop.tick()
+        logs.append(loop.log(5.0))
+    assert [log.failures for log in logs] == [0, 0]
+    np.testing.assert_array_equal(logs[0].inputs, logs[1].inputs)

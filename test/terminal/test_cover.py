@@ -61,15 +61,6 @@ def test_a_proof_is_the_same_at_any_load():
     assert prove(decrease(PROBLEM, PARTS, 2.8)) == prove(decrease(PROBLEM, PARTS, 2.8))
 
 
-def test_progress_is_told():
-    told = []
-    prove(decrease(PROBLEM, PARTS, 5.0), progress=lambda share, boxes: told.append((share, boxes)))
-    shares = [share for share, _ in told]
-    assert told
-    assert shares == sorted(shares)
-    assert shares[-1] <= 1.0
-
-
 def test_asymmetric_weight_is_refused():
     crooked = PARTS.weight.copy()
     crooked[0, 1] = np.nextafter(crooked[0, 1], 1.0)

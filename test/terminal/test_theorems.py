@@ -95,12 +95,3 @@ def test_quantities_with_the_printed_matrix():
     assert found.theorem3.left == pytest.approx(0.22859, abs=5e-6)
     assert found.theorem3.right == pytest.approx(1.1111, abs=5e-5)
     assert not found.theorem3.holds
-
-
-def test_bounds_are_the_formulas_of_the_paper():
-    found = quantities("exact", 0.05)
-    assert found.bound_40(3) == pytest.approx(found.a_2 / found.a_1 * found.gamma**3)
-    assert found.bound_57(3) == pytest.approx(found.c_2 / found.c_3 * found.gamma_n**3)
-    weight = paper_problem().ingredients().weight
-    error = np.array([1.0, 0.0, 0.0, 0.0, 0.0])
-    assert found.bound_47(error, weight) == pytest.approx(found.c_2 * weight[0, 0])

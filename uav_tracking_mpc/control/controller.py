@@ -15,8 +15,7 @@
 """The whole control step, from a measurement to a command; knows nothing of ROS.
 
 A step judges the measurement, estimates where the aircraft will be when the command takes effect,
-solves the optimal control problem from there, and falls back on something simpler if that fails.
-Times are in seconds of one clock, that of the stamps; its origin does not matter::
+solves the optimal control problem from there, or falls back. Times are in [s] of stamps' clock::
 
     controller = Controller(load_configuration("small_uav").controller)
     controller.see_target(stamp, position)
@@ -136,7 +135,8 @@ class Controller:
         refuse_fixed(self.parameters, parameters)
         if self.formulation is not None:
             self.formulation.check(parameters)
-        if refusal := parameters.envelope.refusal(parameters.orbit, self.drift):
+        ground = self.navigator.target.height
+        if refusal := parameters.envelope.refusal(parameters.orbit, self.drift, ground):
             raise ParameterError(f"parameters 'range', 'altitude', 'airspeed': {refusal}")
 
     def change(self, **values: Any) -> None:

@@ -26,7 +26,6 @@
 ``atmosphere``         density of the standard atmosphere, true over equivalent airspeed
 ``geodesy``            latitude and longitude to the axes of ``map``, and back
 ``response``           how an aircraft answers commands: lag, dead time and gain
-``prediction_model``   what every prediction model says
 ``vehicle_models``     models of the aircraft for the prediction, one file each
 ``relative_models``    (9), (11) and the exact rates of (r, theta, z, chi, v), one file each
 ``drift``              how fast a drift is, how sharp it makes the turn

@@ -124,6 +124,11 @@ class TargetFilter:
         return None if self._track is None else self._track.time
 
     @property
+    def height(self) -> float | None:
+        """Height in ``map`` where it was last seen in [m]; None before the first position."""
+        return None if self._track is None else float(self.predict(self._track.time).position[2])
+
+    @property
     def agility(self) -> float:
         """Standard deviation that was found of the target's acceleration in [m/s^2]."""
         return self._agility if self._track is None else self._track.agility

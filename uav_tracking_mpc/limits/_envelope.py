@@ -33,8 +33,7 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc.dynamics.drift import DRIFT_SHARE, horizontal, level_speed, sharpest_turn
 from uav_tracking_mpc.dynamics.gravity import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.limits import Limit
-from uav_tracking_mpc.limits._turn import TURN_RATE_SHARE
+from uav_tracking_mpc.limits import Bound, Limit, OrbitShape
 from uav_tracking_mpc.limits.acceleration import Acceleration
 from uav_tracking_mpc.limits.airspeed import Airspeed
 from uav_tracking_mpc.limits.bank import Bank
@@ -190,13 +189,20 @@ class Envelope:
             return math.inf
         return sharpest_turn(1.0, level, along) / self.turn_rate_max(airspeed)
 
-    def refusal(self, orbit: Orbit, drift: ArrayLike) -> str:
+    def refusal(self, orbit: Orbit, drift: ArrayLike, ground: float | None = None) -> str:
         """Why an orbit cannot be flown and which one can, in words; empty if it can be flown.
 
         Args:
             orbit: What is asked for; its speed is an airspeed.
             drift: c, shape (3,), in [m/s].
+            ground: Height of the target in ``map`` in [m]; None where it is not known.
         """
+        least = self.height_min
+        if ground is not None and Bound(ground + orbit.altitude, lower=least).passed():
+            return (
+                f"an altitude of {orbit.altitude:.4g} m above a target at {ground:.4g} m is below "
+                f"the least height of {least:.4g} m; the least altitude is {least - ground:.4g} m"
+            )
         reason = self._reason(orbit, drift)
         if not reason:
             return ""
@@ -229,7 +235,7 @@ class Envelope:
         else:
             strength = float(np.linalg.norm(np.asarray(drift, dtype=float)))
             raise ValueError(f"no orbit can be flown in a drift of {strength:.1f} m/s")
-        radius = self.smallest_radius(speed, drift) / TURN_RATE_SHARE
+        radius = self._least_radius(speed, drift)
         distance = orbit.range
         if orbit.radius < radius:
             # A little more, for rounding in d = sqrt(r^2 - z^2).
@@ -243,12 +249,12 @@ class Envelope:
         return reason or self._turn_reason(orbit, drift)
 
     def _turn_reason(self, orbit: Orbit, drift: ArrayLike) -> str:
-        allowed = self.turn_rate_max(orbit.speed)
-        smallest = self.smallest_radius(orbit.speed, drift)
-        if orbit.radius * TURN_RATE_SHARE >= smallest:
+        least = self._least_radius(orbit.speed, drift)
+        if orbit.radius >= least:
             return ""
-        along = horizontal(drift)
-        needed = allowed * smallest / orbit.radius if orbit.radius > 0.0 else math.inf
+        allowed, along = self.turn_rate_max(orbit.speed), horizontal(drift)
+        planned = sharpest_turn(least, orbit.speed, along)
+        needed = planned * least / orbit.radius if orbit.radius > 0.0 else math.inf
         where = f" where the drift of {along:.1f} m/s follows the flight" if along else ""
         limit = "the yaw rate's limit"
         if allowed < self._yaw_rate.yaw_rate_max:
@@ -256,7 +262,16 @@ class Envelope:
         return (
             f"an orbit of {orbit.range:.1f} m range at {orbit.speed:.3g} m/s needs a turn rate of "
             f"{needed:.3g} rad/s{where}, {limit} allows {allowed:.3g} rad/s, "
-            f"{1.0 - TURN_RATE_SHARE:.0%} of it kept to correct with"
+            f"{1.0 - planned / allowed:.0%} of it kept to correct with"
+        )
+
+    def _least_radius(self, airspeed: float, drift: ArrayLike) -> float:
+        """Radius in [m] of the sharpest circle on which a plan may end, by the limits."""
+        unit = OrbitShape(1.0, 0.0, airspeed, 1.0, horizontal(drift))
+        turns = (self._bank, self._yaw_rate)  # each tells how many times the unit circle is passed
+        return max(
+            float(limit.orbit(unit, limit.numbers(np.zeros((1, 3)))[0], np).value)
+            for limit in turns
         )
 
     def _speed_reason(self, orbit: Orbit, drift: ArrayLike) -> str:

@@ -41,7 +41,11 @@ PLANNED_MARGIN = 0.2  # m/s^2
 
 @dataclass(frozen=True)
 class Force(AirspeedSpan):
-    """force_min(v) <= g sin(chi) + u_v <= force_max(v), linear between the ends of the airspeed."""
+    """force_min(v) <= g sin(chi) + u_v <= force_max(v), linear between the ends of the airspeed.
+
+    Beyond the ends, where the limit of the airspeed is passed already, commands are held to the
+    values at the ends; plans continue the lines, so that their expressions stay smooth.
+    """
 
     name = "force"
     of_rates = True

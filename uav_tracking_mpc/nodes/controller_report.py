@@ -225,7 +225,10 @@ class ControllerReport:
             "plan reused": modes.counts[FallbackMode.EARLIER_PLAN],
             **{f"mode {mode.value}": count for mode, count in modes.counts.items()},
             "messages refused": self.refused,
-            "orbit refused": envelope.refusal(controller.orbit, controller.drift) or "no",
+            "orbit refused": envelope.refusal(
+                controller.orbit, controller.drift, navigator.target.height
+            )
+            or "no",
             **orbit_values(controller.orbit),
             "drift east [m/s]": east,
             "drift north [m/s]": north,

@@ -22,6 +22,8 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
+
 from uav_tracking_mpc.parameters.specification import ParameterError, from_mapping
 from uav_tracking_mpc.parameters.suggestion import did_you_mean
 from uav_tracking_mpc.settings.link import LinkParameters
@@ -165,6 +167,10 @@ def configuration_of(
     for section, parameters in SECTIONS.items():
         values = {k: v for k, v in sections[section].items() if k != "use_sim_time"}
         built[section] = _built(parameters, section, values)
+    tracking, target = built["nmpc_controller"], built["target_publisher"]
+    ground = (target.waypoints if target.motion == "waypoints" else target.position)[2]
+    if refusal := tracking.envelope.refusal(tracking.orbit, np.zeros(3), ground):
+        raise ParameterError(f"section 'nmpc_controller': {refusal}")
     return Configuration(
         name=name,
         controller=built["nmpc_controller"],

@@ -150,7 +150,7 @@ class SimulatorParameters(HoldParameters, FrameParameters):
         (1.0, 1.0, 1.0),
         "Share of commanded yaw rate, path-angle rate and acceleration that is flown in the end.",
         lower=0.1,
-        upper=3.0,
+        upper=10.0,
         size=3,
         fixed=True,
     )

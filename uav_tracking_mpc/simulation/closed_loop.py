@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import math
 from array import array
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -120,7 +121,8 @@ class ClosedLoop:
     """A mission, flown tick by tick.
 
     Plant, sensors and target run at the rates at which the nodes run. The controller takes no time
-    to answer: a flight depends on nothing but its configuration, unless a solve meets its budget.
+    to answer, and its solves have no budget of wall time: a flight depends on nothing but its
+    configuration.
     Between two ticks everything can be changed as in flight: ``controller.change``,
     ``plant.change``, ``target.go_to`` at :attr:`time`, and so on.
 
@@ -181,6 +183,8 @@ class ClosedLoop:
         measured = plant.measured()
         if began:
             measured = replace(measured, stamp=measured.stamp + began)
+        if self.controller.formulation is not None:  # each change of parameters sets a budget again
+            self.controller.formulation.solver.time_limit = math.inf
         command = self.answer(sightings, measured, now)
         self._recorder.mode(now, self.controller.modes.mode, self.controller.modes.reason)
         if command is not None:

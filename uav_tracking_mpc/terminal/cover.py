@@ -22,7 +22,6 @@ distrusts the search needs only to test the leaves again.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,17 +79,12 @@ class Proof:
     stuck: Stuck | None = None
 
 
-def prove(
-    bound: QuadraticBound,
-    box_limit: int = BOXES,
-    progress: Callable[[float, int], None] | None = None,
-) -> Proof:
+def prove(bound: QuadraticBound, box_limit: int = BOXES) -> Proof:
     """Prove the bound on x' P x <= varrho.
 
     Args:
         bound: What to prove.
         box_limit: Give up after so many boxes.
-        progress: Called now and then with the proved share of the root's volume and the boxes.
     """
     module = flint()
     with module.ctx.workprec(PRECISION):
@@ -112,8 +106,6 @@ def prove(
                 multipliers.append(verdict.multiplier)
                 leaves += 1
                 share += 0.5**level
-                if progress is not None and leaves % 50 == 0:
-                    progress(share, boxes)
                 continue
             reason = None
             if level >= DEPTH_LIMIT:

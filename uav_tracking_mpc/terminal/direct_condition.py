@@ -28,7 +28,6 @@ covered too.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from uav_tracking_mpc.terminal.admissible import Limit, domain_limits, input_limits, lowest
@@ -41,7 +40,6 @@ from uav_tracking_mpc.terminal.terminal_dynamics import ClosedLoopBalls
 
 SLACK = 1e-6
 MARGIN = 1e-6  # of a level below the one at which an input or the domain binds
-Progress = Callable[[float, int], None]
 
 
 @dataclass(frozen=True)
@@ -107,7 +105,6 @@ def prove_direct_condition(
     ingredients: TerminalIngredients,
     level: float,
     box_limit: int = BOXES,
-    progress: Progress | None = None,
 ) -> DirectCondition:
     """Prove that x'P_rho x <= level is a terminal set of the configuration.
 
@@ -116,12 +113,11 @@ def prove_direct_condition(
         ingredients: K and P_rho, taken as exact.
         level: varrho [-].
         box_limit: See :func:`uav_tracking_mpc.terminal.cover.prove`.
-        progress: See :func:`uav_tracking_mpc.terminal.cover.prove`.
     """
     bound = decrease(problem, ingredients, level)
     return DirectCondition(
         level=level,
-        decrease=prove(bound, box_limit, progress),
+        decrease=prove(bound, box_limit),
         inputs=lowest(input_limits(problem, ingredients.gain, ingredients.weight)),
         domain=lowest(domain_limits(problem, ingredients.weight)),
     )

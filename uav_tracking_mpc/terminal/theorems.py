@@ -246,30 +246,6 @@ class TheoremQuantities:
         """(41): xi + (rho - 1) sigma >= b."""
         return Condition(self.xi + (self.scaling - 1.0) * self.sigma, self.b)
 
-    def bound_40(self, step: int) -> float:
-        """(a_2 / a_1) gamma^k: (40) bounds |x_k|^2 / |x_0|^2 under kappa_l after ``step`` steps."""
-        return self.a_2 / self.a_1 * self.gamma**step
-
-    def bound_47(self, error: NDArray[np.float64], weight: NDArray[np.float64]) -> float:
-        """c_2 |x|_P^2: (47) bounds V_N(x) for x in X_f.
-
-        Args:
-            error: x, shape (5,).
-            weight: P_rho, shape (5, 5).
-        """
-        return float(self.c_2 * error @ weight @ error)
-
-    def bound_57(self, step: int) -> float:
-        """(c_2 / c_3) gamma_n^k at ``step`` k: (57) as printed. The argument needs c_2 / a_1."""
-        return self.c_2 / self.c_3 * self.gamma_n**step
-
-    def bound_57_corrected(self, step: int) -> float:
-        """(c_2 / xi) gamma_n^k at ``step`` k, in the norm of P_rho.
-
-        It follows from V_N >= xi |x|^2, (52), and V_N <= c_2 |x|^2.
-        """
-        return self.c_2 / self.xi * self.gamma_n**step
-
 
 def largest_lipschitz(contraction: float, allowance: float) -> float:
     """The L at which b reaches an allowance: root of L^2 + 2 L |A_K|_P = allowance.

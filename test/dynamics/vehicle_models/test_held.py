@@ -21,13 +21,13 @@ import numpy as np
 import pytest
 
 from uav_tracking_mpc.dynamics.energy_hold import hold
-from uav_tracking_mpc.dynamics.vehicle_models import Drift
+from uav_tracking_mpc.dynamics.vehicle_models import Drift, VehicleState
 from uav_tracking_mpc.dynamics.vehicle_models.held import Held
-from uav_tracking_mpc.dynamics.vehicle_models.lagged import Lagged, LaggedState
+from uav_tracking_mpc.dynamics.vehicle_models.lagged import Lagged
 
 LAG = (0.3, 0.13, 0.16)
 MODEL = Held(rate_lag=LAG, hold_time=(4.0, 0.8, 3.0), hold_climb_max=4.0)
-STATE = LaggedState(200.0, -80.0, 40.0, 2.9, 0.05, 20.0, 0.1, -0.05, 0.4)
+STATE = VehicleState(200.0, -80.0, 40.0, 2.9, 0.05, 20.0, 0.1, -0.05, 0.4)
 DRIFT = [6.0, -3.0, 0.5]
 
 
@@ -50,17 +50,17 @@ def test_a_step_is_that_of_the_lagged_vehicle():
 
 def test_numbers_arrays_and_symbols_give_the_same():
     symbols = ca.SX.sym("x", 9)
-    function = ca.Function("held", [symbols], held(LaggedState(*ca.vertsplit(symbols))))
+    function = ca.Function("held", [symbols], held(VehicleState(*ca.vertsplit(symbols))))
     symbolic = [float(value) for value in function(np.array(STATE))]
     np.testing.assert_allclose(symbolic, held(STATE), rtol=1e-13)
-    stacked = LaggedState(*np.tile(np.array(STATE)[:, np.newaxis], 4))
+    stacked = VehicleState(*np.tile(np.array(STATE)[:, np.newaxis], 4))
     drift = np.tile(np.array(DRIFT)[:, np.newaxis], 4)
     np.testing.assert_allclose(held(stacked, drift=drift)[0], held(STATE)[0])
 
 
 @pytest.mark.parametrize("start", [-60.0, 40.0])
 def test_step_by_step_the_altitude_comes_back(start):
-    state = LaggedState(0.0, 0.0, 60.0 + start, 0.0, 0.0, 18.0, 0.0, 0.0, 0.0)
+    state = VehicleState(0.0, 0.0, 60.0 + start, 0.0, 0.0, 18.0, 0.0, 0.0, 0.0)
     numbers, drift = MODEL.numbers(0.4), Drift([0.0, 0.0, 1.0], [0.0, 0.0, 0.0])
     for _ in range(200):
         state = MODEL.step(state, [0.0, *held(state, drift=[0.0, 0.0, 1.0])], 0.4, numbers, drift)

@@ -21,11 +21,11 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from uav_tracking_mpc.dynamics import vehicle
-from uav_tracking_mpc.dynamics.vehicle_models import Drift
-from uav_tracking_mpc.dynamics.vehicle_models.lagged import Lagged, LaggedState
+from uav_tracking_mpc.dynamics.vehicle_models import Drift, VehicleState
+from uav_tracking_mpc.dynamics.vehicle_models.lagged import Lagged
 
 LAG = (0.3, 0.13, 0.16)
-START = LaggedState(200.0, -80.0, 40.0, 2.9, 0.05, 22.0, 0.1, -0.05, 0.4)
+START = VehicleState(200.0, -80.0, 40.0, 2.9, 0.05, 22.0, 0.1, -0.05, 0.4)
 INPUTS = [-0.3, 0.2, -1.0]
 DRIFT = Drift([6.0, -3.0, 0.5], [0.2, 0.1, -0.1])
 
@@ -86,13 +86,13 @@ def test_without_lag_and_drift_it_is_the_vehicle():
 
 def test_a_measurement_gives_the_state_relative_to_the_target():
     state = Lagged().initial([5.0, 7.0, 9.0, 0.1, 0.2, 20.0], [1.0, 2.0, 3.0], [0.3, 0.4, 0.5])
-    assert state == LaggedState(4.0, 5.0, 6.0, 0.1, 0.2, 20.0, 0.3, 0.4, 0.5)
+    assert state == VehicleState(4.0, 5.0, 6.0, 0.1, 0.2, 20.0, 0.3, 0.4, 0.5)
 
 
 @given(st.floats(0.01, 0.5), st.lists(st.floats(-0.5, 0.5), min_size=3, max_size=3))
 def test_numbers_and_symbols_give_the_same(duration, inputs):
     state = ca.SX.sym("x", 9)
-    symbolic = advance(LaggedState(*ca.vertsplit(state)), inputs, duration)
+    symbolic = advance(VehicleState(*ca.vertsplit(state)), inputs, duration)
     evaluate = ca.Function("f", [state], [ca.vertcat(*symbolic)])
     numbers = advance(START, inputs, duration)
     np.testing.assert_allclose(

@@ -17,8 +17,8 @@
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.dynamics.vehicle_models import Drift
-from uav_tracking_mpc.dynamics.vehicle_models.lagged import Lagged, LaggedState
+from uav_tracking_mpc.dynamics.vehicle_models import Drift, VehicleState
+from uav_tracking_mpc.dynamics.vehicle_models.lagged import Lagged
 from uav_tracking_mpc.studies.feasibility.guarantee import GUARANTEED, NOT_GUARANTEED, as_words
 
 RADIUS, SPEED, STEP, LAG = 275.0, 22.0, 0.5, (0.3, 0.13, 0.16)
@@ -26,7 +26,7 @@ RADIUS, SPEED, STEP, LAG = 275.0, 22.0, 0.5, (0.3, 0.13, 0.16)
 
 def test_steady_inputs_stay_on_the_orbit_without_drift():
     turn = SPEED / RADIUS
-    state = LaggedState(RADIUS, 0.0, 120.0, np.pi / 2, 0.0, SPEED, turn, 0.0, 0.0)
+    state = VehicleState(RADIUS, 0.0, 120.0, np.pi / 2, 0.0, SPEED, turn, 0.0, 0.0)
     model, still = Lagged(LAG), Drift(np.zeros(3), np.zeros(3))
     for _ in range(200):
         state = model.step(state, [turn, 0.0, 0.0], STEP, model.numbers(STEP), still)

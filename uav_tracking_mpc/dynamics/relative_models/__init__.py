@@ -29,19 +29,20 @@ the true vehicle.
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from typing import Any
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar
 
-from numpy.typing import ArrayLike
-
-from uav_tracking_mpc.dynamics.prediction_model import PredictionModel
-from uav_tracking_mpc.dynamics.relative import RelativeState, relative_state
+from uav_tracking_mpc.dynamics.relative import RelativeState
 
 
-class RelativeModel(PredictionModel):
-    """Base of the models; derivatives are made from :meth:`rates` by machine."""
+class RelativeModel(ABC):
+    """Base of the models; derivatives are made from :meth:`rates` by machine.
 
-    State = RelativeState
+    Attributes:
+        name: By which it is found.
+    """
+
+    name: ClassVar[str]
 
     @abstractmethod
     def rates(self, state: RelativeState, inputs: Any) -> list[Any]:
@@ -54,7 +55,3 @@ class RelativeModel(PredictionModel):
         Returns:
             Five expressions, in the order of the state.
         """
-
-    def initial(self, vehicle: ArrayLike, target: ArrayLike, rates: ArrayLike) -> RelativeState:
-        """See :meth:`PredictionModel.initial`; these models have no lag."""
-        return RelativeState(*relative_state(vehicle, target).tolist())

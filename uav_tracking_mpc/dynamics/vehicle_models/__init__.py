@@ -20,21 +20,21 @@
 ==================  ==================================================================
 
 A model is a subclass of :class:`VehicleModel` in a file of its own name. Its fields are parameters
-of the controller.
+of the controller. :func:`uav_tracking_mpc.dynamics.vehicle_models._check.check_model` tells its
+author whether it keeps what the base asks for.
 """
 
 from __future__ import annotations
 
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics.drifting_orbit import OrbitMotion
-from uav_tracking_mpc.dynamics.prediction_model import PredictionModel
 from uav_tracking_mpc.parameters.specification import Parameters
 
 
@@ -50,18 +50,53 @@ class Drift(NamedTuple):
     rate: Any
 
 
-@dataclass(frozen=True)
-class VehicleModel(Parameters, PredictionModel):
-    """Base of the models.
+class VehicleState(NamedTuple):
+    """State of the aircraft that every model begins with, relative to the target.
 
-    The state's first nine components are x, y, z relative to the target in the axes of ``map``,
-    heading, path_angle and airspeed, and their rates turn_rate, path_angle_rate and acceleration.
+    Numbers or symbols.
 
     Attributes:
+        x: East of the target in [m].
+        y: North of the target in [m].
+        z: Above the target in [m].
+        heading: psi in [rad].
+        path_angle: chi in [rad].
+        airspeed: v in [m/s].
+        turn_rate: psi' in [rad/s].
+        path_angle_rate: chi' in [rad/s].
+        acceleration: v' in [m/s^2].
+    """
+
+    x: Any
+    y: Any
+    z: Any
+    heading: Any
+    path_angle: Any
+    airspeed: Any
+    turn_rate: Any
+    path_angle_rate: Any
+    acceleration: Any
+
+
+@dataclass(frozen=True)
+class VehicleModel(Parameters, ABC):
+    """Base of the models.
+
+    A model says how the state moves on over a step (:meth:`step`), what of that changes in flight
+    (:meth:`numbers`), and how slowly its rates follow commands (:attr:`lags`). One with further
+    components names them in a ``State`` of its own, which begins with those of
+    :class:`VehicleState`, and says in :meth:`initial` and :meth:`settled` what they are at a
+    measured state and on an orbit.
+
+    Attributes:
+        name: By which it is found.
+        State: NamedTuple of the state's components.
         commanded: How many of (u_psi, u_chi, u_v), from the first on, the controller commands; the
             autopilot finds the others itself, see :meth:`held`.
     """
 
+    name: ClassVar[str]
+    State: ClassVar[Any] = VehicleState
     commanded: ClassVar[int] = 3
 
     @abstractmethod
@@ -115,14 +150,32 @@ class VehicleModel(Parameters, PredictionModel):
         """
         return []
 
-    @abstractmethod
+    def initial(self, vehicle: ArrayLike, target: ArrayLike, rates: ArrayLike) -> Any:
+        """State of a measured motion; a model with further components overrides it.
+
+        Args:
+            vehicle: (x, y, z, psi, chi, v) in ``map``, shape (6,).
+            target: Position in ``map``, shape (3,), in [m].
+            rates: (psi', chi', v'), shape (3,), in [rad/s, rad/s, m/s^2].
+
+        Returns:
+            A ``State`` of floats.
+        """
+        *position, psi, chi, v = np.asarray(vehicle, dtype=float).tolist()
+        offset = np.array(position) - np.asarray(target, dtype=float)
+        values = [*offset.tolist(), psi, chi, v, *np.asarray(rates, dtype=float).tolist()]
+        return self.State(*values)
+
     def settled(self, state: Any, orbit: OrbitMotion) -> list[Any]:
         """What must vanish, beside position and velocity, for the state to be on an orbit.
+
+        By default the rates are those of the orbit; further components need more.
 
         Args:
             state: A ``State`` of symbols.
             orbit: Motion on the orbit where the aircraft is.
         """
+        return [state.turn_rate - orbit.turn_rate, state.path_angle_rate, state.acceleration]
 
 
 def step_function(model: VehicleModel) -> ca.Function:

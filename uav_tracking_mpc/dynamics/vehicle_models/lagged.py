@@ -31,42 +31,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.drifting_orbit import OrbitMotion
 from uav_tracking_mpc.dynamics.vehicle import air_velocity
-from uav_tracking_mpc.dynamics.vehicle_models import Drift, VehicleModel
+from uav_tracking_mpc.dynamics.vehicle_models import Drift, VehicleModel, VehicleState
 from uav_tracking_mpc.parameters.specification import parameter
-
-
-class LaggedState(NamedTuple):
-    """State of the aircraft, relative to the target: numbers or symbols.
-
-    Attributes:
-        x: East of the target in [m].
-        y: North of the target in [m].
-        z: Above the target in [m].
-        heading: psi in [rad].
-        path_angle: chi in [rad].
-        airspeed: v in [m/s].
-        turn_rate: psi' in [rad/s].
-        path_angle_rate: chi' in [rad/s].
-        acceleration: v' in [m/s^2].
-    """
-
-    x: Any
-    y: Any
-    z: Any
-    heading: Any
-    path_angle: Any
-    airspeed: Any
-    turn_rate: Any
-    path_angle_rate: Any
-    acceleration: Any
 
 
 @dataclass(frozen=True)
@@ -74,7 +47,6 @@ class Lagged(VehicleModel):
     """First-order lag of turn rate, path-angle rate and acceleration."""
 
     name = "lagged"
-    State = LaggedState
 
     rate_lag: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0),
@@ -113,8 +85,8 @@ class Lagged(VehicleModel):
         return replace(self, rate_lag=tuple(lags.tolist()))
 
     def step(
-        self, state: LaggedState, inputs: Any, duration: Any, numbers: Any, drift: Drift
-    ) -> LaggedState:
+        self, state: VehicleState, inputs: Any, duration: Any, numbers: Any, drift: Drift
+    ) -> VehicleState:
         """See :meth:`VehicleModel.step`."""
         xp = ca if isinstance(state.heading, ca.SX) else math
         x, y, z, psi, chi, v, turn, climb, gain = state
@@ -139,15 +111,4 @@ class Lagged(VehicleModel):
             for axis in range(3)
         )
         rates = (u_psi + e_psi * numbers[6], u_chi + e_chi * numbers[7], u_v + e_v * numbers[8])
-        return LaggedState(x + dx, y + dy, z + dz, psi, chi, v, *rates)
-
-    def initial(self, vehicle: ArrayLike, target: ArrayLike, rates: ArrayLike) -> LaggedState:
-        """See :meth:`PredictionModel.initial`."""
-        *position, psi, chi, v = np.asarray(vehicle, dtype=float).tolist()
-        offset = np.array(position) - np.asarray(target, dtype=float)
-        values = [*offset.tolist(), psi, chi, v, *np.asarray(rates, dtype=float).tolist()]
-        return LaggedState(*values)
-
-    def settled(self, state: LaggedState, orbit: OrbitMotion) -> list[Any]:
-        """See :meth:`VehicleModel.settled`: the rates are those of the orbit."""
-        return [state.turn_rate - orbit.turn_rate, state.path_angle_rate, state.acceleration]
+        return VehicleState(x + dx, y + dy, z + dz, psi, chi, v, *rates)

@@ -34,10 +34,6 @@ from uav_tracking_mpc.settings.parameter_file import Sections
 from uav_tracking_mpc.studies.campaign.campaign_file import ALL, ONE, Campaign, Group
 from uav_tracking_mpc.studies.campaign.uncertain_inputs import read, write
 
-# Longer than any solve takes: with the budget of a real flight the load of the machine would
-# decide which plan is flown, and no flight could be repeated.
-SOLVE_TIME_MAX = 10.0  # s
-
 
 @dataclass(frozen=True)
 class PlannedFlight:
@@ -101,7 +97,6 @@ def planned(campaign: Campaign, number: int) -> PlannedFlight:
     gusts, target = np.random.SeedSequence([campaign.seed, draw]).generate_state(2).tolist()
     sections["uav_simulator"]["seed"] = gusts >> 1  # the parameter takes 31 bits
     sections["target_publisher"]["seed"] = target >> 1
-    sections["nmpc_controller"]["solve_time_max"] = SOLVE_TIME_MAX
     write(sections, values)
     group, rank = _group_of(campaign, draw)
     names = _errors_of(campaign, group, rank)

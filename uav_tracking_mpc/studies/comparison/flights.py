@@ -36,9 +36,6 @@ ORDER = (
     "still", "wind", "crosswind", "headwind", "tight_headwind", "circling_target", "gusts",
     "noisy_target",
 )  # fmt: skip
-# Longer than any solve takes: with the budget of a real flight the load of the machine would
-# decide which plan is flown, and no flight could be repeated.
-SOLVE_TIME_MAX = 10.0  # s
 
 
 def fly_all(
@@ -67,17 +64,14 @@ def fly_all(
 
 
 def prepared(configuration: Configuration, law: str) -> Configuration:
-    """The configuration with a law, and what all laws share: direction and time enough to solve.
+    """The configuration with a law, and what all laws share: the direction.
 
     Args:
         configuration: Of a scenario.
         law: Name of a law, or ``path.py:Class``.
     """
     controller = dataclasses.replace(
-        configuration.controller,
-        law=law,
-        direction=start_direction(configuration),
-        solve_time_max=SOLVE_TIME_MAX,
+        configuration.controller, law=law, direction=start_direction(configuration)
     )
     # The aircraft, also where the mission is to fly the prediction model.
     mission = dataclasses.replace(configuration.mission, plant=configuration.simulator.plant)

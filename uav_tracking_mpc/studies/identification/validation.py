@@ -42,7 +42,6 @@ from uav_tracking_mpc.studies.parallel import parallel_map
 
 SCENARIO = "crosswind"
 DURATION, EXCITED = 120.0, 60.0  # s of a flight, and of its end that are used
-UNHURRIED = 10.0  # s for a solve: a busy machine makes no difference
 LAG, DEAD_TIME, GAIN = (0.05, 1.0), (0.0, 0.3), (0.8, 1.25)  # drawn from, in [s], [s], [-]
 TOLD = 2.0  # greatest factor by which lag and dead time are told wrong
 # How near an estimate must come: s, and share of the truth.
@@ -125,12 +124,7 @@ def drawn(flight: Flight) -> tuple[Configuration, Truth]:
         **NOISE,
     }
     told_lag, told_dead_time = (told * (lag, dead_time)).tolist()
-    believed = {
-        "rate_lag": told_lag,
-        "dead_time": told_dead_time,
-        "excitation": USUAL,
-        "solve_time_max": UNHURRIED,
-    }
+    believed = {"rate_lag": told_lag, "dead_time": told_dead_time, "excitation": USUAL}
     drawn_configuration = replace(
         configuration,
         simulator=changed(configuration.simulator, true),

@@ -119,6 +119,8 @@ class LinkFlight:
         self.controller.engage(self.link.engaged)
         if measured is None:
             return
+        if self.controller.formulation is not None:  # simulated time waits for a solve
+            self.controller.formulation.solver.time_limit = math.inf
         command = self.controller.step(measured, now)
         if command is not None:
             self.command = command

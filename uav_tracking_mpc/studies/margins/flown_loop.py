@@ -47,7 +47,6 @@ SETTLED = 60.0  # s after which a flight that begins on the orbit is steady
 OBSERVED = 60.0  # s in which the answer to an impulse dies away
 LATE, LEFT = 10.0, 0.05  # s at the end, in which no more than this share of an answer is left
 IMPULSES = np.array([0.1, 0.1, 1.0])  # rad/s, rad/s, m/s^2 during one control period
-SOLVE_TIME_MAX = 10.0  # s: the load of the machine does not matter
 ROUNDING = 1e-6  # s
 
 
@@ -97,9 +96,7 @@ def in_still_air(configuration: Configuration) -> Configuration:
     sense = 1.0 if orbit.direction == COUNTER_CLOCKWISE else -1.0
     return replace(
         configuration,
-        controller=replace(
-            configuration.controller, direction=orbit.direction, solve_time_max=SOLVE_TIME_MAX
-        ),
+        controller=replace(configuration.controller, direction=orbit.direction),
         simulator=replace(
             configuration.simulator,
             wind=(0.0, 0.0, 0.0),
