@@ -52,6 +52,7 @@ NOW_AND_THEN = (
 HEARTBEAT_PERIOD, SYNC_PERIOD, ASKING_PERIOD = 1.0, 0.5, 1.0  # s
 SLOW_RATE, QUICK_RATE = 2.0, 10.0  # Hz
 REOPEN_PERIOD = 1.0  # s between attempts to open a lost wire
+KEPT_RATE = 0.7  # of the states that came at best, below which they are asked for again
 LOST = 5.0  # s without a heartbeat
 STALL = 2.0  # s in which nobody read, after which what waits is too old for its arrival to count
 BACKLOG = 10000  # reads in a row of what waits
@@ -123,6 +124,7 @@ class Listener:
         self._asked_at, self._told_lost, self._told_wire = 0, False, False
         self._heartbeat_at = -math.inf
         self._looked_at = math.inf
+        self._counted, self._counted_at, self._usual_rate = 0, -math.inf, 0.0
         self._due: dict[str, float] = {}
 
     @property
@@ -291,6 +293,7 @@ class Listener:
             self._events.add(level, f"autopilot: {message.text}")
         else:
             measurement = self.telemetry.see(message, arrival)
+            self._counted += measurement is not None
             if measurement is not None and arrival - measurement.stamp <= HISTORY:
                 self.measurements.append(measurement)
                 self.on_measurement(measurement, arrival)
@@ -336,9 +339,21 @@ class Listener:
         if silent > LOST and not self._told_lost:
             self._told_lost = True
             self._events.add(Level.WARNING, f"the autopilot was not heard for {LOST:g} s")
-        if self.telemetry.newest is None and self.is_due("telemetry", now, ASKING_PERIOD):
-            self.ask_for_telemetry()
+        if self.is_due("telemetry", now, ASKING_PERIOD):
+            self._watch_rate(now)
         self.requests.tend(now)
+
+    def _watch_rate(self, now: float) -> None:
+        """Ask for telemetry where there is none, or much less than there was.
+
+        Another program on the same channel may ask for less, and again and again, as MAVProxy does.
+        """
+        rate = self._counted / (now - self._counted_at)
+        slowed = self._counted > 0 and rate < KEPT_RATE * self._usual_rate
+        self._usual_rate = min(max(self._usual_rate, rate), self._parameters.telemetry_rate)
+        self._counted, self._counted_at = 0, now
+        if slowed or self.telemetry.newest is None:
+            self.ask_for_telemetry()
 
     def is_due(self, what: str, now: float, period: float) -> bool:
         """Whether something periodic is to be done; it then counts as done.
