@@ -102,7 +102,7 @@ class Controller:
     def reset(self) -> None:
         """Forget aircraft, air, target, plans and commands; counts stay."""
         self._gate.reset()
-        self.flying = False
+        self.flying = self._taken_over = False
         self._fly_by(self.response.reset())
         self._forget()
 
@@ -114,7 +114,8 @@ class Controller:
         self.response.interrupt()
         if self.formulation is not None:
             self.formulation.reset()
-        self._direction: str | None = None
+        if not self._taken_over:
+            self._direction: str | None = None
         self._solve_time: float | None = None
 
     @property
@@ -256,9 +257,12 @@ class Controller:
     def engage(self, engaged: bool) -> None:
         """Say whether the aircraft flies the commands; while not, nothing is learnt from them.
 
+        The direction of a flight that somebody engaged stays, whatever happens meanwhile.
+
         Args:
             engaged: Whether it does; so at the start.
         """
+        self._taken_over = engaged
         self.navigator.engage(engaged)
         self.response.engage(engaged)
 
@@ -335,8 +339,9 @@ class Controller:
         return self._command(stamp, level, LEVELLING_TIME, airspeed)
 
     def _orient(self, situation: Situation) -> None:
-        """The nearest direction is chosen once, with hysteresis."""
-        if self.parameters.direction == NEAREST:
+        """The nearest direction is chosen once, with hysteresis; it stands for an engagement."""
+        standing = self._taken_over and self._direction is not None
+        if self.parameters.direction == NEAREST and not standing:
             self._direction = nearest_direction(situation, self._direction)
             if self._direction != self.orbit.direction:
                 self._choose()
