@@ -169,7 +169,7 @@ def test_versions_agree():
 def test_package_xml_names_every_import():
     """By rosdep key; what only some commands need is an extra and has none."""
     extras = {"flint", "control", "pyarrow", "distributed", "pandas", "duckdb", "dask", "mcap"}
-    extras |= {"pymavlink", "jsbsim", "acados_template"}
+    extras |= {"pymavlink", "serial", "jsbsim", "acados_template"}
     extras |= {"viser", "websockets", "msgspec", "playwright", "zstandard"}
     keys = {
         "argcomplete": "python3-argcomplete",

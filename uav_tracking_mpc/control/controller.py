@@ -102,7 +102,7 @@ class Controller:
     def reset(self) -> None:
         """Forget aircraft, air, target, plans and commands; counts stay."""
         self._gate.reset()
-        self.flying = self._taken_over = False
+        self.flying = self.navigator.claimed = False
         self._fly_by(self.response.reset())
         self._forget()
 
@@ -114,8 +114,7 @@ class Controller:
         self.response.interrupt()
         if self.formulation is not None:
             self.formulation.reset()
-        if not self._taken_over:
-            self._direction: str | None = None
+        self._direction: str | None = self._direction if self.navigator.claimed else None
         self._solve_time: float | None = None
 
     @property
@@ -257,12 +256,9 @@ class Controller:
     def engage(self, engaged: bool) -> None:
         """Say whether the aircraft flies the commands; while not, nothing is learnt from them.
 
-        The direction of a flight that somebody engaged stays, whatever happens meanwhile.
-
         Args:
             engaged: Whether it does; so at the start.
         """
-        self._taken_over = engaged
         self.navigator.engage(engaged)
         self.response.engage(engaged)
 
@@ -340,9 +336,8 @@ class Controller:
 
     def _orient(self, situation: Situation) -> None:
         """The nearest direction is chosen once, with hysteresis; it stands for an engagement."""
-        standing = self._taken_over and self._direction is not None
-        if self.parameters.direction == NEAREST and not standing:
-            self._direction = nearest_direction(situation, self._direction)
+        if self.parameters.direction == NEAREST:
+            self._direction = nearest_direction(situation, self._direction, self.navigator.claimed)
             if self._direction != self.orbit.direction:
                 self._choose()
 

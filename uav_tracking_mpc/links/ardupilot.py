@@ -48,7 +48,7 @@ from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.links.mavlink.findings import firmware, inspection, state_refusal
 from uav_tracking_mpc.links.mavlink.mavlink_link import MavlinkLink
 from uav_tracking_mpc.links.mavlink.requests import NOT_ANSWERED
-from uav_tracking_mpc.links.mavlink.telemetry import DEGREE_SCALE
+from uav_tracking_mpc.links.mavlink.telemetry import DEGREE_SCALE, SLOW_CLIMB
 
 GUIDED = 15
 MODES = {
@@ -101,6 +101,11 @@ class ArduPilotLink(MavlinkLink):
         self._loiter: tuple[FlownOrbit, float] | None = None
         self._places: deque[NDArray[np.float64]] = deque(maxlen=PLACES)  # of our loiters
         self._heeded = False  # whether it has had one of them since the commands began
+
+    def connect(self, timeout: float) -> None:
+        """See :meth:`VehicleLink.connect`."""
+        super().connect(timeout)
+        self.heard.telemetry.climb_frequency = SLOW_CLIMB
 
     def mode_name(self, custom_mode: int) -> str:
         """See :meth:`MavlinkLink.mode_name`."""

@@ -30,7 +30,7 @@ from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
 from uav_tracking_mpc.links.mavlink.connection import Connection
 from uav_tracking_mpc.links.mavlink.dialect import mavlink, name_of
 from uav_tracking_mpc.links.mavlink.requests import Requests
-from uav_tracking_mpc.links.mavlink.telemetry import LEAST_AIRSPEED, QUICK_CLIMB, Telemetry
+from uav_tracking_mpc.links.mavlink.telemetry import LEAST_AIRSPEED, Telemetry
 from uav_tracking_mpc.links.mavlink.vehicle_sighting import VehicleSighting
 from uav_tracking_mpc.settings.link import LinkParameters
 
@@ -69,7 +69,6 @@ class Listener:
         events: Where what happens is reported.
         slow_messages: Asked for now and then, beside those of every autopilot.
         quick_messages: Asked for often, so that what they tell is not missed.
-        climb_frequency: See :class:`Telemetry`.
 
     Attributes:
         connection: The wire.
@@ -95,7 +94,6 @@ class Listener:
         events: EventLog,
         slow_messages: Iterable[int] = (),
         quick_messages: Iterable[int] = (),
-        climb_frequency: float = QUICK_CLIMB,
     ) -> None:
         self._parameters, self._events = parameters, events
         self.connection = connection
@@ -105,7 +103,7 @@ class Listener:
         if parameters.origin:
             latitude, longitude, altitude = parameters.origin
             origin = LocalFrame(math.radians(latitude), math.radians(longitude), altitude)
-        self.telemetry = Telemetry(self.clock, origin, climb_frequency)
+        self.telemetry = Telemetry(self.clock, origin)
         self.target = VehicleSighting()
         self.heartbeat: Any = None
         self.version: Any = None
@@ -344,10 +342,7 @@ class Listener:
         self.requests.tend(now)
 
     def _watch_rate(self, now: float) -> None:
-        """Ask for telemetry where there is none, or much less than there was.
-
-        Another program on the same channel may ask for less, and again and again, as MAVProxy does.
-        """
+        """Ask for telemetry that is missing, or slowed down by another program such as MAVProxy."""
         rate = self._counted / (now - self._counted_at)
         slowed = self._counted > 0 and rate < KEPT_RATE * self._usual_rate
         self._usual_rate = min(max(self._usual_rate, rate), self._parameters.telemetry_rate)
