@@ -16,7 +16,7 @@
 
 EXTRAS = {
     "acados_template", "control", "dask", "distributed", "duckdb", "flint", "jsbsim", "mcap",
-    "msgspec", "pandas", "playwright", "px4_msgs", "pyarrow", "pymavlink", "viser", "websockets",
+    "msgspec", "pandas", "playwright", "pyarrow", "pymavlink", "serial", "viser", "websockets",
     "zstandard",
 }  # fmt: skip
 

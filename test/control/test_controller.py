@@ -12,6 +12,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+import contextlib
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -32,10 +34,12 @@ from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.control.guidance import formulation_of
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, COUNTER_CLOCKWISE
+from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
 from uav_tracking_mpc.formulation.paper_formulation import PaperFormulation
 from uav_tracking_mpc.laws.vector_field import VectorField
 from uav_tracking_mpc.mpc.solution import Status
+from uav_tracking_mpc.settings.configuration import load_configuration
 
 
 def test_the_parameters_choose_the_formulation():
@@ -171,3 +175,29 @@ def test_silence_is_reported_once(controller, start):
     controller.fall_silent("vehicle state is lost")
     controller.fall_silent("vehicle state is lost")
     assert words(controller) == ["no command is sent, before optimal plan: vehicle state is lost"]
+
+
+def test_the_direction_of_an_engagement_outlasts_a_loss_of_the_state():
+    """Whoever took over is not flown the other way round, however the aircraft comes back."""
+    parameters = load_configuration("small_uav", ["nmpc_controller.law=l1"]).controller
+    controller = Controller(parameters)
+
+    def answer(time, heading):
+        velocity = 22.0 * np.array([math.cos(heading), math.sin(heading), 0.0])
+        place = np.array([275.0, 0.0, 120.0]) + (time % 6.0) * velocity
+        seen = Measurement(time, place, velocity, heading, 0.0, airspeed=22.0)
+        command = controller.step(seen, time)
+        with contextlib.suppress(MeasurementError):  # the state is doubted at first
+            controller.see_target(time, np.zeros(3))
+        return command
+
+    times = 0.1 * np.arange(11)
+    controller.engage(False)
+    flown = [answer(time, 0.5 * math.pi) for time in times]
+    assert flown[-1].orbit.direction == COUNTER_CLOCKWISE
+    controller.engage(True)
+    back = [answer(60.0 + time, -0.5 * math.pi) for time in times]
+    assert {each.orbit.direction for each in back if each} == {COUNTER_CLOCKWISE}
+    controller.engage(False)
+    left = [answer(120.0 + time, -0.5 * math.pi) for time in times]
+    assert left[-1].orbit.direction == CLOCKWISE

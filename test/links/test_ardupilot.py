@@ -23,6 +23,7 @@ import pytest
 from stepped_flight import ORBIT, STEP, TURN, ByController, Nobody, Planner, SteppedFlight
 from waiting import PATIENCE
 
+from uav_tracking_mpc.autopilot.numbers import Cmd, Order, Result
 from uav_tracking_mpc.autopilot.stepped_autopilot import SteppedAutopilot
 from uav_tracking_mpc.links import LinkError, LinkRefusedError
 from uav_tracking_mpc.links.ardupilot import MODES, ROLL_ALONE, ArduPilotLink
@@ -120,6 +121,54 @@ def test_a_pilot_takes_over_within_one_message_and_for_good(engaged, mode):
     engaged.fly(2.0)
     assert not engaged.sent_after(taken + 0.03)
     assert any("took over" in words for words in engaged.words)
+
+
+def test_a_ground_station_that_sends_it_elsewhere_is_not_overridden(engaged):
+    engaged.fly(5.0)
+    core = engaged.autopilot.core
+    latitude, longitude, _ = core.origin.place([600.0, 0.0, 120.0])
+    there = Order(Cmd.DO_REPOSITION, x=math.degrees(latitude), y=math.degrees(longitude), z=120.0)
+    assert core.command(there) is Result.ACCEPTED
+    at = engaged.time
+    engaged.fly(2.0)
+    assert not engaged.link.engaged
+    assert not engaged.sent_after(at + 1.0)
+    assert any("sent the aircraft to another place" in words for words in engaged.words)
+    assert core.mode == "GUIDED"
+    engaged.fly(5.0)
+    assert engaged.engage() == ""  # asked again, it circles our target again
+    engaged.fly(3.0)
+    assert engaged.link.engaged
+
+
+def test_a_target_that_moves_is_still_ours(engaged):
+    class Moving(Planner):
+        def answer(self, flown, measured):
+            east = np.array([5.0 * flown.time, 0.0, 0.0])
+            flown.link.command(
+                measured.stamp, TURN, STEP, ORBIT._replace(centre=ORBIT.centre + east)
+            )
+
+    fault = engaged.autopilot.begin_fault("loss")
+    engaged.fly(30.0, Moving())
+    engaged.autopilot.end_fault(fault)
+    assert engaged.link.engaged
+
+
+def test_another_program_that_asks_for_fewer_states_is_asked_against(engaged):
+    engaged.fly(3.0)
+    for name in ("GLOBAL_POSITION_INT", "ATTITUDE", "VFR_HUD"):
+        engaged.autopilot.protocol.rates.ask(name, 0.25)
+    engaged.fly(3.0)
+    begin, states = engaged.time, []
+
+    class Counting(Planner):
+        def answer(self, flown, measured):
+            states.append(measured)
+            super().answer(flown, measured)
+
+    engaged.fly(2.0, Counting())
+    assert len(states) > 0.9 * 50.0 * (engaged.time - begin)
 
 
 def test_without_a_companion_it_loiters_about_the_target(engaged):

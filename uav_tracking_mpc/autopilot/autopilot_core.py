@@ -66,6 +66,7 @@ class AutopilotCore(ABC):
         parameters: Of the autopilot.
         origin: As above.
         mode: Name of the present one.
+        loiter: The circle that it flies in modes that circle.
         armed: Whether the engine may run.
         failsafe: Whether one is on.
         ground_heard: When a ground station was last heard, in [s]; None for never.
@@ -78,6 +79,7 @@ class AutopilotCore(ABC):
     ground_mode: ClassVar[str]
     take_off_mode: ClassVar[str]
     traits: ClassVar[WireTraits]
+    loiter: Loiter
 
     def __init__(
         self, configuration: Configuration, origin: LocalFrame, on_runway: bool = False

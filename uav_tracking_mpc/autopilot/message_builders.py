@@ -31,6 +31,7 @@ from uav_tracking_mpc.links.mavlink.dialect import CURRENT_MODE, mavlink
 Builder = Callable[[AutopilotCore], Any]
 
 # gyro, accelerometer, magnetometer, absolute and differential pressure, GPS, AHRS, logging
+ONLY_PLACE = 0xFFF8  # type_mask
 SENSORS = 0b11111 | 1 << 5 | 1 << 21
 GOOD_RATIO = 0.1  # of an innovation to its gate
 GPS_FIX_3D, SATELLITES = 3, 12
@@ -130,6 +131,21 @@ def _hud(core: AutopilotCore) -> Any:
         round(100.0 * core.loops.throttle),
         core.origin.altitude + state.up,
         state.up_rate,
+    )
+
+
+def _destination(core: AutopilotCore) -> Any:
+    """P/GCS_MAVLink_Plane.cpp, ``send_position_target_global_int``: only the place counts."""
+    loiter, zeros = core.loiter, [0.0] * 8
+    latitude, longitude, altitude = core.origin.place([loiter.east, loiter.north, loiter.up])
+    return mavlink.MAVLink_position_target_global_int_message(
+        milliseconds(core),
+        mavlink.MAV_FRAME_GLOBAL,
+        ONLY_PLACE,
+        round(math.degrees(latitude) * 1e7),
+        round(math.degrees(longitude) * 1e7),
+        altitude,
+        *zeros,
     )
 
 
@@ -264,6 +280,7 @@ BUILDERS: dict[str, Builder] = {
     "GPS_RAW_INT": _gps,
     "HOME_POSITION": _home,
     "LOCAL_POSITION_NED": _local_position,
+    "POSITION_TARGET_GLOBAL_INT": _destination,
     "NAV_CONTROLLER_OUTPUT": _navigation,
     "SYSTEM_TIME": _system_time,
     "SYS_STATUS": _system_status,

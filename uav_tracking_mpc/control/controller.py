@@ -103,7 +103,7 @@ class Controller:
     def reset(self) -> None:
         """Forget aircraft, air, target, plans and commands; counts stay."""
         self._gate.reset()
-        self.flying = False
+        self.flying = self.navigator.claimed = False
         self._respond(self.response.reset())
         self._forget()
 
@@ -115,7 +115,7 @@ class Controller:
         self.response.interrupt()
         if self.formulation is not None:
             self.formulation.reset()
-        self._direction: str | None = None
+        self._direction: str | None = self._direction if self.navigator.claimed else None
         self._solve_time: float | None = None
 
     @property
@@ -357,9 +357,9 @@ class Controller:
         return self._command(stamp, level, LEVELLING_TIME, airspeed)
 
     def _orient(self, situation: Situation) -> None:
-        """The nearest direction is chosen once, with hysteresis."""
+        """The nearest direction is chosen once, with hysteresis; it stands for an engagement."""
         if self.parameters.direction == NEAREST:
-            self._direction = nearest_direction(situation, self._direction)
+            self._direction = nearest_direction(situation, self._direction, self.navigator.claimed)
             if self._direction != self.orbit.direction:
                 self._choose()
 

@@ -26,12 +26,15 @@ from uav_tracking_mpc.estimation.situation import Situation
 HYSTERESIS = math.radians(45.0)
 
 
-def nearest_direction(situation: Situation, present: str | None = None) -> str:
+def nearest_direction(
+    situation: Situation, present: str | None = None, stands: bool = False
+) -> str:
     """Direction of the orbit to which the relative velocity needs to turn less.
 
     Args:
         situation: Where the aircraft is and goes.
         present: Direction that is flown, if one is: kept but for a flight clearly against it.
+        stands: Whether it is kept in any case.
     """
     x, y, _ = situation.offset.tolist()
     w_x, w_y, _ = situation.relative_velocity.tolist()
@@ -41,6 +44,6 @@ def nearest_direction(situation: Situation, present: str | None = None) -> str:
     if present is None:
         return COUNTER_CLOCKWISE if along > 0.0 else CLOCKWISE
     follows = along if present == COUNTER_CLOCKWISE else -along
-    if not follows < -math.sin(HYSTERESIS):  # also where it is no number
+    if stands or not follows < -math.sin(HYSTERESIS):  # also where it is no number
         return present
     return CLOCKWISE if present == COUNTER_CLOCKWISE else COUNTER_CLOCKWISE

@@ -86,6 +86,7 @@ class Navigator:
         parameters: Lag, dead time, horizon and filter settings.
 
     Attributes:
+        claimed: Whether the aircraft flies the commands because somebody engaged it.
         air: The airspeed that came by itself.
         target: The filter of the target's positions.
         air_filter: Of mean wind, gusts and biases.
@@ -104,7 +105,7 @@ class Navigator:
         self.target = TargetFilter(parameters.target_noise, parameters.target_agility)
         self.latency = self.airspeed = 0.0
         self._history = CommandHistory(0.0)
-        self._engaged = True
+        self._engaged, self.claimed = True, False
         self._times = np.zeros(0)
         self._model = parameters.vehicle
         self._step = BufferedFunction(step_function(self._model))
@@ -188,6 +189,7 @@ class Navigator:
         Args:
             engaged: Whether it does; so at the start.
         """
+        self.claimed = engaged
         if engaged != self._engaged:
             self._engaged = engaged
             self._history.reset()

@@ -32,6 +32,8 @@ Altitude and airspeed, once told, hold in that loiter too, until the mode change
 from __future__ import annotations
 
 import math
+from collections import deque
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +48,7 @@ from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.links.mavlink.findings import firmware, inspection, state_refusal
 from uav_tracking_mpc.links.mavlink.mavlink_link import MavlinkLink
 from uav_tracking_mpc.links.mavlink.requests import NOT_ANSWERED
+from uav_tracking_mpc.links.mavlink.telemetry import DEGREE_SCALE, SLOW_CLIMB
 
 GUIDED = 15
 MODES = {
@@ -67,6 +70,8 @@ SET_POINTS = {
     "airspeed": mavlink.MAV_CMD_GUIDED_CHANGE_SPEED,
 }
 RENEWAL_PERIOD = 2.0  # s, at least, between loiters
+SAME_PLACE = 2.0  # m between a place as it was told and as it comes back
+PLACES = 100  # of those told; not all of them arrive
 RENEWAL_SHARE, RENEWAL_DISTANCE = 0.1, 10.0  # of the radius, and m, that the centre must have moved
 
 
@@ -87,12 +92,20 @@ class ArduPilotLink(MavlinkLink):
         mavlink.MAVLINK_MSG_ID_EKF_STATUS_REPORT,
         mavlink.MAVLINK_MSG_ID_SYS_STATUS,
         mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE,
+        mavlink.MAVLINK_MSG_ID_POSITION_TARGET_GLOBAL_INT,
     )
 
     def _forget(self) -> None:
         super()._forget()
         self._told: dict[str, tuple[float, float]] = {}  # value and time of each set-point
         self._loiter: tuple[FlownOrbit, float] | None = None
+        self._places: deque[NDArray[np.float64]] = deque(maxlen=PLACES)  # of our loiters
+        self._heeded = False  # whether it has had one of them since the commands began
+
+    def connect(self, timeout: float) -> None:
+        """See :meth:`VehicleLink.connect`."""
+        super().connect(timeout)
+        self.heard.telemetry.climb_frequency = SLOW_CLIMB
 
     def mode_name(self, custom_mode: int) -> str:
         """See :meth:`MavlinkLink.mode_name`."""
@@ -130,6 +143,7 @@ class ArduPilotLink(MavlinkLink):
     def begin(self, now: float) -> None:
         """See :meth:`MavlinkLink.begin`: a change of mode has made it forget all set-points."""
         self._told.clear()
+        self._heeded = False
         self.accompany(now)
 
     def accompany(self, now: float) -> None:
@@ -165,6 +179,21 @@ class ArduPilotLink(MavlinkLink):
                 (0, 0, 0.0),
                 quiet=True,
             )
+
+    def _see(self, message: Any, arrival: float) -> None:
+        """See :class:`MavlinkLink`: a place to fly to that is not ours ends our commands."""
+        super()._see(message, arrival)
+        frame = self.heard.telemetry.frame
+        kind = message.get_type()
+        if kind != "POSITION_TARGET_GLOBAL_INT" or frame is None or not self.engagement.commanding:
+            return
+        place = frame.position(
+            message.lat_int * DEGREE_SCALE, message.lon_int * DEGREE_SCALE, message.alt
+        )
+        if any(np.linalg.norm(place[:2] - ours) < SAME_PLACE for ours in self._places):
+            self._heeded = True
+        elif self._heeded:
+            self.engagement.give_up("a ground station sent the aircraft to another place")
 
     def _tell_again(self) -> None:
         """What was not answered while the link was dead counts as never told."""
@@ -229,6 +258,7 @@ class ArduPilotLink(MavlinkLink):
             quiet=flag == 0.0,
         )
         self._loiter = orbit, now
+        self._places.appendleft(orbit.centre[:2])
 
 
 def _no_zero(altitude: float) -> float:

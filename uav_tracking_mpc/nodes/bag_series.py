@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.simulation.flight_log import Latency
+from uav_tracking_mpc.simulation.flight_log import Latency, LinkFigures
 
 
 def airspeeds(
@@ -84,3 +84,19 @@ def beside_commands(
         if index >= 0:
             beside[index] = value
     return beside
+
+
+def link_figures(link: dict[str, str]) -> LinkFigures:
+    """What a link measured.
+
+    Args:
+        link: The last values of its diagnostics, by name.
+    """
+    return LinkFigures(
+        dialect=link["dialect"],
+        rate=float(link.get("rate [Hz]", "nan")),
+        latency=float(link.get("latency median [ms]", "nan")),
+        latency_p99=float(link.get("latency p99 [ms]", "nan")),
+        lost=int(link.get("messages lost", 0)),
+        refused=int(link.get("commands refused", 0)) + int(link.get("plans refused", 0)),
+    )

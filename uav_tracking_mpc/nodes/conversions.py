@@ -30,6 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.frames import (
+    bank_from_quaternion,
     body_rates,
     course_from_quaternion,
     course_rates,
@@ -200,8 +201,8 @@ def measurement_from_odometry(
     rotation = rotation_from_quaternion(q.x, q.y, q.z, q.w)
     turn_rate, path_angle_rate = course_rates(rotation, angular)
     course = heading, path_angle, turn_rate, path_angle_rate
-    noise = noise_from_odometry(message, rotation)
-    return Measurement(stamp, position, rotation @ ground, *course, noise=noise)
+    noise, bank = noise_from_odometry(message, rotation), bank_from_quaternion(q.x, q.y, q.z, q.w)
+    return Measurement(stamp, position, rotation @ ground, *course, noise=noise, bank=bank)
 
 
 def vehicle_from_odometry(message: Odometry, frames: FrameNames = FRAMES) -> NDArray[np.float64]:

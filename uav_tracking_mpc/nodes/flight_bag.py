@@ -32,10 +32,9 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, Reader, StorageP
 from rosbags.typesys import Stores, get_typestore
 
 from uav_tracking_mpc.control.fallback import FallbackMode
-from uav_tracking_mpc.dynamics.frames import bank_from_quaternion
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.nodes.bag_series import airspeeds, beside_commands, latency
+from uav_tracking_mpc.nodes.bag_series import airspeeds, beside_commands, latency, link_figures
 from uav_tracking_mpc.nodes.conversions import (
     air_velocity_from_twist,
     measurement_from_odometry,
@@ -65,7 +64,7 @@ from uav_tracking_mpc.nodes.topics import (
     Topic,
 )
 from uav_tracking_mpc.settings.configuration import Configuration
-from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, LinkFigures
+from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog
 
 WINGS_LEVEL = 1e-6  # rad; a source that never tells more tells no bank
 METADATA = "metadata.yaml"  # as ROS 2 calls it
@@ -261,12 +260,7 @@ class _Contents:
             return
         stamp = nanoseconds(message.header.stamp)
         if topic is ODOMETRY:
-            motion, q = (
-                measurement_from_odometry(message, 0.0, ANY_FRAMES),
-                message.pose.pose.orientation,
-            )
-            bank = bank_from_quaternion(q.x, q.y, q.z, q.w)
-            self.states.append((stamp, replace(motion, bank=bank)))
+            self.states.append((stamp, measurement_from_odometry(message, frames=ANY_FRAMES)))
             self.heard.append(time)
         elif topic is AIR_VELOCITY:
             speed = float(np.linalg.norm(air_velocity_from_twist(message, ANY_FRAMES)))
@@ -365,17 +359,5 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
         unusable=bag.unusable,
         modes=mode_changes(bag.modes, start, end),
         tracking=tracking,
-        link=None if link is None else _figures(link),
-    )
-
-
-def _figures(link: dict[str, str]) -> LinkFigures:
-    """What the link measured, from the last values of its diagnostics."""
-    return LinkFigures(
-        dialect=link["dialect"],
-        rate=float(link.get("rate [Hz]", "nan")),
-        latency=float(link.get("latency median [ms]", "nan")),
-        latency_p99=float(link.get("latency p99 [ms]", "nan")),
-        lost=int(link.get("messages lost", 0)),
-        refused=int(link.get("commands refused", 0)) + int(link.get("plans refused", 0)),
+        link=None if link is None else link_figures(link),
     )

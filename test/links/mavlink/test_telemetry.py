@@ -28,10 +28,10 @@ from uav_tracking_mpc.links.mavlink.telemetry import QUICK_CLIMB, SLOW_CLIMB, Te
 HOME = LocalFrame(math.radians(47.3977), math.radians(8.5456), 488.0)
 
 
-def telemetry(origin=None, *climb_frequency):
+def telemetry(origin=None):
     clock = AutopilotClock()
     clock.see_answer(0.0, 100.0, 0.0)  # 100 s ahead of ours
-    return Telemetry(clock, origin, *climb_frequency)
+    return Telemetry(clock, origin)
 
 
 def home():
@@ -107,7 +107,8 @@ def test_a_measurement_is_complete_and_in_our_axes():
 
 @pytest.mark.parametrize("frequency", [QUICK_CLIMB, SLOW_CLIMB])
 def test_a_steady_change_of_the_climb_is_followed_and_the_noses_shaking_is_not(frequency):
-    heard, gain = telemetry(HOME, frequency), 0.4  # m/s^2
+    heard, gain = telemetry(HOME), 0.4  # m/s^2
+    heard.climb_frequency = frequency
     flown(heard, hud(20.0))
     for number in range(1000):
         time, shaking = 0.02 * number, 0.5 * (-1.0) ** number

@@ -68,7 +68,6 @@ class ArduPlane(AutopilotCore):
     }  # fmt: skip
     loiter_mode, ground_mode, take_off_mode = "LOITER", "FBWA", "TAKEOFF"
     traits = ARDUPILOT_TRAITS
-    _loiter: Loiter
     _guided: Guided
     _speed: float  # calibrated, that TECS was last told, in m/s
 
@@ -140,15 +139,15 @@ class ArduPlane(AutopilotCore):
         self._guided = Guided()
         self._speed = known["AIRSPEED_CRUISE"]
         radius = known["WP_LOITER_RAD"]
-        self._loiter = self.loiter_here(radius)
+        self.loiter = self.loiter_here(radius)
         if mode == "RTL":  # P/mode_rtl.cpp, do_RTL: home, at RTL_ALTITUDE above it
             height = known["RTL_ALTITUDE"]
             around = known["RTL_RADIUS"] or radius
             up = self.state.up if height < 0.0 else height
-            self._loiter = Loiter(0.0, 0.0, up, abs(around), around >= 0.0)
+            self.loiter = Loiter(0.0, 0.0, up, abs(around), around >= 0.0)
         elif mode == "TAKEOFF":  # P/mode_takeoff.cpp: straight on, then a loiter
             distance, heading = known["TKOFF_DIST"], self.state.heading
-            self._loiter = self._loiter._replace(
+            self.loiter = self.loiter._replace(
                 east=self.state.east + distance * math.cos(heading),
                 north=self.state.north + distance * math.sin(heading),
                 up=max(known["TKOFF_ALT"], self.state.up),
@@ -180,7 +179,7 @@ class ArduPlane(AutopilotCore):
         if self.mode in ("MANUAL", "STABILIZE", "FBWA"):
             trim = loops.by_throttle(self.engine.trim, self.engine)
             return Demand(0.0, loops.by_pitch(self._level_pitch, PITCH_LAG), trim)
-        up = self._loiter.up
+        up = self.loiter.up
         if self.mode == "GUIDED":
             up = self._guided.altitude_now(self.state.up, up, self.time)
         climb, acceleration = self._tecs(up)
@@ -190,7 +189,7 @@ class ArduPlane(AutopilotCore):
             return Demand(self.roll_response.limit / 3.0, climb, acceleration)
         roll = self._forced("roll")
         if roll is None:
-            roll = loops.bank_to(self._loiter, known["NAVL1_PERIOD"], known["NAVL1_DAMPING"])
+            roll = loops.bank_to(self.loiter, known["NAVL1_PERIOD"], known["NAVL1_DAMPING"])
         if self.mode == "TAKEOFF" and self.state.up < known["TKOFF_LVL_ALT"]:
             level = math.radians(known["LEVEL_ROLL_LIMIT"])
             roll = min(max(roll, -level), level)
@@ -272,7 +271,7 @@ class ArduPlane(AutopilotCore):
         radius = self._guided.radius
         if radius <= 1.0:
             radius = abs(self.parameters["WP_LOITER_RAD"])
-        self._loiter = Loiter(east, north, up, radius, clockwise)
+        self.loiter = Loiter(east, north, up, radius, clockwise)
         self._guided.moved = self.time
         return Result.ACCEPTED
 
@@ -315,7 +314,7 @@ class ArduPlane(AutopilotCore):
         up = self.altitude_in_map(order.param1, int(order.param2))
         if up is None:
             return Result.DENIED
-        self._loiter = self._loiter._replace(up=up)
+        self.loiter = self.loiter._replace(up=up)
         return Result.ACCEPTED
 
     def _arm(self, order: Order) -> Result:

@@ -70,7 +70,6 @@ class Px4(AutopilotCore):
     }
     loiter_mode, ground_mode, take_off_mode = "LOITER", "LOITER", "TAKEOFF"
     traits = PX4_TRAITS
-    _loiter: Loiter
     _intended: str  # user_mode_intention: goes on where a failsafe is over
     _target: AttitudeTarget | None = None
     _last, _before = -math.inf, -math.inf  # when the two newest set-points came, in s
@@ -169,16 +168,16 @@ class Px4(AutopilotCore):
         """See :meth:`AutopilotCore.enter`."""
         known = self.parameters
         self._target = self._speed = None
-        self._loiter = self.loiter_here(known["NAV_LOITER_RAD"])
+        self.loiter = self.loiter_here(known["NAV_LOITER_RAD"])
         if not self.failsafe:
             self._intended = mode
         if mode == "RTL":  # rtl.cpp: home, at RTL_RETURN_ALT above it where it is lower
             up = max(self.state.up, known["RTL_RETURN_ALT"])
             radius = known["RTL_LOITER_RAD"]
-            self._loiter = Loiter(0.0, 0.0, up, abs(radius), radius >= 0.0)
+            self.loiter = Loiter(0.0, 0.0, up, abs(radius), radius >= 0.0)
         elif mode == "TAKEOFF":
             up = max(known["MIS_TAKEOFF_ALT"], self.state.up)
-            self._loiter = self._loiter._replace(up=up)
+            self.loiter = self.loiter._replace(up=up)
 
     def watch(self) -> None:
         """failsafe.cpp, ``checkStateAndMode``: set-points, then the ground station."""
@@ -224,10 +223,10 @@ class Px4(AutopilotCore):
         climb, acceleration = self._tecs()
         if self.mode in (*BY_STICKS, "OFFBOARD"):
             return Demand(0.0, climb, acceleration)
-        roll = loops.bank_to(self._loiter, known["NPFG_PERIOD"], known["NPFG_DAMPING"])
-        if self.mode == "TAKEOFF" and self.state.up < self._loiter.up - 5.0:
+        roll = loops.bank_to(self.loiter, known["NPFG_PERIOD"], known["NPFG_DAMPING"])
+        if self.mode == "TAKEOFF" and self.state.up < self.loiter.up - 5.0:
             roll = 0.0  # straight on along the runway
-            self._loiter = self.loiter_here(known["NAV_LOITER_RAD"])._replace(up=self._loiter.up)
+            self.loiter = self.loiter_here(known["NAV_LOITER_RAD"])._replace(up=self.loiter.up)
         return Demand(roll, climb, acceleration)
 
     def _tecs(self) -> tuple[float, float]:
@@ -245,7 +244,7 @@ class Px4(AutopilotCore):
             sink_max=max(min(known["FW_T_SINK_R_SP"], known["FW_T_SINK_MAX"]), 0.1),
             sink_idle=max(known["FW_T_SINK_MIN"], 0.1),
         )
-        return self.loops.hold(self._loiter.up, held, constants)
+        return self.loops.hold(self.loiter.up, held, constants)
 
     def attitude_target(self, target: AttitudeTarget) -> None:
         """See :meth:`AutopilotCore.attitude_target`.
@@ -292,7 +291,7 @@ class Px4(AutopilotCore):
         radius = order.param3
         if not math.isfinite(radius) or radius == 0.0:
             radius = self.parameters["NAV_LOITER_RAD"]
-        self._loiter = Loiter(east, north, up, abs(radius), radius > 0.0)
+        self.loiter = Loiter(east, north, up, abs(radius), radius > 0.0)
         return Result.ACCEPTED
 
     def _change_speed(self, order: Order) -> Result:

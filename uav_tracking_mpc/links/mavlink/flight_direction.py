@@ -95,32 +95,30 @@ class FlightDirection:
 class Climb:
     """Follows one aircraft's climb.
 
-    Args:
-        frequency: omega_w in [rad/s].
-
     Attributes:
         value: w, positive up, in [m/s].
         rate: a in [m/s^2].
     """
 
-    def __init__(self, frequency: float) -> None:
+    def __init__(self) -> None:
         self.value = self.rate = 0.0
-        self._frequency, self._time = frequency, -math.inf
+        self._time = -math.inf
 
-    def see(self, time: float, measured: float) -> None:
+    def see(self, time: float, measured: float, frequency: float) -> None:
         """Take in a climb.
 
         Args:
             time: Of the measurement in [s].
             measured: Positive up, in [m/s].
+            frequency: omega_w in [rad/s].
         """
         step, self._time = time - self._time, time
         if not 0.0 < step <= LONGEST_STEP:
             self.value, self.rate = measured, 0.0
             return
         # The solution for a measurement that stands still during the step.
-        faded, error = math.exp(-self._frequency * step), self.value - measured
-        slope = self.rate - self._frequency * error
+        faded, error = math.exp(-frequency * step), self.value - measured
+        slope = self.rate - frequency * error
         error += step * slope
         self.value = measured + faded * error
-        self.rate = faded * (slope + self._frequency * error)
+        self.rate = faded * (slope + frequency * error)

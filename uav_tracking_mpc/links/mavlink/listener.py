@@ -30,7 +30,7 @@ from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
 from uav_tracking_mpc.links.mavlink.connection import Connection
 from uav_tracking_mpc.links.mavlink.dialect import mavlink, name_of
 from uav_tracking_mpc.links.mavlink.requests import Requests
-from uav_tracking_mpc.links.mavlink.telemetry import LEAST_AIRSPEED, QUICK_CLIMB, Telemetry
+from uav_tracking_mpc.links.mavlink.telemetry import LEAST_AIRSPEED, Telemetry
 from uav_tracking_mpc.links.mavlink.vehicle_sighting import VehicleSighting
 from uav_tracking_mpc.settings.link import LinkParameters
 
@@ -52,6 +52,7 @@ NOW_AND_THEN = (
 HEARTBEAT_PERIOD, SYNC_PERIOD, ASKING_PERIOD = 1.0, 0.5, 1.0  # s
 SLOW_RATE, QUICK_RATE = 2.0, 10.0  # Hz
 REOPEN_PERIOD = 1.0  # s between attempts to open a lost wire
+KEPT_RATE = 0.7  # of the states that came at best, below which they are asked for again
 LOST = 5.0  # s without a heartbeat
 STALL = 2.0  # s in which nobody read, after which what waits is too old for its arrival to count
 BACKLOG = 10000  # reads in a row of what waits
@@ -68,7 +69,6 @@ class Listener:
         events: Where what happens is reported.
         slow_messages: Asked for now and then, beside those of every autopilot.
         quick_messages: Asked for often, so that what they tell is not missed.
-        climb_frequency: See :class:`Telemetry`.
 
     Attributes:
         connection: The wire.
@@ -94,7 +94,6 @@ class Listener:
         events: EventLog,
         slow_messages: Iterable[int] = (),
         quick_messages: Iterable[int] = (),
-        climb_frequency: float = QUICK_CLIMB,
     ) -> None:
         self._parameters, self._events = parameters, events
         self.connection = connection
@@ -104,7 +103,7 @@ class Listener:
         if parameters.origin:
             latitude, longitude, altitude = parameters.origin
             origin = LocalFrame(math.radians(latitude), math.radians(longitude), altitude)
-        self.telemetry = Telemetry(self.clock, origin, climb_frequency)
+        self.telemetry = Telemetry(self.clock, origin)
         self.target = VehicleSighting()
         self.heartbeat: Any = None
         self.version: Any = None
@@ -123,6 +122,7 @@ class Listener:
         self._asked_at, self._told_lost, self._told_wire = 0, False, False
         self._heartbeat_at = -math.inf
         self._looked_at = math.inf
+        self._counted, self._counted_at, self._usual_rate = 0, -math.inf, 0.0
         self._due: dict[str, float] = {}
 
     @property
@@ -291,6 +291,7 @@ class Listener:
             self._events.add(level, f"autopilot: {message.text}")
         else:
             measurement = self.telemetry.see(message, arrival)
+            self._counted += measurement is not None
             if measurement is not None and arrival - measurement.stamp <= HISTORY:
                 self.measurements.append(measurement)
                 self.on_measurement(measurement, arrival)
@@ -336,9 +337,18 @@ class Listener:
         if silent > LOST and not self._told_lost:
             self._told_lost = True
             self._events.add(Level.WARNING, f"the autopilot was not heard for {LOST:g} s")
-        if self.telemetry.newest is None and self.is_due("telemetry", now, ASKING_PERIOD):
-            self.ask_for_telemetry()
+        if self.is_due("telemetry", now, ASKING_PERIOD):
+            self._watch_rate(now)
         self.requests.tend(now)
+
+    def _watch_rate(self, now: float) -> None:
+        """Ask for telemetry that is missing, or slowed down by another program such as MAVProxy."""
+        rate = self._counted / (now - self._counted_at)
+        slowed = self._counted > 0 and rate < KEPT_RATE * self._usual_rate
+        self._usual_rate = min(max(self._usual_rate, rate), self._parameters.telemetry_rate)
+        self._counted, self._counted_at = 0, now
+        if slowed or self.telemetry.newest is None:
+            self.ask_for_telemetry()
 
     def is_due(self, what: str, now: float, period: float) -> bool:
         """Whether something periodic is to be done; it then counts as done.

@@ -34,7 +34,6 @@ from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.links.mavlink.engagement import Engagement, State
 from uav_tracking_mpc.links.mavlink.latency import Latency
 from uav_tracking_mpc.links.mavlink.listener import Listener
-from uav_tracking_mpc.links.mavlink.telemetry import QUICK_CLIMB, SLOW_CLIMB
 from uav_tracking_mpc.links.mavlink.vehicle_parameters import read_parameters
 from uav_tracking_mpc.settings.link import LinkParameters
 from uav_tracking_mpc.simulation.plan_follower import PlanFollower
@@ -183,12 +182,7 @@ class MavlinkLink(VehicleLink):
         )
         end = connection.now() + timeout
         heard = Listener(
-            connection,
-            self.parameters,
-            self.events,
-            self.slow_messages,
-            self.quick_messages,
-            SLOW_CLIMB if self.holds else QUICK_CLIMB,
+            connection, self.parameters, self.events, self.slow_messages, self.quick_messages
         )
         self._heard = heard
         heard.on_heartbeat = self._see_heartbeat
@@ -230,9 +224,8 @@ class MavlinkLink(VehicleLink):
         heard, end = self.heard, self.now() + timeout
         while not heard.measurements:
             left = end - self.now()
-            wait = min(max(left, 0.0), PERIOD)
             heard.restore()
-            if heard.connection.wait(wait):
+            if heard.connection.wait(min(max(left, 0.0), PERIOD)):
                 with self._lock:
                     # All that waits: whoever falls behind is to fly by what came last.
                     for _ in range(BACKLOG):

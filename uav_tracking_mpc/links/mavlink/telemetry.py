@@ -83,9 +83,9 @@ class Telemetry:
     Args:
         clock: Of this autopilot.
         origin: Of ``map``; None for the autopilot's home.
-        climb_frequency: Up to which changes of the climb count, in [rad/s].
 
     Attributes:
+        climb_frequency: Up to which changes of the climb count, in [rad/s].
         frame: Axes of ``map``; None until the origin is known.
         attitude: The newest.
         altitude: Above sea level in [m]; None until it is known.
@@ -97,13 +97,8 @@ class Telemetry:
         newest: The newest measurement.
     """
 
-    def __init__(
-        self,
-        clock: AutopilotClock,
-        origin: LocalFrame | None = None,
-        climb_frequency: float = QUICK_CLIMB,
-    ) -> None:
-        self._clock, self._climb_frequency = clock, climb_frequency
+    def __init__(self, clock: AutopilotClock, origin: LocalFrame | None = None) -> None:
+        self._clock, self.climb_frequency = clock, QUICK_CLIMB
         self.frame = origin
         self.home: LocalFrame | None = None
         self.forget()
@@ -116,7 +111,7 @@ class Telemetry:
         self.newest: Measurement | None = None
         self.direction = FlightDirection()
         self._accuracies = Accuracies()
-        self._climb = Climb(self._climb_frequency)
+        self._climb = Climb()
         self.throttle: float | None = None
         self._calibrated: float | None = None
         self._calibrated_at = self._wind_at = self._position_at = -math.inf
@@ -203,7 +198,7 @@ class Telemetry:
         if not np.linalg.norm(place) <= FARTHEST:
             return None
         direction = self.direction
-        self._climb.see(time, -message.vz * 1e-2)
+        self._climb.see(time, -message.vz * 1e-2, self.climb_frequency)
         climb = self._climb.value
         airspeed = self.airspeed
         if airspeed is None or airspeed < LEAST_AIRSPEED:
