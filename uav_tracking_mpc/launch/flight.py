@@ -100,7 +100,7 @@ def launch(
     exported = domain is None
     domain = exported_domain() if exported else domain
     of_whom = f" (from {VARIABLE})" if exported and domain is not None else ""
-    with _signals() as received, supervised(console, domain) as supervisor:
+    with signals() as received, supervised(console, domain) as supervisor:
         console.print(
             f"domain {supervisor.domain}{of_whom}: watch with "
             f"`uav_tracking monitor --domain-id {supervisor.domain}`",
@@ -250,7 +250,7 @@ def _drain(supervisor: Supervisor, executor: EventsExecutor) -> None:
 
 
 @contextmanager
-def _signals() -> Iterator[list[int]]:
+def signals() -> Iterator[list[int]]:
     """SIGINT and SIGTERM as a list that fills, instead of exceptions."""
     received: list[int] = []
 
