@@ -25,6 +25,9 @@ from pyarrow import parquet
 from waiting import wait_for
 
 from uav_tracking_mpc.cli.ending import explanation
+from uav_tracking_mpc.cli.main import main
+from uav_tracking_mpc.studies.campaign import campaign_run
+from uav_tracking_mpc.studies.campaign.one_flight import fly_batch
 
 
 def run(*arguments, limit=280):
@@ -67,6 +70,30 @@ def test_a_campaign_that_was_killed_goes_on_and_flies_nothing_twice(tmp_path):
     assert (tmp_path / "whole/flights.parquet").read_bytes() == (
         output / "flights.parquet"
     ).read_bytes()
+
+
+def test_an_interrupted_campaign_tells_what_it_found_and_goes_on(tmp_path, monkeypatch, capsys):
+    words = ["campaign", str(written(tmp_path)), "--workers", "1", "--output", str(tmp_path / "o")]
+    batches = []
+
+    def interrupting(campaign, batch):
+        if batches:
+            raise KeyboardInterrupt
+        batches.append(len(batch))
+        return fly_batch(campaign, batch)
+
+    monkeypatch.setattr(campaign_run, "fly_batch", interrupting)
+    assert main([*words, "--json"]) == 130
+    found = capsys.readouterr()
+    content = json.loads(found.out)
+    (flown,) = batches
+    assert content["flights"] == content["flown"] == flown
+    assert f"interrupted: {6 - flown} flights are left" in found.err
+    assert (tmp_path / "o" / "campaign.html").is_file()
+    monkeypatch.undo()
+    assert main([*words, "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert (content["flights"], content["flown"]) == (6, 6 - flown)
 
 
 def test_people_get_tables(tmp_path):

@@ -21,6 +21,11 @@ import pytest
 from compared_flights import KEYS
 from processes import command, environment
 
+from uav_tracking_mpc.cli.main import main
+from uav_tracking_mpc.simulation.closed_loop import simulate
+from uav_tracking_mpc.studies import parallel
+from uav_tracking_mpc.studies.comparison import flights
+
 LAW = """
 import numpy as np
 from uav_tracking_mpc.laws import GuidanceLaw
@@ -86,6 +91,53 @@ def test_mistakes_are_explained(arguments, words):
     assert finished.stdout == ""
 
 
+class Interrupting:
+    """Flies, and is interrupted at some flight."""
+
+    def __init__(self, at):
+        self.left = at
+
+    def __call__(self, configuration):
+        self.left -= 1
+        if not self.left:
+            raise KeyboardInterrupt
+        return simulate(configuration)
+
+
+def interrupted(monkeypatch, at, *words):
+    monkeypatch.setattr(parallel.os, "cpu_count", lambda: 1)  # in this process
+    monkeypatch.setattr(flights, "simulate", Interrupting(at))
+    laws = ("--laws", "l1", "vector_field", "--set", "mission.duration=20")
+    return main(["compare", *laws, *words])
+
+
+def test_an_interrupted_comparison_keeps_the_scenarios_that_were_flown(
+    monkeypatch, tmp_path, capsys
+):
+    words = ("--scenario", "still", "wind", "--output", str(tmp_path))
+    assert interrupted(monkeypatch, 4, *words) == 130
+    assert "interrupted: 1 of 2 were flown by every law" in capsys.readouterr().err
+    content = json.loads((tmp_path / "compare.json").read_text())
+    assert {name: set(laws) for name, laws in content["scenarios"].items()} == {
+        "still": {"l1", "vector_field"}
+    }
+    assert (tmp_path / "compare.html").is_file()
+
+
+def test_interrupted_mismatches_are_kept(monkeypatch, tmp_path):
+    words = ("--mismatch", "lag_0", "lag_2", "--output", str(tmp_path))
+    assert interrupted(monkeypatch, 3, *words) == 130
+    content = json.loads((tmp_path / "mismatches.json").read_text())
+    assert list(content["mismatches"]) == ["lag_0"]
+
+
+def test_before_any_scenario_is_whole_there_is_nothing_to_keep(monkeypatch, tmp_path, capsys):
+    words = ("--scenario", "still", "wind", "--output", str(tmp_path / "out"))
+    assert interrupted(monkeypatch, 2, *words) == 130
+    assert capsys.readouterr().err.strip().endswith("uav_tracking: interrupted")
+    assert not (tmp_path / "out" / "compare.json").exists()
+
+
 def test_a_law_of_ones_own_flies_beside_the_others(tmp_path):
     path = tmp_path / "circler.py"
     path.write_text(LAW)
@@ -106,9 +158,9 @@ def test_laws_that_are_told_wrong(tmp_path):
     assert finished.returncode == 0, finished.stderr
     content = json.loads(finished.stdout)
     assert list(content["mismatches"]) == ["lag_0.5", "zigzag"]
-    for flights in content["mismatches"].values():
-        assert list(flights) == ["nmpc", "npfg"]
-        assert all(set(flight) == KEYS for flight in flights.values())
+    for flown in content["mismatches"].values():
+        assert list(flown) == ["nmpc", "npfg"]
+        assert all(set(flight) == KEYS for flight in flown.values())
     assert content["asked"]["lag_0.5"]["range_rms_m"] == 0.5
     assert content["asked"]["zigzag"]["of_law"] == "npfg"
     assert json.loads((tmp_path / "mismatches.json").read_text()) == content

@@ -111,8 +111,8 @@ def test_a_simulated_flight_is_engaged_and_disengaged(fly, capfd):
 
 
 def test_a_real_autopilot_is_engaged_behind_the_controller_and_let_go_alone(fly):
-    controller = fly(lambda context: Switch("nmpc_controller", context=context))
     link = fly(lambda context: Switch("autopilot_link", context=context))
+    controller = fly(lambda context: Switch("nmpc_controller", context=context))
     assert ask("engage") == ask("engage", "--off") == 0
     assert controller.asked == [True]
     assert link.asked == [True, False]

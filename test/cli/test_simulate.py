@@ -16,6 +16,8 @@
 
 import json
 
+import pytest
+
 from uav_tracking_mpc.cli.main import main
 
 
@@ -49,3 +51,13 @@ def test_another_law_flies_in_the_place_of_the_controller(tmp_path, capsys):
     few = ["--config", "small_uav", "--duration", "5", "--output", tmp_path, "--json"]
     assert run(*few, "--law", "l1") == 0
     assert json.loads(capsys.readouterr().out)["solver"]["name"] == "none"
+
+
+@pytest.mark.parametrize("command", ["simulate", "fly"])
+def test_a_law_that_is_not_there_is_said_once_before_anything_flies(command, tmp_path, capsys):
+    with pytest.raises(SystemExit) as ending:
+        main([command, "--law", "nofile.py:X", "--output", str(tmp_path / "out")])
+    assert ending.value.code == 2
+    found = capsys.readouterr()
+    assert (found.out + found.err).count("nofile.py") == 1
+    assert not (tmp_path / "out").exists()

@@ -17,7 +17,7 @@ import os
 
 import pytest
 
-from uav_tracking_mpc.studies.parallel import parallel_map
+from uav_tracking_mpc.studies.parallel import StoppedError, parallel_map
 
 
 @pytest.mark.parametrize("workers", [1, 2])
@@ -41,6 +41,19 @@ def test_nothing_to_do():
 def test_what_a_piece_raises_reaches_the_caller():
     with pytest.raises(ValueError, match="nonnegative|not defined for negative"):
         parallel_map(math.factorial, [3, -1], workers=2, show=False)
+
+
+def interrupted_at_three(piece):
+    if piece == 3:
+        raise KeyboardInterrupt
+    return piece
+
+
+def test_what_was_done_before_an_interruption_is_kept():
+    with pytest.raises(StoppedError) as stopped:
+        parallel_map(interrupted_at_three, range(6), 1, show=False)
+    assert stopped.value.done == [0, 1, 2]
+    assert isinstance(stopped.value, KeyboardInterrupt)  # to whoever does not keep it
 
 
 def test_the_bar_goes_to_stderr(capsys):

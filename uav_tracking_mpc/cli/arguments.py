@@ -251,8 +251,18 @@ def chosen_overrides(arguments: argparse.Namespace, scenario: str | None = None)
 def _add_extension(
     parser: argparse.ArgumentParser, name: str, parameter: str, kind: Kind, words: str
 ) -> None:
+    def found(text: str) -> str:
+        from uav_tracking_mpc.parameters.registry import ExtensionError
+
+        if ":" in text:  # names are checked with all other parameters
+            try:
+                kind.find(text)
+            except ExtensionError as error:
+                raise argparse.ArgumentTypeError(str(error)) from error
+        return text
+
     words = f"{words}: {', '.join(kind.names)} (sets {parameter})"
-    _add_setting(parser, name, parameter, str, "NAME|FILE.py:CLASS", words)
+    _add_setting(parser, name, parameter, found, "NAME|FILE.py:CLASS", words)
 
 
 def _add_setting(

@@ -21,6 +21,7 @@ import signal
 import sys
 
 from uav_tracking_mpc.cli.arguments import add_configuration_arguments, chosen_configuration, number
+from uav_tracking_mpc.cli.link_arguments import place
 
 HELP = "a simulated ArduPlane or PX4 behind MAVLink"
 DESCRIPTION = """\
@@ -52,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--origin",
-        type=_place,
+        type=place,
         default="47.3977,8.5456,488",
         metavar="LAT,LON,ALT",
         help="where map's origin and its home are: degrees, and metres above sea level; write "
@@ -117,13 +118,3 @@ def run(arguments: argparse.Namespace) -> int:
         flown.stop()
         signal.signal(signal.SIGTERM, previous)
     return 0
-
-
-def _place(text: str) -> tuple[float, float, float]:
-    try:
-        latitude, longitude, altitude = (float(part) for part in text.split(","))
-    except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not LAT,LON,ALT, such as 47.3977,8.5456,488"
-        ) from None
-    return latitude, longitude, altitude

@@ -17,6 +17,8 @@
 from __future__ import annotations
 
 import argparse
+import signal
+import sys
 from contextlib import closing
 from pathlib import Path
 
@@ -29,7 +31,7 @@ DESCRIPTION = (
     "Fly what a campaign's file draws; print and plot how often flights fail, with exact bounds, "
     "and what those that fail have in common. A campaign that was stopped goes on where it was: "
     "what its folder holds is not flown again. Exit code 0: flown; how many failed is said in the "
-    "table."
+    "table; 130: interrupted, what was flown until then is kept and reported."
 )
 
 
@@ -123,7 +125,7 @@ def run(arguments: argparse.Namespace) -> int:
         results = run_campaign(campaign, executor, folder)
     content = as_json(results)
     write_campaign(content, results)
-    if arguments.page is not None:
+    if arguments.page is not None and not results.left:
         write_into(arguments.page, results)
     words = [table.as_rich() for table in tables(results).values()]
     if results.flown:
@@ -132,4 +134,10 @@ def run(arguments: argparse.Namespace) -> int:
             f"{results.flown} flights in {results.seconds:.0f} s: {rate:.0f} a minute and worker"
         )
     answer(content, [*words, f"report: {folder / 'campaign.html'}"], arguments.json)
+    if results.left:
+        print(
+            f"interrupted: {results.left} flights are left; the same command goes on with them",
+            file=sys.stderr,
+        )
+        return 128 + signal.SIGINT
     return 0

@@ -17,6 +17,8 @@
 from __future__ import annotations
 
 import argparse
+import signal
+import sys
 from pathlib import Path
 
 from uav_tracking_mpc.cli.answer import answer
@@ -109,16 +111,25 @@ def _through_scenarios(arguments: argparse.Namespace, laws: list[str]) -> int:
     names = list(dict.fromkeys(arguments.scenario or scenarios_in_order()))
     configurations = {Path(name).stem: chosen_configuration(arguments, name) for name in names}
     scenarios = compare(configurations, laws)
+    whole = len(scenarios) == len(configurations)
     content = as_json(scenarios)
     table = comparison_table(scenarios)
     words = [table.as_rich(), *(f"missed, {line}" for line in misses(scenarios))]
     if arguments.output is not None:
         write_comparison(content, scenarios, arguments.output)
         words.append(f"report: {arguments.output / 'compare.html'}")
-    if arguments.page is not None:
+    if arguments.page is not None and whole:
         table.write_into(arguments.page, "comparison")
     answer(content, words, arguments.json)
-    return 0
+    return _code(len(scenarios), len(configurations))
+
+
+def _code(flown: int, asked: int) -> int:
+    """Exit code, and on stderr what the user's interruption left out."""
+    if flown == asked:
+        return 0
+    print(f"interrupted: {flown} of {asked} were flown by every law", file=sys.stderr)
+    return 128 + signal.SIGINT
 
 
 def _under_mismatches(arguments: argparse.Namespace, laws: list[str]) -> int:
@@ -138,13 +149,14 @@ def _under_mismatches(arguments: argparse.Namespace, laws: list[str]) -> int:
     configurations = {name: mismatched(arguments.config, name, overrides) for name in names}
     after = settled_after(configurations[names[0]])
     mismatches = compare(configurations, laws, settled_after=after)
+    whole = len(mismatches) == len(configurations)
     content = mismatches_as_json(mismatches)
     table = mismatch_table(mismatches)
     words = [table.as_rich(), *(f"missed, {line}" for line in mismatch_misses(mismatches))]
     if arguments.output is not None:
         write_mismatches(content, mismatches, arguments.output)
         words.append(f"report: {arguments.output / 'mismatches.html'}")
-    if arguments.page is not None:
+    if arguments.page is not None and whole:
         table.write_into(arguments.page, "mismatches")
     answer(content, words, arguments.json)
-    return 0
+    return _code(len(mismatches), len(configurations))

@@ -57,11 +57,14 @@ def run(arguments: argparse.Namespace) -> int:
     from uav_tracking_mpc.parameters.specification import ParameterError
 
     with flight_requests(arguments, switches=(CONTROLLER, LINK, SIMULATOR)) as requests:
-        # A controller may be found before the vehicle: a link, a simulator or a stranger.
+        # Either may be found first; without a link or a simulator a stranger flies.
         appears(
             lambda: (
-                requests.offered(LINK)
-                or (requests.offered(CONTROLLER) and requests.offered(SIMULATOR))
+                (arguments.off and requests.offered(LINK))
+                or (
+                    requests.offered(CONTROLLER)
+                    and (requests.offered(LINK) or requests.offered(SIMULATOR))
+                )
             )
         )
         there = [service for service in (CONTROLLER, LINK) if requests.offered(service)]

@@ -17,12 +17,10 @@
 from __future__ import annotations
 
 import argparse
-import signal
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from importlib import import_module
-from types import FrameType
 from typing import TYPE_CHECKING
 
 from uav_tracking_mpc.cli.arguments import number
@@ -137,22 +135,16 @@ def serve_until_signal(page: Page, source: FlightSource) -> None:
         page: That is served.
         source: What it shows.
     """
-    stopped, told = False, ""
+    from uav_tracking_mpc.launch.flight import signals
 
-    def stop(signum: int, frame: FrameType | None) -> None:
-        nonlocal stopped
-        stopped = True
+    told = ""
 
     def ended() -> bool:
         nonlocal told
         if (words := source.words) not in ("", told):
             told = words
             print(words, file=sys.stderr)
-        return stopped
+        return bool(received)
 
-    before = {each: signal.signal(each, stop) for each in (signal.SIGINT, signal.SIGTERM)}
-    try:
+    with signals() as received:  # what comes after it can be interrupted as ever
         page.serve(ended)
-    finally:  # what comes after it can be interrupted as ever
-        for each, handler in before.items():
-            signal.signal(each, handler)

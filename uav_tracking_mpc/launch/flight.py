@@ -26,7 +26,7 @@ from types import FrameType
 from typing import TYPE_CHECKING
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn
+from rich.progress import Progress, TextColumn
 
 from uav_tracking_mpc.launch.node_process import STOP_LIMIT
 from uav_tracking_mpc.launch.supervisor import LaunchError, Supervisor, supervised
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from rclpy.experimental.events_executor import EventsExecutor
 
     from uav_tracking_mpc.nodes.flight_recorder import FlightRecorder
+    from uav_tracking_mpc.nodes.flight_recorder import Progress as Standing
 
 START_LIMIT = 120.0  # s of wall time for the first command
 DRAIN_TIME = 0.3  # s of wall time for the nodes' last messages
@@ -99,7 +100,7 @@ def launch(
     exported = domain is None
     domain = exported_domain() if exported else domain
     of_whom = f" (from {VARIABLE})" if exported and domain is not None else ""
-    with _signals() as received, supervised(console, domain) as supervisor:
+    with signals() as received, supervised(console, domain) as supervisor:
         console.print(
             f"domain {supervisor.domain}{of_whom}: watch with "
             f"`uav_tracking monitor --domain-id {supervisor.domain}`",
@@ -182,7 +183,7 @@ def _watch(
     duration = configuration.mission.duration
     begin = shown = looked = time.monotonic()
     noted = 0.0
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:3.0f}%"))
+    columns = TextColumn("{task.description}"), TextColumn("{task.percentage:3.0f}%")
     with Progress(
         *columns, console=console, transient=True, disable=not console.is_terminal
     ) as bar:
@@ -209,14 +210,23 @@ def _watch(
                 return
             if console.is_terminal or now - shown > REPORT_PERIOD:
                 shown = now
-                line = (
-                    f"t {progress.time:6.1f} s   range {progress.range:7.2f} m   "
-                    f"altitude {progress.altitude:6.2f} m   speed {progress.speed:5.2f} m/s   "
-                    f"solve {progress.solve_time * 1e6:6.0f} us"
-                )
+                line = progress_line(progress)
                 bar.update(task, completed=progress.time, description=line)
                 if not console.is_terminal:
                     console.print(line, highlight=False, soft_wrap=True)
+
+
+def progress_line(progress: Standing) -> str:
+    """Where a flight stands; with a percentage behind it no wider than 80 characters.
+
+    Args:
+        progress: With a time.
+    """
+    return (
+        f"t {progress.time:4.0f} s  range {progress.range:6.1f} m  "
+        f"altitude {progress.altitude:5.1f} m  speed {progress.speed:4.1f} m/s  "
+        f"solve {progress.solve_time * 1e6:5.0f} us"
+    )
 
 
 def _how_to_engage(parameters: LinkParameters, domain: int) -> str:
@@ -240,7 +250,7 @@ def _drain(supervisor: Supervisor, executor: EventsExecutor) -> None:
 
 
 @contextmanager
-def _signals() -> Iterator[list[int]]:
+def signals() -> Iterator[list[int]]:
     """SIGINT and SIGTERM as a list that fills, instead of exceptions."""
     received: list[int] = []
 

@@ -63,9 +63,9 @@ class NodeProcess:
     def _print(self, console: Console) -> None:
         assert self._process.stdout is not None
         for line in self._process.stdout:
-            console.print(
-                f"[{self.name}] {line.rstrip()}", markup=False, highlight=False, soft_wrap=True
-            )
+            # The loggers of ROS tell the name again.
+            words = line.rstrip().replace(f" [{self.name}]:", ":", 1)
+            console.print(f"[{self.name}] {words}", markup=False, highlight=False, soft_wrap=True)
 
     @property
     def identity(self) -> int:

@@ -18,12 +18,42 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
+import threading
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from typing import TypeVar
+from typing import Any, TypeVar
 
 P = TypeVar("P")
 R = TypeVar("R")
+
+
+class StoppedError(KeyboardInterrupt):
+    """The user interrupted the work.
+
+    Args:
+        done: Results that came before, in the order of the pieces.
+
+    Attributes:
+        done: The same.
+    """
+
+    def __init__(self, done: list[Any]) -> None:
+        super().__init__()
+        self.done = done
+
+
+def end_with_parent() -> None:
+    """In a worker: leave Ctrl-C to the parent, and end when it is killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 def parallel_map(
@@ -44,13 +74,16 @@ def parallel_map(
 
     Returns:
         Results in the order of the pieces.
+
+    Raises:
+        StoppedError: The user interrupted; it holds the results that came before.
     """
     workers = min(workers or os.cpu_count() or 1, len(pieces))
     if workers < 2:
         return _shown(map(function, pieces), len(pieces), label, show)
     # spawn: a fork would copy whatever threads the caller has running.
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=context) as pool:
+    with ProcessPoolExecutor(workers, context, end_with_parent) as pool:
         return _shown(pool.map(function, pieces), len(pieces), label, show)
 
 
@@ -58,4 +91,10 @@ def _shown(results: Iterable[R], count: int, label: str, show: bool) -> list[R]:
     from rich.console import Console
     from rich.progress import track
 
-    return list(track(results, label, total=count, console=Console(stderr=True), disable=not show))
+    console, done = Console(stderr=True), []
+    try:
+        for result in track(results, label, total=count, console=console, disable=not show):
+            done.append(result)
+    except KeyboardInterrupt as error:
+        raise StoppedError(done) from error
+    return done

@@ -37,8 +37,8 @@ def alone(campaign, tmp_path_factory):
     return run_campaign(campaign, LocalExecutor(1), tmp_path_factory.mktemp("alone"), show=False)
 
 
-class Interrupted(LocalExecutor):
-    """Stops after some batches."""
+class Broken(LocalExecutor):
+    """Loses its worker after some batches."""
 
     def __init__(self, after):
         super().__init__(1)
@@ -47,7 +47,7 @@ class Interrupted(LocalExecutor):
     def run(self, work, campaign, batches):
         for index, result in enumerate(super().run(work, campaign, batches)):
             if index == self.after:
-                raise KeyboardInterrupt
+                raise CampaignError("lost")
             yield result
 
 
@@ -67,8 +67,8 @@ def test_two_processes_fly_the_same(campaign, alone, tmp_path):
 
 
 def test_what_was_flown_is_not_flown_again(campaign, alone, tmp_path):
-    with pytest.raises(KeyboardInterrupt):
-        run_campaign(campaign, Interrupted(2), tmp_path, show=False)
+    with pytest.raises(CampaignError, match="lost"):
+        run_campaign(campaign, Broken(2), tmp_path, show=False)
     kept = len(list((tmp_path / "batches").glob("*.parquet")))
     assert kept == 2
     (tmp_path / "batches" / ".half.parquet.tmp").write_bytes(b"PAR1")  # a write that was cut off

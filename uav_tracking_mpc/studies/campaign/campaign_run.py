@@ -46,6 +46,7 @@ class CampaignResults:
         rows: Of all flights, by number and law.
         file: Parquet file that holds them.
         flown: How many flights were flown now; the others were there.
+        left: How many are to be flown yet, as the user interrupted.
         seconds: Wall time of these in [s].
         workers: That flew them.
     """
@@ -54,6 +55,7 @@ class CampaignResults:
     rows: list[Row]
     file: Path
     flown: int
+    left: int
     seconds: float
     workers: int
 
@@ -78,6 +80,7 @@ def run_campaign(
         ParameterError: A flight cannot be flown as it was drawn, two laws have one name, or the
             folder holds another campaign.
         CampaignError: Workers were lost; what was flown is kept.
+        KeyboardInterrupt: The user interrupted before anything was flown.
     """
     labels = [law_label(law) for law in campaign.laws]
     if len(set(labels)) < len(labels):
@@ -95,10 +98,15 @@ def run_campaign(
             if PREDICTIVE in campaign.laws:  # compile here, once, and not in every process
                 first = planned(campaign, tasks[0][0]).configuration(PREDICTIVE)
                 shared_formulation(first.controller)
-            _fly(campaign, executor, store, tasks, bar)
-    seconds = time.perf_counter() - begin
+            try:
+                _fly(campaign, executor, store, tasks, bar)
+            except KeyboardInterrupt:
+                if store.empty:
+                    raise
+    seconds, left = time.perf_counter() - begin, len(store.left())
+    flown = len(tasks) - left
     return CampaignResults(
-        campaign, store.finish(), store.file, len(tasks), seconds, executor.workers
+        campaign, store.finish(), store.file, flown, left, seconds, executor.workers
     )
 
 

@@ -18,14 +18,13 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-import signal
-import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from typing import Protocol, TypeVar
 
 from uav_tracking_mpc.studies.campaign.campaign_file import Campaign
+from uav_tracking_mpc.studies.parallel import end_with_parent
 
 P = TypeVar("P")
 R = TypeVar("R")
@@ -91,7 +90,7 @@ class LocalExecutor:
             return
         # spawn: a fork would copy whatever threads the caller has running.
         context = multiprocessing.get_context("spawn")
-        pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_end_with_parent)
+        pool = ProcessPoolExecutor(workers, mp_context=context, initializer=end_with_parent)
         try:
             pending = [pool.submit(work, campaign, batch) for batch in batches]
             for future in as_completed(pending):
@@ -106,19 +105,6 @@ class LocalExecutor:
 
     def close(self) -> None:
         """See :meth:`Executor.close`; processes end with each run."""
-
-
-def _end_with_parent() -> None:
-    """In a worker: leave Ctrl-C to the parent, and end when it is killed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = multiprocessing.parent_process()
-    assert parent is not None
-
-    def watch() -> None:
-        parent.join()
-        os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
 
 
 class DaskExecutor:

@@ -83,6 +83,11 @@ class FlightStore:
     def _identity(self) -> bytes:
         return self._campaign.identity.encode()
 
+    @property
+    def empty(self) -> bool:
+        """Whether it holds no flight."""
+        return not self._rows
+
     def left(self) -> list[Task]:
         """Flights that have not been flown, with their laws, in order."""
         return [

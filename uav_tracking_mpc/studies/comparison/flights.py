@@ -29,7 +29,7 @@ from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
-from uav_tracking_mpc.studies.parallel import parallel_map
+from uav_tracking_mpc.studies.parallel import StoppedError, parallel_map
 
 # From easy to hard; scenarios that are not named come after these.
 ORDER = (
@@ -53,14 +53,22 @@ def fly_all(
         show: Progress bar on stderr.
 
     Returns:
-        For each configuration a flight of each law.
+        For each configuration a flight of each law; where the user interrupted, of those alone that
+        every law has flown by then.
 
     Raises:
         SimulationError: The target of a scenario was never seen.
+        KeyboardInterrupt: The user interrupted before anything was whole.
     """
     tasks = [prepared(each, law) for each in configurations for law in laws]
-    logs = parallel_map(simulate, tasks, workers, "flights", show)
-    return [logs[begin : begin + len(laws)] for begin in range(0, len(logs), len(laws))]
+    try:
+        logs = parallel_map(simulate, tasks, workers, "flights", show)
+    except StoppedError as stopped:
+        logs = stopped.done
+        if len(logs) < len(laws):
+            raise
+    whole = len(logs) // len(laws)
+    return [logs[k * len(laws) : (k + 1) * len(laws)] for k in range(whole)]
 
 
 def prepared(configuration: Configuration, law: str) -> Configuration:
