@@ -71,3 +71,9 @@ def test_every_page_is_in_the_site():
     for page in DOCS.rglob("*.md"):
         if "_build" not in page.parts:
             assert str(page.relative_to(DOCS).with_suffix("")) in listed, page
+
+
+def test_no_bag_is_played_beside_a_clock_of_its_own():
+    """Bags of `fly` hold /clock."""
+    for page in PAGES:
+        assert not re.search(r"bag play .*--clock", page.read_text()), page

@@ -136,10 +136,8 @@ class FlightBag:
         written = self._folder / self.path.stem
         (written / self.path.name).replace(self.path)
         if self._alone:
-            metadata = written / METADATA
-            text = metadata.read_text().replace("ros_distro: rosbags", "ros_distro: jazzy")
-            metadata.write_text(text)
-            metadata.replace(self.path.parent / METADATA)
+            text = (written / METADATA).read_text().replace("distro: rosbags", "distro: jazzy")
+            (self.path.parent / METADATA).write_text(text)
         shutil.rmtree(self._folder)
 
     def discard(self) -> None:
