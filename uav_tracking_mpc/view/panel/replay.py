@@ -64,7 +64,11 @@ class Replay(PanelPart):
         self._words = self.gui.add_markdown(self._time_in_words())
         # mypy takes a handle's value for one that cannot be set.
         self._slider: Any = self.gui.add_slider(
-            "time [s]", min=clock.begin, max=clock.end, step=STEP, initial_value=clock.time
+            "time [s]",
+            min=round(clock.begin - 0.5 * STEP, 1),
+            max=round(clock.end + 0.5 * STEP, 1),
+            step=STEP,
+            initial_value=self._shown(),
         )
         self._button = self.gui.add_button("")
         self._label()
@@ -87,7 +91,11 @@ class Replay(PanelPart):
         self._label()
         self._speed.value = f"{self.clock.rate:g}x"
         if time.monotonic() - self._moved >= HAND:
-            self._slider.value = self.clock.time
+            self._slider.value = self._shown()
+
+    def _shown(self) -> float:
+        """In whole steps, which the field beside the slider has room for."""
+        return round(self.clock.time, 1)
 
     def _slide(self, event: viser.GuiEvent[viser.GuiSliderHandle[float]]) -> None:
         if event.client is not None and math.isfinite(event.target.value):  # by hand
