@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from uav_tracking_mpc.view.watched_flight import FlightSource, WatchedFlight
 
 STEP = 0.1  # s of the slider
+SAME = 1e-6  # of it: what rounding leaves
 HAND = 1.0  # s for which the slider is left to who has just moved it
 JUMPS = {"-1 min": -60.0, "-10 s": -10.0, "+10 s": 10.0, "+1 min": 60.0}  # s
 SPEEDS = {f"{rate:g}x": rate for rate in RATES}
@@ -65,8 +66,8 @@ class Replay(PanelPart):
         # mypy takes a handle's value for one that cannot be set.
         self._slider: Any = self.gui.add_slider(
             "time [s]",
-            min=round(clock.begin - 0.5 * STEP, 1),
-            max=round(clock.end + 0.5 * STEP, 1),
+            min=math.floor(clock.begin / STEP + SAME) * STEP,
+            max=math.ceil(clock.end / STEP - SAME) * STEP,
             step=STEP,
             initial_value=self._shown(),
         )
