@@ -52,6 +52,8 @@ BEGIN, END, FRAMES, FRAME_TIME = 8.0, 48.0, 60, 120  # s, s, -, ms
 MOVING = (800, 468)  # pixels
 AT = 32.0  # s, at which stills are taken
 SHOTS = 12  # at most, until two are the same
+# The page says so where it is drawn without a graphics card.
+QUIET = ".mantine-Notification-root { display: none !important; }"
 COLOURS = 128  # of a still: it stays small
 
 
@@ -94,8 +96,6 @@ class Gallery:
         tab.goto(self._page.address)
         tab.locator("canvas").first.wait_for(state="visible")
         tab.get_by_label("Camera", exact=True).first.wait_for()
-        if (notice := tab.locator(".mantine-Notification-closeButton")).count():
-            notice.first.click()  # that it is drawn without a graphics card
         yield tab
         context.close()
 
@@ -134,7 +134,7 @@ def settled(tab: Page) -> Image.Image:
     shots = [b""]
     while len(shots) < SHOTS and shots[-1] not in shots[:-1]:
         tab.wait_for_timeout(300.0)
-        shots.append(tab.screenshot(animations="disabled"))
+        shots.append(tab.screenshot(animations="disabled", style=QUIET))
     return Image.open(io.BytesIO(shots[-1])).convert("RGB")
 
 

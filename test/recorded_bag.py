@@ -255,12 +255,13 @@ class _Aircraft:
             self._write(DIAGNOSTICS, heard + DIAGNOSTIC_DELAY, message)
 
 
-def rewritten(source, path, **options):
+def rewritten(source, path, keep=lambda channel, message: True, **options):
     """The same messages as another recorder writes them.
 
     Args:
         source: File of a bag.
         path: File to write.
+        keep: Which messages.
         options: Of the writer of the format's own library.
     """
     with source.open("rb") as read, path.open("wb") as written:
@@ -268,6 +269,8 @@ def rewritten(source, path, **options):
         writer.start(profile="ros2")
         ours = {}
         for schema, channel, message in make_reader(read).iter_messages():
+            if not keep(channel, message):
+                continue
             if channel.topic not in ours:
                 kind = writer.register_schema(schema.name, schema.encoding, schema.data)
                 ours[channel.topic] = writer.register_channel(channel.topic, "cdr", kind)

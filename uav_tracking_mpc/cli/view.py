@@ -37,11 +37,12 @@ if TYPE_CHECKING:
     from uav_tracking_mpc.settings.tracking import TrackingParameters
     from uav_tracking_mpc.view.watched_flight import FlightSource
 
-HELP = "show a flight on a page: one that is flown, or FILE.mcap"
+HELP = "show a flight on a page: one that is flown, or a bag"
 DESCRIPTION = (
     "Serve a page that shows flights as a moving scene: those that are flown in a ROS domain, as "
-    "they appear, or a recorded one: any MCAP bag with the topics of the package, without ROS. Its "
-    "limits are those that the controller recorded beside it, or those of --config. Ctrl-C ends it."
+    "they appear, or a recorded one: any MCAP bag with the topics of the package, a file or a "
+    "folder, without ROS. Its limits are those that the controller recorded beside it, or those of "
+    "--config. Ctrl-C ends it."
 )
 
 
@@ -51,7 +52,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     Args:
         parser: Of this command.
     """
-    parser.add_argument("bag", metavar="FILE.mcap", nargs="?", type=Path, help="a recorded flight")
+    parser.add_argument(
+        "bag", metavar="BAG", nargs="?", type=Path, help="FILE.mcap, or a bag's folder"
+    )
     add_domain_argument(
         parser, "ROS domain to watch (default: ROS_DOMAIN_ID, or 0); a launch prints its own"
     )

@@ -18,7 +18,7 @@ r"""Is the quadratic bound true on one box? Two sufficient tests, both in ball a
 gives F(c + d) = a + J d + e, a = F(c) + mid, J = F'(c), |e_k| <= r_k, where mid and r come from the
 Hessians over the whole box. For any t > 0 and m >= 0, with E^2 = max |e|_P^2,
 
-.. math:: |F|_P^2 - x'Nx \le q(d) = (1 + t)|a + Jd|_P^2 + (1 + 1/t) E^2 - x'Nx + m(\varrho - x'Px)
+.. math:: |F|_P^2 - x'Nx \le q(d) = (1 + t)|a + Jd|_P^2 + (1 + 1/t) E^2 - x'Nx + m(\alpha - x'Px)
 
 on X_f, since the last bracket is not negative there. Where q is not concave a diagonal D is
 added: d'Dd <= sum D_ii h_i^2. A concave q lies below its tangent plane at any point, so the

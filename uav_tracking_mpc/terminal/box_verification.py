@@ -17,7 +17,7 @@ r"""The checker's test of boxes: does V_f fall as it must on each of them?
 On a leaf c + d, \|d_i\| <= h_i, away from the origin, Taylor's f = a + J d + e with \|e\|_P <= E
 from the Hessians, so the left side minus the right is at most
 
-.. math:: (1 + t)|a + Jd|_P^2 + (1 + 1/t)E^2 - x'Nx + m(\varrho - x'Px)
+.. math:: (1 + t)|a + Jd|_P^2 + (1 + 1/t)E^2 - x'Nx + m(\alpha - x'Px)
 
 with m from the certificate. Made concave by a diagonal, it lies below its tangent plane anywhere.
 On a leaf at the origin f = (f'(0) + G)x, and N - (f'(0) + G)'P(f'(0) + G) is positive definite.

@@ -14,7 +14,7 @@
 
 r"""The one kind of inequality that the analysis has to prove, as data.
 
-.. math:: |f(x, Kx) - C x|_P^2 \le x' N x \quad \text{for every } x \text{ with } x' P x \le \varrho
+.. math:: |f(x, Kx) - C x|_P^2 \le x' N x \quad \text{for every } x \text{ with } x' P x \le \alpha
 
 - C = 0, N = P - Q - K'RK - s P: the direct condition V_f(f) - V_f(x) + L(x, Kx) <= -s V_f(x), all
   that the proofs of Theorems 2 and 3 use of (30);

@@ -95,6 +95,13 @@ def test_the_slider_follows_the_clock(part, source):
     assert source.clock.playing
 
 
+def test_the_slider_shows_whole_steps(part, source):
+    """The field beside it has no room for more."""
+    source.wall = 45.0996
+    part.show(None)
+    assert (part._slider.min, part._slider.value, part._slider.max) == (-2.0, 43.1, 600.0)
+
+
 def test_who_moves_the_slider_moves_the_clock(part, source):
     by_hand(part, part._slider, 300.0)
     until(lambda: source.clock.time == 300.0)

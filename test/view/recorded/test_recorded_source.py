@@ -26,7 +26,7 @@ from recorded_bag import SyntheticFlight, rewritten, write_bag
 
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, TARGET
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.view.recorded.bag_index import BagError
+from uav_tracking_mpc.view.recorded.bag_index import BagError, read_index
 from uav_tracking_mpc.view.recorded.recorded_source import RecordedSource
 
 RATES = {"state_rate": 20, "command_rate": 10}
@@ -69,6 +69,61 @@ def test_bags_of_other_recorders_show_the_same(tmp_path, bag, options):
     np.testing.assert_array_equal(ours.plan, theirs.plan)
     assert ours.statuses == theirs.statuses
     assert (ours.time, ours.errors, ours.cost) == (theirs.time, theirs.errors, theirs.cost)
+
+
+@pytest.fixture
+def folder(tmp_path, bag):
+    """As `ros2 bag record` splits it, after 1.5 s."""
+    folder = tmp_path / "flight"
+    folder.mkdir()
+    split = read_index(bag).chunks[0].start + 1_500_000_000
+    rewritten(bag, folder / "flight_0.mcap", lambda _, message: message.log_time < split)
+    rewritten(bag, folder / "flight_1.mcap", lambda _, message: message.log_time >= split)
+    (folder / "metadata.yaml").touch()
+    return folder
+
+
+def test_a_folder_that_a_recorder_split_is_one_flight(folder, bag):
+    whole, parts = RecordedSource(bag), RecordedSource(folder)
+    assert (parts.clock.begin, parts.clock.end) == (whole.clock.begin, whole.clock.end)
+    for time in (1.0, 1.5, 1.52, 3.0):
+        ours, theirs = (source.flights()[0].at(time) for source in (whole, parts))
+        np.testing.assert_array_equal(ours.position, theirs.position)
+        np.testing.assert_array_equal(ours.plan, theirs.plan)
+        assert (ours.time, ours.statuses) == (theirs.time, theirs.statuses)
+        assert ours.errors == theirs.errors
+    parts.close()
+
+
+def test_a_folder_with_one_file_is_its_bag(tmp_path, bag):
+    (tmp_path / "mission.mcap").write_bytes(bag.read_bytes())
+    flown = load_configuration("small_uav", ["nmpc_controller.range=333.0"]).controller
+    header = json.dumps({"version": "1", "parameters": asdict(flown)})
+    (tmp_path / "controller.jsonl").write_text(f"{header}\n")
+    assert RecordedSource(tmp_path).flights()[0].tracking == flown
+
+
+def test_folders_that_are_no_bag_are_refused_in_words(tmp_path, folder):
+    with pytest.raises(BagError, match=r"holds no bag: no file ends in \.mcap"):
+        RecordedSource(tmp_path)
+    (folder / "metadata.yaml").unlink()
+    with pytest.raises(BagError, match=r"has no metadata\.yaml and 2 bags: name one of them"):
+        RecordedSource(folder)
+
+
+def test_a_replay_begins_at_the_first_command(tmp_path, bag):
+    """Before it an aircraft may have waited long; the slider goes there all the same."""
+    late = read_index(bag).chunks[0].start + 2_000_000_000
+
+    def keep(channel, message):
+        return channel.topic != "/uav/command" or message.log_time >= late
+
+    source = RecordedSource(rewritten(bag, tmp_path / "late.mcap", keep))
+    source.clock.pause()
+    assert source.clock.begin < -1.5
+    assert source.clock.time == pytest.approx(0.0, abs=0.5)
+    source.clock.seek(-1.0)
+    assert source.flights()[0].sight.mode is None
 
 
 def test_a_bag_without_an_aircraft_is_refused(tmp_path):

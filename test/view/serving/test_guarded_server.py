@@ -227,8 +227,8 @@ def test_junk_is_one_line_of_a_kind_and_the_page_goes_on(caplog, capfd):
         gc.collect()  # failed tasks speak when they are collected
         assert wait_for(lambda: len(caplog.records) >= 2, PATIENCE)
     assert sorted(record.getMessage() for record in caplog.records) == [
+        "page: a message failed: AssertionError()",
         "page: refused a request of 127.0.0.1: its message is none that a page sends",
-        "page: what a client sent failed: AssertionError",
     ]
     assert capfd.readouterr().err == ""
 

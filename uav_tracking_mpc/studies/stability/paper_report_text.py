@@ -64,7 +64,7 @@ _FORMULAS = {
     "|x|^2": r"|x|^2",
     "c_2/c_3": r"c_2/c_3",
     "u_psi": r"u_\psi",
-    "varrho": r"\varrho",
+    "varrho": r"\alpha",
     "sigma": r"\sigma",
     "xi": r"\xi",
     **{symbol: symbol for symbol in ("L^2", "V_f", "V_N", "x_o", "c_2", "c_3")},

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from uav_tracking_mpc.view.watched_flight import FlightSource, WatchedFlight
 
 STEP = 0.1  # s of the slider
+SAME = 1e-6  # of it: what rounding leaves
 HAND = 1.0  # s for which the slider is left to who has just moved it
 JUMPS = {"-1 min": -60.0, "-10 s": -10.0, "+10 s": 10.0, "+1 min": 60.0}  # s
 SPEEDS = {f"{rate:g}x": rate for rate in RATES}
@@ -64,7 +65,11 @@ class Replay(PanelPart):
         self._words = self.gui.add_markdown(self._time_in_words())
         # mypy takes a handle's value for one that cannot be set.
         self._slider: Any = self.gui.add_slider(
-            "time [s]", min=clock.begin, max=clock.end, step=STEP, initial_value=clock.time
+            "time [s]",
+            min=math.floor(clock.begin / STEP + SAME) * STEP,
+            max=math.ceil(clock.end / STEP - SAME) * STEP,
+            step=STEP,
+            initial_value=self._shown(),
         )
         self._button = self.gui.add_button("")
         self._label()
@@ -87,7 +92,11 @@ class Replay(PanelPart):
         self._label()
         self._speed.value = f"{self.clock.rate:g}x"
         if time.monotonic() - self._moved >= HAND:
-            self._slider.value = self.clock.time
+            self._slider.value = self._shown()
+
+    def _shown(self) -> float:
+        """In whole steps, which the field beside the slider has room for."""
+        return round(self.clock.time, 1)
 
     def _slide(self, event: viser.GuiEvent[viser.GuiSliderHandle[float]]) -> None:
         if event.client is not None and math.isfinite(event.target.value):  # by hand

@@ -23,6 +23,7 @@ from dataclasses import dataclass, field
 
 from uav_tracking_mpc.view.recorded.bag_index import (
     BROKEN,
+    IDENTITIES,
     MESSAGE,
     MESSAGE_HEAD,
     RECORD,
@@ -64,8 +65,12 @@ class BagChunks:
     """
 
     def __init__(self, index: BagIndex, topics: Mapping[int, str]) -> None:
-        self._index, self._topics = index, topics
-        self._file = index.path.open("rb")
+        self._index = index
+        self._topics: list[dict[int, str]] = [{} for _ in index.files]
+        for number, topic in topics.items():
+            file, channel = divmod(number, IDENTITIES)
+            self._topics[file][channel] = topic
+        self._files = [path.open("rb") for path in index.files]
         self._read: OrderedDict[int, ChunkMessages] = OrderedDict()
         self._size = 0
 
@@ -87,19 +92,20 @@ class BagChunks:
 
     def _load(self, number: int) -> ChunkMessages:
         place = self._index.chunks[number]
-        self._file.seek(place.offset)
-        content = self._file.read(place.size)
+        self._files[place.file].seek(place.offset)
+        content = self._files[place.file].read(place.size)
         try:
             data = unpacked(content) if place.packed else content
-            return _sorted_out(data, self._topics)
+            return _sorted_out(data, self._topics[place.file])
         except BROKEN as error:
-            path = self._index.path
+            path = self._index.files[place.file]
             logger.warning("bag %s is damaged at byte %d: %s", path, place.offset, error)
             return ChunkMessages(b"")
 
     def close(self) -> None:
-        """Close the file."""
-        self._file.close()
+        """Close the files."""
+        for file in self._files:
+            file.close()
         self._read.clear()
 
 

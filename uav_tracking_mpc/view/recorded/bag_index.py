@@ -42,6 +42,8 @@ MESSAGE_HEAD = struct.Struct("<HIQQ")  # channel, number, times [ns] heard and s
 FOOTER_SIZE = RECORD.size + 20 + len(MAGIC)  # bytes from the last record to the end
 SCHEMA, CHANNEL, MESSAGE, CHUNK, DATA_END = 0x03, 0x04, 0x05, 0x06, 0x0F
 RUN = 2**20  # bytes of messages outside of chunks that count as one
+IDENTITIES = 2**16  # of channels in a file
+METADATA = "metadata.yaml"  # as ROS 2 calls it
 ENCODING = "cdr"  # of ROS 2
 # What a reader says of bytes that are no such record: zstandard and lz4 have errors of their own.
 BROKEN = Exception
@@ -73,6 +75,7 @@ class ChunkPlace(NamedTuple):
         size: In bytes.
         packed: Whether it is a chunk record, compressed or not, or else plain messages.
         channels: Identities of those that have messages in it.
+        file: Number of its file in the bag.
     """
 
     start: int
@@ -81,6 +84,7 @@ class ChunkPlace(NamedTuple):
     size: int
     packed: bool
     channels: frozenset[int]
+    file: int = 0
 
 
 @dataclass(frozen=True)
@@ -88,21 +92,58 @@ class BagIndex:
     """What a bag holds, and where.
 
     Attributes:
-        path: Of the bag.
-        channels: By identity, those of ROS 2 alone.
+        path: Of the bag, a file or a folder.
+        files: Of the bag, in order.
+        channels: By identity, those of ROS 2 alone. Those of a file begin at IDENTITIES times its
+            number.
         chunks: In the order of their times.
     """
 
     path: Path
+    files: Sequence[Path]
     channels: Mapping[int, RecordedChannel]
     chunks: Sequence[ChunkPlace]
 
 
-def read_index(path: Path) -> BagIndex:
-    """Read what a bag states of itself.
+def read_bag(path: Path) -> BagIndex:
+    """Read what a bag states of itself, whether it is a file or the folder of a recorder.
 
     Args:
-        path: Of the bag, an MCAP file.
+        path: Of the MCAP file, or of the folder, whose MCAP files are one bag where it has a
+            ``metadata.yaml``; without that it must hold one.
+
+    Raises:
+        BagError: It is no such file or folder, is cut off, damaged, or holds no message.
+        OSError: It cannot be read.
+    """
+    if not path.exists():
+        raise FileNotFoundError(f"there is no bag {path}")
+    if not path.is_dir():
+        return read_index(path)
+    files = sorted(path.glob("*.mcap"))
+    if len(files) > 1 and not (path / METADATA).is_file():
+        raise BagError(f"folder {path} has no {METADATA} and {len(files)} bags: name one of them")
+    if not files:
+        raise BagError(f"folder {path} holds no bag: no file ends in .mcap")
+    parts = [read_index(file) for file in files]
+    channels = {
+        IDENTITIES * file + number: channel
+        for file, part in enumerate(parts)
+        for number, channel in part.channels.items()
+    }
+    chunks = [
+        chunk._replace(file=file, channels=frozenset(IDENTITIES * file + k for k in chunk.channels))
+        for file, part in enumerate(parts)
+        for chunk in part.chunks
+    ]
+    return BagIndex(path, files, channels, sorted(chunks))
+
+
+def read_index(path: Path) -> BagIndex:
+    """Read what a file states of itself.
+
+    Args:
+        path: Of the MCAP file.
 
     Raises:
         BagError: It is no such file, is cut off, damaged, or holds no message.
@@ -118,7 +159,7 @@ def read_index(path: Path) -> BagIndex:
     channels, chunks = found
     if not chunks:
         raise BagError(f"bag {path} holds no message")
-    return BagIndex(path, channels, sorted(chunks))
+    return BagIndex(path, [path], channels, sorted(chunks))
 
 
 def records(data: bytes | mmap.mmap, begin: int = 0) -> Iterator[tuple[int, int, int]]:

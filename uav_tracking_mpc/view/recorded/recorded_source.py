@@ -23,7 +23,7 @@ from pathlib import Path
 from uav_tracking_mpc.control.record import recorded_parameters
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.view.recorded.bag_chunks import BagChunks
-from uav_tracking_mpc.view.recorded.bag_index import BagError, BagIndex, read_index
+from uav_tracking_mpc.view.recorded.bag_index import BagError, BagIndex, read_bag
 from uav_tracking_mpc.view.recorded.recorded_figures import COMMAND, FIGURES, ODOMETRY
 from uav_tracking_mpc.view.recorded.recorded_flight import RecordedFlight
 from uav_tracking_mpc.view.recorded.recorded_time import RecordedTime
@@ -41,7 +41,7 @@ class RecordedSource(FlightSource):
     """Aircraft of a bag.
 
     Args:
-        path: Of the bag, an MCAP file.
+        path: Of the bag, an MCAP file or the folder of a recorder.
         tracking: What the controllers flew by; None takes what the controller of a single aircraft
             recorded beside the bag, if it did.
 
@@ -51,7 +51,7 @@ class RecordedSource(FlightSource):
     """
 
     def __init__(self, path: Path, tracking: TrackingParameters | None = None) -> None:
-        index = read_index(path)
+        index = read_bag(path)
         names = _topics(index)
         self._chunks = BagChunks(index, {k: index.channels[k].topic for k in names})
         topics: dict[str, dict[str, RecordedTopic]] = {}
@@ -104,7 +104,7 @@ def _topics(index: BagIndex) -> dict[int, tuple[str, str]]:
 
 def _recorded_beside(path: Path) -> TrackingParameters | None:
     """What the controller recorded beside the bag; None where it did not, or unreadably."""
-    record = path.with_name(RECORD)
+    record = path / RECORD if path.is_dir() else path.with_name(RECORD)
     if not record.is_file():
         return None
     try:

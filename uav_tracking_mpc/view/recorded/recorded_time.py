@@ -51,7 +51,7 @@ class RecordedTime:
         commands: Commands of each aircraft.
 
     Attributes:
-        clock: From the first to the last state.
+        clock: From the first to the last state; it begins at the first command.
     """
 
     def __init__(self, states: Sequence[RecordedTopic], commands: Sequence[RecordedTopic]) -> None:
@@ -64,6 +64,7 @@ class RecordedTime:
         begun = [time for time in sent if time is not None and first <= time <= last]
         self._zero = min(begun, default=first)
         self.clock = PlayClock((first - self._zero) / SECOND, (last - self._zero) / SECOND)
+        self.clock.seek(0.0)  # before the first command an aircraft may have waited for minutes
 
     def moment(self, states: RecordedTopic, place: Place) -> Moment:
         """When a state was.

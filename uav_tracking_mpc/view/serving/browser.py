@@ -59,9 +59,11 @@ def open_browser(address: str) -> Iterator[None]:
     """
     # In the home folder: a browser that is a snap has another /tmp.
     home = os.path.expanduser("~")
-    folder = home if os.access(home, os.W_OK) else None
     with tempfile.NamedTemporaryFile(
-        "w", prefix="uav_tracking_page_", suffix=".html", dir=folder
+        "w",
+        prefix="uav_tracking_page_",
+        suffix=".html",
+        dir=home if os.access(home, os.W_OK) else None,
     ) as file:
         file.write(LEADS_TO.format(html.escape(address)))
         file.flush()

@@ -160,7 +160,7 @@ class _Guard:
             ):
                 refusal = refusal or "this page is of another version of viser; load it again"
             if refusal:
-                self._tell(refusal, connection)
+                self._refuse(refusal, connection)
                 return connection.respond(HTTPStatus.FORBIDDEN, f"{refusal}\n")
             answered = answer(connection, request)
             response = await answered if inspect.isawaitable(answered) else answered
@@ -175,38 +175,35 @@ class _Guard:
 
     def _connection(self, *args: Any, **kwargs: Any) -> ServerConnection:
         """A websocket whose messages are those of a page; called in the loop that reads them."""
-        asyncio.get_running_loop().set_exception_handler(self._tell_failure)
-        return _Checked(self._tell, *args, **kwargs)
+        asyncio.get_running_loop().set_exception_handler(
+            lambda _, context: self._tell(f"a message failed: {context.get('exception')!r}")
+        )
+        return _Checked(self._refuse, *args, **kwargs)
 
-    def _tell_failure(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-        """One line for each kind of message that viser cannot do: else it is a traceback each."""
-        failure = type(context.get("exception")).__name__
-        if failure not in self._told:
-            self._told.add(failure)
-            logger.warning("page: what a client sent failed: %s", failure)
+    def _refuse(self, refusal: str, connection: ServerConnection) -> None:
+        self._tell(f"refused a request of {connection.remote_address[0]}: {refusal}")
 
-    def _tell(self, refusal: str, connection: ServerConnection) -> None:
-        """Log each reason once: whoever asks again and again does not fill the log."""
-        if refusal not in self._told:
-            self._told.add(refusal)
-            client, *_ = connection.remote_address
-            logger.warning("page: refused a request of %s: %s", client, refusal)
+    def _tell(self, words: str) -> None:
+        """Log the same once: whoever asks again and again does not fill the log."""
+        if words not in self._told:
+            self._told.add(words)
+            logger.warning("page: %s", words)
 
 
 class _Checked(ServerConnection):
     """A websocket that hands on what viser can read; its own consumer ends at anything else.
 
     Args:
-        tell: Takes why a message was refused, and this websocket.
+        refuse: Takes why a message was refused, and this websocket.
         args: Of websockets.
         kwargs: Of websockets.
     """
 
     def __init__(
-        self, tell: Callable[[str, ServerConnection], None], *args: Any, **kwargs: Any
+        self, refuse: Callable[[str, ServerConnection], None], *args: Any, **kwargs: Any
     ) -> None:
         super().__init__(*args, **kwargs)
-        self._tell = tell
+        self._refuse = refuse
 
     async def recv(self, decode: bool | None = None) -> Any:
         """The next message that viser can read.
@@ -219,7 +216,7 @@ class _Checked(ServerConnection):
             try:
                 Message.deserialize(raw)
             except Exception:  # of msgspec, or of viser's own making
-                self._tell("its message is none that a page sends", self)
+                self._refuse("its message is none that a page sends", self)
             else:
                 return raw
 
