@@ -53,7 +53,7 @@ ROS = {
     "rcl_interfaces", "rosgraph_msgs", "sensor_msgs", "std_msgs", "std_srvs", "tf2_msgs",
     "trajectory_msgs", "visualization_msgs",
 }  # fmt: skip
-LINE_LIMIT = 350
+LINE_LIMIT = 500
 SOURCES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")
 ROOMS = sorted(path for path in PACKAGE.rglob("__init__.py") if path.parent != PACKAGE)
 
