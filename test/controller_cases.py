@@ -29,7 +29,7 @@ from uav_tracking_mpc.formulation.formulation import Plan
 from uav_tracking_mpc.mpc.solution import Solution, Status
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
-PAPER = TrackingParameters()
+PAPER = TrackingParameters(solve_time_max=5.0)  # the load of the machine is not tested
 FLIGHT = small_uav.parameters()
 
 

@@ -18,6 +18,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import small_uav
 
 from uav_tracking_mpc.control.commanded_path import CommandPaths
 from uav_tracking_mpc.control.controller import Controller
@@ -26,7 +27,7 @@ from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation.plants import plant_of
 
-CONFIGURATION = load_configuration("small_uav", scenario="wind")
+CONFIGURATION = load_configuration("small_uav", [small_uav.PATIENT], "wind")
 
 
 @pytest.fixture(scope="module")

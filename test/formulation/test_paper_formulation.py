@@ -23,7 +23,7 @@ from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.formulation.paper_formulation import PaperFormulation
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
-PARAMETERS = TrackingParameters()
+PARAMETERS = TrackingParameters(solve_time_max=5.0)  # the load of the machine is not tested
 
 
 @pytest.fixture(scope="module")

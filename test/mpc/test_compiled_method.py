@@ -24,6 +24,7 @@ from pathlib import Path
 
 import pytest
 from solver_problems import PAPER_START, paper
+from waiting import wait_for
 
 from uav_tracking_mpc.mpc import compiled_method
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
@@ -115,10 +116,7 @@ def test_a_signal_ends_the_wait_at_once_and_the_next_process_compiles(tmp_path, 
     process.send_signal(number)
     process.communicate(timeout=60)
     assert process.returncode != 0
-    deadline = time.monotonic() + 60.0
-    while not gone(child):
-        assert time.monotonic() < deadline, "the compiler outlives the process that wants it"
-        time.sleep(0.01)
+    assert wait_for(lambda: gone(child)), "the compiler outlives the process that wants it"
     assert not list((tmp_path / "uav_tracking_mpc").glob("newton_*/method.json"))
     assert "converged" in finish(start(tmp_path))
 
@@ -151,10 +149,8 @@ def test_two_solvers_of_one_problem_do_not_share_state():
     assert warm.iterations < 15
 
 
-def test_loading_is_quick_once_compiled(caplog):
+def test_what_is_compiled_is_only_loaded(caplog):
     NewtonSolver(paper())
     with caplog.at_level(logging.INFO):
-        begin = time.perf_counter()
         NewtonSolver(paper())
-    assert time.perf_counter() - begin < 1.0
-    assert not caplog.records
+    assert not caplog.records  # a compilation is announced

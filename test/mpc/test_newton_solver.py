@@ -15,7 +15,6 @@
 from __future__ import annotations
 
 import dataclasses
-import time
 import tracemalloc
 
 import casadi as ca
@@ -232,9 +231,8 @@ def test_iteration_limit_gives_a_plan_and_a_cold_start_next():
 
 def test_time_limit_ends_the_solve_with_the_best_plan_so_far():
     limited = NewtonSolver(paper(), time_limit=1e-6)
-    begin = time.perf_counter()
     solution = limited.solve(PAPER_START)
-    assert time.perf_counter() - begin < 0.05
+    assert solution.iterations < NewtonSolver(paper()).solve(PAPER_START).iterations
     assert solution.status is Status.TIME_LIMIT
     assert "time limit" in solution.message
     assert np.isfinite(solution.cost)

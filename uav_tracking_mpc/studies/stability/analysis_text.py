@@ -112,7 +112,8 @@ def as_words(analysis: Analysis) -> str:
         f"{problem.name}: {problem.model} model, {problem.scheme}, T_s = {problem.step:g} s, "
         f"orbit r = {orbit.range:g} m, z = {orbit.altitude:g} m, v = {orbit.speed:g} m/s",
         f"  L(varrho = {analysis.lipschitz.level:.4g}) between {analysis.lipschitz.lower:.4f} "
-        f"(attained) and {analysis.lipschitz.upper:.4f} (proved)",
+        f"(attained) and {analysis.lipschitz.upper:.4f} "
+        f"({'proved' if math.isfinite(analysis.lipschitz.upper) else 'not proved: see --boxes'})",
     ]
     for number, condition in ((2, analysis.quantities.theorem2), (3, analysis.quantities.theorem3)):
         holds = "holds" if condition.holds else "does not hold"
