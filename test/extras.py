@@ -15,9 +15,9 @@
 """Imports of what only some commands need: extras of setup.py, which a ROS machine may lack."""
 
 EXTRAS = {
-    "acados_template", "control", "cosmic_ray", "dask", "distributed", "duckdb", "flint", "jsbsim", "mcap",
-    "msgspec", "pandas", "playwright", "pyarrow", "pymavlink", "serial", "viser", "websockets",
-    "zstandard",
+    "acados_template", "control", "cosmic_ray", "dask", "distributed", "duckdb", "flint", "jsbsim",
+    "mcap", "msgspec", "pandas", "playwright", "pyarrow", "pymavlink", "serial", "viser",
+    "websockets", "zstandard",
 }  # fmt: skip
 
 

@@ -38,14 +38,20 @@ from uav_tracking_mpc.control.command import Command, orbit_from
 from uav_tracking_mpc.control.command_shaping import CommandShaper
 from uav_tracking_mpc.control.direction import nearest_direction
 from uav_tracking_mpc.control.event import EventLog, Level
-from uav_tracking_mpc.control.fallback import Available, FallbackMode, ModeSelector, choose
+from uav_tracking_mpc.control.fallback import (
+    OWN_SOLVE,
+    Available,
+    FallbackMode,
+    ModeSelector,
+    choose,
+)
 from uav_tracking_mpc.control.guidance import formulation_of, law_about, law_inputs, law_of, planned
 from uav_tracking_mpc.control.orbit_shortfall import OrbitShortfall
 from uav_tracking_mpc.control.pace import Pace
 from uav_tracking_mpc.control.plan_memory import PlanMemory
 from uav_tracking_mpc.control.rate_keeper import RateKeeper
 from uav_tracking_mpc.dynamics.response import Response
-from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
+from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.navigator import Estimate, Navigator
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.estimation.state_gate import StateGate, Verdict
@@ -54,7 +60,7 @@ from uav_tracking_mpc.laws.vector_field import VectorField
 from uav_tracking_mpc.parameters.specification import ParameterError, changed, refuse_fixed
 from uav_tracking_mpc.settings.tracking import NEAREST, TrackingParameters
 
-OWN_SOLVE = "the own solve is late"  # not the state that it answers
+Segments = tuple[NDArray[np.float64], float]  # inputs, shape (n, 3), and how long each lasts [s]
 LEVELLING_TIME = 1.0  # s, in which wings-level flight takes the path angle out
 
 
@@ -109,9 +115,8 @@ class Controller:
 
     def _forget(self) -> None:
         """Forget what belongs to a time or a place that is no more."""
-        for part in (self.navigator, self.rate, self._shaper, self._plan):
+        for part in (self.navigator, self.rate, self._shaper, self._plan, self._shortfall):
             part.reset()
-        self._shortfall.reset()
         self.response.interrupt()
         if self.formulation is not None:
             self.formulation.reset()
@@ -204,15 +209,8 @@ class Controller:
         Raises:
             MeasurementError: Not finite, not of its shape, or stamped by another clock.
         """
-        lead, newest = self._gate.lead(stamp), self.navigator.target.time
-        # While no state comes, targets may: what matters is the step from the newest of both.
-        step = lead if newest is None else min(lead, stamp - newest)
-        allowed = min(self.parameters.state_timeout, self.parameters.target_timeout)
-        if step > allowed or lead > self.parameters.target_timeout:
-            raise MeasurementError(
-                f"target: its stamp is {lead:.3f} s ahead of the vehicle's, may be {allowed:g} s: "
-                "do the clocks agree?"
-            )
+        known, limit = self.navigator.target.time, self.parameters.target_timeout
+        self._gate.check_target(stamp, known, limit)
         return self.navigator.see_target(stamp, position, velocity, covariance)
 
     def see_state(self, measurement: Measurement) -> None:
@@ -320,7 +318,10 @@ class Controller:
 
     def _fly(self, stamp: float, estimate: Estimate, target_fresh: bool = True) -> Command:
         """Command for an estimate; values that are not finite are survived."""
-        self._orient(estimate.effect)
+        if self.parameters.direction == NEAREST:  # chosen once, with hysteresis
+            self._direction = nearest_direction(estimate.effect, self._direction)
+            if self._direction != self.orbit.direction:
+                self._choose()
         plan, by_law, trouble = None, None, ""
         if target_fresh and self._law is not None:
             by_law, trouble = law_inputs(self._law, estimate.present)
@@ -338,23 +339,23 @@ class Controller:
                 return self._hold(stamp, estimate.effect.vehicle, failed)
         mode = self._select(available)
         if mode is FallbackMode.EARLIER_PLAN and left is not None:
-            inputs, step = left
+            segments = left
         elif mode.planned and plan is not None:
             self._plan.keep(plan, stamp)
             self._shortfall.see(stamp, plan, self.orbit)
-            inputs, step = plan.inputs, plan.step
+            segments = plan.inputs, plan.step
         else:
             assert by_law is not None
-            inputs, step = by_law, LEVELLING_TIME
+            segments = by_law, LEVELLING_TIME
         airspeed = max(estimate.effect.airspeed, self.navigator.airspeed)  # that lags behind
-        return self._command(stamp, inputs, step, airspeed, plan, estimate.present)
+        return self._command(stamp, segments, airspeed, plan, estimate.present)
 
     def _hold(self, stamp: float, vehicle: NDArray[np.float64], trouble: str) -> Command:
         """Wings level at the present speed: there is no target to fly about."""
         self._select(Available(target=False, target_fresh=False, trouble=trouble))
         _, _, _, _, path_angle, airspeed = vehicle.tolist()
         level = np.array([[0.0, -path_angle / LEVELLING_TIME, 0.0]])
-        return self._command(stamp, level, LEVELLING_TIME, airspeed)
+        return self._command(stamp, (level, LEVELLING_TIME), airspeed, None, None)
 
     def _orient(self, situation: Situation) -> None:
         """The nearest direction is chosen once, with hysteresis; it stands for an engagement."""
@@ -366,18 +367,17 @@ class Controller:
     def _command(
         self,
         stamp: float,
-        inputs: NDArray[np.float64],
-        step: float,
+        told: Segments,
         airspeed: float,
-        plan: Plan | None = None,
-        present: Situation | None = None,
+        plan: Plan | None,
+        now: Situation | None,
     ) -> Command:
-        mode, reason = self.modes.mode, self.modes.reason
+        (inputs, step), mode, reason = told, self.modes.mode, self.modes.reason
         inputs = self._shaper.shape(stamp, inputs / self.response.flown.gains, step, airspeed, mode)
-        inputs = self._shaper.excitation.added(stamp, inputs, mode, self.orbit, present)
+        inputs = self._shaper.excitation.added(stamp, inputs, mode, self.orbit, now)
         shape = self._plan.orbit if mode.planned else None
-        flown = orbit_from(present, self.navigator.wind, self.orbit, shape)
-        return Command(stamp, inputs, step, mode, reason, self.orbit, plan, present, flown)
+        flown = orbit_from(now, self.navigator.wind, self.orbit, shape)
+        return Command(stamp, inputs, step, mode, reason, self.orbit, plan, now, flown)
 
     def _select(self, available: Available) -> FallbackMode:
         """Choose the mode and report its change."""

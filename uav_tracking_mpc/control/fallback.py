@@ -25,6 +25,7 @@ from enum import Enum
 from uav_tracking_mpc.mpc.solution import Solution, Status
 
 FEASIBLE_VIOLATION = 1e-2  # of hard constraints, in their own scale, that a plan may be flown with
+OWN_SOLVE = "the own solve is late"  # why nothing is sent, though states come
 UNFINISHED = (Status.TIME_LIMIT, Status.ITERATION_LIMIT)
 
 

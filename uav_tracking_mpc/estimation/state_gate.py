@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 from enum import Enum
 
-from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
 
 SPEED_LIMIT = 500.0  # m/s over ground; a faster change of position is a jump
 FASTER = 2.0  # times the ground velocity before a gap, that explain a change of position after it
@@ -62,13 +62,26 @@ class StateGate:
         self._agreeing = 0
         self.reason = ""
 
-    def lead(self, stamp: float) -> float:
-        """How far a stamp is ahead of the newest measurement in [s]; 0 while none come.
+    def check_target(self, stamp: float, known: float | None, limit: float) -> None:
+        """Refuse a target's stamp that is ahead; while no state comes there is nothing to compare.
 
         Args:
-            stamp: Of something else, by the same clock, in [s].
+            stamp: By the same clock in [s].
+            known: The target's newest stamp that was taken in [s]; None before the first.
+            limit: By how much targets may be ahead while states do not come, in [s].
+
+        Raises:
+            MeasurementError: It is ahead of the newest state and target by more than the timeout.
         """
-        return 0.0 if self.newest is None or self.lost else stamp - self.newest.stamp
+        if self.newest is None or self.lost:
+            return
+        lead, allowed = stamp - self.newest.stamp, min(self.timeout, limit)
+        step = lead if known is None else min(lead, stamp - known)
+        if step > allowed or lead > limit:
+            raise MeasurementError(
+                f"target: its stamp is {lead:.3f} s ahead of the vehicle's, may be {allowed:g} s: "
+                "do the clocks agree?"
+            )
 
     def judge(self, measurement: Measurement, arrival: float = math.nan) -> Verdict:
         """What to do with a measurement.

@@ -20,9 +20,9 @@ from rclpy.node import Node
 
 from uav_tracking_mpc.control.claim_watch import ClaimWatch
 from uav_tracking_mpc.control.command import Command
-from uav_tracking_mpc.control.controller import OWN_SOLVE, Controller
+from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.event import Level
-from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.control.fallback import OWN_SOLVE, FallbackMode
 from uav_tracking_mpc.estimation.channel_response import CHANNELS
 from uav_tracking_mpc.mpc.bridged_solver import BridgedSolver
 from uav_tracking_mpc.nodes import diagnostics
