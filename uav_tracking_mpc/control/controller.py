@@ -60,7 +60,7 @@ from uav_tracking_mpc.laws.vector_field import VectorField
 from uav_tracking_mpc.parameters.specification import ParameterError, changed, refuse_fixed
 from uav_tracking_mpc.settings.tracking import NEAREST, TrackingParameters
 
-Segments = tuple[NDArray[np.float64], float]  # inputs, shape (n, 3), and how long each lasts [s]
+Inputs = tuple[NDArray[np.float64], float]  # inputs, shape (n, 3), and how long each lasts [s]
 LEVELLING_TIME = 1.0  # s, in which wings-level flight takes the path angle out
 
 
@@ -365,12 +365,7 @@ class Controller:
                 self._choose()
 
     def _command(
-        self,
-        stamp: float,
-        told: Segments,
-        airspeed: float,
-        plan: Plan | None,
-        now: Situation | None,
+        self, stamp: float, told: Inputs, airspeed: float, plan: Plan | None, now: Situation | None
     ) -> Command:
         (inputs, step), mode, reason = told, self.modes.mode, self.modes.reason
         inputs = self._shaper.shape(stamp, inputs / self.response.flown.gains, step, airspeed, mode)
