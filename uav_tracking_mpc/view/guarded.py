@@ -20,18 +20,13 @@ import contextlib
 import logging
 import weakref
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
+from uav_tracking_mpc.view.panel import PanelPart
+from uav_tracking_mpc.view.scene import SceneElement
 from uav_tracking_mpc.view.sight import Sight
 
 logger = logging.getLogger(__name__)
-
-
-class Shown(Protocol):
-    """A scene element or a panel part."""
-
-    def show(self, sight: Sight) -> None:
-        """Bring it up to date."""
 
 
 class Guarded:
@@ -49,10 +44,12 @@ class Guarded:
         failure: Why it was switched off, in words; empty while it works.
     """
 
-    def __init__(self, name: str, api: Any, begin: Callable[[Any], Shown | None]) -> None:
+    def __init__(
+        self, name: str, api: Any, begin: Callable[[Any], SceneElement | PanelPart | None]
+    ) -> None:
         self.name, self.failure = name, ""
         self._api, self._begin = _Noting(api), begin
-        self._shown: Shown | None = None
+        self._shown: SceneElement | PanelPart | None = None
 
     def show(self, sight: Sight) -> None:
         """Bring it up to date, unless it is switched off.

@@ -41,7 +41,6 @@ FRAME_PERIOD = 0.05  # s of wall time between frames
 COLOURS: tuple[Colour, ...] = (  # Okabe and Ito: told apart by everybody
     (0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (230, 159, 0), (86, 180, 233),
 )  # fmt: skip
-FIRST = -1e6  # order of what stands above all parts
 WORLD = "/world"  # node under which the scene hangs; cameras move it, page by page
 
 
@@ -73,7 +72,7 @@ class _Drawn:
     ) -> None:
         self._flight, self._tab = flight, tabs.add_tab(flight.name)
         with self._tab:
-            self._failures = server.gui.add_html("", order=FIRST, visible=False)
+            self._failures = server.gui.add_html("", order=-1e6, visible=False)  # above all parts
 
         def begin_part(kind: type[PanelPart]) -> Callable[[Any], PanelPart | None]:
             def begin(gui: Any) -> PanelPart | None:

@@ -126,17 +126,22 @@ def read_bag(path: Path) -> BagIndex:
     if not files:
         raise BagError(f"folder {path} holds no bag: no file ends in .mcap")
     parts = [read_index(file) for file in files]
-    channels = {
-        IDENTITIES * file + number: channel
-        for file, part in enumerate(parts)
-        for number, channel in part.channels.items()
-    }
-    chunks = [
-        chunk._replace(file=file, channels=frozenset(IDENTITIES * file + k for k in chunk.channels))
-        for file, part in enumerate(parts)
-        for chunk in part.chunks
-    ]
-    return BagIndex(path, files, channels, sorted(chunks))
+    return BagIndex(
+        path,
+        files,
+        {
+            IDENTITIES * file + number: channel
+            for file, part in enumerate(parts)
+            for number, channel in part.channels.items()
+        },
+        sorted(
+            chunk._replace(
+                file=file, channels=frozenset(IDENTITIES * file + k for k in chunk.channels)
+            )
+            for file, part in enumerate(parts)
+            for chunk in part.chunks
+        ),
+    )
 
 
 def read_index(path: Path) -> BagIndex:

@@ -49,7 +49,6 @@ from uav_tracking_mpc.view.serving.listening import LOOPBACK, address_of, listen
 
 logger = logging.getLogger(__name__)
 
-PROTOCOL = f"viser-v{viser.__version__}"
 LARGEST = 2**16  # bytes of a message: a page tells of its camera and of one widget at a time
 HEAD_TIME = 10.0  # s within which a client must have sent its request
 HEADERS = {
@@ -155,8 +154,8 @@ class _Guard:
             refusal = self._access.refusal(
                 path, hosts, headers.get_all("Origin"), headers.get_all("Cookie")
             )
-            if headers.get("Upgrade") == "websocket" and PROTOCOL not in headers.get_all(
-                "Sec-WebSocket-Protocol"
+            if headers.get("Upgrade") == "websocket" and f"viser-v{viser.__version__}" not in (
+                headers.get_all("Sec-WebSocket-Protocol")
             ):
                 refusal = refusal or "this page is of another version of viser; load it again"
             if refusal:
