@@ -83,6 +83,12 @@ def test_add_a_limit():
     assert with_it > 58.0
 
 
+def test_add_a_model(tmp_path):
+    shorter = ["--set", "mission.duration=60.0"]
+    metrics = json.loads(run("add_a_model.py", "--json", "--output", tmp_path, *shorter))
+    assert metrics["steady_state"]["range_rms_m"] < 1.0
+
+
 def test_add_a_plant(tmp_path):
     shorter = ["--set", "mission.duration=60.0"]
     metrics = json.loads(run("add_a_plant.py", "--json", "--output", tmp_path, *shorter))

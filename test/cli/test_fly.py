@@ -76,7 +76,7 @@ class ViewedFlight:
 
     def address(self):
         assert wait_for(lambda: "page: http" in self.words(), LIMIT), self.words()
-        return re.search(r"page: (http://127\.0\.0\.1:\d+)", self.words())[1]
+        return re.search(r"page: (http://127\.0\.0\.1:\d+\S*)", self.words())[1]
 
     def page(self):
         """Process id of the page."""

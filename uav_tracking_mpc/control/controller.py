@@ -318,10 +318,7 @@ class Controller:
 
     def _fly(self, stamp: float, estimate: Estimate, target_fresh: bool = True) -> Command:
         """Command for an estimate; values that are not finite are survived."""
-        if self.parameters.direction == NEAREST:  # chosen once, with hysteresis
-            self._direction = nearest_direction(estimate.effect, self._direction)
-            if self._direction != self.orbit.direction:
-                self._choose()
+        self._orient(estimate.effect)
         plan, by_law, trouble = None, None, ""
         if target_fresh and self._law is not None:
             by_law, trouble = law_inputs(self._law, estimate.present)
