@@ -33,9 +33,7 @@ def test_every_motion_passes(name):
 
 def test_the_parameters_name_the_motion():
     assert isinstance(motion_of(TargetParameters(motion="line")), Line)
-    with pytest.raises(
-        ParameterError, match="'motion' is 'swim', must be one of circle, jump, line"
-    ):
+    with pytest.raises(ParameterError, match="'swim', must be one of circle, jump, line"):
         motion_of(TargetParameters(motion="swim"))
 
 
