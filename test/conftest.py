@@ -22,6 +22,7 @@ test-long``) searches anew each time. No test has a deadline.
 from __future__ import annotations
 
 import os
+import signal
 from contextlib import ExitStack
 
 import numpy as np
@@ -41,6 +42,9 @@ os.environ["ROS_DOMAIN_ID"] = str(_claims.enter_context(own_domain(None)))
 os.environ["DOMAIN_OF_PROCESSES"] = str(_claims.enter_context(own_domain(None)))
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
+
+# A shell that runs this in the background has it ignored, and children would inherit that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 settings.register_profile(
     "quick",

@@ -14,6 +14,7 @@
 
 """The link to ArduPlane, flown against the simulated one over its wire, in simulated time."""
 
+import contextlib
 import math
 import re
 import threading
@@ -246,18 +247,22 @@ def test_a_wire_that_is_opened_anew_keeps_neither_commands_nor_the_pilot_waiting
         link.disengage()
         answered.append(link.engaged)
 
+    def read():
+        with contextlib.suppress(LinkError):  # the link is closed in the end
+            link.measured(1.0)
+
     wire.open, answered = slow, []
     wire._drop()
-    threads = [
-        threading.Thread(target=work, daemon=True) for work in (lambda: link.measured(1.0), answer)
-    ]
+    threads = [threading.Thread(target=work, daemon=True) for work in (read, answer)]
     threads[0].start()
     assert opening.wait(PATIENCE)
     threads[1].start()
     threads[1].join(10.0)
     assert answered == [False]
+    link.close()
     opened.set()
     threads[0].join(PATIENCE)
+    assert not threads[0].is_alive()
 
 
 @pytest.mark.parametrize(
