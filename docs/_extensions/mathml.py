@@ -22,6 +22,8 @@ under it. And what it marks as an accent is drawn by Chromium into the letter wh
 machine tells how high letters are, as mathematical fonts do; a dot is then not seen.
 """
 
+import html
+import re
 import xml.etree.ElementTree as ET
 
 from docutils.utils.math import MathError
@@ -29,6 +31,7 @@ from docutils.utils.math.latex2mathml import tex2mathml
 
 MATHML = "http://www.w3.org/1998/Math/MathML"
 ET.register_namespace("", MATHML)
+HTML_ENTITY = re.compile(r"&(?!(?:amp|lt|gt|quot|apos|#\w+);)\w+;")  # XML knows five alone
 
 
 def setup(app):
@@ -66,7 +69,8 @@ def converted(formula, as_block=False):
 
     Raises MathError where docutils does not know it.
     """
-    root = ET.fromstring(tex2mathml(formula, as_block=as_block))
+    text = tex2mathml(formula, as_block=as_block)
+    root = ET.fromstring(HTML_ENTITY.sub(lambda found: html.unescape(found[0]), text))
     for over in [*root.iter(f"{{{MATHML}}}mover"), *root.iter(f"{{{MATHML}}}munderover")]:
         over.attrib.pop("accent", None)
         if over.tag.endswith("munderover") and over[2].get("stretchy") == "false":
