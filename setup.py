@@ -107,6 +107,7 @@ setup(
             "pyarrow>=14.0",
             "pymavlink>=2.4.41",
             "pytest",
+            "pytest-rerunfailures",
             "pytest-timeout",
             "pytest-xdist",
             "ruff",
