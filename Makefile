@@ -37,7 +37,7 @@ view: $(VENV)/view
 
 test: $(VENV)/test
 	@$(MAKE) --no-print-directory -j 2 lint together
-	$(PYTEST) -m "alone and not long"
+	$(PYTEST) -m "alone and not long" $$(grep -lr --include='test_*.py' mark.alone test)
 
 together: $(VENV)/test
 	$(PYTEST) -m "not alone and not long" -n $(WORKERS) --dist loadfile
@@ -62,7 +62,7 @@ lint: $(VENV)/test
 	$(CLEAN) $(BIN)/mypy
 
 docs: $(VENV)/docs
-	$(CLEAN) $(BIN)/python -m uav_tracking_mpc.nodes.reference_tables $(REFERENCE)
+	$(CLEAN) $(BIN)/python -m uav_tracking_mpc.nodes.ros.node_reference $(REFERENCE)
 	$(CLEAN) $(BIN)/python -m sphinx -b html -q -W --keep-going -n -j auto docs docs/_build
 	@echo "Read docs/_build/index.html."
 
@@ -93,7 +93,7 @@ $(VENV)/bin/python:
 	@$(PYTHON) -m venv $(VENV)
 
 $(VENV)/demo: $(VENV)/bin/python setup.py
-	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,mavlink,view]'
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,campaign,mavlink,view]'
 	@touch $@
 
 $(VENV)/view: $(VENV)/bin/python setup.py
@@ -101,7 +101,7 @@ $(VENV)/view: $(VENV)/bin/python setup.py
 	@touch $@
 
 $(VENV)/test: $(VENV)/bin/python setup.py
-	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,test]'
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,campaign,test]'
 	@touch $@ $(VENV)/demo
 
 $(VENV)/mutants: $(VENV)/test setup.py
@@ -109,5 +109,5 @@ $(VENV)/mutants: $(VENV)/test setup.py
 	@touch $@
 
 $(VENV)/docs: $(VENV)/bin/python setup.py
-	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,proof,campaign,mavlink,view,docs]'
+	@$(CLEAN) $(BIN)/python -m pip install --quiet --editable '.[ros,campaign,mavlink,view,docs]'
 	@touch $@ $(VENV)/demo

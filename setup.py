@@ -82,8 +82,8 @@ setup(
         # Never for machines with ROS 2 from apt: the two must not mix. The prefix names the
         # distribution; without it a later one is taken.
         "ros": ["ros-jazzy-rclpy[fastrtps]==7.1.6", "ros-jazzy-common-interfaces==5.3.6"],
-        # Proofs of terminal sets; checking a certificate needs none of it.
-        "proof": ["python-flint>=0.6"],
+        # Nothing any more: proofs of terminal sets need no library of their own.
+        "proof": [],
         # Results of campaigns as Parquet; a Dask cluster to fly them on.
         "campaign": ["pyarrow>=14.0"],
         "dask": ["distributed>=2024.1"],
@@ -110,6 +110,7 @@ setup(
             "pytest-rerunfailures",
             "pytest-timeout",
             "pytest-xdist",
+            "python-flint>=0.6",
             "ruff",
             "types-PyYAML",
             "viser>=1.1,<2",

@@ -24,7 +24,7 @@ from dataclasses import replace
 
 from uav_tracking_mpc import Measurement, check_plant
 from uav_tracking_mpc.cli.main import main
-from uav_tracking_mpc.dynamics.angles import wrap_angle
+from uav_tracking_mpc.dynamics.frames import wrap_angle
 from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
 
 SLIP = 0.25  # s: sideslip angle over turn rate

@@ -22,99 +22,20 @@ Made to be included, once for each aircraft::
     )
 """
 
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
-from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
+from uav_tracking_mpc.launch.fleet import ONE_ARGUMENTS, described
 from uav_tracking_mpc.settings.configuration import configuration_folder, found
 
 PACKAGE = "uav_tracking_mpc"
-SWITCH = ("true", "false")
-ARGUMENTS = (
-    DeclareLaunchArgument(
-        "namespace", default_value="", description="Namespace of all nodes; empty for none."
-    ),
-    DeclareLaunchArgument(
-        "config",
-        default_value="small_uav",
-        description="Configuration: name of one of the package (paper, small_uav, px4_uav, "
-        "jsbsim_uav), or path of a YAML file.",
-    ),
-    DeclareLaunchArgument(
-        "scenario",
-        default_value="",
-        description="Wind, gusts or target laid over the configuration: name of a scenario of the "
-        "package, or path of a YAML file.",
-    ),
-    DeclareLaunchArgument(
-        "vehicle",
-        default_value="simulator",
-        choices=("simulator", "autopilot", "none"),
-        description="What flies: the simulator, a real autopilot through autopilot_link, or what "
-        "another node publishes as uav/odometry.",
-    ),
-    DeclareLaunchArgument(
-        "connection",
-        default_value="",
-        description="Where the autopilot is, such as udpin:0.0.0.0:14550; empty for what the "
-        "configuration says.",
-    ),
-    DeclareLaunchArgument(
-        "target",
-        default_value="true",
-        choices=SWITCH,
-        description="Start target_publisher; false where a tracker publishes the target.",
-    ),
-    DeclareLaunchArgument(
-        "controller", default_value="true", choices=SWITCH, description="Start nmpc_controller."
-    ),
-    DeclareLaunchArgument(
-        "autostart",
-        default_value="true",
-        choices=SWITCH,
-        description="Configure and activate the controller; false where a lifecycle manager does.",
-    ),
-    DeclareLaunchArgument(
-        "use_sim_time",
-        default_value="false",
-        choices=SWITCH,
-        description="Follow /clock instead of the wall's clock.",
-    ),
-    DeclareLaunchArgument(
-        "publish_clock",
-        default_value=LaunchConfiguration("use_sim_time"),
-        choices=SWITCH,
-        description="Let this simulator drive /clock, as one node alone may; by default "
-        "use_sim_time.",
-    ),
-    DeclareLaunchArgument(
-        "speed", default_value="1.0", description="Simulated over wall time, with publish_clock."
-    ),
-    DeclareLaunchArgument(
-        "initial_position",
-        default_value="",
-        description="Where the simulated aircraft starts, x, y, z in map in [m], as 600, 0, 100; "
-        "empty for what the configuration says.",
-    ),
-    DeclareLaunchArgument(
-        "initial_heading",
-        default_value="",
-        description="Where it heads then, counter-clockwise from East, in [rad]; empty for what "
-        "the configuration says.",
-    ),
-)
 
 
-def generate_launch_description() -> LaunchDescription:
+def generate_launch_description():
     """Nodes of one aircraft."""
-    return LaunchDescription([*ARGUMENTS, OpaqueFunction(function=_nodes)])
+    return described(ONE_ARGUMENTS, _nodes)
 
 
-def _nodes(context):
-    given = {
-        argument.name: LaunchConfiguration(argument.name).perform(context) for argument in ARGUMENTS
-    }
+def _nodes(given):
     folder = configuration_folder()
     files = [found("configuration", given["config"], folder)]
     if given["scenario"]:
@@ -147,7 +68,7 @@ def _nodes(context):
 def _simulator(given):
     """Its parameters: the vehicle is held until the first command, time until somebody listens."""
     parameters = {"start_on_command": True}
-    if _true(given["publish_clock"]):
+    if _true(given["publish_clock"] or given["use_sim_time"]):
         parameters |= {"publish_clock": True, "wait_for_subscribers": 1}
         parameters["speed"] = float(given["speed"])
     if given["initial_position"]:

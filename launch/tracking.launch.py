@@ -25,112 +25,31 @@ What concerns one aircraft is in aircraft.launch.py, which can be included on it
 import tempfile
 from pathlib import Path
 
-from launch import LaunchDescription
-from launch.actions import (
-    DeclareLaunchArgument,
-    ExecuteProcess,
-    IncludeLaunchDescription,
-    OpaqueFunction,
-)
+from launch.actions import ExecuteProcess, IncludeLaunchDescription
 from launch.launch_description_sources import PythonLaunchDescriptionSource
-from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from uav_tracking_mpc.launch.fleet import namespaces, recorded_topics, rviz_view, starts
+from uav_tracking_mpc.launch.fleet import (
+    FLEET_ARGUMENTS,
+    described,
+    namespaces,
+    recorded_topics,
+    rviz_view,
+    starts,
+)
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration
 
 SHARE = Path(__file__).parents[1]
-SWITCH = ("true", "false")
 PASSED = ("config", "vehicle", "connection", "target", "autostart", "use_sim_time", "speed")
-ARGUMENTS = (
-    DeclareLaunchArgument(
-        "aircraft",
-        default_value="1",
-        description="How many, simulated. With more than one, each has a namespace uav1, uav2 and "
-        "so on.",
-    ),
-    DeclareLaunchArgument(
-        "namespace", default_value="", description="Namespace of everything; empty for none."
-    ),
-    DeclareLaunchArgument(
-        "config",
-        default_value="small_uav",
-        description="Configuration: name of one of the package (paper, small_uav, px4_uav, "
-        "jsbsim_uav), or path of a YAML file.",
-    ),
-    DeclareLaunchArgument(
-        "scenario",
-        default_value="",
-        description="Wind, gusts or target laid over the configuration: name of a scenario of the "
-        "package, or path of a YAML file.",
-    ),
-    DeclareLaunchArgument(
-        "vehicle",
-        default_value="simulator",
-        choices=("simulator", "autopilot", "none"),
-        description="What flies: the simulator, a real autopilot through autopilot_link, or what "
-        "another node publishes as uav/odometry.",
-    ),
-    DeclareLaunchArgument(
-        "connection",
-        default_value="",
-        description="Where the autopilot of a single aircraft is, such as udpin:0.0.0.0:14550; "
-        "empty for what the configuration says.",
-    ),
-    DeclareLaunchArgument(
-        "target",
-        default_value="true",
-        choices=SWITCH,
-        description="Start a target_publisher for each aircraft; false where a tracker publishes "
-        "the target.",
-    ),
-    DeclareLaunchArgument(
-        "autostart",
-        default_value="true",
-        choices=SWITCH,
-        description="Configure and activate the controllers; false where a lifecycle manager does.",
-    ),
-    DeclareLaunchArgument(
-        "use_sim_time",
-        default_value="false",
-        choices=SWITCH,
-        description="Follow /clock, which the first simulator drives, instead of the wall's clock.",
-    ),
-    DeclareLaunchArgument(
-        "speed", default_value="1.0", description="Simulated over wall time, with use_sim_time."
-    ),
-    DeclareLaunchArgument(
-        "rviz", default_value="false", choices=SWITCH, description="Start RViz on all aircraft."
-    ),
-    DeclareLaunchArgument(
-        "rviz_config",
-        default_value="",
-        description="Configuration of RViz; empty for that of the package, for these namespaces.",
-    ),
-    DeclareLaunchArgument(
-        "record",
-        default_value="false",
-        choices=SWITCH,
-        description="Record every topic of the package as an MCAP bag with `ros2 bag record`.",
-    ),
-    DeclareLaunchArgument(
-        "bag",
-        default_value="",
-        description="Folder of the bag, which must not exist; empty for one named by the time.",
-    ),
-)
 
 
-def generate_launch_description() -> LaunchDescription:
+def generate_launch_description():
     """Every aircraft, and what looks on."""
-    return LaunchDescription([*ARGUMENTS, OpaqueFunction(function=_everything)])
+    return described(FLEET_ARGUMENTS, _everything)
 
 
-def _everything(context):
-    given = {
-        argument.name: LaunchConfiguration(argument.name).perform(context) for argument in ARGUMENTS
-    }
+def _everything(given):
     spaces = namespaces(given["namespace"], given["aircraft"])
     if given["vehicle"] == "autopilot" and len(spaces) > 1:
         raise ParameterError(

@@ -16,8 +16,8 @@
 
 import math
 
+from uav_tracking_mpc.autopilot.autopilot_core import AttitudeTarget
 from uav_tracking_mpc.autopilot.flight_loops import TICK
-from uav_tracking_mpc.autopilot.numbers import AttitudeTarget
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.settings.configuration import load_configuration
 

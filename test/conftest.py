@@ -21,8 +21,10 @@ test-long``) searches anew each time. No test has a deadline.
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
+import sys
 from contextlib import ExitStack
 
 import numpy as np
@@ -32,7 +34,7 @@ from hypothesis import HealthCheck, settings
 
 from uav_tracking_mpc.dynamics import paper_numbers
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.launch.domain import own_domain
+from uav_tracking_mpc.launch.supervisor import own_domain
 
 # One domain for nodes in this process and one for its children: who was killed is remembered for
 # 20 s, and on one machine Fast DDS finds only so many participants, which this process uses up.
@@ -56,6 +58,19 @@ settings.register_profile(
 )
 settings.register_profile("full", max_examples=200, deadline=None, print_blob=True)
 settings.load_profile("quick")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def nodes_of_this_file_are_gone():
+    """A context that is shut down keeps its participant and threads until it is collected.
+
+    Fast DDS finds only so many participants on one machine, so those of former files would hide
+    those of later ones. A node that runs freezes what the collector knows, which is undone here.
+    """
+    yield
+    if "rclpy" in sys.modules:
+        gc.unfreeze()
+        gc.collect()
 
 
 @pytest.fixture(scope="session")

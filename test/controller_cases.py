@@ -26,7 +26,7 @@ from uav_tracking_mpc.estimation.navigator import Estimate
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
 from uav_tracking_mpc.formulation.formulation import Plan
-from uav_tracking_mpc.mpc.solution import Solution, Status
+from uav_tracking_mpc.mpc.solver import Solution, Status
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
 PAPER = TrackingParameters(solve_time_max=5.0)  # the load of the machine is not tested

@@ -26,8 +26,8 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, rule
 from message_strategies import changed
 
-from uav_tracking_mpc.dynamics.gravity import GRAVITY
-from uav_tracking_mpc.nodes.conversions import (
+from uav_tracking_mpc.dynamics.air import GRAVITY
+from uav_tracking_mpc.nodes.messages.conversions import (
     nanoseconds,
     set_air_velocity,
     set_odometry,
@@ -36,8 +36,8 @@ from uav_tracking_mpc.nodes.conversions import (
 )
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY, TARGET
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.studies.faults.fault_campaign import limits
 from uav_tracking_mpc.studies.faults.invariants import ROUNDING, Invariants
+from uav_tracking_mpc.studies.faults.node_campaign import limits
 from uav_tracking_mpc.studies.faults.observer import read_command
 
 CONFIGURATION = load_configuration("small_uav")

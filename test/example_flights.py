@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Flights for the tests of the report: closed forms, and the paper's mission flown once."""
+"""Flights for tests: closed forms, the paper's mission flown once, two laws compared."""
 
 from __future__ import annotations
 
@@ -23,19 +23,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics import paper_numbers
-from uav_tracking_mpc.dynamics.discretisation import error_dynamics
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
 from uav_tracking_mpc.dynamics.relative import (
+    error_dynamics,
     relative_state,
     steady_inputs,
     tracking_error,
     vehicle_state,
 )
 from uav_tracking_mpc.dynamics.vehicle import advance
-from uav_tracking_mpc.formulation.paper_problem import tracking_problem
+from uav_tracking_mpc.formulation.paper_formulation import tracking_problem
 from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
+from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation.flight_log import FlightLog
-from uav_tracking_mpc.terminal.stability_problem import paper_problem
+from uav_tracking_mpc.studies.comparison.results import Scenario, fly_all, scenario_of
+from uav_tracking_mpc.studies.comparison.scenarios import mismatched, settled_after
+from uav_tracking_mpc.terminal.ingredients import paper_problem
 
 ORBIT = paper_numbers.ORBIT
 INPUT_UPPER = np.array(paper_numbers.INPUT_BOUNDS)
@@ -137,3 +140,35 @@ def with_holes() -> FlightLog:
     cost[::2] = np.nan
     upper = np.array([np.inf, 1.0, 1.0])
     return replace(log, vehicle=vehicle, cost=cost, input_upper=upper)
+
+
+LAWS = ("nmpc", "l1")
+KEYS = {  # of a flight in the JSON
+    "range_rms_m",
+    "range_mean_m",
+    "worst_m",
+    "settling_s",
+    "altitude_rms_m",
+    "airspeed_rms_mps",
+    "bank_rate_rms_dps",
+    "envelope_violations",
+    "violations",
+    "off_plan",
+}
+
+
+@cache
+def compared(name="gusts", duration=12.0, config="small_uav") -> Scenario:
+    """Flights of l1 and, under the name of nmpc, of vector_field."""
+    overrides = [f"mission.duration={duration}"]
+    configuration = load_configuration(config, overrides, name)
+    (logs,) = fly_all([configuration], ("vector_field", "l1"), workers=1, show=False)
+    return scenario_of(name, configuration, LAWS, logs)
+
+
+@cache
+def mistold(name="lag_2", duration=12.0) -> Scenario:
+    """The same under a mismatch."""
+    configuration = mismatched("small_uav", name, (f"mission.duration={duration}",))
+    (logs,) = fly_all([configuration], ("vector_field", "l1"), workers=1, show=False)
+    return scenario_of(name, configuration, LAWS, logs, settled_after(configuration))

@@ -16,9 +16,9 @@
 
 import numpy as np
 
-from uav_tracking_mpc.control.excitation import Doublets
+from uav_tracking_mpc.control.command_shaping import Doublets
 from uav_tracking_mpc.simulation.inner_loop import Channel
-from uav_tracking_mpc.studies.identification.channel_record import SPEED, ChannelRecord, Samples
+from uav_tracking_mpc.studies.identification.flight_record import SPEED, ChannelRecord, Samples
 
 STEP = 0.05  # s
 

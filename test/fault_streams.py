@@ -21,7 +21,7 @@ import random
 import numpy as np
 from rclpy.serialization import deserialize_message, serialize_message
 
-from uav_tracking_mpc.nodes.conversions import (
+from uav_tracking_mpc.nodes.messages.conversions import (
     set_air_velocity,
     set_command,
     set_odometry,
@@ -29,7 +29,7 @@ from uav_tracking_mpc.nodes.conversions import (
     set_stamp,
 )
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY, TARGET
-from uav_tracking_mpc.studies.faults.catalogue import catalogue
+from uav_tracking_mpc.studies.faults.schedule import catalogue
 from uav_tracking_mpc.studies.faults.stream_fault import StreamFault
 
 FIRST = 100  # s, stamp of the first message

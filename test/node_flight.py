@@ -20,12 +20,12 @@ import numpy as np
 import rclpy
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
+from processes import PATIENCE, spin
 from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
-from waiting import PATIENCE, spin
 
-from uav_tracking_mpc.nodes.conversions import plan_from_command
+from uav_tracking_mpc.nodes.messages.conversions import plan_from_command
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
 from uav_tracking_mpc.nodes.topics import COMMAND, DIAGNOSTICS, ODOMETRY

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import time
 import traceback
 from unittest import mock
@@ -26,6 +27,8 @@ from fingerprint import PACKAGE, fingerprints
 from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.signals import SignalHandlerOptions
+
+from uav_tracking_mpc.nodes.messages.conversions import measurement_from_odometry
 
 FLOWN_BY = ("control", "estimation", "simulation")  # rooms whose objects a node flies by
 
@@ -147,3 +150,9 @@ def start_ros():
     """ROS in this process, silent: thousands of refused messages are thousands of warnings."""
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     rclpy.logging.set_logger_level("", rclpy.logging.LoggingSeverity.FATAL)
+
+
+def vehicle_from_odometry(message):
+    """State (x, y, z, psi, chi, v), shape (6,), of an Odometry message in still air."""
+    measurement = measurement_from_odometry(message)
+    return measurement.state(math.hypot(*measurement.ground_velocity))

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Nodes as real processes, for tests."""
+"""Nodes as processes, and waits for events: what has not come in a minute does not come."""
 
 from __future__ import annotations
 
@@ -21,8 +21,31 @@ import os
 import signal
 import subprocess
 import sys
+import time
 
+INTERRUPT, TERMINATE, KILL = signal.SIGINT, signal.SIGTERM, signal.SIGKILL
 DOMAIN = os.environ["DOMAIN_OF_PROCESSES"]  # this worker's: test/conftest.py
+PATIENCE = 60.0  # s; for what is broken, not a measure of what works
+
+
+def wait_for(condition, limit=PATIENCE):
+    """Whether a condition comes to hold."""
+    return _until(condition, limit, lambda: time.sleep(0.02))
+
+
+def spin(executor, until, limit=PATIENCE, also=lambda: None):
+    """Whether a condition comes to hold while an executor of rclpy spins, and something is done."""
+    return _until(until, limit, lambda: (executor.spin_once(timeout_sec=0.02), also()))
+
+
+def _until(condition, limit, meanwhile):
+    deadline = time.monotonic() + limit
+    while True:
+        meanwhile()
+        if condition():
+            return True
+        if time.monotonic() >= deadline:
+            return False
 
 
 def command(module, *arguments):
@@ -38,29 +61,48 @@ def undecided():
     return {key: value for key, value in os.environ.items() if key != "ROS_DOMAIN_ID"}
 
 
-def run_node(name, *arguments, stop=None, after="", limit=120.0):
-    """Run a node; send ``stop`` once its output holds ``after``. Returns exit code and output."""
+@contextlib.contextmanager
+def started(module, *arguments, after="", env=None, apart=False):
+    """A process that has said ``after``, among its errors alone where they are kept apart.
+
+    What it has said by then is its attribute ``said``. It is killed in the end.
+    """
     process = subprocess.Popen(
-        command(f"nodes.{name}", *arguments),
+        command(module, *map(str, arguments)),
         stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
+        stderr=subprocess.PIPE if apart else subprocess.STDOUT,
         text=True,
-        env=environment(),
+        env=environment() if env is None else env,
     )
-    output = ""
     try:
-        if stop is not None:
-            assert process.stdout is not None
-            for line in process.stdout:
-                output += line
-                if after in line:
-                    break
-            process.send_signal(stop)
-        output += process.communicate(timeout=limit)[0]
+        process.said, lines = "", process.stderr if apart else process.stdout
+        while after not in process.said:
+            line = lines.readline()
+            if not line:
+                break
+            process.said += line
+        yield process
     finally:
-        with contextlib.suppress(ProcessLookupError):
-            process.kill()
-    return process.returncode, output
+        process.kill()
+        process.wait()
+
+
+def ended(process, stop=None, limit=120.0):
+    """Exit code and output of a process that ends, by a signal or by itself."""
+    if stop is not None:
+        process.send_signal(stop)
+    rest = process.communicate(timeout=limit)[0]
+    return process.returncode, process.said + rest
+
+
+def run(module, *arguments, stop=None, after="", env=None):
+    """Exit code and output of a process, to which ``stop`` is sent after it has said ``after``."""
+    with started(module, *arguments, after=after, env=env) as process:
+        return ended(process, stop if after in process.said else None)
+
+
+def run_node(name, *arguments, **how):
+    return run(f"nodes.{name}", *arguments, **how)
 
 
 def nodes_of(launcher):
@@ -82,6 +124,3 @@ def alive(identity):
     except ProcessLookupError:
         return False
     return True
-
-
-INTERRUPT, TERMINATE, KILL = signal.SIGINT, signal.SIGTERM, signal.SIGKILL

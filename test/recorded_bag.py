@@ -25,17 +25,28 @@ from mcap.writer import Writer
 from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import Reader
 
+from uav_tracking_mpc.control.commanded_path import PlannedPath
 from uav_tracking_mpc.control.fallback import FallbackMode
-from uav_tracking_mpc.control.planned_path import PlannedPath
-from uav_tracking_mpc.dynamics.flown_orbit import orbit_about
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate
-from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.nodes.command_wire import CommandWire
-from uav_tracking_mpc.nodes.conversions import set_air_velocity, set_odometry, set_point, set_stamp
-from uav_tracking_mpc.nodes.flight_bag import FlightBag
-from uav_tracking_mpc.nodes.orbit_message import orbit_message, set_orbit
-from uav_tracking_mpc.nodes.reported_orbit import orbit_values
-from uav_tracking_mpc.nodes.target_truth import set_truth
+from uav_tracking_mpc.dynamics.orbit import Orbit, orbit_about
+from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
+from uav_tracking_mpc.nodes.controller.controller_views import markers_message, path_message
+from uav_tracking_mpc.nodes.messages.conversions import (
+    set_air_velocity,
+    set_odometry,
+    set_point,
+    set_stamp,
+)
+from uav_tracking_mpc.nodes.messages.diagnostic_values import orbit_values
+from uav_tracking_mpc.nodes.messages.named_figures import (
+    ERRORS,
+    MODES,
+    orbit_message,
+    set_orbit,
+    tracking_message,
+)
+from uav_tracking_mpc.nodes.messages.target_messages import set_truth
+from uav_tracking_mpc.nodes.messages.wires import CommandWire
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     ALL,
@@ -51,8 +62,6 @@ from uav_tracking_mpc.nodes.topics import (
     TRACKING,
     TRACKING_ERRORS,
 )
-from uav_tracking_mpc.nodes.tracking_message import ERRORS, MODES, tracking_message
-from uav_tracking_mpc.nodes.view_messages import markers_message, path_message
 
 STAMPED = [topic for topic in ALL if "header" in topic.type.get_fields_and_field_types()]
 STAMP, STAMP_AT, SECOND = struct.Struct("<iI"), 4, 1_000_000_000

@@ -14,8 +14,9 @@
 
 """A page as a browser shows it, for tests with the marker ``browser``.
 
-The fixture ``look`` (test/browser/conftest.py) opens pages and closes them after the test; one of
-test/served_page.py serves them::
+The fixture ``look`` (test/browser/conftest.py) opens pages and closes them after the test.
+``served(source)`` serves any source in this process, so that the test can turn its clock or ask its
+flights; ``PageProcess`` serves a log in a process of its own, which can die and come back::
 
     def test_something(look, flight):          # flight: (log, tracking) of 20 s with `paper`
         source = LoggedSource(*flight)
@@ -32,15 +33,30 @@ test/served_page.py serves them::
 
 A pixel that lies beneath the panel belongs to the panel: the mouse reaches the scene beside it.
 ``seen.page`` is playwright's page, for all else (``seen.page.get_by_role("slider")``, ``click``).
+To open a page costs more than most that is done with it: tests of one file share one, where it can
+be put back to what each begins with.
+
 Chromium draws one or two frames a second where it has no graphics card: wait for what must come
-(``eventually``), never for a time, and assert nothing about times.
+(``eventually``), never for a time, and assert nothing about times. Such a page may never show what
+holds for some seconds alone: let the flight stand meanwhile, or wait for words that stay.
+
+The scene is drawn with few pixels, since a processor draws them; ``look(address, resolution=1.0)``
+draws one for each of the page's. Either way it stays so: left to itself, a page draws fewer where
+it is slow, and no two pictures would be the same.
 """
 
 from __future__ import annotations
 
+import contextlib
 import io
 import math
+import pickle
+import subprocess
+import sys
+import threading
 import time
+from pathlib import Path
+from unittest import mock
 from urllib.parse import urlsplit
 
 import msgspec
@@ -48,6 +64,73 @@ import numpy as np
 from PIL import Image
 
 PATIENCE = 180.0  # s: a limit for what is broken, not a measure of what works
+FRAME_PERIOD = 0.5  # s: a browser without a graphics card draws hardly more of them
+
+
+@contextlib.contextmanager
+def served(source, host=None):
+    """A page of a source, drawn by a thread; both are closed at the end."""
+    from uav_tracking_mpc.view.page import Page
+
+    page, ended = Page(source, host, 0), threading.Event()
+    thread = threading.Thread(target=page.serve, args=(ended.is_set,), daemon=True)
+    with mock.patch("uav_tracking_mpc.view.page.FRAME_PERIOD", FRAME_PERIOD):
+        thread.start()
+        try:
+            yield page
+        finally:
+            ended.set()
+            thread.join(PATIENCE)
+            page.close()
+
+
+def save_flight(log, tracking, path):
+    """Write a flight for :class:`PageProcess`."""
+    path.write_bytes(pickle.dumps((log, tracking)))
+    return path
+
+
+class PageProcess:
+    """A logged flight, played again and again, in a process of its own."""
+
+    def __init__(self, flight: Path, port: int = 0) -> None:
+        self._process = subprocess.Popen(
+            [sys.executable, __file__, str(flight), str(port)], stdout=subprocess.PIPE, text=True
+        )
+        assert self._process.stdout is not None
+        self.address = self._process.stdout.readline().strip()
+        assert self.address.startswith("http://"), "the page's process did not start"
+        self.port = urlsplit(self.address).port
+
+    def kill(self) -> None:
+        """As a crash or the loss of power would."""
+        self._process.kill()
+        self._process.wait()
+
+    def __enter__(self) -> PageProcess:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.kill()
+
+
+def _main(flight: str, port: str) -> None:
+    from uav_tracking_mpc.view.logged_flight import LoggedSource
+    from uav_tracking_mpc.view.page import Page
+
+    source = LoggedSource(*pickle.loads(Path(flight).read_bytes()))
+    page = Page(source, None, int(port))
+
+    def play_on() -> bool:
+        if not source.clock.playing:
+            source.clock.play()
+        return False
+
+    print(page.address, flush=True)
+    with mock.patch("uav_tracking_mpc.view.page.FRAME_PERIOD", FRAME_PERIOD):
+        page.serve(play_on)
+
+
 SCENE = "canvas[data-engine]"  # three.js marks what it draws on; plots have canvases, too
 SCENE_ALONE = (
     f"body * {{ visibility: hidden !important; }} {SCENE} {{ visibility: visible !important; }}"
@@ -61,6 +144,7 @@ class SeenPage:
         tab: Page of playwright, still empty.
         address: Of the page, with its token if it asks for one.
         ready: Whether to wait until the scene stands.
+        resolution: Pixels that the scene is drawn with, by those of the page, along each axis [-].
 
     Attributes:
         page: Page of playwright.
@@ -69,7 +153,7 @@ class SeenPage:
         requests: Addresses of all requests and websockets.
     """
 
-    def __init__(self, tab, address, ready=True) -> None:
+    def __init__(self, tab, address, ready=True, resolution=0.25) -> None:
         self.page, self.console, self.errors, self.requests = tab, [], [], []
         self._camera = None
         tab.set_default_timeout(1000.0 * PATIENCE)
@@ -77,7 +161,14 @@ class SeenPage:
         tab.on("pageerror", lambda error: self.errors.append(str(error)))
         tab.on("request", lambda request: self.requests.append(request.url))
         tab.on("websocket", self._note_websocket)
-        tab.goto(address)
+        self._resolution = resolution
+        self.open(address, ready)
+
+    def open(self, address, ready=True) -> None:
+        """Open an address in this tab."""
+        if address.startswith("http"):
+            address += f"{'&' if '?' in address else '?'}fixedDpr={self._resolution:g}"
+        self.page.goto(address)
         if ready:
             self.wait_for_scene()
 
@@ -104,6 +195,10 @@ class SeenPage:
     def wait_for_text(self, words: str) -> None:
         """Wait until the panel or a notice shows words."""
         self.page.get_by_text(words).first.wait_for(state="visible")
+
+    def shows(self, words: str) -> bool:
+        """Whether the panel or a notice shows words now."""
+        return self.page.get_by_text(words).first.is_visible()
 
     def pixels(self) -> np.ndarray:
         """The scene without panel and notices: red, green, blue, shape (height, width, 3)."""
@@ -165,19 +260,40 @@ class SeenPage:
         mouse.up()
         self._next_frames()
 
-    def enter(self, label: str, value: float) -> None:
-        """Write a number into the field beside a slider."""
-        field = self._row(label).locator("input[inputmode=decimal]")
-        field.fill(f"{value:g}")
-        field.press("Enter")
+    def enter(self, label: str, value: float, effect) -> None:
+        """Write a number into the field beside a slider, until it has its effect.
+
+        A field that is drawn anew in that moment forgets what is written; to ask for the same
+        number twice is to ask for it once.
+
+        Args:
+            label: Of the slider.
+            value: In its unit.
+            effect: Whether the number was taken.
+        """
+
+        def taken() -> bool:
+            field = self._row(label).locator("input[inputmode=decimal]")
+            field.fill(f"{value:g}")
+            field.press("Enter")
+            self._next_frames()
+            return effect()
+
+        self.eventually(taken, f"{label} {value:g} is taken")
 
     def entered(self, label: str) -> float:
         """The number in the field beside a slider."""
         return float(self._row(label).locator("input[inputmode=decimal]").input_value())
 
     def press(self, words: str) -> None:
-        """Press a button of the panel."""
-        self.page.get_by_role("button", name=words, exact=True).click()
+        """Press a button of the panel, once: in the focus, by a key.
+
+        The panel grows and shrinks with what it says, and a page that is drawn slowly may move a
+        button away between the mouse's down and up, which is then no click. The key finds it.
+        """
+        button = self.page.get_by_role("button", name=words, exact=True)
+        button.click(trial=True)  # waits until the mouse could: it is enabled, nothing covers it
+        button.press("Enter")
 
     def _row(self, label: str):
         """The row of the panel with a label."""
@@ -214,3 +330,7 @@ class SeenPage:
         message = msgspec.msgpack.decode(payload)
         if message["type"] == "ViewerCameraMessage":
             self._camera = message
+
+
+if __name__ == "__main__":
+    _main(*sys.argv[1:])

@@ -20,6 +20,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from uav_tracking_mpc.dynamics.vehicle import advance
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.flight_formulation import flight_problem
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
@@ -121,3 +122,28 @@ def random_situations(count: int, seed: int) -> list[Situation]:
             )
         )
     return situations
+
+
+STEP = 0.05
+SMALL_UAV = parameters().envelope
+
+
+def fly(law, start, duration, wind=(0.0, 0.0, 0.0), target_velocity=(0.0, 0.0, 0.0)):
+    """Offsets from the target (n, 3), vehicle states (n, 6) and inputs (n, 3)."""
+    vehicle, target = np.array(start, dtype=float), np.zeros(3)
+    wind, run, rates = np.array(wind), np.array(target_velocity), np.zeros(3)
+    offsets, vehicles, inputs = [], [], []
+    for _ in range(round(duration / STEP)):
+        situation = Situation(vehicle, target, wind - run, np.zeros(3), rates)
+        rates = law.inputs(situation)
+        offsets.append(situation.offset)
+        vehicles.append(vehicle)
+        inputs.append(rates)
+        vehicle = advance(vehicle, rates, STEP)
+        vehicle[:3] += STEP * wind
+        target = target + STEP * run
+    return np.array(offsets), np.array(vehicles), np.array(inputs)
+
+
+def range_errors(law, offsets):
+    return np.linalg.norm(offsets, axis=1) - law.orbit.range

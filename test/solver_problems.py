@@ -23,11 +23,12 @@ import numpy as np
 
 from uav_tracking_mpc.dynamics import paper_numbers
 from uav_tracking_mpc.dynamics.relative import tracking_error
-from uav_tracking_mpc.formulation.paper_problem import tracking_problem
+from uav_tracking_mpc.formulation.paper_formulation import tracking_problem
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
-from uav_tracking_mpc.terminal.ingredients import input_limited_level
-from uav_tracking_mpc.terminal.stability_problem import paper_problem
+from uav_tracking_mpc.mpc.solver import Solution
+from uav_tracking_mpc.studies.benchmark.optimality import OptimalityMeasure
+from uav_tracking_mpc.terminal.ingredients import input_limited_level, paper_problem
 
 PAPER_START = tracking_error(paper_numbers.INITIAL_STATE, paper_numbers.ORBIT)
 
@@ -99,3 +100,10 @@ def paper(horizon: int = 10, ellipsoid: bool = False) -> OptimalControlProblem:
 def paper_solver() -> NewtonSolver:
     """One solver for all tests that only read the plain problem; reset it first."""
     return NewtonSolver(paper())
+
+
+def kkt_residual(
+    problem: OptimalControlProblem, solution: Solution, x_0: np.ndarray, p: np.ndarray | None = None
+) -> float:
+    """Smallest stationarity residual over all multipliers that the active constraints allow."""
+    return OptimalityMeasure(problem)(x_0, solution.inputs, solution.decision, p)[1]

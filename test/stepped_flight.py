@@ -21,10 +21,10 @@ import numpy as np
 
 from uav_tracking_mpc.autopilot.stepped_autopilot import SteppedAutopilot
 from uav_tracking_mpc.control.controller import Controller
-from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
+from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import MeasurementError
 from uav_tracking_mpc.launch.preflight import with_envelope
-from uav_tracking_mpc.parameters.registry import VEHICLE_LINK
+from uav_tracking_mpc.links import VEHICLE_LINK
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.link import LinkParameters
 from uav_tracking_mpc.simulation.motions import motion_of
@@ -159,3 +159,16 @@ class SteppedFlight:
     def sent_after(self, time):
         """Times of the set-points after a time."""
         return [at for at, _ in self.sent if at > time + 1e-6]
+
+
+def flight(dialect, **changed):
+    """A flight that begins as an operator has set its autopilot up."""
+    usual = {"COM_OBL_RC_ACT": 5} if dialect == "px4" else {}
+    return SteppedFlight(dialect, **{**usual, **changed})
+
+
+def engaged_flight(dialect):
+    """A flight whose commands are flown already."""
+    flown = flight(dialect)
+    assert flown.engage() == ""
+    return flown

@@ -20,8 +20,8 @@ import math
 from concurrent.futures import ThreadPoolExecutor
 
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.view.play_clock import PlayClock
-from uav_tracking_mpc.view.simulated.simulated_source import SimulatedFlight
+from uav_tracking_mpc.view.simulated_source import SimulatedFlight
+from uav_tracking_mpc.view.watched_flight import PlayClock
 
 LONG_ENOUGH = "nmpc_controller.solve_time_max=5.0"  # s: a loaded machine flies the same
 

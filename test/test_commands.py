@@ -30,10 +30,10 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from waiting import wait_for
+from processes import wait_for
 
-from uav_tracking_mpc.cli import arguments as options
 from uav_tracking_mpc.cli import main as program
+from uav_tracking_mpc.cli import options as options
 
 ROOT = Path(__file__).parents[1]
 ADDRESS = "https://github.com/uav-tracking-mpc/uav_tracking_mpc"

@@ -12,14 +12,15 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the documentation says is what the code does. ``make docs`` tests the build itself."""
+"""What README and documentation say is what the code does. make docs tests the build itself."""
 
 import re
 from pathlib import Path
 
 import pytest
 
-from uav_tracking_mpc.nodes.reference_tables import tables, with_tables
+from uav_tracking_mpc.cli.main import main
+from uav_tracking_mpc.nodes.ros.node_reference import tables, with_tables
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -77,3 +78,34 @@ def test_no_bag_is_played_beside_a_clock_of_its_own():
     """Bags of `fly` hold /clock."""
     for page in PAGES:
         assert not re.search(r"bag play .*--clock", page.read_text()), page
+
+
+TEXT = (ROOT / "README.md").read_text()
+
+
+def test_it_is_short():
+    assert len(TEXT.splitlines()) <= 150
+
+
+def test_its_links_lead_somewhere():
+    for link in re.findall(r"\]\(([^)#]+)\)", TEXT):
+        assert "://" in link or (ROOT / link).exists(), link
+
+
+def test_its_snippet_names_what_the_package_has():
+    (names,) = re.findall(r"from uav_tracking_mpc import (.*)", TEXT)
+    for name in names.split(", "):
+        assert hasattr(__import__("uav_tracking_mpc"), name)
+
+
+def test_its_commands_are_known(capsys):
+    for command in set(re.findall(r"uav_tracking (\w+)", TEXT)):
+        with pytest.raises(SystemExit) as ending:
+            main([command, "--help"])
+        assert ending.value.code == 0, command
+        capsys.readouterr()
+
+
+def test_its_ros_commands_have_their_arguments_behind_ros_args():
+    for line in re.findall(r"ros2 run .*", TEXT):
+        assert "params-file" not in line or "--ros-args --params-file" in line

@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.dynamics.angles import wrap_angle
+from uav_tracking_mpc.dynamics.frames import wrap_angle
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -56,7 +56,6 @@ def test_every_example_has_a_test():
 
 
 def test_reproduce_the_paper(tmp_path):
-    pytest.importorskip("flint")
     printed = run("reproduce_the_paper.py", tmp_path)
     assert (tmp_path / "trajectory.png").is_file()
     metrics = json.loads((tmp_path / "metrics.json").read_text())

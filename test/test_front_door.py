@@ -16,6 +16,7 @@
 
 import ast
 import doctest
+import importlib
 import subprocess
 import sys
 from pathlib import Path
@@ -23,6 +24,7 @@ from pathlib import Path
 import pytest
 
 import uav_tracking_mpc
+from uav_tracking_mpc.dynamics import frames
 
 
 def test_every_name_is_there():
@@ -58,3 +60,10 @@ def test_the_example_of_the_docstring_runs():
     results = doctest.testmod(uav_tracking_mpc, verbose=False)
     assert results.attempted > 5
     assert results.failed == 0
+
+
+def test_what_examples_taught_to_import_is_there_and_tells_its_new_place():
+    sys.modules.pop("uav_tracking_mpc.dynamics.angles", None)
+    with pytest.warns(DeprecationWarning, match="uav_tracking_mpc.dynamics.frames"):
+        moved = importlib.import_module("uav_tracking_mpc.dynamics.angles")
+    assert moved.wrap_angle is frames.wrap_angle

@@ -24,7 +24,7 @@ from hypothesis import strategies as st
 from message_strategies import changed
 from rclpy.serialization import deserialize_message, serialize_message
 
-from uav_tracking_mpc.nodes.conversions import set_command
+from uav_tracking_mpc.nodes.messages.conversions import set_command
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, COMMAND, ODOMETRY, TARGET
 
 

@@ -25,7 +25,7 @@ from hypothesis.stateful import RuleBasedStateMachine, rule
 from message_strategies import changed
 from node_harness import NodeHarness
 
-from uav_tracking_mpc.nodes.conversions import nanoseconds, set_command
+from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, set_command
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.settings.configuration import load_configuration

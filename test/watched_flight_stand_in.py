@@ -22,9 +22,17 @@ import numpy as np
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.view.sight import NodeStatus, Sight, TargetSight
-from uav_tracking_mpc.view.steering import CONTROLLER, SIMULATOR, TARGET, Steering
-from uav_tracking_mpc.view.watched_flight import FlightSource, WatchedFlight
+from uav_tracking_mpc.view.watched_flight import (
+    CONTROLLER,
+    SIMULATOR,
+    TARGET,
+    FlightSource,
+    NodeStatus,
+    Sight,
+    Steering,
+    TargetSight,
+    WatchedFlight,
+)
 
 
 def sight(time=10.0, **more):

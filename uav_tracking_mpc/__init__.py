@@ -25,8 +25,8 @@ True
 ...     heading=3.14, path_angle=0.0, airspeed=22.0,
 ... )
 >>> command = controller.step(measurement, now=0.0)
->>> command.inputs.shape  # turn rate, path-angle rate, acceleration of every stage of the plan
-(22, 3)
+>>> command.inputs.shape[1]  # turn rate, path-angle rate, acceleration: a row for every stage
+3
 
 A whole flight in simulation:
 
@@ -57,13 +57,13 @@ if TYPE_CHECKING:
     from uav_tracking_mpc.dynamics.relative_models import RelativeModel as RelativeModel
     from uav_tracking_mpc.dynamics.vehicle_models import VehicleModel as VehicleModel
     from uav_tracking_mpc.dynamics.vehicle_models import VehicleState as VehicleState
-    from uav_tracking_mpc.dynamics.vehicle_models._check import check_model as check_model
+    from uav_tracking_mpc.dynamics.vehicle_models.conformance import check_model as check_model
     from uav_tracking_mpc.estimation.measurement import Measurement as Measurement
     from uav_tracking_mpc.estimation.situation import Situation as Situation
     from uav_tracking_mpc.laws import GuidanceLaw as GuidanceLaw
-    from uav_tracking_mpc.laws._check import check_law as check_law
+    from uav_tracking_mpc.laws.conformance import check_law as check_law
     from uav_tracking_mpc.limits import Limit as Limit
-    from uav_tracking_mpc.limits._envelope import Envelope as Envelope
+    from uav_tracking_mpc.limits.envelope import Envelope as Envelope
     from uav_tracking_mpc.links import VehicleLink as VehicleLink
     from uav_tracking_mpc.links._check import check_link as check_link
     from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver as CasadiSolver
@@ -76,9 +76,9 @@ if TYPE_CHECKING:
     from uav_tracking_mpc.simulation.closed_loop import simulate as simulate
     from uav_tracking_mpc.simulation.flight_log import FlightLog as FlightLog
     from uav_tracking_mpc.simulation.motions import TargetMotion as TargetMotion
-    from uav_tracking_mpc.simulation.motions._check import check_motion as check_motion
+    from uav_tracking_mpc.simulation.motions.conformance import check_motion as check_motion
     from uav_tracking_mpc.simulation.plants import Plant as Plant
-    from uav_tracking_mpc.simulation.plants._check import check_plant as check_plant
+    from uav_tracking_mpc.simulation.plants.conformance import check_plant as check_plant
     from uav_tracking_mpc.studies.faults.kinds import Fault as Fault
 
 # Where each name lives. It is imported when it is first asked for: the import of the package alone
@@ -88,7 +88,7 @@ _HOMES = {
     "Command": "control.command",
     "Configuration": "settings.configuration",
     "Controller": "control.controller",
-    "Envelope": "limits._envelope",
+    "Envelope": "limits.envelope",
     "Fault": "studies.faults.kinds",
     "FlightLog": "simulation.flight_log",
     "GuidanceLaw": "laws",
@@ -106,11 +106,11 @@ _HOMES = {
     "VehicleLink": "links",
     "VehicleModel": "dynamics.vehicle_models",
     "VehicleState": "dynamics.vehicle_models",
-    "check_law": "laws._check",
+    "check_law": "laws.conformance",
     "check_link": "links._check",
-    "check_model": "dynamics.vehicle_models._check",
-    "check_motion": "simulation.motions._check",
-    "check_plant": "simulation.plants._check",
+    "check_model": "dynamics.vehicle_models.conformance",
+    "check_motion": "simulation.motions.conformance",
+    "check_plant": "simulation.plants.conformance",
     "load_configuration": "settings.configuration",
     "replay": "control.record",
     "simulate": "simulation.closed_loop",

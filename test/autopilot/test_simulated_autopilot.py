@@ -14,18 +14,21 @@
 
 """In real time over UDP and TCP of this machine, heard by pymavlink itself."""
 
+import math
 import os
 import time
 
 import pytest
+from autopilot_steps import ORIGIN
 from pymavlink import mavutil
 
-from uav_tracking_mpc.autopilot.simulated_autopilot import SimulatedAutopilot
+from uav_tracking_mpc.autopilot.simulated_autopilot import GroundVehicle, SimulatedAutopilot
 from uav_tracking_mpc.autopilot.wire_faults import WIRE_FAULTS
 from uav_tracking_mpc.links import LinkError
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.settings.simulator import TargetParameters
 
 PATIENCE = 60.0  # s; a busy machine may take long
 PORT = 20000 + os.getpid() % 20000  # of this process alone, among those that test at once
@@ -151,3 +154,22 @@ def test_a_second_vehicle_is_heard_on_the_same_wire():
             systems.add(heard(connection, "GLOBAL_POSITION_INT").get_srcSystem())
             assert time.monotonic() < deadline
     connection.close()
+
+
+def test_it_tells_where_it_drives():
+    target = TargetParameters(motion="line", position=(50.0, -20.0, 0.0), speed=5.0)
+    vehicle, parser, heard = GroundVehicle(target, ORIGIN, 42), mavlink.MAVLink(None), []
+    for tick in range(1000):
+        for frame in vehicle.frames(0.01 * tick):
+            heard += parser.parse_buffer(frame)
+    assert {message.get_srcSystem() for message in heard} == {42}
+    positions = [m for m in heard if m.get_type() == "GLOBAL_POSITION_INT"]
+    assert len(positions) == 50
+    last = positions[-1]
+    place = ORIGIN.position(
+        math.radians(last.lat * 1e-7), math.radians(last.lon * 1e-7), last.alt * 1e-3
+    )
+    east, north, _ = place
+    driven = 5.0 * last.time_boot_ms * 1e-3
+    assert math.hypot(east - 50.0, north + 20.0) == pytest.approx(driven, abs=0.05)
+    assert math.hypot(last.vx, last.vy) == pytest.approx(500.0, abs=1.0)

@@ -20,7 +20,8 @@ import itertools
 import pytest
 
 from uav_tracking_mpc.autopilot import wire_faults
-from uav_tracking_mpc.autopilot.wire_faults import STRANGER, WIRE_FAULTS, WireFault, wire_fault
+from uav_tracking_mpc.autopilot.deliveries import StreamRule
+from uav_tracking_mpc.autopilot.wire_faults import STRANGER, WIRE_FAULTS, wire_fault
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.parameters.specification import ParameterError
 
@@ -40,7 +41,7 @@ class Autopilot:
 
 def delivered(name, outward=True, seed=1, pieces=PIECES):
     fault = wire_fault(name, seed)
-    return [fault.deliver(piece, outward, 0.0) for piece in pieces]
+    return [fault.deliver(outward, piece) for piece in pieces]
 
 
 def data(deliveries):
@@ -50,7 +51,7 @@ def data(deliveries):
 def test_at_least_twelve_are_found_by_name():
     assert len(WIRE_FAULTS) >= 12
     kinds = [kind for _, kind in inspect.getmembers(wire_faults, inspect.isclass)]
-    fitting = {kind for kind in kinds if issubclass(kind, WireFault) and kind is not WireFault}
+    fitting = {kind for kind in kinds if issubclass(kind, StreamRule) and hasattr(kind, "name")}
     assert set(WIRE_FAULTS.values()) == fitting
     with pytest.raises(ParameterError, match="fault is 'sunspots', must be one of bit_flips"):
         wire_fault("sunspots")
@@ -73,7 +74,10 @@ def test_one_way_alone():
 
 def test_bursts_of_silence_come_and_go():
     fault = wire_fault("bursts", 1)
-    heard = [bool(fault.deliver(b"x", True, 100.0 + 0.02 * tick)) for tick in range(1000)]
+    heard = []
+    for tick in range(1000):
+        fault.now = 100.0 + 0.02 * tick
+        heard.append(bool(fault.deliver(True, b"x")))
     assert 0.3 < sum(heard) / len(heard) < 0.7
     changes = sum(one != other for one, other in itertools.pairwise(heard))
     assert 20 < changes < 60
@@ -95,12 +99,13 @@ def test_three_times():
 def test_what_is_old_comes_again_the_same_way():
     fault = wire_fault("stale")
     for index, piece in enumerate(PIECES):
-        arrived = [heard for _, heard in fault.deliver(piece, True, 100.0 + 0.02 * index)]
+        fault.now = 100.0 + 0.02 * index
+        arrived = [heard for _, heard in fault.deliver(True, piece)]
         assert arrived[0] == piece
         if index > 155:
             (_, old) = arrived
             assert old in PIECES[: index - 140]
-    assert len(fault.deliver(b"x", False, 104.0)) == 1  # not what went the other way
+    assert len(fault.deliver(False, b"x")) == 1  # not what went the other way
 
 
 def test_bytes_are_changed():

@@ -45,9 +45,9 @@ def chromium():
         browser.close()
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def context(chromium):
-    """Tabs and cookies of one test."""
+    """Tabs and cookies of one file of tests."""
     context = chromium.new_context(viewport={"width": 900, "height": 480})
     yield context
     context.close()
@@ -55,12 +55,16 @@ def context(chromium):
 
 @pytest.fixture
 def look(context):
-    """Opens a page in a new tab: ``look(address)``."""
+    """Opens a page in a new tab, for one test: ``look(address)``."""
+    seen = []
 
     def look(address, **options):
-        return SeenPage(context.new_page(), address, **options)
+        seen.append(SeenPage(context.new_page(), address, **options))
+        return seen[-1]
 
-    return look
+    yield look
+    for page in seen:
+        page.page.close()
 
 
 @pytest.fixture(scope="session")

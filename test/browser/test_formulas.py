@@ -38,7 +38,7 @@ def converted():
     return module.converted
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def drawn(context, converted):
     """A formula on a page, in the font of text: what a machine without a better one takes."""
     page = context.new_page()

@@ -20,14 +20,13 @@ import time
 
 import pytest
 from campaign_files import SHORT, written
-from processes import command, environment
+from processes import command, environment, wait_for
 from pyarrow import parquet
-from waiting import wait_for
 
-from uav_tracking_mpc.cli.ending import explanation
 from uav_tracking_mpc.cli.main import main
+from uav_tracking_mpc.cli.program import explanation
 from uav_tracking_mpc.studies.campaign import campaign_run
-from uav_tracking_mpc.studies.campaign.one_flight import fly_batch
+from uav_tracking_mpc.studies.campaign.campaign_run import fly_batch
 
 
 def run(*arguments, limit=280):

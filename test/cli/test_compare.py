@@ -18,13 +18,13 @@ import json
 import subprocess
 
 import pytest
-from compared_flights import KEYS
+from example_flights import KEYS
 from processes import command, environment
 
 from uav_tracking_mpc.cli.main import main
 from uav_tracking_mpc.simulation.closed_loop import simulate
-from uav_tracking_mpc.studies import parallel
-from uav_tracking_mpc.studies.comparison import flights
+from uav_tracking_mpc.studies import executors
+from uav_tracking_mpc.studies.comparison import results
 
 LAW = """
 import numpy as np
@@ -105,8 +105,8 @@ class Interrupting:
 
 
 def interrupted(monkeypatch, at, *words):
-    monkeypatch.setattr(parallel.os, "cpu_count", lambda: 1)  # in this process
-    monkeypatch.setattr(flights, "simulate", Interrupting(at))
+    monkeypatch.setattr(executors.os, "sched_getaffinity", lambda _: {0})  # in this process
+    monkeypatch.setattr(results, "simulate", Interrupting(at))
     laws = ("--laws", "l1", "vector_field", "--set", "mission.duration=20")
     return main(["compare", *laws, *words])
 

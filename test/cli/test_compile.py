@@ -17,11 +17,11 @@ from __future__ import annotations
 import json
 
 from uav_tracking_mpc.cli.main import main
-from uav_tracking_mpc.control import compiled_flight
-from uav_tracking_mpc.mpc import compilation, machine_code
+from uav_tracking_mpc.control import guidance
+from uav_tracking_mpc.mpc import compiled_method, machine_code
 
 
-class Quick(compilation.Compilation):
+class Quick(compiled_method.Compilation):
     """Compiles nothing."""
 
     def wait(self):
@@ -31,7 +31,7 @@ class Quick(compilation.Compilation):
 
 def test_it_says_what_was_compiled_and_where_it_is_kept(monkeypatch, tmp_path, capsys):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(compiled_flight, "Compilation", Quick)
+    monkeypatch.setattr(guidance, "Compilation", Quick)
     assert main(["compile", "--config", "small_uav", "--json"]) == 0
     first = json.loads(capsys.readouterr().out)
     assert first["compiled"] is True
@@ -46,7 +46,7 @@ def test_it_says_what_was_compiled_and_where_it_is_kept(monkeypatch, tmp_path, c
 
 def test_another_problem_is_compiled_anew(monkeypatch, tmp_path, capsys):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(compiled_flight, "Compilation", Quick)
+    monkeypatch.setattr(guidance, "Compilation", Quick)
     folders = []
     for setting in ("nmpc_controller.horizon=12", "nmpc_controller.horizon=13"):
         assert main(["compile", "--set", setting, "--json"]) == 0

@@ -20,7 +20,7 @@ import sys
 
 import pytest
 
-from uav_tracking_mpc.cli.completion import _import_when_used, settings
+from uav_tracking_mpc.cli.program import _import_when_used, settings
 
 pytest.importorskip("argcomplete")
 SLOW = ("casadi.casadi", "numba", "scipy", "matplotlib", "rclpy")

@@ -21,8 +21,7 @@ import subprocess
 import urllib.request
 
 import pytest
-from processes import DOMAIN, INTERRUPT, KILL, alive, command, environment
-from waiting import wait_for
+from processes import DOMAIN, INTERRUPT, KILL, alive, command, environment, wait_for
 
 from uav_tracking_mpc.cli.main import main
 

@@ -23,13 +23,13 @@ from pathlib import Path
 
 import pytest
 
-from uav_tracking_mpc.cli.link_arguments import (
+from uav_tracking_mpc.cli.main import main
+from uav_tracking_mpc.cli.options import (
     add_link_arguments,
     check_link_arguments,
     place,
     with_connection,
 )
-from uav_tracking_mpc.cli.main import main
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration
 

@@ -21,9 +21,9 @@ import pytest
 import yaml
 
 from uav_tracking_mpc.cli.main import main
-from uav_tracking_mpc.control.orbit_loop import OrbitLoop
+from uav_tracking_mpc.margins.orbit_loop import OrbitLoop
 from uav_tracking_mpc.studies.margins import margin_study, weight_search
-from uav_tracking_mpc.studies.margins.flown_loop import FlownLoop
+from uav_tracking_mpc.studies.margins.margin_study import FlownLoop
 
 
 @pytest.fixture(autouse=True)

@@ -54,10 +54,17 @@ def test_another_law_flies_in_the_place_of_the_controller(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("command", ["simulate", "fly"])
-def test_a_law_that_is_not_there_is_said_once_before_anything_flies(command, tmp_path, capsys):
-    with pytest.raises(SystemExit) as ending:
-        main([command, "--law", "nofile.py:X", "--output", str(tmp_path / "out")])
-    assert ending.value.code == 2
-    found = capsys.readouterr()
-    assert (found.out + found.err).count("nofile.py") == 1
+@pytest.mark.parametrize(
+    "told", [["--law", "nofile.py:X"], ["--set", "nmpc_controller.law=nofile.py:X"]]
+)
+def test_a_law_that_is_not_there_is_said_once_before_anything_flies(
+    command, told, tmp_path, capfd, caplog
+):
+    try:
+        code = main([command, *told, "--output", str(tmp_path / "out")])
+    except SystemExit as ending:
+        code = ending.code
+    assert code == 2
+    found = capfd.readouterr()
+    assert (found.out + found.err + caplog.text).count("nofile.py") == 1
     assert not (tmp_path / "out").exists()

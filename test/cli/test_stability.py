@@ -28,7 +28,6 @@ def run(*arguments):
 
 
 def test_json_is_one_object_and_the_certificate_verifies(tmp_path, capsys):
-    pytest.importorskip("flint")
     assert run(*QUICK, "--json", "--output", tmp_path, "--figures") == 0
     content = json.loads(capsys.readouterr().out)
     assert content["certified"] is True

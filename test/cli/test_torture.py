@@ -18,8 +18,7 @@ import json
 import subprocess
 
 import pytest
-from processes import TERMINATE, command, nodes_of, undecided
-from waiting import wait_for
+from processes import TERMINATE, command, nodes_of, undecided, wait_for
 
 pytestmark = pytest.mark.nodes
 
@@ -99,8 +98,8 @@ def test_ten_minutes_of_faults_break_nothing(tmp_path):
 
 def test_what_is_violated_is_found_told_and_kept(tmp_path):
     """A floor that the orbit lies below: the observer must see it, whoever is to blame."""
-    from uav_tracking_mpc.nodes.flight_bag import messages
-    from uav_tracking_mpc.studies.faults.case_bag import TOPICS
+    from uav_tracking_mpc.nodes.bag.bag_log import messages
+    from uav_tracking_mpc.studies.faults.observer import TOPICS
 
     file = tmp_path / "stuck.py"
     file.write_text(STUCK_TARGET)
@@ -126,7 +125,7 @@ def test_a_campaign_may_be_ended_and_leaves_nobody(tmp_path):
         _, errors = process.communicate(timeout=60)
     finally:
         process.kill()
-    assert process.returncode == 130
+    assert process.returncode == 130, errors
     assert errors.strip().endswith("uav_tracking: interrupted")
     assert not nodes_of(process.pid)
     assert len(nodes) == 3

@@ -25,9 +25,8 @@ from uav_tracking_mpc.control.event import Level
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE
 from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
-from uav_tracking_mpc.laws import GuidanceLaw
+from uav_tracking_mpc.laws import GUIDANCE_LAW, GuidanceLaw
 from uav_tracking_mpc.laws.vector_field import VectorField
-from uav_tracking_mpc.parameters.registry import GUIDANCE_LAW
 from uav_tracking_mpc.parameters.specification import ParameterError
 
 TICK = 0.05

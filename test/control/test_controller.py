@@ -38,7 +38,7 @@ from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementErro
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
 from uav_tracking_mpc.formulation.paper_formulation import PaperFormulation
 from uav_tracking_mpc.laws.vector_field import VectorField
-from uav_tracking_mpc.mpc.solution import Status
+from uav_tracking_mpc.mpc.solver import Status
 from uav_tracking_mpc.settings.configuration import load_configuration
 
 

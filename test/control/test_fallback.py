@@ -29,9 +29,11 @@ from uav_tracking_mpc.control.fallback import (
     FallbackMode,
     ModeChange,
     ModeSelector,
+    PlanMemory,
     choose,
 )
-from uav_tracking_mpc.mpc.solution import Solution, Status
+from uav_tracking_mpc.formulation.formulation import Plan
+from uav_tracking_mpc.mpc.solver import Solution, Status
 
 
 def solution(status, violation=0.0, message="told so"):
@@ -150,3 +152,32 @@ def test_changes_read_as_sentences():
 def test_only_plans_count_as_planned():
     planned = {FallbackMode.OPTIMAL, FallbackMode.FEASIBLE, FallbackMode.EARLIER_PLAN}
     assert {mode for mode in MODES if mode.planned} == planned
+
+
+NOTHING = np.zeros((0, 3))
+SOLUTION = Solution(Status.CONVERGED, "", 1.0, 1, 0.0, NOTHING, NOTHING, np.zeros(3), 0.0)
+PLAN = Plan(np.arange(9.0).reshape(3, 3), 0.5, np.zeros(5), SOLUTION)
+
+
+@pytest.fixture
+def memory():
+    memory = PlanMemory()
+    memory.keep(PLAN, 10.0)
+    return memory
+
+
+@pytest.mark.parametrize(("time", "first"), [(10.0, 0), (10.49, 0), (10.5, 1), (11.49, 2)])
+def test_the_segments_that_have_been_flown_are_left_out(memory, time, first):
+    inputs, step = memory.remaining(time, 5.0)
+    np.testing.assert_array_equal(inputs, PLAN.inputs[first:])
+    assert step == PLAN.step
+
+
+@pytest.mark.parametrize(("time", "age_max"), [(9.9, 5.0), (11.5, 5.0), (10.6, 0.5)])
+def test_a_plan_of_the_future_or_flown_or_too_old_is_none(memory, time, age_max):
+    assert memory.remaining(time, age_max) is None
+
+
+def test_what_is_forgotten_is_gone(memory):
+    memory.reset()
+    assert memory.remaining(10.0, 5.0) is None

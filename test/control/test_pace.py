@@ -12,10 +12,11 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.control.pace import Pace
+from uav_tracking_mpc.control.pace import Pace, RateKeeper
 
 
 @pytest.mark.parametrize(
@@ -48,3 +49,80 @@ def test_another_rate_counts_from_the_command_before():
     pace.period = 0.1
     assert not pace.due(10.05)
     assert pace.due(10.1)
+
+
+def kept(states, commands, seconds=8.0):
+    """A keeper of 10 Hz that has seen states and commands at rates in [Hz]."""
+    keeper = RateKeeper(10.0)
+    for time in np.arange(0.0, seconds, 1.0 / states):
+        keeper.state(time)
+    for time in np.arange(0.0, seconds, 1.0 / commands):
+        keeper.command(time)
+    return keeper
+
+
+def test_a_rate_that_is_kept_is_no_complaint():
+    keeper = kept(20.0, 10.0)
+    assert keeper.complaint() == ""
+    assert (keeper.missed, keeper.late) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("states", "commands", "words"),
+    [
+        (20.0, 5.0, "keeps 5.0 Hz of the 10 Hz asked for"),
+        (4.0, 4.0, "keeps 4.0 Hz of the 10 Hz asked for: states come at 4.0 Hz only"),
+    ],
+)
+def test_a_complaint_names_both_rates(states, commands, words):
+    assert kept(states, commands).complaint() == words
+
+
+def test_periods_without_a_command_are_counted():
+    keeper = kept(20.0, 10.0, 1.0)  # the last command at 0.9 s
+    keeper.command(1.3)
+    assert (keeper.missed, keeper.late) == (3, 1)
+
+
+@pytest.mark.parametrize("again", [RateKeeper.reset, lambda keeper: keeper.command(-50.0)])
+def test_when_time_begins_anew_nothing_is_known(again):
+    keeper = kept(20.0, 5.0)
+    again(keeper)
+    assert keeper.complaint() == ""
+
+
+def opinions(keeper, rates, begin=0.0):
+    """Whether there is a complaint after each command, at one rate [Hz] after the other."""
+    heard, time = [], begin
+    for rate, seconds in rates:
+        end = time + seconds
+        while time < end:
+            keeper.state(time)
+            keeper.command(time)
+            heard.append(bool(keeper.complaint()))
+            time += 1.0 / rate
+    return heard
+
+
+def changes(heard):
+    return int(np.count_nonzero(np.diff(np.array(heard, dtype=int))))
+
+
+def test_a_rate_that_wavers_about_the_least_one_is_one_complaint():
+    """A loaded machine: between 8.6 and 9.6 Hz of 10, each for a second."""
+    heard = opinions(RateKeeper(10.0), [(8.6, 1.0), (9.6, 1.0)] * 20)
+    assert changes(heard) <= 1
+
+
+def test_missed_and_kept_again_are_each_said_once_and_late():
+    heard = opinions(RateKeeper(10.0), [(10.0, 5.0), (5.0, 8.0), (10.0, 8.0)])
+    assert changes(heard) == 2
+    assert not heard[-1]
+    begin, end = heard.index(True), len(heard) - heard[::-1].index(True)
+    assert begin > 50 + 0.9 * 3.0 * 5.0  # 3 s at 5 Hz after the rate had fallen
+    assert end > 50 + 40 + 0.9 * 3.0 * 10.0
+
+
+def test_a_short_lapse_is_no_complaint():
+    heard = opinions(RateKeeper(10.0), [(10.0, 5.0), (5.0, 1.0), (10.0, 5.0)])
+    assert not any(heard)

@@ -68,6 +68,9 @@ def eventful(controller):
     controller.see_target(flown.time + 0.01, [3.0, 1.0, 0.0], [2.0, 0.0, 0.0], np.eye(6))
     controller.change(range=340.0, bank_max=0.7, solve_time_max=4.0)
     flown.fly(20, air=False)
+    flown.time += 2.0  # states get lost while the clock goes on
+    controller.see_target(flown.time, [3.0, 1.0, 0.0], now=flown.time)
+    flown.fly(10)
     with pytest.raises(ParameterError):
         controller.change(range=1.0)
     with pytest.raises(MeasurementError):

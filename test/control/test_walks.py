@@ -16,7 +16,7 @@ from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
-from uav_tracking_mpc.mpc.solution import Status
+from uav_tracking_mpc.mpc.solver import Status
 from uav_tracking_mpc.parameters.specification import ParameterError, specifications
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation.closed_loop import ClosedLoop
@@ -247,7 +247,11 @@ class Walk(RuleBasedStateMachine):
 
 
 TestWalk = Walk.TestCase
-TestWalk.settings = settings(stateful_step_count=12, phases=(Phase.generate,))
+TestWalk.settings = settings(
+    max_examples=settings.default.max_examples * 2 // 5,  # a walk has a dozen steps
+    stateful_step_count=12,
+    phases=(Phase.generate,),
+)
 
 
 def test_a_flight_arrives_while_a_parameter_changes_with_every_state():

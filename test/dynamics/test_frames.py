@@ -12,20 +12,29 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.frames import (
+    bank_from_turn_rate,
     body_rates,
     course_from_quaternion,
     course_rates,
+    course_rates_from_euler,
+    heading_from_yaw,
     pitch_rate_from_path_angle_rate,
     quaternion_from_course,
+    quaternion_from_euler,
     rotation_from_course,
     rotation_from_quaternion,
+    wrap_angle,
 )
 
 HEADINGS = st.floats(-np.pi, np.pi)
@@ -110,3 +119,69 @@ def test_a_nose_straight_up_has_no_course_rates():
 
 def test_flu_pitch_rate_is_positive_nose_down():
     assert pitch_rate_from_path_angle_rate(0.3) == -0.3
+
+
+ANGLES = st.floats(-1e4, 1e4)
+
+
+@given(ANGLES)
+def test_wrapped_angle_is_the_same_direction_in_the_half_open_interval(angle):
+    wrapped = float(wrap_angle(angle))
+    assert -np.pi < wrapped <= np.pi
+    assert np.exp(1j * wrapped) == pytest.approx(np.exp(1j * angle), abs=1e-11)
+
+
+@given(st.floats(-np.pi, np.pi, exclude_min=True))
+def test_angle_inside_the_interval_comes_back_bit_for_bit(angle):
+    assert float(wrap_angle(angle)) == angle
+
+
+def test_half_turn_is_positive():
+    assert wrap_angle([-np.pi, np.pi, 3 * np.pi]) == pytest.approx([np.pi] * 3)
+
+
+ANGLES_AUTOPILOT_FRAMES = st.floats(-3.1, 3.1)
+PITCHES = st.floats(-1.3, 1.3)
+RATES = st.floats(-2.0, 2.0)
+
+
+def nose(roll, pitch, yaw):
+    """Forward axis of the body in East, North, Up."""
+    north, east, down = Rotation.from_euler("ZYX", [yaw, pitch, roll]).apply([1.0, 0.0, 0.0])
+    return east, north, -down
+
+
+@given(ANGLES_AUTOPILOT_FRAMES, PITCHES, ANGLES_AUTOPILOT_FRAMES)
+def test_the_heading_is_where_the_nose_points(roll, pitch, yaw):
+    east, north, up = nose(roll, pitch, yaw)
+    heading = heading_from_yaw(yaw)
+    assert math.cos(heading) * math.cos(pitch) == pytest.approx(east, abs=1e-9)
+    assert math.sin(heading) * math.cos(pitch) == pytest.approx(north, abs=1e-9)
+    assert up == pytest.approx(math.sin(pitch), abs=1e-9)
+    assert math.remainder(heading_from_yaw(heading) - yaw, 2.0 * math.pi) == pytest.approx(0.0)
+
+
+@given(ANGLES_AUTOPILOT_FRAMES, PITCHES, ANGLES_AUTOPILOT_FRAMES)
+def test_the_quaternion_is_that_of_the_rotation(roll, pitch, yaw):
+    w, x, y, z = quaternion_from_euler(roll, pitch, yaw)
+    expected = Rotation.from_euler("ZYX", [yaw, pitch, roll]).as_matrix()
+    np.testing.assert_allclose(Rotation.from_quat([x, y, z, w]).as_matrix(), expected, atol=1e-9)
+
+
+@given(ANGLES_AUTOPILOT_FRAMES, PITCHES, ANGLES_AUTOPILOT_FRAMES, RATES, RATES, RATES)
+def test_the_rates_are_those_of_the_nose(roll, pitch, yaw, p, q, r):
+    step = 1e-5
+    before = Rotation.from_euler("ZYX", [yaw, pitch, roll])
+    after = before * Rotation.from_rotvec(np.array([p, q, r]) * step)
+    yaw_after, pitch_after, _ = after.as_euler("ZYX")
+    turn, elevation = course_rates_from_euler(roll, pitch, (p, q, r))
+    turned = math.remainder(yaw - yaw_after, 2.0 * math.pi) / step
+    assert turn == pytest.approx(turned, abs=2e-3)
+    assert elevation == pytest.approx((pitch_after - pitch) / step, abs=2e-3)
+
+
+@given(st.floats(-1.2, 1.2), st.floats(5.0, 50.0))
+def test_a_bank_turns_as_its_lift_does(bank, airspeed):
+    """Lift that carries the weight turns the velocity by its horizontal part."""
+    turn_rate = -GRAVITY * math.tan(bank) / airspeed  # right wing down turns clockwise
+    assert bank_from_turn_rate(turn_rate, airspeed) == pytest.approx(bank, abs=1e-12)

@@ -26,8 +26,8 @@ from uav_tracking_mpc.dynamics.relative import (
     tracking_error,
     vehicle_state,
 )
+from uav_tracking_mpc.dynamics.relative_models import RELATIVE_MODEL
 from uav_tracking_mpc.dynamics.vehicle import advance
-from uav_tracking_mpc.parameters.registry import RELATIVE_MODEL
 
 RELATIVE = st.tuples(
     st.floats(60, 400),

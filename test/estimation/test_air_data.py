@@ -12,6 +12,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -58,3 +60,13 @@ def test_reset_forgets():
     air.see(10.0, 20.0)
     air.reset()
     assert air.vehicle_state(measurement())[-1] == 5.0
+
+
+def test_after_a_gap_the_airspeed_from_before_counts_until_its_own_may_have_come():
+    air = AirData(0.5)
+    air.see(10.0, 20.0)
+    air.vehicle_state(measurement())
+    assert air.vehicle_state(replace(measurement(), stamp=12.0))[-1] == 20.0
+    assert air.vehicle_state(replace(measurement(), stamp=12.0))[-1] == 20.0  # asked once more
+    assert air.vehicle_state(replace(measurement(), stamp=12.05))[-1] == 5.0
+    assert air.missing

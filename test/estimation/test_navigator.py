@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 import small_uav
 
-from uav_tracking_mpc.dynamics.angles import angle_difference
+from uav_tracking_mpc.dynamics.frames import wrap_angle
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.navigator import LATENCY_LIMIT, Navigator
 from uav_tracking_mpc.settings.configuration import load_configuration
@@ -147,7 +147,7 @@ def test_a_command_is_computed_for_where_the_aircraft_is_when_it_takes_effect(
     position = metres if still else metres + 0.05 * delay  # by the target's estimated velocity
     np.testing.assert_allclose(later.offset, offset, atol=position)
     np.testing.assert_allclose(later.vehicle[:3], state[:3], atol=metres if still else 0.05)
-    assert abs(angle_difference(later.vehicle[3], state[3])) < 2e-3
+    assert abs(wrap_angle(later.vehicle[3] - state[3])) < 2e-3
     np.testing.assert_allclose(later.vehicle[4:], state[4:], atol=2e-3)
     np.testing.assert_allclose(later.rates, flight.plant.rates, atol=0.03)
     if dead_time[0] == 0.2:
@@ -263,7 +263,7 @@ def test_a_constant_bias_is_taken_out_of_the_situation(bias):
         assert abs(present.rates[0] - truth.turn_rate) < 0.1 * BIASES[bias]
     else:
         assert np.linalg.norm(error) < 0.1 * BIASES[bias]
-    assert abs(angle_difference(present.heading, truth.heading)) < 0.01
+    assert abs(wrap_angle(present.heading - truth.heading)) < 0.01
     assert present.airspeed == pytest.approx(truth.airspeed, abs=0.25)
     np.testing.assert_allclose(present.vehicle[:3], truth.position, atol=0.05)
 
@@ -272,9 +272,7 @@ def test_noise_is_smoothed_out():
     noise = ["velocity_noise=0.3", "attitude_noise=0.0087", "airspeed_noise=0.3"]
     found = flight_in_air(noise)[400:]
     drift = np.array([estimate.present.drift - wind for estimate, _, wind in found])
-    heading = [
-        angle_difference(estimate.present.heading, truth.heading) for estimate, truth, _ in found
-    ]
+    heading = [wrap_angle(estimate.present.heading - truth.heading) for estimate, truth, _ in found]
     assert np.sqrt(np.mean(drift**2)) < 0.1  # 0.36 m/s in the wind triangle
     assert np.sqrt(np.mean(np.square(heading))) < 0.3 * 0.0087
 

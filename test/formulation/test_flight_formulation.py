@@ -23,8 +23,7 @@ from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, COUNTER_CLOCKWISE
 from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
-from uav_tracking_mpc.mpc.prediction_loop import solutions
-from uav_tracking_mpc.mpc.solution import Status
+from uav_tracking_mpc.mpc.solver import Status, solutions
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.studies.flight_start import flight_start
 

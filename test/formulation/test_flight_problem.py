@@ -20,21 +20,21 @@ import casadi as ca
 import numpy as np
 import pytest
 import small_uav
-from kkt import kkt_residual
+from solver_problems import kkt_residual
 
-from uav_tracking_mpc.dynamics.discretisation import error_dynamics
 from uav_tracking_mpc.dynamics.orbit import DIRECTIONS
 from uav_tracking_mpc.dynamics.relative import (
+    error_dynamics,
     relative_state,
     steady_inputs,
     tracking_error,
     vehicle_state,
 )
-from uav_tracking_mpc.dynamics.vehicle_models import VehicleState
+from uav_tracking_mpc.dynamics.vehicle_models import Drift, VehicleState
 from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation, flight_problem
 from uav_tracking_mpc.formulation.flight_problem import DECISION_SCALE, SMALL
-from uav_tracking_mpc.formulation.paper_problem import problem_of
+from uav_tracking_mpc.formulation.paper_formulation import problem_of
 from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
 from uav_tracking_mpc.mpc.solver import Guess
 
@@ -205,7 +205,7 @@ def test_near_the_orbit_its_inputs_are_those_of_the_paper():
         terminal_constraint="none",
         response_estimation=False,
     )
-    paper = CasadiSolver(problem_of(parameters), "ipopt")
+    paper = CasadiSolver(problem_of(parameters))
     flight = FlightFormulation(
         replace(parameters, terminal_constraint="artificial_orbit"), small_uav.solver()
     )
@@ -301,7 +301,7 @@ def test_the_answers_satisfy_the_optimality_conditions(plans):
 def test_no_answer_is_worse_than_ipopts(plans):
     """IPOPT relaxes bounds by 1e-8, also those of the slacks that the penalties multiply."""
     problem = small_uav.problem()
-    ipopt = CasadiSolver(problem, "ipopt", iteration_limit=2000)
+    ipopt = CasadiSolver(problem, iteration_limit=2000)
     soft = sum(h.expression.numel() for h in problem.stage_inequalities) * problem.horizon
     relaxed = 1e-8 * FLIGHT.limit_penalty * soft
     compared = 0
@@ -317,3 +317,33 @@ def test_no_answer_is_worse_than_ipopts(plans):
 def guess_of(plan):
     """Straight on, about the orbit that was chosen: a start that knows nothing of the answer."""
     return Guess(np.zeros_like(plan.inputs), plan.solution.decision)
+
+
+def test_a_stage_flies_the_shares_nearest_to_what_the_law_wants():
+    parameters = small_uav.parameters()
+    formulation = FlightFormulation(parameters, NoSolver())
+    flight, model, step = formulation.flight, formulation.model, formulation.step
+    random = np.random.default_rng(3)
+    clipped = 0
+    for _ in range(50):
+        now = small_uav.situation(
+            x=random.uniform(-600.0, 600.0),
+            y=random.uniform(100.0, 600.0),
+            heading=random.uniform(-3.0, 3.0),
+            drift=(random.uniform(-8.0, 8.0), 3.0, 0.0),
+        )
+        data = formulation.data(steady_forecast(now, parameters.horizon), parameters.orbit)[0]
+        x_0, wanted = formulation.initial_state(now), random.uniform(-1.0, 1.0, 3)
+        state = model.State(*x_0.tolist())
+        middle, half = (np.array(part) for part in flight.span(state, data))
+        expected = np.clip((wanted - middle) / half, -1.0, 1.0)
+        clipped += np.sum(np.abs(expected) == 1.0)
+        flown = [float(u) for u in flight.inputs(expected, state, data)]
+        drift = Drift(now.drift.tolist(), now.drift_rate.tolist())
+        numbers = model.numbers(step).tolist()
+        shares, following = flight.law_stage(x_0, wanted, data)
+        np.testing.assert_allclose(shares, expected, atol=1e-12)
+        np.testing.assert_allclose(
+            following, model.step(state, flown, step, numbers, drift), rtol=1e-12, atol=1e-12
+        )
+    assert 10 < clipped < 140  # inside of the box and at its bounds

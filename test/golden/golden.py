@@ -39,13 +39,12 @@ from rosbags.rosbag2 import Reader
 
 from uav_tracking_mpc import FlightLog, load_configuration
 from uav_tracking_mpc.control.record import RecordingController
-from uav_tracking_mpc.nodes.flight_bag import flight_log
+from uav_tracking_mpc.nodes.bag.bag_log import flight_log
 from uav_tracking_mpc.report.metrics import metrics
 from uav_tracking_mpc.settings.configuration import scenario_names
 from uav_tracking_mpc.simulation.closed_loop import ClosedLoop
-from uav_tracking_mpc.studies.comparison.law_names import law_names
-from uav_tracking_mpc.studies.comparison.mismatches import MISMATCHES, mismatched
-from uav_tracking_mpc.studies.parallel import parallel_map
+from uav_tracking_mpc.studies.comparison.scenarios import MISMATCHES, law_names, mismatched
+from uav_tracking_mpc.studies.executors import parallel_map
 
 FOLDER = Path(__file__).parent / "records"
 CONFIGURATIONS = ("paper", "small_uav", "jsbsim_uav")

@@ -12,19 +12,28 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a flight says in the terminal."""
+"""A flight of real nodes: its progress, its pace, the death of its controller."""
 
+from __future__ import annotations
+
+import dataclasses
 import io
+from types import SimpleNamespace
 
 import pytest
+from processes import alive, wait_for
 from rich.console import Console
-from waiting import wait_for
+from std_srvs.srv import Trigger
+
+from uav_tracking_mpc.launch import flight
+from uav_tracking_mpc.launch.flight import ControllerKill, SimulatedPace, progress_line
+from uav_tracking_mpc.launch.node_process import NodeProcess
+from uav_tracking_mpc.launch.supervisor import Supervisor
+from uav_tracking_mpc.mpc import machine_code
+from uav_tracking_mpc.nodes.flight_recorder import Progress
+from uav_tracking_mpc.settings.configuration import load_configuration
 
 pytest.importorskip("rclpy")
-
-from uav_tracking_mpc.launch.flight import progress_line
-from uav_tracking_mpc.launch.node_process import NodeProcess
-from uav_tracking_mpc.nodes.flight_recorder import Progress
 
 
 def test_the_progress_fits_a_terminal():
@@ -47,3 +56,108 @@ def test_the_log_of_a_node_names_it_once(tmp_path, monkeypatch):
         "[pilot] [INFO] [12.5]: flying, says [pilot]: so",
         "[pilot] by print",
     ]
+
+
+pytest.importorskip("rclpy")
+
+
+class Client:
+    """Of the simulator's parameters; answers at once."""
+
+    def __init__(self, refusal=""):
+        self.asked, self.refusal = [], refusal
+
+    def service_is_ready(self):
+        return True
+
+    def call_async(self, request):
+        self.asked += [(p.name, p.value.double_value) for p in request.parameters]
+        result = SimpleNamespace(successful=not self.refusal, reason=self.refusal)
+        future = SimpleNamespace(result=lambda: SimpleNamespace(result=result))
+        future.add_done_callback = lambda callback: callback(future)
+        return future
+
+
+@pytest.fixture
+def paced(monkeypatch, tmp_path):
+    """Makes a pace for a mission of that speed; and folder, client and what is said."""
+    monkeypatch.setattr(flight, "compiled_into", lambda parameters: tmp_path)
+
+    def make(speed, client):
+        configuration = load_configuration("paper", [f"mission.speed={speed}"])
+        node = SimpleNamespace(create_client=lambda *_, **__: client)
+        said = io.StringIO()
+        return SimulatedPace(configuration, node, Console(file=said)), said
+
+    return make
+
+
+def test_it_is_real_time_until_the_solver_is_compiled(paced, tmp_path):
+    client = Client()
+    pace, said = paced(8.0, client)
+    assert pace.speed == 1.0
+    pace.follow()
+    assert client.asked == []
+    (tmp_path / machine_code.DESCRIPTION).write_text("{}")
+    pace.follow()
+    pace.follow()
+    assert client.asked == [("speed", 8.0)]
+    assert said.getvalue() == ""
+
+
+def test_what_is_compiled_flies_as_fast_as_asked(paced, tmp_path):
+    (tmp_path / machine_code.DESCRIPTION).write_text("{}")
+    client = Client()
+    pace, _ = paced(8.0, client)
+    assert pace.speed == 8.0
+    pace.follow()
+    assert client.asked == []
+
+
+def test_slower_than_real_time_stays(paced):
+    assert paced(0.5, Client())[0].speed == 0.5
+
+
+def test_a_refusal_is_said(paced, tmp_path):
+    pace, said = paced(8.0, Client("read-only"))
+    (tmp_path / machine_code.DESCRIPTION).write_text("{}")
+    pace.follow()
+    assert said.getvalue() == "simulated time goes on at 1 times real time: read-only\n"
+
+
+def test_a_law_needs_nothing_compiled():
+    parameters = load_configuration("paper").controller
+    assert flight.compiled_into(dataclasses.replace(parameters, law="l1")) is None
+
+
+SERVER = ("http.server", ["0", "--bind", "127.0.0.1"])  # runs until it is ended
+
+
+@pytest.fixture
+def supervisor(tmp_path):
+    with (tmp_path / "output").open("w") as file:
+        supervisor = Supervisor(tmp_path, Console(file=file), domain=7)
+        for name in ("nmpc_controller", "uav_simulator"):
+            supervisor.start(name, *SERVER)
+        yield supervisor
+        supervisor.end()
+
+
+def test_the_controller_alone_is_killed_and_runs_again(supervisor):
+    services = {}
+    node = SimpleNamespace(create_service=lambda kind, name, call: services.update({name: call}))
+    kill = ControllerKill(node, supervisor)
+    before = {name: process.identity for name, process in supervisor.processes.items()}
+    kill.follow()
+    assert supervisor.processes["nmpc_controller"].identity == before["nmpc_controller"]
+    answer = services["nmpc_controller/kill"](Trigger.Request(), Trigger.Response())
+    assert (answer.success, answer.message) == (True, "nmpc_controller is killed and started again")
+    assert alive(before["nmpc_controller"])  # the callback itself waits for no process
+    kill.follow()
+    assert not alive(before["nmpc_controller"])
+    again = supervisor.processes["nmpc_controller"].identity
+    assert again != before["nmpc_controller"] and alive(again)
+    assert supervisor.processes["uav_simulator"].identity == before["uav_simulator"]
+    supervisor.check()  # nobody misses the one that was killed
+    kill.follow()
+    assert supervisor.processes["nmpc_controller"].identity == again

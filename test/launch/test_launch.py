@@ -12,7 +12,9 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The launcher and its processes, for real."""
+"""Launches of real processes."""
+
+from __future__ import annotations
 
 import contextlib
 import json
@@ -23,19 +25,164 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from processes import INTERRUPT, KILL, TERMINATE, alive, command, environment, nodes_of, undecided
+from node_harness import vehicle_from_odometry
+from processes import (
+    DOMAIN,
+    INTERRUPT,
+    KILL,
+    TERMINATE,
+    alive,
+    command,
+    environment,
+    nodes_of,
+    undecided,
+    wait_for,
+)
 from rosbags.rosbag2 import Reader
-from waiting import wait_for
 
 from uav_tracking_mpc.control.record import recorded_parameters, replay
-from uav_tracking_mpc.launch.domain import LAST_DOMAIN, own_domain
-from uav_tracking_mpc.launch.shared_memory import SharedMemoryFiles
-from uav_tracking_mpc.nodes.conversions import plan_from_command, vehicle_from_odometry
-from uav_tracking_mpc.nodes.flight_bag import flight_log, messages
-from uav_tracking_mpc.nodes.topics import ALL, COMMAND, DIAGNOSTICS, ODOMETRY, ROSOUT
+from uav_tracking_mpc.launch.node_process import SharedMemoryFiles
+from uav_tracking_mpc.launch.supervisor import LAST_DOMAIN, own_domain
+from uav_tracking_mpc.nodes.bag.bag_log import flight_log, messages
+from uav_tracking_mpc.nodes.messages.conversions import plan_from_command
+from uav_tracking_mpc.nodes.topics import (
+    ALL,
+    COMMAND,
+    DIAGNOSTICS,
+    ENGAGED,
+    ODOMETRY,
+    ORBIT,
+    ROSOUT,
+)
 from uav_tracking_mpc.settings.configuration import load_configuration
 
 pytestmark = pytest.mark.nodes
+
+
+def until(words, *arguments, **exported):
+    """Output of ``launch_tracking`` up to a line with these words, or its end; and exit code."""
+    process = subprocess.Popen(
+        command("cli.launch_tracking", *arguments),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        env={**environment(), **exported},
+    )
+    assert process.stdout is not None
+    said = []
+    for line in process.stdout:
+        said.append(line)
+        if words in line:
+            process.send_signal(TERMINATE)
+            break
+    rest = process.communicate(timeout=60)[0]
+    return "".join(said) + rest, process.returncode
+
+
+def test_an_exported_domain_is_flown_in_and_an_option_wins():
+    output, code = until("domain")
+    assert output.startswith(f"domain {DOMAIN} (from ROS_DOMAIN_ID): watch with")
+    assert code == 0, output
+    with own_domain(None) as other:
+        output, _ = until("domain", "--domain-id", str(other))
+    assert output.startswith(f"domain {other}: watch with")
+
+
+def test_a_domain_that_is_not_allowed_is_refused():
+    output, code = until("never said", ROS_DOMAIN_ID="300")
+    assert code == 2
+    assert output == (
+        "launch_tracking: environment variable ROS_DOMAIN_ID is '300', must be an integer from 0 "
+        "to 232\n"
+    )
+
+
+def test_without_a_home_and_with_an_empty_cache_it_flies_at_once(tmp_path):
+    nowhere = tmp_path / "file"
+    nowhere.write_text("")
+    output, code = until(
+        "flying on commands",
+        HOME=str(nowhere),
+        ROS_LOG_DIR="",
+        ROS_HOME="",
+        XDG_CACHE_HOME=str(nowhere),
+        TMPDIR=str(tmp_path),
+    )
+    assert code == 0, output
+    assert "Traceback" not in output
+    assert "/.ros/log cannot be written" in output
+    begin, flying = (output.index(words) for words in ("ipopt solves while", "flying on commands"))
+    assert begin < flying
+    assert "solver compiled" not in output[:flying]
+
+
+LINK = f"{Path(__file__).parents[1] / 'paced_link.py'}:PacedLink"
+FLY = ("fly", "--config", "small_uav", "--json", "--link")
+
+
+def fly(output, *arguments):
+    words = command("cli.main", *FLY, *arguments, "--output", output)
+    env = environment() | {"PYTHONPATH": str(Path(__file__).parents[1])}
+    return subprocess.run(words, capture_output=True, text=True, env=env, timeout=300)
+
+
+@pytest.mark.parametrize("link", [(LINK,), ("ardupilot", "--simulated")], ids=["own", "ardupilot"])
+def test_a_flight_counts_from_when_it_is_engaged_and_tells_of_its_link(tmp_path, link):
+    flown = fly(tmp_path, *link, "--engage", "--duration", "4")
+    assert flown.returncode == 3, flown.stderr  # 4 s are not enough
+    assert flown.stderr.splitlines()[-1].startswith("not settled in ")
+    numbers = json.loads(flown.stdout)
+    assert numbers["duration_s"] == pytest.approx(4.0, abs=1.5)
+    assert numbers["speed"] == 1.0
+    keys = {"dialect", "rate_hz", "latency_ms", "latency_p99_ms", "lost", "refused"}
+    assert numbers["link"].keys() == keys
+    assert numbers["link"]["rate_hz"] > 5.0
+    assert numbers["solver"]["solves"] > 10
+    assert "engaged" in flown.stderr
+    assert "Traceback" not in flown.stderr
+    counts = {topic.name: 0 for topic in (COMMAND, ORBIT, ENGAGED)}
+    for topic, _, _ in messages(tmp_path / "mission.mcap", COMMAND, ORBIT, ENGAGED):
+        counts[topic.name] += 1
+    assert counts[ORBIT.name] > 0.5 * counts[COMMAND.name] > 5
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ((LINK, "--connection", "tight"), "needs a turn rate"),
+        (("ardupilot", "--connection", "udpin:nowhere"), "must be udpin:HOST:PORT"),
+    ],
+)
+def test_what_cannot_be_flown_starts_nothing(tmp_path, arguments, words):
+    refused = fly(tmp_path, *arguments)
+    assert refused.returncode == 2
+    assert words in refused.stderr.splitlines()[-1]
+    assert "domain" not in refused.stderr
+    assert refused.stdout == ""
+    assert not list(tmp_path.iterdir())
+
+
+def test_without_engage_nothing_is_commanded_and_it_says_how(tmp_path):
+    env = environment() | {"PYTHONPATH": str(Path(__file__).parents[1])}
+    process = subprocess.Popen(
+        command("cli.main", *FLY, LINK, "--output", tmp_path),
+        stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env=env,
+    )
+    told = ""
+    for line in process.stderr:
+        told += line
+        if "tracking: optimal plan" in line:
+            break
+    process.send_signal(INTERRUPT)
+    output, rest = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "until somebody engages: `uav_tracking engage --domain-id" in told
+    assert "interrupted before the autopilot was engaged" in rest
+    assert output == ""
+    assert not (tmp_path / "mission.mcap").exists()
 
 
 def mapped(process):

@@ -21,7 +21,7 @@ import pytest
 
 from uav_tracking_mpc.launch.preflight import preflight, refusal, refuse, with_envelope
 from uav_tracking_mpc.links import LinkError, LinkRefusedError
-from uav_tracking_mpc.links.mavlink.px4_envelope import Px4Envelope
+from uav_tracking_mpc.links.px4 import Px4Envelope
 from uav_tracking_mpc.parameters.registry import ExtensionError
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration

@@ -18,9 +18,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from processes import alive
+from processes import alive, wait_for
 from rich.console import Console
-from waiting import wait_for
 
 from uav_tracking_mpc.launch.supervisor import LaunchError, Supervisor
 

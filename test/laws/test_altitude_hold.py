@@ -15,12 +15,12 @@
 import numpy as np
 import pytest
 import small_uav
-from loiter_flight import SMALL_UAV, fly
+from small_uav import SMALL_UAV, fly
 
-from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.situation import Situation
-from uav_tracking_mpc.laws._altitude_hold import altitude_hold
+from uav_tracking_mpc.laws import altitude_hold
 from uav_tracking_mpc.laws.l1 import L1Loiter
 
 ORBIT = Orbit(300.0, 120.0, 22.0)

@@ -17,10 +17,10 @@
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.laws._check import check_law
+from uav_tracking_mpc.laws import GUIDANCE_LAW
+from uav_tracking_mpc.laws.conformance import check_law
 from uav_tracking_mpc.laws.vector_field import VectorField
 from uav_tracking_mpc.parameters.conformance import ConformanceError
-from uav_tracking_mpc.parameters.registry import GUIDANCE_LAW
 
 
 @pytest.mark.parametrize("name", GUIDANCE_LAW.names)

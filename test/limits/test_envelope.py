@@ -20,13 +20,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from uav_tracking_mpc.control.controller import Controller
-from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.vehicle import advance
 from uav_tracking_mpc.limits import OrbitShape
-from uav_tracking_mpc.limits._envelope import Envelope
-from uav_tracking_mpc.limits.bank import Bank
-from uav_tracking_mpc.limits.yaw_rate import YawRate
+from uav_tracking_mpc.limits.envelope import Envelope
+from uav_tracking_mpc.limits.turn import Bank, YawRate
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration
 

@@ -18,9 +18,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.limits import Ball, Bound, Cylinder, Floor, Limit, Motion, OrbitShape
-from uav_tracking_mpc.limits._envelope import Envelope
-from uav_tracking_mpc.parameters.registry import LIMIT
+from uav_tracking_mpc.limits import LIMIT, Ball, Bound, Cylinder, Floor, Limit, Motion, OrbitShape
+from uav_tracking_mpc.limits.envelope import Envelope
 from uav_tracking_mpc.parameters.specification import ParameterError
 
 LIMITS = {limit.name: limit for limit in Envelope(fence_radius=500.0, height_min=10.0).limits}

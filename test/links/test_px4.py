@@ -19,25 +19,26 @@ import re
 
 import numpy as np
 import pytest
-from stepped_flight import ByController, Nobody, SteppedFlight
+from stepped_flight import Nobody, engaged_flight, flight
 
-from uav_tracking_mpc.links.mavlink.px4_envelope import Px4Envelope
-from uav_tracking_mpc.links.px4 import INERT_TIME, NO_RATES, Px4Link, main_and_sub
+from uav_tracking_mpc.dynamics.air import GRAVITY
+from uav_tracking_mpc.links.px4 import (
+    INERT_TIME,
+    NAMES,
+    NO_RATES,
+    Px4Envelope,
+    Px4Link,
+    main_and_sub,
+)
 from uav_tracking_mpc.settings.link import LinkParameters
 
 HOLD = "LOITER"  # as the simulated autopilot calls it
 NOTICE = 0.15  # s: CURRENT_MODE comes ten times a second
 
 
-def flight(**changed):
-    return SteppedFlight("px4", **{"COM_OBL_RC_ACT": 5, **changed})
-
-
 @pytest.fixture
 def engaged():
-    flown = flight()
-    assert flown.engage() == ""
-    return flown
+    return engaged_flight("px4")
 
 
 @pytest.mark.parametrize(
@@ -49,15 +50,8 @@ def test_modes_have_names(custom_mode):
     assert link.takes_commands(custom_mode) == (main_and_sub(custom_mode)[0] == 6)
 
 
-def test_nothing_is_sent_unless_somebody_engages():
-    flown = flight()
-    flown.fly(2.0)
-    assert flown.sent == []
-    assert flown.autopilot.core.mode == HOLD
-
-
 def test_inert_set_points_stream_before_offboard_is_asked_for():
-    flown = flight()
+    flown = flight("px4")
     core, modes = flown.autopilot.core, []
     take = core.set_mode
     core.set_mode = lambda mode: modes.append((flown.time, mode)) or take(mode)
@@ -77,48 +71,6 @@ def test_inert_set_points_stream_before_offboard_is_asked_for():
     assert all(0.2 < target.thrust <= 1.0 for _, target in inert)
     assert INERT_TIME <= at - asked_at < INERT_TIME + 1.1
     assert abs(core.state.up - up) < 5.0
-
-
-@pytest.mark.parametrize("scenario", ["wind", "crosswind"])
-def test_it_circles_in_wind_and_about_a_moving_target(scenario):
-    flown = flight(scenario=scenario)
-    controller = ByController(flown)
-    assert flown.engage(controller) == ""
-    begin = flown.time
-    flown.fly(35.0, controller)
-    distance, height, roll_rate = controller.since(begin + 25.0)
-    assert distance < 0.3
-    assert height < 1.0
-    assert roll_rate < 5.0
-    assert flown.link.values()["commands refused"] == 0
-
-
-def test_a_nose_that_shakes_does_not_shake_the_bank():
-    """The bank went as quickly as it may from one set-point to the next, by 1.2 deg."""
-    flown = flight()
-    flown.shake(0.3, 0.0)
-    controller = ByController(flown)
-    assert flown.engage(controller) == ""
-    begin = flown.time
-    flown.fly(35.0, controller)
-    banks = np.degrees([target.roll for time, target in flown.sent if time > begin + 25.0])
-    assert np.sqrt(np.mean(np.diff(banks) ** 2)) < 0.3
-    assert controller.since(begin + 25.0)[0] < 0.3
-
-
-def test_its_small_airplane_circles_by_its_own_configuration():
-    near = [
-        "uav_simulator.initial_position=[170.0, 0.0, 98.0]",
-        "uav_simulator.initial_heading=1.6",
-    ]
-    flown = flight(scenario=None, config="px4_uav", near=near)
-    controller = ByController(flown)
-    assert flown.engage(controller) == ""
-    begin = flown.time
-    flown.fly(35.0, controller)
-    distance, height, _ = controller.since(begin + 25.0)
-    assert distance < 0.3
-    assert height < 1.0
 
 
 def test_what_is_sent_keeps_to_the_limits(engaged):
@@ -174,17 +126,6 @@ def test_a_controller_that_dies_ends_in_the_failsafe_and_nothing_streams_after_i
     assert engaged.autopilot.core.mode == HOLD
 
 
-def test_a_dead_link_is_taken_up_again(engaged):
-    engaged.fly(5.0)
-    fault = engaged.autopilot.begin_fault("silence")
-    engaged.fly(5.0)
-    assert engaged.autopilot.core.mode == HOLD
-    engaged.autopilot.end_fault(fault)
-    engaged.fly(3.0)
-    assert engaged.autopilot.core.mode == "OFFBOARD"
-    assert engaged.link.engaged
-
-
 def test_a_pilot_who_took_over_while_the_link_was_dead_keeps_it(engaged):
     fault = engaged.autopilot.begin_fault("silence")
     engaged.fly(3.0)
@@ -204,24 +145,8 @@ def test_telemetry_that_stops_is_not_flown_by(engaged):
     assert engaged.autopilot.core.mode == HOLD
 
 
-@pytest.mark.parametrize(
-    ("changed", "words"),
-    [
-        ({"COM_OBL_RC_ACT": 0}, "COM_OBL_RC_ACT is 0 .Position."),
-        ({"COM_OF_LOSS_T": 30.0}, "COM_OF_LOSS_T is 30 s"),
-        ({"MAV_FWDEXTSP": 0}, "MAV_FWDEXTSP is 0"),
-        ({"GF_MAX_HOR_DIST": 250.0}, "leaves the autopilot's fence"),
-        ({"GF_MAX_VER_DIST": 100.0}, "not inside the autopilot's fence"),
-    ],
-)
-def test_what_does_not_fit_is_refused(changed, words):
-    flown = flight(**changed)
-    assert re.search(words, flown.engage())
-    assert flown.sent == []
-
-
 def test_a_pilot_may_engage_by_mode_where_that_is_asked_for():
-    flown = flight(link=LinkParameters(link="px4", engage_on_mode=True))
+    flown = flight("px4", link=LinkParameters(link="px4", engage_on_mode=True))
     flown.fly(2.0)
     assert flown.sent  # inert, so that OFFBOARD is there to be switched to
     assert flown.autopilot.pilot_mode("OFFBOARD")
@@ -231,3 +156,113 @@ def test_a_pilot_may_engage_by_mode_where_that_is_asked_for():
     flown.fly(1.5)
     assert not flown.link.engaged
     assert flown.autopilot.core.mode == "POSCTL"
+
+
+GOOD = {
+    "FW_R_LIM": 50.0, "FW_AIRSPD_MIN": 14.0, "FW_AIRSPD_TRIM": 22.0, "FW_AIRSPD_MAX": 30.0,
+    "FW_T_CLMB_MAX": 5.0, "FW_T_SINK_MAX": 5.0, "FW_T_SINK_MIN": 2.0, "FW_R_RMAX": 70.0,
+    "COM_OF_LOSS_T": 1.0, "COM_OBL_RC_ACT": 5.0, "COM_RCL_EXCEPT": 0.0, "NAV_DLL_ACT": 0.0,
+    "NAV_RCL_ACT": 2.0, "MAV_TYPE": 1.0, "MAV_FWDEXTSP": 1.0, "GF_ACTION": 2.0,
+    "GF_MAX_HOR_DIST": 1000.0, "GF_MAX_VER_DIST": 300.0, "FW_USE_AIRSPD": 1.0,
+}  # fmt: skip
+
+
+def envelope(ratio=1.0, without=(), **changed):
+    vehicle = {name: value for name, value in {**GOOD, **changed}.items() if name not in without}
+    return Px4Envelope(vehicle, ratio)
+
+
+def test_airspeeds_are_true_and_limits_those_of_the_autopilot():
+    values = envelope(ratio=1.1).values(24.2)
+    assert (values["airspeed_min"], values["airspeed_max"]) == pytest.approx((15.4, 33.0))
+    assert values["path_angle_max"] == pytest.approx(math.asin(5.0 / 24.2))
+    assert values["path_angle_min"] == -values["path_angle_max"]
+    assert values["bank_max"] == pytest.approx(math.radians(48.0))
+    assert values["roll_rate_max"] == pytest.approx(0.9 * math.radians(70.0))
+    assert values["pitch_rate_max"] == pytest.approx(7.0 / 24.2)
+
+
+def test_force_is_that_of_climb_and_sink_at_cruise():
+    values = envelope().values(22.0)
+    assert values["force_max"][0] == pytest.approx(GRAVITY * 5.0 / 22.0)
+    assert values["force_min"] == pytest.approx((-GRAVITY * 2.0 / 22.0,) * 2)
+    assert 0.0 < values["force_max"][1] < values["force_max"][0]
+
+
+def test_bank_leaves_the_airspeed_that_its_load_factor_needs():
+    """FW_AIRSPD_MIN sqrt(n) = 18 m/s at n = 1 / cos(bank) = (18 / 14)^2."""
+    assert envelope().bank_max(18.0) == pytest.approx(
+        min(math.acos((14.0 / 18.0) ** 2), math.radians(50.0))
+    )
+    assert envelope().bank_max(16.0) == pytest.approx(math.acos((14.0 / 16.0) ** 2))
+    assert envelope().bank_max(14.0) == pytest.approx(math.radians(25.0))
+    assert envelope(without=["FW_R_LIM"]).bank_max(22.0) is None
+
+
+def test_the_law_gets_what_px4_itself_goes_by():
+    limits = envelope(FW_P_LIM_MAX=20.0, FW_THR_TRIM=0.5, FW_THR_SLEW_MAX=0.3).energy_limits()
+    assert limits.pitch_max == pytest.approx(math.radians(20.0))
+    assert (limits.trim, limits.thrust_slew, limits.cruise) == (0.5, 0.3, 22.0)
+    assert envelope().energy_limits().thrust_slew > 0.0
+
+
+def test_the_fence_has_a_margin_and_ends_with_its_action():
+    assert envelope().fence() == (-math.inf, 290.0, 990.0)
+    assert envelope(GF_MAX_VER_DIST=0.0).fence() == (-math.inf, math.inf, 990.0)
+    assert envelope(GF_ACTION=0.0).fence() is None
+    assert envelope(GF_MAX_VER_DIST=0.0, GF_MAX_HOR_DIST=0.0).fence() is None
+
+
+def test_a_good_vehicle_is_neither_refused_nor_warned_of():
+    assert envelope().refusals() == []
+    assert envelope().warnings(50.0) == []
+    assert all(len(name) <= 16 for name in NAMES)
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"COM_OBL_RC_ACT": 0.0}, r"COM_OBL_RC_ACT is 0 \(Position\).*5 \(Hold\) or 3 \(Return\)"),
+        ({"COM_OBL_RC_ACT": 4.0}, "COM_OBL_RC_ACT is 4 .Land."),
+        ({"COM_OBL_RC_ACT": 6.0}, "COM_OBL_RC_ACT is 6 .Terminate."),
+        ({"COM_OBL_RC_ACT": 7.0}, "COM_OBL_RC_ACT is 7 .Disarm."),
+        ({"COM_OF_LOSS_T": 30.0}, "COM_OF_LOSS_T is 30 s.*from 0.3 to 5 s"),
+        ({"COM_OF_LOSS_T": 0.0}, "COM_OF_LOSS_T is 0 s"),
+        ({"MAV_TYPE": 0.0}, "MAV_TYPE is 0.*must be 1"),
+        ({"MAV_TYPE": 2.0}, "MAV_TYPE is 2"),
+        ({"MAV_FWDEXTSP": 0.0}, "MAV_FWDEXTSP is 0.*must be 1"),
+        ({"FW_THR_TRIM": 1.0}, "FW_THR_TRIM is 1, must be between"),
+        ({"FW_AIRSPD_TRIM": 12.0}, "FW_AIRSPD_TRIM is 12 m/s, must be between"),
+    ],
+)
+def test_what_does_not_fit_is_refused_by_name_and_value(changed, words):
+    refusals = envelope(**changed).refusals()
+    assert len(refusals) == 1
+    assert re.search(words, refusals[0])
+
+
+def test_what_cannot_be_read_is_refused_where_it_is_needed_and_warned_of_where_not():
+    assert envelope(without=["FW_R_LIM"]).refusals() == ["FW_R_LIM cannot be read"]
+    assert any(
+        "COM_OBL_RC_ACT cannot be read" in words
+        for words in envelope(without=["COM_OBL_RC_ACT"]).warnings(50.0)
+    )
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"COM_RCL_EXCEPT": 4.0}, "COM_RCL_EXCEPT is 4"),
+        ({"NAV_RCL_ACT": 5.0}, "NAV_RCL_ACT is 5: the loss of the transmitter terminates"),
+        ({"NAV_DLL_ACT": 2.0}, "NAV_DLL_ACT is 2: OFFBOARD ends 10 s"),
+        ({"GF_ACTION": 4.0}, "GF_ACTION is 4"),
+        ({"GF_ACTION": 0.0}, "no fence"),
+        ({"FW_USE_AIRSPD": 0.0}, "FW_USE_AIRSPD is 0"),
+        ({"MAV_SIGN_CFG": 2.0}, "MAV_SIGN_CFG"),
+    ],
+)
+def test_what_a_pilot_should_know_is_said(changed, words):
+    assert envelope(**changed).refusals() == []
+    warnings = envelope(**changed).warnings(50.0)
+    assert len(warnings) == 1
+    assert words in warnings[0]

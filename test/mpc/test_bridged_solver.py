@@ -20,11 +20,11 @@ import numpy as np
 import pytest
 from solver_problems import PAPER_START, paper
 
-from uav_tracking_mpc.mpc import bridged_solver, machine_code
-from uav_tracking_mpc.mpc.bridged_solver import BUDGET, BridgedSolver, MachineCode
-from uav_tracking_mpc.mpc.compilation import CompilationError
+from uav_tracking_mpc.mpc import compiled_method, machine_code
+from uav_tracking_mpc.mpc.bridged_solver import BUDGET, BridgedSolver
+from uav_tracking_mpc.mpc.compiled_method import CompilationError, MachineCode
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
-from uav_tracking_mpc.mpc.solution import Status
+from uav_tracking_mpc.mpc.solver import Status
 
 
 @pytest.fixture
@@ -102,8 +102,8 @@ class Told:
 
 def test_begin_and_end_of_the_compilation_are_told_once(monkeypatch, tmp_path):
     said = []
-    monkeypatch.setattr(bridged_solver, "Compilation", Told)
-    monkeypatch.setattr(bridged_solver, "method_folder", lambda problem: tmp_path)
+    monkeypatch.setattr(compiled_method, "Compilation", Told)
+    monkeypatch.setattr(compiled_method, "method_folder", lambda problem: tmp_path)
     code = MachineCode(paper(), said.append)
     assert [code(), code(), code()] == [False, True, True]
     begin, end = said
@@ -113,8 +113,8 @@ def test_begin_and_end_of_the_compilation_are_told_once(monkeypatch, tmp_path):
 
 def test_where_it_cannot_be_compiled_ipopt_goes_on(monkeypatch, tmp_path):
     said = []
-    monkeypatch.setattr(bridged_solver, "Compilation", Told)
-    monkeypatch.setattr(bridged_solver, "method_folder", lambda problem: tmp_path)
+    monkeypatch.setattr(compiled_method, "Compilation", Told)
+    monkeypatch.setattr(compiled_method, "method_folder", lambda problem: tmp_path)
     code = MachineCode(paper(), said.append)
     code._compilation.answers = [CompilationError("no memory")]
     assert [code(), code()] == [False, False]
@@ -122,7 +122,7 @@ def test_where_it_cannot_be_compiled_ipopt_goes_on(monkeypatch, tmp_path):
 
 
 def test_what_is_kept_is_not_compiled_again(monkeypatch, tmp_path):
-    monkeypatch.setattr(bridged_solver, "method_folder", lambda problem: tmp_path)
+    monkeypatch.setattr(compiled_method, "method_folder", lambda problem: tmp_path)
     (tmp_path / machine_code.DESCRIPTION).write_text("{}")
     said = []
     assert MachineCode(paper(), said.append)()

@@ -12,38 +12,96 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""IPOPT on the nonlinear program, and the plans from which it begins."""
+
+from __future__ import annotations
+
+import dataclasses
+
 import casadi as ca
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize
-from solver_problems import integrator
+from solver_problems import PAPER_START, integrator, paper, paper_solver
 
 from uav_tracking_mpc.dynamics.relative import tracking_error
-from uav_tracking_mpc.formulation.paper_problem import problem_of
-from uav_tracking_mpc.mpc.casadi_solver import PLUGINS, CasadiSolver
+from uav_tracking_mpc.formulation.paper_formulation import problem_of
+from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver, NonlinearProgram, plan_guesses
+from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.problem import Inequality
-from uav_tracking_mpc.mpc.solution import Status
+from uav_tracking_mpc.mpc.solver import Guess, Solution, Status
 from uav_tracking_mpc.settings.tracking import TrackingParameters
+
+PROBLEM = paper_solver().problem
+STATE = np.full(PROBLEM.nx, 0.5)
+
+
+def rolled(inputs, decision):
+    return np.vstack([STATE, np.tile(inputs.sum(axis=1), (PROBLEM.nx, 1)).T])
+
+
+def last():
+    plan = Solution.without_plan(PROBLEM, Status.FAILED, "", 0.0)
+    stages = np.arange(PROBLEM.horizon, dtype=float)[:, np.newaxis]
+    return dataclasses.replace(plan, inputs=stages * np.ones(PROBLEM.nu))
+
+
+def test_a_warm_start_moves_the_last_plan_on_and_begins_at_the_state():
+    (guess,) = plan_guesses(PROBLEM, STATE, last(), PROBLEM.step, None, rolled)
+    np.testing.assert_array_equal(guess.states[0], STATE)
+    np.testing.assert_allclose(guess.inputs[:3, 0], [1.0, 2.0, 3.0])
+    assert guess.inputs[-1, 0] == PROBLEM.horizon - 1
+
+
+def test_a_cold_start_takes_the_plan_of_the_caller_or_two_of_its_own():
+    told = Guess(np.full((PROBLEM.horizon, PROBLEM.nu), 0.1), np.zeros(PROBLEM.na))
+    (guess,) = plan_guesses(PROBLEM, STATE, last(), None, lambda: told, rolled)
+    np.testing.assert_array_equal(guess.inputs, told.inputs)
+    np.testing.assert_array_equal(guess.states, rolled(told.inputs, told.decision))
+    for make in (None, lambda: None):
+        goal, still = plan_guesses(PROBLEM, STATE, None, PROBLEM.step, make, rolled)
+        np.testing.assert_array_equal(goal.states[1:], 0.0)
+        np.testing.assert_array_equal(still.states, np.tile(STATE, (PROBLEM.horizon + 1, 1)))
+        np.testing.assert_array_equal(goal.states[0], STATE)
+
+
+def test_a_plan_survives_packing_and_rolling_out():
+    problem = paper()
+    program, plan = NonlinearProgram(problem), NewtonSolver(problem).solve(PAPER_START)
+    p = np.tile(problem.usual_parameter, (problem.horizon + 1, 1))
+    states = program.rollout(plan.states[0], plan.inputs, p, plan.decision)
+    np.testing.assert_allclose(states, plan.states, rtol=1e-9, atol=1e-9)
+    unpacked = program.unpack(program.pack(plan.states, plan.inputs, plan.decision))
+    for found, packed in zip(unpacked, (plan.states, plan.inputs, plan.decision), strict=True):
+        np.testing.assert_array_equal(found, packed)
+
+
+def test_where_the_model_has_no_value_the_guess_stands_still():
+    problem = paper()
+    inputs = np.full((problem.horizon, problem.nu), np.nan)
+    p = np.tile(problem.usual_parameter, (problem.horizon + 1, 1))
+    states = NonlinearProgram(problem).rollout(PAPER_START, inputs, p, np.zeros(0))
+    np.testing.assert_array_equal(states, np.tile(PAPER_START, (problem.horizon + 1, 1)))
+
 
 PAPER = TrackingParameters()
 
 
-@pytest.fixture(scope="module", params=PLUGINS)
-def paper_solver(request):
-    return CasadiSolver(problem_of(PAPER), request.param)
+@pytest.fixture(scope="module")
+def paper_solver():
+    return CasadiSolver(problem_of(PAPER))
 
 
-@pytest.mark.parametrize("plugin", PLUGINS)
 @pytest.mark.parametrize(
     ("model", "cost", "first"),
     [("exact", 642.740, (0.6754, 0.7854, 1.0)), ("paper", 722.430, (0.6793, 0.5487, 1.0))],
 )
-def test_paper_start_costs_what_was_verified(plugin, model, cost, first, paper_start):
+def test_paper_start_costs_what_was_verified(model, cost, first, paper_start):
     """V_N(x_o) and the first input of Section 6, verified independently."""
     parameters = TrackingParameters(model=model)
-    solver = CasadiSolver(problem_of(parameters), plugin)
+    solver = CasadiSolver(problem_of(parameters))
     solution = solver.solve(tracking_error(paper_start, parameters.orbit))
     assert solution.converged
     assert solution.cost == pytest.approx(cost, abs=6e-4)
@@ -117,19 +175,16 @@ def test_inputs_are_finite_and_in_the_box_from_anywhere(state):
     assert np.all(solution.inputs <= solver.problem.input_upper)
 
 
-@pytest.mark.parametrize("plugin", PLUGINS)
-def test_hard_terminal_set_is_infeasible_from_the_paper_start_with_ten_steps(plugin, paper_start):
+def test_hard_terminal_set_is_infeasible_from_the_paper_start_with_ten_steps(paper_start):
     """(16e) cannot be met from x_o with N = 10; with N = 20 it can."""
     short = TrackingParameters(terminal_constraint="hard")
-    solution = CasadiSolver(problem_of(short), plugin).solve(
-        tracking_error(paper_start, short.orbit)
-    )
+    solution = CasadiSolver(problem_of(short)).solve(tracking_error(paper_start, short.orbit))
     assert solution.status is Status.INFEASIBLE
     assert "infeasible" in solution.message
     assert solution.violation > 1.0
     long = TrackingParameters(terminal_constraint="hard", horizon=20)
     problem = problem_of(long)
-    solution = CasadiSolver(problem, plugin).solve(tracking_error(paper_start, long.orbit))
+    solution = CasadiSolver(problem).solve(tracking_error(paper_start, long.orbit))
     (terminal,) = problem.terminal_inequalities
     excess = ca.Function("excess", [problem.state, problem.parameter], [terminal.expression])
     assert solution.converged
@@ -149,7 +204,7 @@ def test_soft_terminal_set_is_exact_where_it_can_be_met(paper_start):
 
 
 def test_iteration_limit_is_said(paper_start):
-    solver = CasadiSolver(problem_of(PAPER), "ipopt", iteration_limit=2)
+    solver = CasadiSolver(problem_of(PAPER), iteration_limit=2)
     solution = solver.solve(tracking_error(paper_start, PAPER.orbit))
     assert solution.status in (Status.ITERATION_LIMIT, Status.INFEASIBLE)
     assert not solution.converged
@@ -168,7 +223,7 @@ def test_after_a_failure_the_next_solve_starts_cold(paper_start):
 
 
 def test_a_warm_solve_that_fails_is_followed_by_a_cold_one(paper_start):
-    solver = CasadiSolver(problem_of(PAPER), "ipopt", iteration_limit=8)
+    solver = CasadiSolver(problem_of(PAPER), iteration_limit=8)
     assert solver.solve(np.array([0.1, 0.0, 0.1, 0.0, 0.0])).converged
     asked = []
     solver.solve(
@@ -177,8 +232,7 @@ def test_a_warm_solve_that_fails_is_followed_by_a_cold_one(paper_start):
     assert asked == [1]
 
 
-@pytest.mark.parametrize("plugin", PLUGINS)
-def test_stage_inequality_hard_and_soft(plugin):
+def test_stage_inequality_hard_and_soft():
     """Velocity of a double integrator kept below 0.2."""
     for penalty in (None, 1e3):
         problem = integrator(
@@ -186,23 +240,21 @@ def test_stage_inequality_hard_and_soft(plugin):
                 Inequality(-x[1] - 0.2, penalty, "velocity"),
             )
         )
-        solution = CasadiSolver(problem, plugin).solve([3.0, 0.0])
+        solution = CasadiSolver(problem).solve([3.0, 0.0])
         assert solution.converged
         assert np.min(solution.states[:-1, 1]) == pytest.approx(-0.2, abs=1e-5)
 
 
-@pytest.mark.parametrize("plugin", PLUGINS)
-def test_soft_inequality_is_violated_where_it_must_be(plugin):
+def test_soft_inequality_is_violated_where_it_must_be():
     problem = integrator(
         stage_inequalities=lambda x, u: (Inequality(-x[1] - 0.2, 1e3, "velocity"),)
     )
-    solution = CasadiSolver(problem, plugin).solve([0.0, -1.0])
+    solution = CasadiSolver(problem).solve([0.0, -1.0])
     assert solution.converged
     assert solution.states[0, 1] == pytest.approx(-1.0)
 
 
-@pytest.mark.parametrize("plugin", PLUGINS)
-def test_constant_decision_and_terminal_equality(plugin):
+def test_constant_decision_and_terminal_equality():
     """The optimiser chooses where to rest; resting is enforced at the end."""
     a = ca.SX.sym("a", 1)
     problem = integrator(
@@ -215,24 +267,18 @@ def test_constant_decision_and_terminal_equality(plugin):
         decision_upper=np.array([10.0]),
         decision_guess=np.array([0.0]),
     )
-    solution = CasadiSolver(problem, plugin).solve([0.0, 0.0])
+    solution = CasadiSolver(problem).solve([0.0, 0.0])
     assert solution.converged
     np.testing.assert_allclose(solution.states[-1], [solution.decision[0], 0.0], atol=1e-6)
     assert 0.1 < solution.decision[0] < 5.0
 
 
-@pytest.mark.parametrize("plugin", PLUGINS)
-def test_parameters_may_differ_from_stage_to_stage(plugin):
+def test_parameters_may_differ_from_stage_to_stage():
     p = ca.SX.sym("p", 1)
     problem = integrator(
         parameter=p, stage_cost=lambda x, u: ca.sumsqr(u - p), terminal_cost=ca.SX(0)
     )
     values = np.linspace(-0.5, 0.5, problem.horizon + 1).reshape(-1, 1)
-    solution = CasadiSolver(problem, plugin).solve([0.0, 0.0], values)
+    solution = CasadiSolver(problem).solve([0.0, 0.0], values)
     np.testing.assert_allclose(solution.inputs, values[:-1], atol=1e-6)
-    assert CasadiSolver(problem, plugin).solve([0.0, 0.0], values * np.nan).status is Status.REFUSED
-
-
-def test_unknown_plugin_is_named():
-    with pytest.raises(ValueError, match="'snopt', must be one of ipopt, fatrop"):
-        CasadiSolver(integrator(), "snopt")
+    assert CasadiSolver(problem).solve([0.0, 0.0], values * np.nan).status is Status.REFUSED

@@ -12,22 +12,196 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""Compiled methods: made once, by one process, kept, loaded, given up."""
+
 from __future__ import annotations
 
+import dataclasses
 import logging
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
+from functools import partial
 from pathlib import Path
 
+import casadi as ca
+import numpy as np
 import pytest
+from processes import wait_for
 from solver_problems import PAPER_START, paper
-from waiting import wait_for
 
-from uav_tracking_mpc.mpc import compiled_method
+from uav_tracking_mpc.mpc import compiled_method, machine_code
+from uav_tracking_mpc.mpc.compiled_method import Compilation, CompilationError
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
+
+
+@pytest.fixture
+def broken(tmp_path):
+    """Sources that cannot be compiled."""
+    (tmp_path / "__init__.py").write_text("raise ValueError('no such instruction')\n")
+    return tmp_path
+
+
+def test_a_failure_is_one_line_that_names_the_folder(broken):
+    with pytest.raises(CompilationError, match="could not be compiled in .*no such instruction"):
+        Compilation(broken).wait()
+    assert not machine_code.finished(broken)
+
+
+def test_what_is_there_starts_no_process(broken):
+    (broken / machine_code.DESCRIPTION).write_text("{}")
+    compilation = Compilation(broken)
+    assert compilation.done()
+    assert compilation.seconds == 0.0
+    compilation.wait()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="flock of Linux")
+def test_a_lock_that_another_process_holds_is_waited_for_and_given_up(broken):
+    import fcntl
+
+    with (broken / machine_code.LOCK).open("a") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        compilation = Compilation(broken)
+        assert not compilation.done()
+        compilation.close()
+        with pytest.raises(CompilationError, match="given up"):
+            compilation.done()
+
+
+def test_without_file_locks_it_is_compiled_all_the_same(tmp_path, monkeypatch):
+    fcntl = pytest.importorskip("fcntl")
+
+    def refuse(*_):
+        raise OSError("no locks available")
+
+    monkeypatch.setattr(fcntl, "flock", refuse)
+    monkeypatch.setattr(machine_code, "_end_with_parent", lambda _: None)
+    monkeypatch.setattr(sys, "argv", ["machine_code", str(tmp_path), str(os.getppid())])
+    made = []
+    monkeypatch.setattr(machine_code, "make", made.append)
+    assert machine_code.main() == 0
+    assert made == [tmp_path]
+
+
+def test_a_thread_that_waits_lets_the_program_end(broken, monkeypatch):
+    compilation = Compilation(broken)
+    monkeypatch.setattr(compilation, "done", lambda: False)
+    monkeypatch.setattr(threading.main_thread(), "is_alive", lambda: False, raising=False)
+    with pytest.raises(CompilationError, match="the program ends"):
+        compilation.wait()
+
+
+def test_a_child_that_writes_much_does_not_wait_for_a_reader(tmp_path):
+    words = "import sys; sys.stderr.write('much\\n' * 100_000); raise ValueError('the end')\n"
+    (tmp_path / "__init__.py").write_text(words)
+    compilation = Compilation(tmp_path)
+    assert wait_for(lambda: compilation._child.poll() is not None)
+    with pytest.raises(CompilationError, match="the end"):
+        compilation.done()
+
+
+def test_a_compilation_outlives_the_thread_that_asked_for_it(tmp_path):
+    fcntl = pytest.importorskip("fcntl")
+    (tmp_path / "__init__.py").write_text("raise ValueError('it went on')\n")
+    made = []
+    with (tmp_path / machine_code.LOCK).open("a") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)  # the child waits for it
+        thread = threading.Thread(target=lambda: made.append(Compilation(tmp_path)))
+        thread.start()
+        thread.join()
+    with pytest.raises(CompilationError, match="it went on"):
+        made[0].wait()
+
+
+@pytest.fixture
+def places(monkeypatch, tmp_path):
+    """Cache of the user and directory for temporary files."""
+    cache, temp = tmp_path / "cache", tmp_path / "temp"
+    temp.mkdir()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(cache))
+    monkeypatch.setattr(compiled_method.tempfile, "gettempdir", lambda: str(temp))
+    return cache, temp
+
+
+def test_without_a_writable_home_the_cache_is_under_temp(places):
+    cache, temp = places
+    cache.write_text("")  # no directory can be made there
+    assert compiled_method.cache_directory().parent == temp
+
+
+def test_what_is_compiled_is_found_where_nothing_can_be_written(places, monkeypatch):
+    cache, temp = places
+    folder = compiled_method.method_folder(paper())
+    assert folder.parent.parent == cache
+    (folder / machine_code.DESCRIPTION).write_text("{}")
+    monkeypatch.setattr(compiled_method, "cache_directory", lambda: temp)
+    assert compiled_method.method_folder(paper()) == folder
+
+
+def test_machine_code_of_another_user_is_not_run(places, monkeypatch):
+    folder = compiled_method.method_folder(paper())
+    (folder / machine_code.DESCRIPTION).write_text("{}")
+    monkeypatch.setattr(compiled_method.os, "getuid", lambda: folder.stat().st_uid + 1)
+    monkeypatch.setattr(Path, "stat", lambda path, stat=Path.stat: _of_user(stat(path), 12345))
+    assert not compiled_method._ours(folder.parent)
+
+
+@pytest.mark.parametrize("mode", [0o770, 0o707])
+def test_machine_code_that_others_can_write_is_not_run(places, mode):
+    folder = compiled_method.method_folder(paper())
+    (folder / machine_code.DESCRIPTION).write_text("{}")
+    folder.parent.chmod(mode)
+    assert compiled_method.method_folder(paper()).parent != folder.parent
+
+
+def _of_user(found, user):
+    class Stat:
+        st_uid = user
+        st_mode = found.st_mode
+
+    return Stat()
+
+
+def test_a_slower_process_drops_its_draft(places):
+    cache, _ = places
+    cache.mkdir()
+    sources = {"__init__.py": "", "stage.py": "N = 1\n"}
+    folder = cache / "newton_test"
+    for _ in range(2):
+        compiled_method._install(folder, sources)
+    assert [path.name for path in cache.iterdir()] == ["newton_test"]
+    assert {file.name: file.read_text() for file in folder.iterdir()} == sources
+
+
+def test_the_name_changes_with_the_expressions_and_the_horizon_alone():
+    problem = paper()
+    name = compiled_method._digest(problem)
+    assert compiled_method._digest(paper()) == name
+    wider = dataclasses.replace(problem, input_upper=2.0 * problem.input_upper)
+    assert compiled_method._digest(wider) == name  # bounds are data
+    assert compiled_method._digest(dataclasses.replace(problem, horizon=7)) != name
+    dearer = dataclasses.replace(problem, stage_cost=2.0 * problem.stage_cost)
+    assert compiled_method._digest(dearer) != name
+    equal = dataclasses.replace(problem, terminal_equality=problem.state[:1])
+    assert compiled_method._digest(equal) != name
+    assert isinstance(problem.state, ca.SX)
+    assert np.isfinite(problem.input_upper).all()
+
+
+def test_the_name_changes_with_the_toolchain(monkeypatch):
+    problem = paper()
+    name = compiled_method._digest(problem)
+    monkeypatch.setenv("NUMBA_CPU_NAME", "generic")
+    compiled_method._toolchain.cache_clear()
+    try:
+        assert compiled_method._digest(problem) != name
+    finally:
+        compiled_method._toolchain.cache_clear()
+
 
 PROGRAM = """
 import logging, signal, sys
@@ -85,39 +259,32 @@ def gone(process: int) -> bool:
         return True
 
 
-def test_first_process_compiles_the_next_one_loads_without_the_compiler(tmp_path):
-    first = finish(start(tmp_path))
-    assert "converged" in first
-    (made,) = (tmp_path / "uav_tracking_mpc").glob("newton_*/method.o")
-    written = made.stat().st_mtime_ns
-    second = finish(start(tmp_path))
-    assert "compiling" not in second
-    assert "converged" in second
-    assert "False" in second
-    assert made.stat().st_mtime_ns == written
-
-
-def test_processes_that_start_together_compile_once(tmp_path):
-    processes = [start(tmp_path) for _ in range(3)]
-    outputs = [finish(process) for process in processes]
-    assert all("converged" in output for output in outputs)
+def test_processes_that_start_together_compile_once_and_the_next_one_loads(tmp_path):
+    processes = [start(tmp_path) for _ in range(2)]
+    assert all("converged" in finish(process) for process in processes)
     (folder,) = (tmp_path / "uav_tracking_mpc").glob("newton_*")
     assert [path.name for path in folder.glob("*.[0-9]*")] == []
     assert len((folder / "lock").read_text().split()) == 1  # process ids of those that compiled
+    written = (folder / "method.o").stat().st_mtime_ns
+    later = finish(start(tmp_path))
+    assert "compiling" not in later
+    assert "converged" in later
+    assert "False" in later
+    assert (folder / "method.o").stat().st_mtime_ns == written
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells children of the death")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
-def test_a_signal_ends_the_wait_at_once_and_the_next_process_compiles(tmp_path, number):
-    process = start(tmp_path)
-    assert process.stdout is not None
-    assert process.stdout.readline() == "begin\n"
-    child = compiler_of(process)
-    process.send_signal(number)
-    process.communicate(timeout=60)
-    assert process.returncode != 0
-    assert wait_for(lambda: gone(child)), "the compiler outlives the process that wants it"
-    assert not list((tmp_path / "uav_tracking_mpc").glob("newton_*/method.json"))
+def test_a_signal_ends_the_wait_at_once_and_the_next_process_compiles(tmp_path):
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
+        process = start(tmp_path)
+        assert process.stdout is not None
+        assert process.stdout.readline() == "begin\n"
+        child = compiler_of(process)
+        process.send_signal(number)
+        process.communicate(timeout=60)
+        assert process.returncode != 0
+        assert wait_for(partial(gone, child)), "the compiler outlives the process that wants it"
+        assert not list((tmp_path / "uav_tracking_mpc").glob("newton_*/method.json"))
     assert "converged" in finish(start(tmp_path))
 
 

@@ -12,6 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+
 from __future__ import annotations
 
 import dataclasses
@@ -22,15 +23,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from kkt import kkt_residual
-from solver_problems import PAPER_START, paper, paper_solver, pendulum
+from solver_problems import PAPER_START, kkt_residual, paper, paper_solver, pendulum
 
 from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
-from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
-from uav_tracking_mpc.mpc.prediction_loop import closed_loop
-from uav_tracking_mpc.mpc.problem import OptimalControlProblem
-from uav_tracking_mpc.mpc.quadratic import TerminalSet
-from uav_tracking_mpc.mpc.solution import Solution, Status
+from uav_tracking_mpc.mpc.newton_solver import NewtonSolver, openings
+from uav_tracking_mpc.mpc.problem import OptimalControlProblem, TerminalSet
+from uav_tracking_mpc.mpc.solver import Solution, Status, closed_loop
 
 HARD, SOFT = None, 100.0
 
@@ -66,7 +64,7 @@ def solver() -> NewtonSolver:
 
 def test_papers_problem_agrees_with_ipopt_and_the_published_numbers(solver):
     ours = solver.solve(PAPER_START)
-    assert_same_plan(ours, CasadiSolver(paper(), "ipopt").solve(PAPER_START))
+    assert_same_plan(ours, CasadiSolver(paper()).solve(PAPER_START))
     assert ours.cost == pytest.approx(642.740, abs=1e-3)
     assert kkt_residual(paper(), ours, PAPER_START) < 1e-6
 
@@ -105,7 +103,7 @@ def test_terminal_ellipsoid_active_agrees_with_ipopt(penalty):
     problem = with_penalty(paper(ellipsoid=True), penalty)
     state = np.array([20.0, -0.6, -8.0, 0.1, 0.0])  # the set can just be reached
     ours = NewtonSolver(problem).solve(state)
-    assert_same_plan(ours, CasadiSolver(problem, "ipopt").solve(state))
+    assert_same_plan(ours, CasadiSolver(problem).solve(state))
     assert ours.violation < 1e-6
     assert kkt_residual(problem, ours, state) < 1e-6
 
@@ -113,7 +111,7 @@ def test_terminal_ellipsoid_active_agrees_with_ipopt(penalty):
 def test_soft_ellipsoid_out_of_reach_pays_the_exact_penalty():
     problem = paper(ellipsoid=True)
     ours = NewtonSolver(problem).solve(PAPER_START)
-    assert_same_plan(ours, CasadiSolver(problem, "ipopt").solve(PAPER_START))
+    assert_same_plan(ours, CasadiSolver(problem).solve(PAPER_START))
     assert kkt_residual(problem, ours, PAPER_START) < 1e-6
 
 
@@ -134,7 +132,7 @@ def test_problem_with_everything_agrees_with_ipopt(speed_penalty, push):
     p = np.full((problem.horizon + 1, 1), push)
     ours = NewtonSolver(problem).solve(state, p)
     slack = 1e-8 * problem.horizon * 2 * (speed_penalty or 0.0)
-    assert_same_plan(ours, CasadiSolver(problem, "ipopt").solve(state, p), slack)
+    assert_same_plan(ours, CasadiSolver(problem).solve(state, p), slack)
     assert ours.violation < 2e-6
     assert kkt_residual(problem, ours, state, np.array([push])) < 1e-5
 
@@ -144,14 +142,14 @@ def test_parameters_may_change_from_stage_to_stage():
     p = 0.3 * np.sin(np.arange(problem.horizon + 1.0))[:, np.newaxis]
     state = np.array([0.2, 0.1])
     ours, oracle = (
-        solver.solve(state, p) for solver in (NewtonSolver(problem), CasadiSolver(problem, "ipopt"))
+        solver.solve(state, p) for solver in (NewtonSolver(problem), CasadiSolver(problem))
     )
     assert_same_plan(ours, oracle, slack=1e-8 * problem.horizon * 2 * 50.0)
 
 
 def test_closed_loop_flight_is_that_of_ipopt(solver):
     ours = closed_loop(solver, PAPER_START, 150)
-    oracle = closed_loop(CasadiSolver(paper(), "ipopt", tolerance=1e-8), PAPER_START, 150)
+    oracle = closed_loop(CasadiSolver(paper(), tolerance=1e-8), PAPER_START, 150)
     assert ours.failures == oracle.failures == 0
     assert np.abs(ours.states - oracle.states).max() < 1e-4  # [m, rad, m/s]
     assert np.all(np.diff(ours.costs) <= 1e-9)
@@ -273,3 +271,33 @@ def test_a_terminal_set_is_the_same_code_whatever_its_penalty():
     hard = NewtonSolver(with_penalty(paper(ellipsoid=True), HARD))
     assert soft._method is hard._method
     assert TerminalSet(1.0).penalty is None
+
+
+def test_openings_are_rest_feedback_single_inputs_and_corners():
+    problem = paper()
+    tried = openings(problem, np.zeros(3), 3)
+    assert len(tried) == 2 + 6 + 8
+    assert tried[0].shape == (problem.horizon, 3)
+    assert len(tried[1]) == 0
+    for inputs in tried:
+        assert np.all(inputs >= problem.input_lower)
+        assert np.all(inputs <= problem.input_upper)
+
+
+@pytest.mark.filterwarnings("error")
+def test_inputs_without_bounds_open_at_rest():
+    free = dataclasses.replace(
+        pendulum(), input_lower=np.array([-np.inf]), input_upper=np.array([np.inf])
+    )
+    assert all(np.all(inputs == 0.0) for inputs in openings(free, np.zeros(1), 3))
+    assert NewtonSolver(free).solve(np.array([-0.3, 0.0])).converged
+
+
+def test_cold_start_does_not_depend_on_what_was_solved_before():
+    solver = paper_solver()
+    solver.reset()
+    first = solver.solve(PAPER_START)
+    solver.solve(-0.3 * PAPER_START)
+    again = solver.solve(PAPER_START)
+    np.testing.assert_array_equal(first.inputs, again.inputs)
+    assert first.iterations == again.iterations

@@ -21,17 +21,20 @@ import numpy as np
 import pytest
 import rclpy
 from diagnostic_msgs.msg import DiagnosticStatus
-from processes import run_node
+from processes import run_node, wait_for
 from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message, serialize_message
-from waiting import wait_for
 
-from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
+from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.nodes import autopilot_link
 from uav_tracking_mpc.nodes.autopilot_link import AutopilotLink
-from uav_tracking_mpc.nodes.conversions import measurement_from_odometry, nanoseconds, set_command
-from uav_tracking_mpc.nodes.diagnostics import ERROR, OK, WARN
-from uav_tracking_mpc.nodes.orbit_message import orbit_message, set_orbit
+from uav_tracking_mpc.nodes.messages.conversions import (
+    measurement_from_odometry,
+    nanoseconds,
+    set_command,
+)
+from uav_tracking_mpc.nodes.messages.named_figures import orbit_message, set_orbit
+from uav_tracking_mpc.nodes.ros.diagnostics import ERROR, OK, WARN
 from uav_tracking_mpc.nodes.topics import COMMAND, ENGAGED, ODOMETRY, TARGET_ODOMETRY
 from uav_tracking_mpc.parameters.specification import ParameterError
 

@@ -25,14 +25,15 @@ from scipy.spatial.transform import Rotation
 
 from uav_tracking_mpc.dynamics.vehicle import velocity
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.nodes.conversions import (
+from uav_tracking_mpc.nodes.bag.bag_log import flight_log
+from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
+from uav_tracking_mpc.nodes.messages.conversions import (
     set_air_velocity,
     set_command,
     set_measurement,
     set_odometry,
     set_point,
 )
-from uav_tracking_mpc.nodes.flight_bag import FlightBag, flight_log
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     COMMAND,
@@ -42,8 +43,7 @@ from uav_tracking_mpc.nodes.topics import (
     ROSOUT,
     TARGET,
 )
-from uav_tracking_mpc.report.flight_findings import verdict
-from uav_tracking_mpc.report.metrics import metrics
+from uav_tracking_mpc.report.metrics import metrics, verdict
 from uav_tracking_mpc.settings.configuration import load_configuration
 
 WIND = np.array([3.0, -2.0, 0.5])
@@ -229,6 +229,7 @@ def test_the_file_names_itself_and_its_chunks_are_compressed(tmp_path):
         (record,) = reader.iter_metadata()
     about = yaml.safe_load(record.metadata["serialized_metadata"])
     assert about["relative_file_paths"] == ["flight.mcap"]
+    assert about["ros_distro"] == "jazzy"
     assert {chunk.compression for chunk in summary.chunk_indexes} == {"zstd"}
     assert {channel.topic for channel in summary.channels.values()} >= {"/tf", "/rosout"}
 
@@ -261,7 +262,7 @@ def test_the_bag_holds_the_transform_of_every_state(tmp_path, frame):
 
 @pytest.mark.parametrize("frame", ["base_link", "uav1/base_link"])
 def test_the_bag_holds_the_frames_of_autopilots(tmp_path, frame):
-    """Axes of map_ned in map (east, north, up), and of the aircraft's _frd in its own."""
+    """Axes of map_ned in map (east, north, up), of the aircraft's _frd in its own; same origins."""
     recorded(tmp_path / "flight.mcap", frame)
     store = get_typestore(Stores.ROS2_JAZZY)
     with Reader(tmp_path / "flight.mcap") as reader:
@@ -274,6 +275,8 @@ def test_the_bag_holds_the_frames_of_autopilots(tmp_path, frame):
         (frd, frame, f"{frame}_frd", [[1, 0, 0], [0, -1, 0], [0, 0, -1]]),
     ):
         assert (transform.header.frame_id, transform.child_frame_id) == (parent, child)
+        place = transform.transform.translation
+        assert (place.x, place.y, place.z) == (0.0, 0.0, 0.0)
         q = transform.transform.rotation
         turned = Rotation.from_quat([q.x, q.y, q.z, q.w]).apply(np.eye(3))
         np.testing.assert_allclose(turned, axes, atol=1e-15)
@@ -290,3 +293,29 @@ def recorded(path, frame="base_link", **options):
     bag.write(ROSOUT, STEP, serialize_message(ROSOUT.type(msg="said")))
     bag.close()
     return {"/uav/odometry": 20, "/tf": 20, "/tf_static": 1, "/rosout": 1, "/uav/command": 0}
+
+
+def transforms(path, *states):
+    """Messages on ``/tf`` of a bag that was written these states, as bytes."""
+    bag = FlightBag(path)
+    for k, data in enumerate(states):
+        bag.write(ODOMETRY, k, data)
+    bag.close()
+    with Reader(path) as reader:
+        return [topic.topic for topic, _, _ in reader.messages()].count("/tf")
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("part", ["position", "orientation"])
+def test_a_pose_that_is_not_finite_makes_no_transform(tmp_path, part, value):
+    message = ODOMETRY.type()
+    set_odometry(message, 1, np.array([1.0, 2.0, 3.0, 0.4, 0.1, 20.0]), np.zeros(3), np.zeros(3))
+    whole = serialize_message(message)
+    getattr(message.pose.pose, part).y = value
+    assert transforms(tmp_path / "flight.mcap", serialize_message(message), whole) == 1
+
+
+def test_bytes_that_are_no_state_make_no_transform(tmp_path):
+    data = serialize_message(ODOMETRY.type())
+    cut = [data[:length] for length in range(0, len(data), 7)]
+    assert transforms(tmp_path / "flight.mcap", *cut, data) == 1

@@ -24,10 +24,10 @@ from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from uav_tracking_mpc.nodes.conversions import set_odometry
-from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
-from uav_tracking_mpc.nodes.flight_watcher import FlightWatcher
+from uav_tracking_mpc.nodes.messages.conversions import set_odometry
+from uav_tracking_mpc.nodes.ros.declared_parameters import declare_parameters
 from uav_tracking_mpc.nodes.topics import DIAGNOSTICS, ODOMETRY, TRACKING
+from uav_tracking_mpc.nodes.watching.flight_watcher import FlightWatcher
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
 pytestmark = pytest.mark.nodes

@@ -26,13 +26,12 @@ import pytest
 from lifecycle_msgs.msg import State, Transition
 from lifecycle_msgs.srv import GetState
 from node_flight import Flight
-from processes import run_node
+from processes import run_node, wait_for
 from rclpy.parameter import Parameter
-from waiting import wait_for
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.control.record import replay
-from uav_tracking_mpc.nodes.conversions import plan_from_command
+from uav_tracking_mpc.nodes.messages.conversions import plan_from_command
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 
 pytestmark = pytest.mark.nodes

@@ -30,7 +30,7 @@ from hypothesis.stateful import run_state_machine_as_test
 from node_harness import NodeHarness, start_ros
 from vehicle_flight import VehicleFlight
 
-from uav_tracking_mpc.nodes.command_wire import CommandWire
+from uav_tracking_mpc.nodes.messages.wires import CommandWire
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 from uav_tracking_mpc.nodes.topics import COMMAND
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
@@ -106,7 +106,7 @@ def test_an_exception_in_a_callback_is_found(controller, monkeypatch):
     def careless(message, frames):
         return np.linalg.inv(np.zeros((3, 3))).diagonal()
 
-    monkeypatch.setattr("uav_tracking_mpc.nodes.conversions.position_from_point", careless)
+    monkeypatch.setattr("uav_tracking_mpc.nodes.messages.conversions.position_from_point", careless)
     with pytest.raises(np.linalg.LinAlgError):
         flown(controller)
 

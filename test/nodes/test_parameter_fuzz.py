@@ -28,9 +28,9 @@ from processes import INTERRUPT, run_node
 from rclpy.node import Node
 
 from uav_tracking_mpc.nodes.autopilot_link import AutopilotLink
-from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
-from uav_tracking_mpc.nodes.run import run
+from uav_tracking_mpc.nodes.ros.declared_parameters import declare_parameters
+from uav_tracking_mpc.nodes.ros.process import run
 from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.parameters.specification import specifications

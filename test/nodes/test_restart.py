@@ -21,11 +21,10 @@ import time
 import numpy as np
 import pytest
 import rclpy
-from processes import DOMAIN, KILL, TERMINATE, command, environment
+from processes import DOMAIN, KILL, PATIENCE, TERMINATE, command, environment, spin
 from rclpy.executors import SingleThreadedExecutor
-from waiting import PATIENCE, spin
 
-from uav_tracking_mpc.nodes.conversions import measurement_from_odometry, plan_from_command
+from uav_tracking_mpc.nodes.messages.conversions import measurement_from_odometry, plan_from_command
 from uav_tracking_mpc.nodes.topics import COMMAND, DIAGNOSTICS, ODOMETRY, TARGET
 from uav_tracking_mpc.settings.configuration import load_configuration
 

@@ -20,8 +20,8 @@ from pathlib import Path
 
 import pytest
 import rclpy
+from processes import PATIENCE
 from rclpy.parameter import Parameter
-from waiting import PATIENCE
 
 from uav_tracking_mpc.nodes.autopilot_link import AutopilotLink
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController

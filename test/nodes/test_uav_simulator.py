@@ -22,10 +22,10 @@ import rclpy
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
-from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
-from uav_tracking_mpc.nodes.diagnostics import ERROR
-from uav_tracking_mpc.nodes.orbit_message import orbit_message, set_orbit
-from uav_tracking_mpc.nodes.outage import DURATION
+from uav_tracking_mpc.dynamics.orbit import FlownOrbit
+from uav_tracking_mpc.nodes.messages.named_figures import orbit_message, set_orbit
+from uav_tracking_mpc.nodes.ros.diagnostics import ERROR
+from uav_tracking_mpc.nodes.ros.node_services import DURATION
 from uav_tracking_mpc.nodes.topics import ODOMETRY
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.parameters.specification import ParameterError

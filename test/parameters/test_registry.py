@@ -14,6 +14,7 @@
 
 """Extensions by name: those of a room, of a file, of a module; and what is refused in words."""
 
+import importlib
 import os
 import pickle
 import subprocess
@@ -23,14 +24,26 @@ from importlib import metadata
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.laws import GuidanceLaw
+from uav_tracking_mpc.laws import GUIDANCE_LAW, GuidanceLaw
+from uav_tracking_mpc.limits import LIMIT
 from uav_tracking_mpc.parameters import registry
-from uav_tracking_mpc.parameters.registry import GUIDANCE_LAW, LIMIT, ExtensionError, Kind
+from uav_tracking_mpc.parameters.registry import ExtensionError, ExtensionPoint, did_you_mean
 from uav_tracking_mpc.parameters.specification import ParameterError, from_mapping
-from uav_tracking_mpc.settings.simulator import SimulatorParameters
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.settings.simulator import MissionParameters, SimulatorParameters
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
-KINDS = [value for value in vars(registry).values() if isinstance(value, Kind)]
+ROOMS = [
+    room.parent.relative_to(registry.PACKAGE.parent)
+    for room in registry.PACKAGE.rglob("__init__.py")
+    if "= ExtensionPoint(" in room.read_text(encoding="utf-8")
+]
+KINDS = [
+    value
+    for room in ROOMS
+    for value in vars(importlib.import_module(".".join(room.parts))).values()
+    if isinstance(value, ExtensionPoint)
+]
 CEILING = """
 from dataclasses import dataclass
 from uav_tracking_mpc.limits import Bound, Limit
@@ -60,7 +73,7 @@ def ceiling(tmp_path):
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.title)
 def test_every_file_of_every_room_holds_what_its_name_says(kind):
     for name, found in kind.all().items():
-        assert issubclass(found, kind.base_class)
+        assert issubclass(found, kind.base)
         assert found.name == name
 
 
@@ -170,3 +183,39 @@ def test_every_set_of_parameters_is_checked_however_it_is_made():
     with pytest.raises(ParameterError, match="'speed' is -1.0"):
         SimulatorParameters(speed=-1.0)
     assert isinstance(TrackingParameters(range=60).range, float)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("rnage", " (did you mean 'range'?)"),
+        ("RANGE", " (did you mean 'range'?)"),
+        ("wind", ""),
+        ("range", ""),  # it is one of them: not the name is wrong
+        (3, ""),
+    ],
+)
+def test_only_a_near_name_is_suggested(name, words):
+    assert did_you_mean(name, ["range", "altitude"]) == words
+
+
+def test_every_refusal_of_a_name_suggests():
+    with pytest.raises(ParameterError, match="did you mean 'duration'"):
+        from_mapping(MissionParameters, {"durration": 1.0})
+    with pytest.raises(ParameterError, match="did you mean 'vehicle'"):
+        from_mapping(MissionParameters, {"plant": "vehicel"})
+    with pytest.raises(ExtensionError, match="did you mean 'npfg'"):
+        GUIDANCE_LAW.find("nfpg")
+    with pytest.raises(ParameterError, match="did you mean 'small_uav'"):
+        load_configuration("small_uv")
+    with pytest.raises(ParameterError, match="did you mean 'crosswind'"):
+        load_configuration("paper", scenario="croswind")
+    with pytest.raises(ParameterError, match="did you mean 'nmpc_controller'"):
+        load_configuration("paper", ["nmpc_controler.range=150.0"])
+
+
+def test_an_unknown_section_of_a_file_suggests(tmp_path):
+    file = tmp_path / "mine.yaml"
+    file.write_text("uav_simulater: {ros__parameters: {speed: 1.0}}")
+    with pytest.raises(ParameterError, match="did you mean 'uav_simulator'"):
+        load_configuration(str(file))

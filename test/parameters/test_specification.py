@@ -18,7 +18,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from uav_tracking_mpc.parameters.registry import GUIDANCE_LAW
+from uav_tracking_mpc.laws import GUIDANCE_LAW
 from uav_tracking_mpc.parameters.specification import (
     ParameterError,
     Parameters,
@@ -112,7 +112,7 @@ class Held(Parameters):
     kind: str = parameter("plain", "A kind.", choices=("plain", "free"), fixed=True)
     size: float = parameter(1.0, "A size.", lower=0.0, upper=9.0, fixed_unless=("kind", "free"))
     rate: float = parameter(1.0, "A rate.", lower=0.0, upper=9.0)
-    law: str = parameter("none", "A law.", choices=("none",), extension=GUIDANCE_LAW)
+    law: str = parameter("none", "A law.", choices=("none",), extension=GUIDANCE_LAW.room)
 
 
 def test_what_is_fixed_says_so_itself():

@@ -22,7 +22,7 @@ import matplotlib
 import pytest
 from example_flights import moving_target, orbiting, paper_flight, with_holes
 
-from uav_tracking_mpc.report import states, trajectory
+from uav_tracking_mpc.report import time_panels, trajectory
 from uav_tracking_mpc.report.figure_style import DPI, LAWS, OTHERS, colours, save_figure
 
 
@@ -47,7 +47,7 @@ def test_files_have_their_size(flight, tmp_path):
     log = FLIGHTS[flight]()
     for figure, size in (
         (trajectory.trajectory_figure(log), trajectory.SIZE),
-        (states.states_figure(log), states.SIZE),
+        (time_panels.states_figure(log), time_panels.SIZE),
     ):
         path = tmp_path / "figure.png"
         content = save_figure(figure, path)
@@ -70,14 +70,14 @@ def test_no_state_is_left_in_matplotlib(tmp_path):
 def test_a_users_settings_do_not_change_the_size(tmp_path):
     """savefig.bbox = tight is common in people's matplotlibrc."""
     with matplotlib.rc_context({"savefig.bbox": "tight", "savefig.dpi": 50}):
-        content = save_figure(states.states_figure(orbiting(5)), tmp_path / "states.png")
-    assert pixels(content) == (round(states.SIZE[0] * DPI), round(states.SIZE[1] * DPI))
+        content = save_figure(time_panels.states_figure(orbiting(5)), tmp_path / "states.png")
+    assert pixels(content) == (round(time_panels.SIZE[0] * DPI), round(time_panels.SIZE[1] * DPI))
 
 
 def test_a_missing_folder_is_an_oserror(tmp_path):
     """Nothing is made up: the caller says where."""
     with pytest.raises(OSError, match="nowhere"):
-        save_figure(states.states_figure(orbiting(2)), tmp_path / "nowhere" / "states.png")
+        save_figure(time_panels.states_figure(orbiting(2)), tmp_path / "nowhere" / "states.png")
 
 
 def test_a_law_keeps_its_colour_whoever_is_beside_it():

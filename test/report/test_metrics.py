@@ -23,7 +23,7 @@ import numpy as np
 import pytest
 from example_flights import ORBIT, log_of, orbiting, paper_flight
 
-from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
 from uav_tracking_mpc.dynamics.vehicle import velocity
 from uav_tracking_mpc.report.metrics import bank_rate_rms, metrics, range_errors, settling_time

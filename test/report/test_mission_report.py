@@ -29,10 +29,8 @@ from example_flights import log_of, orbiting, paper_flight
 from uav_tracking_mpc import load_configuration
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
-from uav_tracking_mpc.report.flight_findings import quantity, range_offset_finding, verdict
-from uav_tracking_mpc.report.metrics import metrics
-from uav_tracking_mpc.report.mission_report import render_page, write_report
-from uav_tracking_mpc.report.replay import Replay
+from uav_tracking_mpc.report.metrics import metrics, quantity, range_offset_finding, verdict
+from uav_tracking_mpc.report.mission_report import Replay, render_page, write_report
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, FlownMode, Latency
 
 FILES = {"metrics.json", "trajectory.png", "states.png", "report.html"}

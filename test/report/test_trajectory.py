@@ -17,7 +17,9 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from example_flights import moving_target, orbiting, paper_flight
+from matplotlib.figure import Figure
 
 from uav_tracking_mpc.report import trajectory
 
@@ -55,3 +57,15 @@ def test_everything_drawn_lies_inside_the_figure():
         box = trajectory._scene_box(figure, figure.axes[0])
         assert box.x0 >= 0.0 and box.x1 <= 1.0
         assert box.y0 >= 0.0 and box.y1 <= 0.95
+
+
+@pytest.mark.parametrize("centre", [0.0, 700.0, -3000.0])
+def test_numbers_of_two_axes_do_not_meet_in_their_common_corner(centre):
+    """A twentieth of each axis stays free at both of its ends, wherever the flight is."""
+    axes = Figure().add_subplot(projection="3d")
+    corners = np.array([[-150.0, -90.0, 0.0], [150.0, 210.0, 50.0]])
+    trajectory._frame(axes, corners + np.array([centre, centre, 0.0]))
+    for axis, (begin, end) in ((axes.xaxis, axes.get_xlim3d()), (axes.yaxis, axes.get_ylim3d())):
+        share = (axis.get_majorticklocs() - begin) / (end - begin)
+        assert len(share) >= 2
+        assert share.min() >= 0.05 and share.max() <= 0.95

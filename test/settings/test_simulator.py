@@ -12,10 +12,11 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+
 import pytest
 
 from uav_tracking_mpc.parameters.specification import ParameterError
-from uav_tracking_mpc.settings.simulator import SimulatorParameters
+from uav_tracking_mpc.settings.simulator import SimulatorParameters, TargetParameters
 
 
 @pytest.mark.parametrize(
@@ -28,3 +29,9 @@ from uav_tracking_mpc.settings.simulator import SimulatorParameters
 def test_limits_that_do_not_fit_are_named(values, name):
     with pytest.raises(ParameterError, match=name):
         SimulatorParameters(**values)
+
+
+@pytest.mark.parametrize("waypoints", [(), (1.0, 1.0, 1.0), (1.0, 1.0, 1.0) * 2])
+def test_waypoints_that_are_one_point_are_refused(waypoints):
+    with pytest.raises(ParameterError, match="two different points"):
+        TargetParameters(waypoints=waypoints)

@@ -15,15 +15,14 @@
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.dynamics.angles import angle_difference
+from uav_tracking_mpc.dynamics.frames import wrap_angle
 from uav_tracking_mpc.report.metrics import metrics
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation import closed_loop
 from uav_tracking_mpc.simulation.closed_loop import ClosedLoop, simulate
 from uav_tracking_mpc.simulation.plants import SimulationError
-from uav_tracking_mpc.simulation.plants.held import HeldPlant
-from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
+from uav_tracking_mpc.simulation.plants.vehicle import HeldPlant, VehiclePlant
 
 SLOW = SimulatorParameters(initial_speed=4.0)
 BUDGET = "nmpc_controller.solve_time_max=5.0"
@@ -214,7 +213,7 @@ def test_bearing_error_near_the_half_turn_is_flown_through():
         )
     )
     assert abs(log.error[-1, 0]) < 1.0
-    assert abs(float(angle_difference(log.relative[-1, 1], np.pi / 2))) < 0.05
+    assert abs(float(wrap_angle(log.relative[-1, 1] - np.pi / 2))) < 0.05
 
 
 HARD_DAY = [
@@ -260,7 +259,7 @@ def test_a_target_that_is_never_seen_is_said():
 SLIPPING = """
 from dataclasses import replace
 
-from uav_tracking_mpc.dynamics.angles import wrap_angle
+from uav_tracking_mpc.dynamics.frames import wrap_angle
 from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
 
 
@@ -288,7 +287,7 @@ def test_a_plant_of_ones_own_is_one_file(tmp_path):
     _, _, _, psi, _, _ = log.vehicle[-1]
     course = log.course[-1]
     turn = log.inputs[-1, 0]
-    assert float(angle_difference(psi, course)) == pytest.approx(-0.2 * turn, abs=2e-3)
+    assert float(wrap_angle(psi - course)) == pytest.approx(-0.2 * turn, abs=2e-3)
     assert np.max(np.abs(log.error[log.time > 40.0, 0])) < 1.0
 
 

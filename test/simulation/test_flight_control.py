@@ -20,7 +20,7 @@ import math
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.flight_control import ROLL_RATE_MAX
 from uav_tracking_mpc.simulation.plants.jsbsim import JSBSimPlant

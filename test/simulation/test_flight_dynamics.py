@@ -20,8 +20,7 @@ import sys
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.dynamics.dryden import gust_scales
-from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.dynamics.air import GRAVITY, gust_scales
 from uav_tracking_mpc.simulation.flight_dynamics import (
     RATE,
     Airframe,

@@ -21,7 +21,7 @@ import pytest
 from example_flights import ORBIT, log_of, orbiting
 
 from uav_tracking_mpc.control.fallback import FallbackMode
-from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.vehicle import velocity
 from uav_tracking_mpc.report.metrics import metrics
 from uav_tracking_mpc.simulation.flight_log import FlownMode

@@ -12,12 +12,16 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 
-from uav_tracking_mpc.simulation.inner_loop import Channel, InnerLoop
+from uav_tracking_mpc.dynamics.frames import wrap_angle
+from uav_tracking_mpc.dynamics.vehicle import advance
+from uav_tracking_mpc.simulation.inner_loop import Channel, InnerLoop, advance_lagged
 
 
 def test_without_lag_and_dead_time_a_command_is_flown_at_once():
@@ -71,3 +75,59 @@ def test_channels_keep_their_own_dead_times():
     assert inner_loop.unchanged_until(0.1) == pytest.approx(0.2)
     assert inner_loop.unchanged_until(0.2) == np.inf
     assert [channel.wanted for channel in inner_loop.channels] == [0.1, 0.2, 0.3]
+
+
+STATE = (10.0, -20.0, 120.0, 0.3, 0.1, 22.0)
+WANTED = (0.4, -0.2, 1.5)
+RATES = (-0.4, 0.2, -1.0)
+
+
+def channels(lags, rates=RATES, wanted=WANTED):
+    made = []
+    for lag, rate, value in zip(lags, rates, wanted, strict=True):
+        channel = Channel(lag, dead_time=0.0)
+        channel.rate, channel.wanted = rate, value
+        made.append(channel)
+    return tuple(made)
+
+
+@pytest.mark.parametrize("lags", [(0.3, 0.13, 0.16), (0.05, 0.05, 0.05), (1.0, 0.0, 0.02)])
+@pytest.mark.parametrize("duration", [0.01, 0.05, 0.5, 12.0])
+def test_against_scipy(lags, duration):
+    """(3) with lags as nine equations; a lag of zero as inputs held."""
+
+    def rates(_, x):
+        psi, chi, v = x[3:6]
+        flown = [
+            wanted if lag == 0.0 else rate
+            for lag, rate, wanted in zip(lags, x[6:], WANTED, strict=True)
+        ]
+        following = [
+            0.0 if lag == 0.0 else (wanted - rate) / lag
+            for lag, rate, wanted in zip(lags, x[6:], WANTED, strict=True)
+        ]
+        level = v * np.cos(chi)
+        return [level * np.cos(psi), level * np.sin(psi), v * np.sin(chi), *flown, *following]
+
+    oracle = solve_ivp(
+        rates, (0.0, duration), [*STATE, *RATES], method="DOP853", rtol=1e-12, atol=1e-12
+    ).y[:, -1]
+    made = channels(lags)
+    oracle[3:5] = wrap_angle(oracle[3:5])
+    np.testing.assert_allclose(advance_lagged(STATE, made, duration), oracle[:6], atol=2e-8)
+    for channel, lag, rate, wanted in zip(made, lags, oracle[6:], WANTED, strict=True):
+        assert channel.rate == pytest.approx(wanted if lag == 0.0 else rate, abs=1e-9)
+
+
+def test_without_lag_it_is_the_exact_vehicle():
+    made = channels((0.0, 0.0, 0.0))
+    np.testing.assert_allclose(
+        advance_lagged(STATE, made, 1.0), advance(STATE, WANTED, 1.0), atol=1e-9
+    )
+
+
+def test_rates_that_are_what_is_wanted_are_held():
+    made = channels((0.3, 0.2, 0.1), rates=WANTED)
+    np.testing.assert_allclose(
+        advance_lagged(STATE, made, 1.0), advance(STATE, WANTED, 1.0), atol=1e-9
+    )

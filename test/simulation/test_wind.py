@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 from scipy.linalg import expm, solve_continuous_lyapunov
 from scipy.signal import welch
 
-from uav_tracking_mpc.dynamics.dryden import FOOT, gust_scales
+from uav_tracking_mpc.dynamics.air import FOOT, gust_scales
 from uav_tracking_mpc.simulation.wind import GUST_STEP, ExactStep, GustFilter, Wind
 
 HEIGHT, AIRSPEED, INTENSITY = 20.0, 100.0, 10.0

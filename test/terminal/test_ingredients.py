@@ -15,8 +15,8 @@
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.dynamics.discretisation import error_dynamics, linearise
-from uav_tracking_mpc.dynamics.relative import steady_inputs
+from uav_tracking_mpc.dynamics.relative import error_dynamics, steady_inputs
+from uav_tracking_mpc.symbolic.functions import linearise
 from uav_tracking_mpc.terminal.ingredients import input_limited_level, terminal_ingredients
 
 U = np.array([np.pi / 4, np.pi / 4, 1.0])

@@ -17,12 +17,16 @@
 import math
 from fractions import Fraction
 
+import casadi as ca
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from uav_tracking_mpc.terminal.interval import Interval
+from uav_tracking_mpc.dynamics.relative import rates_function
+from uav_tracking_mpc.dynamics.relative_models import RELATIVE_MODEL
+from uav_tracking_mpc.symbolic import functions
+from uav_tracking_mpc.terminal.interval import Interval, columns, definite, evaluate
 
 numbers = st.floats(-1e3, 1e3, allow_nan=False)
 
@@ -67,3 +71,49 @@ def test_square_holds_samples(a, width, share):
     assert inside(
         (a + share * width) ** 2 * (1 + 0.0), Interval(a - 1e-9, a + width + 1e-9).square()
     )
+
+
+@pytest.mark.parametrize("model", RELATIVE_MODEL.names)
+def test_rates_over_a_box_hold_what_arb_says_at_its_points(model):
+    """An arithmetic of others, with 96 bits, on the same instructions."""
+    flint = pytest.importorskip("flint")
+    arb, function = flint.arb, rates_function(model)
+    known = {
+        ca.OP_NEG: lambda a: -a, ca.OP_SQ: lambda a: a * a, ca.OP_TWICE: lambda a: a + a,
+        ca.OP_INV: lambda a: 1 / a, ca.OP_SQRT: arb.sqrt, ca.OP_SIN: arb.sin, ca.OP_COS: arb.cos,
+        ca.OP_ADD: lambda a, b: a + b, ca.OP_SUB: lambda a, b: a - b,
+        ca.OP_MUL: lambda a, b: a * b, ca.OP_DIV: lambda a, b: a / b,
+    }  # fmt: skip
+    generator = np.random.default_rng(0)
+    center = np.array([150.0, 1.5, 50.0, 0.1, 4.0])
+    half = np.array([5.0, 0.3, 5.0, 0.3, 0.5])
+    still = [Interval(0.0)] * 3
+    (rates,) = evaluate(function, [[*map(Interval, center - half, center + half)], still])
+    for _ in range(50):
+        x = center + half * generator.uniform(-1.0, 1.0, 5)
+        (points,) = evaluate(function, [[*map(Interval, x)], still])
+        with flint.ctx.workprec(96):
+            balls = [[arb(float(value)) for value in x], [arb(0)] * 3]
+            (exact,) = functions.evaluate(
+                function, balls, arb, lambda code, *operands: known[code](*operands)
+            )
+        for wide, narrow, ball in zip(rates, points, exact, strict=True):
+            for interval in (wide, narrow):
+                assert arb(float(interval.lower)) <= ball <= arb(float(interval.upper))
+
+
+def test_unknown_operation_is_refused():
+    x = ca.SX.sym("x")
+    with pytest.raises(ValueError, match="not known"):
+        evaluate(ca.Function("f", [x], [ca.erf(x)]), [[Interval(0.0)]])
+
+
+def test_definiteness():
+    def whole(matrix):
+        return bool(definite([columns(np.array([row])) for row in np.array(matrix, float)]))
+
+    assert whole(np.diag([1.0, 2.0]))
+    assert not whole(np.diag([1.0, -2.0]))
+    assert not whole([[1.0, 1.0], [1.0, 1.0]])
+    wide = Interval(-1.5, 1.5)
+    assert not definite([[Interval(1.0), wide], [wide, Interval(1.0)]])

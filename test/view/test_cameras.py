@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from watched_flight_stand_in import StandInFlight, sight
 
-from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
+from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 
 cameras = pytest.importorskip("uav_tracking_mpc.view.cameras", exc_type=ImportError)
 

@@ -23,12 +23,11 @@ pytest.importorskip("viser")
 from example_flights import orbiting
 
 from uav_tracking_mpc import load_configuration
-from uav_tracking_mpc.parameters.registry import PANEL_PART, SCENE_ELEMENT
 from uav_tracking_mpc.report.mission_report import write_report
 from uav_tracking_mpc.view.page import Page
-from uav_tracking_mpc.view.panel import PanelPart
-from uav_tracking_mpc.view.recorded.recorded_scene import recorded_scene
-from uav_tracking_mpc.view.scene import SceneElement
+from uav_tracking_mpc.view.panel import PANEL_PART, PanelPart
+from uav_tracking_mpc.view.recorded_scene import recorded_scene
+from uav_tracking_mpc.view.scene import SCENE_ELEMENT, SceneElement
 
 BEGIN, WHILE = "it begins", "it is shown"
 

@@ -15,26 +15,18 @@
 """A simulated autopilot: the product's plant behind a MAVLink server.
 
 =======================  =========================================================================
-``airframe``             the plant, with attitude, ground and take-off run
-``thrust``               throttle to specific force and back
-``loiter``               a circle that the autopilot flies by itself, and the bank onto it
-``flight_loops``         bank, climb and airspeed to the plant's inputs
-``numbers``              numbers of MAVLink that the core speaks
-``wire_traits``          how dialects differ on the wire
-``onboard_parameters``   parameters as an autopilot keeps them
+``airframe``             the plant with attitude, ground and take-off run; throttle to force
+``flight_loops``         bank, climb and airspeed to the plant's inputs; circles of its own
+``onboard_parameters``   parameters as an autopilot keeps them, and those of every aircraft
 ``autopilot_core``       an aircraft with modes and failsafes, stepped, without a wire
-``dialects``             ArduPlane and PX4, one a file
------------------------  -------------------------------------------------------------------------
-``message_builders``     telemetry from the state of the core
-``message_rates``        which messages are due
+``arduplane``            ArduPlane: GUIDED, with altitude and airspeed held by itself
+``px4``                  PX4 fixed wing: OFFBOARD, by attitude and thrust
+``telemetry_messages``   telemetry from the state of the core, and which messages are due
 ``vehicle_protocol``     what is answered to messages: commands, parameters, time
+``deliveries``           what may happen to a stream of messages or of bytes on its way
+``wire_faults``          the faults of the wire, by name
 ``radio``                the wire, on which faults act
-``wire_faults``          the faults, by name
-``ground_vehicle``       a second vehicle, to be circled
-``wired_autopilot``      an autopilot and its wire
-``simulated_autopilot``  all of it in real time, in a thread
+``simulated_autopilot``  an autopilot and its wire, and all of it in real time, in a thread
 ``stepped_autopilot``    all of it in simulated time, step by step
 =======================  =========================================================================
-
-The files above the line know nothing of pymavlink.
 """

@@ -21,29 +21,95 @@ Everything here goes on by ticks, so that a test can step through a flight as qu
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from typing import ClassVar
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar, NamedTuple
 
-from uav_tracking_mpc.autopilot.airframe import Airframe, FlightState
-from uav_tracking_mpc.autopilot.flight_loops import Demand, FlightLoops, Response
-from uav_tracking_mpc.autopilot.loiter import Loiter
-from uav_tracking_mpc.autopilot.numbers import (
-    AttitudeTarget,
-    BaseMode,
-    Frame,
-    Order,
-    Result,
-    Severity,
-    SystemState,
-)
+from uav_tracking_mpc.autopilot.airframe import Airframe, Engine, FlightState
+from uav_tracking_mpc.autopilot.flight_loops import Demand, FlightLoops, Loiter, Response
 from uav_tracking_mpc.autopilot.onboard_parameters import OnboardParameters
-from uav_tracking_mpc.autopilot.thrust import Engine
-from uav_tracking_mpc.autopilot.wire_traits import WireTraits
-from uav_tracking_mpc.dynamics.atmosphere import true_over_equivalent
+from uav_tracking_mpc.dynamics.air import true_over_equivalent
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
+from uav_tracking_mpc.links.mavlink.dialect import values_of
 from uav_tracking_mpc.settings.configuration import Configuration
 
 TEXT_LENGTH = 50  # letters of STATUSTEXT
+Cmd, Frame, Result = values_of("MAV_CMD"), values_of("MAV_FRAME"), values_of("MAV_RESULT")
+Severity, SystemState = values_of("MAV_SEVERITY"), values_of("MAV_STATE")
+BaseMode = values_of("MAV_MODE_FLAG")
+
+
+class Order(NamedTuple):
+    """A command as it came, COMMAND_LONG and COMMAND_INT alike.
+
+    Attributes:
+        command: MAV_CMD.
+        param1: Its first value, in its own unit, [-].
+        param2: Second [-].
+        param3: Third [-].
+        param4: Fourth [-].
+        x: Latitude in [deg] where the command has a place, else its fifth value [-].
+        y: Longitude in [deg], or the sixth value [-].
+        z: Altitude in [m], or the seventh value [-].
+        frame: MAV_FRAME of the place.
+    """
+
+    command: int
+    param1: float = 0.0
+    param2: float = 0.0
+    param3: float = 0.0
+    param4: float = 0.0
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    frame: int = Frame.GLOBAL_RELATIVE_ALT
+
+
+class AttitudeTarget(NamedTuple):
+    """SET_ATTITUDE_TARGET, decoded.
+
+    Attributes:
+        mask: type_mask as on the wire: a bit that is set leaves its part out.
+        roll: Of the quaternion in [rad], positive to the right.
+        pitch: Of the quaternion in [rad], positive up.
+        thrust: From 0 to 1 [-].
+    """
+
+    mask: int
+    roll: float
+    pitch: float
+    thrust: float
+
+
+class WireTraits(NamedTuple):
+    """What one autopilot does and another does not.
+
+    Attributes:
+        maker: MAV_AUTOPILOT.
+        version: Of the firmware that is imitated: major, minor, patch.
+        capabilities: MAV_PROTOCOL_CAPABILITY.
+        stream_rates: How often each message is sent that nobody asked for, in [Hz].
+        mode_messages: Messages that are sent at once when the mode has changed.
+        lacking: Messages that only the others have.
+        sync_period: How often it asks for the time by TIMESYNC, in [s].
+        unknown_message: Answer to a request for a message that there is none of.
+        mode_refused: Answer to a command whose mode cannot be entered.
+        hears_all: Whether commands to system 0 are carried out.
+        bytewise: Whether integers travel as the bytes of a float.
+        set_mode_acknowledged: The command that the answer to SET_MODE names.
+    """
+
+    maker: int
+    version: tuple[int, int, int]
+    capabilities: int
+    stream_rates: Mapping[str, float]
+    mode_messages: tuple[str, ...]
+    lacking: tuple[str, ...]
+    sync_period: float
+    unknown_message: int
+    mode_refused: int
+    hears_all: bool
+    bytewise: bool
+    set_mode_acknowledged: int
 
 
 class AutopilotCore(ABC):
@@ -61,6 +127,8 @@ class AutopilotCore(ABC):
         ground_mode: In which it stands on the ground.
         take_off_mode: In which it takes off once it is armed.
         traits: How it speaks.
+        answers: Carry out commands, by their numbers; each gives a MAV_RESULT.
+        mode_commands: Modes that commands ask for, by their numbers.
         airframe: What flies.
         loops: Its inner loops.
         parameters: Of the autopilot.
@@ -79,6 +147,8 @@ class AutopilotCore(ABC):
     ground_mode: ClassVar[str]
     take_off_mode: ClassVar[str]
     traits: ClassVar[WireTraits]
+    answers: ClassVar[Mapping[int, Callable[[Any, Order], int]]]
+    mode_commands: ClassVar[Mapping[int, str]]
     loiter: Loiter
 
     def __init__(
@@ -95,7 +165,7 @@ class AutopilotCore(ABC):
         self.parameters = OnboardParameters(self.defaults(self._configuration, self.density_factor))
         self.failsafe = False
         self.ground_heard: float | None = None
-        self.texts: list[tuple[Severity, str]] = []
+        self.texts: list[tuple[int, str]] = []
         self.mode = self.loiter_mode if self.airframe.flying else self.ground_mode
         self.enter(self.mode)
 
@@ -135,11 +205,19 @@ class AutopilotCore(ABC):
         return self.custom_mode
 
     @property
-    def system_state(self) -> SystemState:
+    def base_mode(self) -> int:
+        """As HEARTBEAT has it."""
+        mode = BaseMode.CUSTOM_MODE_ENABLED | self.mode_flags
+        if self.mode != "MANUAL":
+            mode |= BaseMode.STABILIZE_ENABLED
+        return int(mode | BaseMode.SAFETY_ARMED if self.armed else mode)
+
+    @property
+    def system_state(self) -> int:
         """As HEARTBEAT has it."""
         if self.failsafe:
-            return SystemState.CRITICAL
-        return SystemState.ACTIVE if self.airframe.flying else SystemState.STANDBY
+            return int(SystemState.CRITICAL)
+        return int(SystemState.ACTIVE if self.airframe.flying else SystemState.STANDBY)
 
     def step(self) -> None:
         """Go on by one tick."""
@@ -171,7 +249,7 @@ class AutopilotCore(ABC):
         self.enter(mode)
         return True
 
-    def say(self, severity: Severity, words: str) -> None:
+    def say(self, severity: int, words: str) -> None:
         """Tell the ground.
 
         Args:
@@ -217,8 +295,8 @@ class AutopilotCore(ABC):
 
     @property
     @abstractmethod
-    def base_mode(self) -> BaseMode:
-        """As HEARTBEAT has it."""
+    def mode_flags(self) -> int:
+        """Of MAV_MODE_FLAG, those that say how the present mode is flown."""
 
     @property
     @abstractmethod
@@ -234,15 +312,6 @@ class AutopilotCore(ABC):
     @abstractmethod
     def least_interval(self) -> float:
         """Between two messages of one kind in [s]."""
-
-    @abstractmethod
-    def local(self, latitude: float, longitude: float) -> tuple[float, float]:
-        """North and east in [m] as LOCAL_POSITION_NED has them: a projection of its own.
-
-        Args:
-            latitude: In [rad].
-            longitude: In [rad].
-        """
 
     @abstractmethod
     def mode_order(self, base_mode: int, custom_mode: int) -> Order:
@@ -265,13 +334,24 @@ class AutopilotCore(ABC):
     def demand(self) -> Demand:
         """What the present mode asks for."""
 
-    @abstractmethod
-    def command(self, order: Order) -> Result:
-        """Carry out a command, as far as it is none of the protocol itself.
+    def command(self, order: Order) -> int:
+        """Carry out a command, as far as it is none of the protocol itself; MAV_RESULT.
 
         Args:
             order: The command.
         """
+        if (mode := self.mode_commands.get(order.command)) is not None:
+            return self.changed(self.set_mode(mode))
+        answer = self.answers.get(order.command)
+        return int(Result.UNSUPPORTED if answer is None else answer(self, order))
+
+    def changed(self, done: bool) -> int:
+        """MAV_RESULT of a change of mode.
+
+        Args:
+            done: Whether the mode was changed.
+        """
+        return int(Result.ACCEPTED if done else self.traits.mode_refused)
 
     @abstractmethod
     def attitude_target(self, target: AttitudeTarget) -> None:

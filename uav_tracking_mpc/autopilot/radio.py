@@ -19,9 +19,8 @@ from __future__ import annotations
 import heapq
 import itertools
 
-from uav_tracking_mpc.autopilot.wire_faults import WireFault
-from uav_tracking_mpc.links.mavlink.connection import CHUNK, Connection
-from uav_tracking_mpc.links.mavlink.wire import Wire
+from uav_tracking_mpc.autopilot.deliveries import StreamRule, struck
+from uav_tracking_mpc.links.mavlink.connection import CHUNK, Connection, Wire
 
 Queue = list[tuple[float, int, bytes]]  # when it arrives in s, order, bytes
 
@@ -39,14 +38,14 @@ class Radio(Connection):
     """
 
     def __init__(self, address: str, component: int, key: str = "") -> None:
-        self._faults: tuple[WireFault, ...] = ()
+        self._faults: tuple[StreamRule, ...] = ()
         self._order = itertools.count()
         self._outward: Queue = []
         self._inward: Queue = []
         self._ended = False  # the other end has closed a stream
         super().__init__(address, component, key)
 
-    def strike(self, fault: WireFault) -> None:
+    def strike(self, fault: StreamRule) -> None:
         """Let a fault act from now on, after those that act already.
 
         Args:
@@ -54,7 +53,7 @@ class Radio(Connection):
         """
         self._faults = (*self._faults, fault)
 
-    def release(self, fault: WireFault) -> None:
+    def release(self, fault: StreamRule) -> None:
         """End a fault; what it holds back still comes.
 
         Args:
@@ -119,14 +118,7 @@ class Radio(Connection):
 
     def _queue(self, queue: Queue, data: bytes, outward: bool) -> None:
         now = self.now()
-        pieces = [(0.0, data)]
-        for fault in self._faults:
-            pieces = [
-                (delay + more, changed)
-                for delay, piece in pieces
-                for more, changed in fault.deliver(piece, outward, now)
-            ]
-        for delay, piece in pieces:
+        for delay, piece in struck(self._faults, outward, data, now):
             heapq.heappush(queue, (now + delay, next(self._order), piece))
 
     def _flush(self) -> None:

@@ -12,21 +12,243 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""An autopilot behind its wire, in real time: for tests, and for people without a build of one."""
+"""An autopilot behind its wire: for tests, and for people without a build of one.
+
+What is said on the wire and the faults that strike it stand in :class:`WiredAutopilot`, whose owner
+makes time go on; :class:`SimulatedAutopilot` does so in real time. Beside it a second vehicle may
+drive, which the aircraft is to circle.
+"""
 
 from __future__ import annotations
 
 import logging
+import math
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
+from uav_tracking_mpc.autopilot.arduplane import ArduPlane
+from uav_tracking_mpc.autopilot.autopilot_core import AutopilotCore
+from uav_tracking_mpc.autopilot.deliveries import StreamRule
 from uav_tracking_mpc.autopilot.flight_loops import TICK
+from uav_tracking_mpc.autopilot.px4 import Px4
 from uav_tracking_mpc.autopilot.radio import Radio
-from uav_tracking_mpc.autopilot.vehicle_protocol import COMPONENT
-from uav_tracking_mpc.autopilot.wired_autopilot import ORIGIN, WiredAutopilot
+from uav_tracking_mpc.autopilot.telemetry_messages import MessageRates, on_the_wire
+from uav_tracking_mpc.autopilot.vehicle_protocol import COMPONENT, VehicleProtocol
+from uav_tracking_mpc.autopilot.wire_faults import AutopilotFault, wire_fault
+from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.links import LinkError
+from uav_tracking_mpc.links.mavlink.dialect import mavlink
+from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import Configuration
+from uav_tracking_mpc.settings.simulator import TargetParameters
+from uav_tracking_mpc.simulation.motions import motion_of
+
+RATES = {"HEARTBEAT": 1.0, "GLOBAL_POSITION_INT": 5.0}  # Hz
+MODE_GUIDED_ARMED = 217  # base_mode
+
+
+class GroundVehicle:
+    """Drives as a motion of targets says, and tells where it is.
+
+    Args:
+        parameters: Of the motion.
+        origin: Of ``map``.
+        system: Its MAVLink system.
+
+    Raises:
+        ParameterError: There is no such motion.
+    """
+
+    def __init__(self, parameters: TargetParameters, origin: LocalFrame, system: int) -> None:
+        self._motion, self._origin = motion_of(parameters), origin
+        self._rates = MessageRates(RATES)
+        self._voice = mavlink.MAVLink(None, system, 1)
+
+    def frames(self, now: float) -> list[bytes]:
+        """What it says now, packed.
+
+        Args:
+            now: Since the start in [s].
+        """
+        tellers = {"HEARTBEAT": self._heartbeat, "GLOBAL_POSITION_INT": self._position}
+        return [bytes(tellers[name](now).pack(self._voice)) for name in self._rates.due(now)]
+
+    def _heartbeat(self, now: float) -> Any:
+        return mavlink.MAVLink_heartbeat_message(
+            mavlink.MAV_TYPE_GROUND_ROVER,
+            mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA,
+            MODE_GUIDED_ARMED,
+            15,
+            mavlink.MAV_STATE_ACTIVE,
+            3,
+        )
+
+    def _position(self, now: float) -> Any:
+        where = self._motion.position(now)
+        latitude, longitude, altitude = on_the_wire(self._origin, where)
+        east, north, up = (100.0 * self._motion.velocity(now)).tolist()
+        heading = 100.0 * math.degrees(math.atan2(east, north)) % 36000.0
+        return mavlink.MAVLink_global_position_int_message(
+            round(now * 1e3),
+            latitude,
+            longitude,
+            round(altitude * 1e3),
+            round((altitude - self._origin.altitude) * 1e3),
+            round(north),
+            round(east),
+            round(-up),
+            round(heading) % 36000,
+        )
+
+
+DIALECTS: dict[str, type[AutopilotCore]] = {"ardupilot": ArduPlane, "px4": Px4}
+ORIGIN = (47.3977, 8.5456, 488.0)  # deg, deg, m above sea level
+
+
+class WiredAutopilot:
+    """An autopilot that speaks and is struck by faults; whoever owns it makes its time go on.
+
+    Args:
+        dialect: ``ardupilot`` or ``px4``.
+        configuration: Plant, air, start and what the aircraft can fly.
+        radio: Makes its wire.
+        origin: Latitude [deg], longitude [deg] and altitude above sea level [m] of the origin of
+            ``map``, which is its home.
+        system: Its MAVLink system.
+        on_runway: It stands on the ground, disarmed, rather than loiters in the air.
+        target_system: MAVLink system of a vehicle on the ground, which moves as the
+            configuration's target and is heard on the same wire; 0 for none.
+
+    Attributes:
+        protocol: What speaks for it.
+        radio: Its wire, which faults strike.
+
+    Raises:
+        ParameterError: There is no such dialect, or no such place on the earth.
+        LinkError: The connection cannot be opened.
+    """
+
+    def __init__(
+        self,
+        dialect: str,
+        configuration: Configuration,
+        radio: Callable[[], Radio],
+        origin: Sequence[float] = ORIGIN,
+        system: int = 1,
+        on_runway: bool = False,
+        target_system: int = 0,
+    ) -> None:
+        if dialect not in DIALECTS:
+            raise ParameterError(f"dialect is {dialect!r}, must be one of {', '.join(DIALECTS)}")
+        latitude, longitude, altitude = origin
+        try:
+            frame = LocalFrame(math.radians(latitude), math.radians(longitude), altitude)
+        except ValueError as error:
+            raise ParameterError(str(error)) from error
+        core = DIALECTS[dialect](configuration, frame, on_runway)
+        self.protocol = VehicleProtocol(core, system)
+        self._target = (
+            GroundVehicle(configuration.target, frame, target_system) if target_system else None
+        )
+        self.radio = radio()
+        self.radio.speak_as(system)
+        self._lock = threading.Lock()
+
+    @property
+    def core(self) -> AutopilotCore:
+        """The autopilot itself."""
+        return self.protocol.core
+
+    def pilot_mode(self, mode: str) -> bool:
+        """Change the mode as a pilot does by a switch.
+
+        Args:
+            mode: Its name.
+
+        Returns:
+            Whether it is the mode now.
+        """
+        with self._lock:
+            return self.core.set_mode(mode)
+
+    def restart(self) -> None:
+        """Boot the autopilot anew in flight."""
+        with self._lock:
+            self.protocol.restart()
+
+    def jump_clock(self, seconds: float) -> None:
+        """Set the autopilot's clock.
+
+        Args:
+            seconds: By how much it goes forward in [s].
+        """
+        with self._lock:
+            self.core.clock_offset += seconds
+
+    def begin_fault(self, name: str, seed: int = 0) -> StreamRule:
+        """Begin a fault on the wire.
+
+        Args:
+            name: One of :data:`~uav_tracking_mpc.autopilot.wire_faults.WIRE_FAULTS`.
+            seed: Of everything random in it.
+
+        Returns:
+            The fault, which :meth:`end_fault` ends.
+
+        Raises:
+            ParameterError: There is none of that name.
+        """
+        fault = wire_fault(name, seed)
+        if isinstance(fault, AutopilotFault):
+            fault.begin(self)
+        self.radio.strike(fault)
+        return fault
+
+    def end_fault(self, fault: StreamRule) -> None:
+        """End a fault.
+
+        Args:
+            fault: As it was begun.
+        """
+        self.radio.release(fault)
+        if isinstance(fault, AutopilotFault):
+            fault.end(self)
+
+    def go_on(self, now: float) -> None:
+        """Fly up to a time and say what is to be said.
+
+        Args:
+            now: Since the start in [s].
+        """
+        with self._lock:
+            self.protocol.advance(now)
+            ready = self.protocol.outgoing()
+        for message in ready:
+            self.radio.send(message)
+        if self._target is not None:
+            for frame in self._target.frames(self.core.time):
+                self.radio.relay(frame)
+
+    def listen(self, timeout: float, clock: Callable[[], float]) -> None:
+        """Take in what has come, and answer.
+
+        Args:
+            timeout: How long to wait for something in [s].
+            clock: Time since the start in [s].
+
+        Raises:
+            LinkError: The wire is lost.
+        """
+        messages, now = self.radio.receive(timeout), clock()
+        with self._lock:
+            for message in messages:
+                self.protocol.take(message, now)
+            ready = self.protocol.outgoing()
+        for message in ready:
+            self.radio.send(message)
+
 
 logger = logging.getLogger(__name__)
 

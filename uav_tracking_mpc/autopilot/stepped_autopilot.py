@@ -26,10 +26,9 @@ from collections.abc import Sequence
 
 from uav_tracking_mpc.autopilot.flight_loops import TICK
 from uav_tracking_mpc.autopilot.radio import Radio
+from uav_tracking_mpc.autopilot.simulated_autopilot import ORIGIN, WiredAutopilot
 from uav_tracking_mpc.autopilot.vehicle_protocol import COMPONENT
-from uav_tracking_mpc.autopilot.wired_autopilot import ORIGIN, WiredAutopilot
-from uav_tracking_mpc.links.mavlink.connection import Connection
-from uav_tracking_mpc.links.mavlink.wire import Wire
+from uav_tracking_mpc.links.mavlink.connection import Connection, Wire
 from uav_tracking_mpc.settings.configuration import Configuration
 
 DATAGRAMS = "udpin:127.0.0.1:1"  # the form of an address; nothing is opened there
@@ -84,7 +83,9 @@ class SteppedAutopilot(WiredAutopilot):
         self.ends = _End(), _End()
         ours, theirs = self.ends
         ours.other, theirs.other = theirs, ours
-        super().__init__(dialect, configuration, lambda: _SteppedRadio(self), origin, 1, on_runway)
+        super().__init__(
+            dialect, configuration, lambda: _SteppedRadio(self, 1, COMPONENT), origin, 1, on_runway
+        )
 
     def connection(self, address: str, component: int, key: str) -> Connection:
         """Our end of the wire.
@@ -94,7 +95,7 @@ class SteppedAutopilot(WiredAutopilot):
             component: MAVLink component that we are.
             key: Has no meaning here.
         """
-        return _SteppedConnection(self, component)
+        return _SteppedConnection(self, 0, component)
 
     def tick(self) -> None:
         """Go on by one tick."""
@@ -104,36 +105,30 @@ class SteppedAutopilot(WiredAutopilot):
             self.listen(0.0, lambda: self.time)
 
 
-class _SteppedRadio(Radio):
-    """The autopilot's end."""
+class _Stepped(Connection):
+    """One end of the wire, by simulated time."""
 
-    def __init__(self, autopilot: SteppedAutopilot) -> None:
-        self._autopilot = autopilot
-        super().__init__(DATAGRAMS, COMPONENT)
-
-    def now(self) -> float:
-        return self._autopilot.time
-
-    def _socket(self) -> Wire:
-        return self._autopilot.ends[1]
-
-
-class _SteppedConnection(Connection):
-    """Our end; waiting at it makes time go on."""
-
-    def __init__(self, autopilot: SteppedAutopilot, component: int) -> None:
-        self._autopilot = autopilot
+    def __init__(self, autopilot: SteppedAutopilot, end: int, component: int) -> None:
+        self._autopilot, self._end = autopilot, autopilot.ends[end]
         super().__init__(DATAGRAMS, component)
 
     def now(self) -> float:
         return self._autopilot.time
 
+    def _socket(self) -> Wire:
+        return self._end
+
+
+class _SteppedRadio(_Stepped, Radio):
+    """The autopilot's end."""
+
+
+class _SteppedConnection(_Stepped):
+    """Our end; waiting at it makes time go on."""
+
     def wait(self, timeout: float) -> bool:
         ticks = math.ceil(timeout / TICK)  # time moves on however short the wait
-        while not self._autopilot.ends[0].incoming and ticks > 0:
+        while not self._end.incoming and ticks > 0:
             self._autopilot.tick()
             ticks -= 1
-        return bool(self._autopilot.ends[0].incoming)
-
-    def _socket(self) -> Wire:
-        return self._autopilot.ends[0]
+        return bool(self._end.incoming)

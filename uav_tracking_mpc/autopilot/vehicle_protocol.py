@@ -21,11 +21,16 @@ import struct
 from collections.abc import Callable
 from typing import Any
 
-from uav_tracking_mpc.autopilot.autopilot_core import AutopilotCore
+from uav_tracking_mpc.autopilot.autopilot_core import (
+    AttitudeTarget,
+    AutopilotCore,
+    Cmd,
+    Order,
+    Result,
+    Severity,
+)
 from uav_tracking_mpc.autopilot.flight_loops import TICK
-from uav_tracking_mpc.autopilot.message_builders import BUILDERS, IDS
-from uav_tracking_mpc.autopilot.message_rates import MessageRates
-from uav_tracking_mpc.autopilot.numbers import AttitudeTarget, Cmd, Order, Result, Severity
+from uav_tracking_mpc.autopilot.telemetry_messages import BUILDERS, IDS, MessageRates
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 
 COMPONENT = 1  # MAV_COMP_ID_AUTOPILOT1
@@ -101,7 +106,7 @@ class VehicleProtocol:
             for name in self.core.traits.mode_messages:
                 self._send(BUILDERS[name](self.core))
         for severity, words in self.core.texts:
-            self._send(mavlink.MAVLink_statustext_message(int(severity), words.encode("ascii")))
+            self._send(mavlink.MAVLink_statustext_message(severity, words.encode("ascii")))
         self.core.texts.clear()
 
     def _for_us(self, message: Any) -> bool:
@@ -142,10 +147,10 @@ class VehicleProtocol:
             result = Result.DENIED
         self._acknowledge(message, order.command, result)
 
-    def _acknowledge(self, message: Any, command: int, result: Result) -> None:
+    def _acknowledge(self, message: Any, command: int, result: int) -> None:
         self._send(
             mavlink.MAVLink_command_ack_message(
-                command, int(result), 0, 0, message.get_srcSystem(), message.get_srcComponent()
+                command, result, 0, 0, message.get_srcSystem(), message.get_srcComponent()
             )
         )
 
@@ -153,7 +158,7 @@ class VehicleProtocol:
         name = IDS.get(int(number))
         return None if name in self.core.traits.lacking else name
 
-    def _interval(self, order: Order) -> Result:
+    def _interval(self, order: Order) -> int:
         """GCS_Common.cpp ``set_message_interval``; PX4: mavlink_receiver.cpp, same name."""
         name = self._named(order.param1)
         if name is None or not math.isfinite(order.param2):
@@ -164,7 +169,7 @@ class VehicleProtocol:
             self.rates.ask(name, 0.0 if order.param2 == 0.0 else -1.0)
         return Result.ACCEPTED
 
-    def _request(self, order: Order) -> Result:
+    def _request(self, order: Order) -> int:
         name = self._named(order.param1)
         if name is None:
             return self.core.traits.unknown_message
@@ -233,15 +238,15 @@ def _text(words: str | bytes) -> str:
     return plain.split("\0")[0]
 
 
-def _telling(name: str) -> Callable[[VehicleProtocol, Order], Result]:
-    def told(protocol: VehicleProtocol, order: Order) -> Result:
+def _telling(name: str) -> Callable[[VehicleProtocol, Order], int]:
+    def told(protocol: VehicleProtocol, order: Order) -> int:
         protocol._send(BUILDERS[name](protocol.core))
         return Result.ACCEPTED
 
     return told
 
 
-_COMMANDS: dict[int, Callable[[VehicleProtocol, Order], Result]] = {
+_COMMANDS: dict[int, Callable[[VehicleProtocol, Order], int]] = {
     Cmd.SET_MESSAGE_INTERVAL: VehicleProtocol._interval,
     Cmd.REQUEST_MESSAGE: VehicleProtocol._request,
     Cmd.GET_HOME_POSITION: _telling("HOME_POSITION"),

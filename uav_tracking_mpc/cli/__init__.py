@@ -29,20 +29,14 @@
 ``identify``         lag, dead time and gain from a recorded flight
 ``torture``          faults injected into real nodes
 ``monitor``          a live table of a flight
-``engage``           command of a flight, taken and given back
+``engage``           command of a flight, taken and given back; how its nodes are asked
 ``set``              parameters of a flight that is under way
 ``autopilot``        a simulated ArduPlane or PX4 behind MAVLink
 ``launch_tracking``  entry point of the executable that only starts the nodes
 ``node_programs``    entry points of the nodes' executables
-``completion``       what the shell offers at the Tab key
-``command_parser``   help with every default, errors that say what may have been meant
-``output_folder``    whether a folder can be written
-``arguments``        options that several commands have
-``link_arguments``   options that say which autopilot flies, and what was found there
-``page_arguments``   options of commands that show a page, and how the page starts
-``flight_requests``  how a command asks the nodes of a flight
-``answer``           how a command prints what it found: JSON or words
-``ending``           how a command that failed reports it
+``program``          what the commands share: parser, endings, printing and writing
+``options``          options that several commands have, and what they choose
+``page_options``     options of commands that show a page, and how the page starts
 ===================  =================================================================
 
 A command's module holds ``HELP`` (one line), ``DESCRIPTION``, ``add_arguments(parser)`` and

@@ -20,8 +20,12 @@ import argparse
 import signal
 import sys
 
-from uav_tracking_mpc.cli.arguments import add_configuration_arguments, chosen_configuration, number
-from uav_tracking_mpc.cli.link_arguments import place
+from uav_tracking_mpc.cli.options import (
+    add_configuration_arguments,
+    chosen_configuration,
+    number,
+    place,
+)
 
 HELP = "a simulated ArduPlane or PX4 behind MAVLink"
 DESCRIPTION = """\

@@ -17,9 +17,13 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
-from uav_tracking_mpc.cli.answer import answer
-from uav_tracking_mpc.cli.arguments import add_output_arguments, number
+from uav_tracking_mpc.cli.options import add_output_arguments, number
+from uav_tracking_mpc.cli.program import answer, publish
+
+if TYPE_CHECKING:
+    from uav_tracking_mpc.studies.study import Study
 
 HELP = "time the solver against fatrop, IPOPT and acados"
 DESCRIPTION = (
@@ -99,11 +103,8 @@ def run(arguments: argparse.Namespace) -> int:
         Exit code.
     """
     if arguments.nodes or arguments.view is not None:
-        return _nodes(arguments)
-    from uav_tracking_mpc.studies.benchmark.acados_peer import own_interpreter
-    from uav_tracking_mpc.studies.benchmark.benchmark_report import converged, in_words, save
-    from uav_tracking_mpc.studies.benchmark.benchmark_study import benchmark
-
+        publish(_nodes(arguments), arguments)
+        return 0
     if arguments.start:
         from uav_tracking_mpc.studies.benchmark import start_timing
 
@@ -114,6 +115,13 @@ def run(arguments: argparse.Namespace) -> int:
         lines = [line for found in starts for line in start_timing.in_words(found)]
         answer({"start": starts}, lines, arguments.json)
         return 0
+    from uav_tracking_mpc.studies.benchmark.acados_peer import own_interpreter
+    from uav_tracking_mpc.studies.benchmark.benchmark_study import (
+        benchmark,
+        benchmark_results,
+        converged,
+    )
+
     results = benchmark(
         cold=arguments.cold,
         peers_cold=arguments.peers_cold,
@@ -121,35 +129,19 @@ def run(arguments: argparse.Namespace) -> int:
         quick=arguments.quick,
         acados=arguments.acados or own_interpreter(),
     )
-    words = in_words(results)
-    if arguments.output is not None:
-        save(results, arguments.output)
-        words.append(f"saved in {arguments.output}")
-    answer(results, words, arguments.json)
+    publish(benchmark_results(results), arguments)
     return 0 if converged(results) else 1
 
 
-def _nodes(arguments: argparse.Namespace) -> int:
+def _nodes(arguments: argparse.Namespace) -> Study:
     from rich.console import Console
 
-    from uav_tracking_mpc.report.atomic_write import write_json
     from uav_tracking_mpc.settings.configuration import load_configuration
-    from uav_tracking_mpc.studies.benchmark import node_latency, watched_latency
+    from uav_tracking_mpc.studies.benchmark.node_latency import node_latency, watched_latency
 
     configuration = load_configuration("small_uav", NODES_OVERRIDES, "crosswind")
     duration = arguments.view or NODES_TIME[arguments.quick]
     with Console(stderr=True).status("nodes") as status:
         if arguments.view is None:
-            results = node_latency.node_latency(configuration, duration, status.update)
-            words = node_latency.in_words(results)
-        else:
-            flights = watched_latency.watched_latency(
-                configuration, VIEWED_AIRCRAFT, duration, status.update
-            )
-            results, words = {"view": flights}, watched_latency.in_words(flights)
-    if arguments.output is not None:
-        arguments.output.mkdir(parents=True, exist_ok=True)
-        write_json(arguments.output / "nodes.json", results)
-        words.append(f"saved in {arguments.output}")
-    answer(results, words, arguments.json)
-    return 0
+            return node_latency(configuration, duration, status.update)
+        return watched_latency(configuration, VIEWED_AIRCRAFT, duration, status.update)

@@ -17,14 +17,11 @@
 from __future__ import annotations
 
 import argparse
-import signal
-import sys
 from contextlib import closing
 from pathlib import Path
 
-from uav_tracking_mpc.cli.answer import answer
-from uav_tracking_mpc.cli.arguments import existing_file, number
-from uav_tracking_mpc.cli.output_folder import check_writable
+from uav_tracking_mpc.cli.options import existing_file, number
+from uav_tracking_mpc.cli.program import check_writable, interrupted, publish
 
 HELP = "Monte-Carlo over what is uncertain, on all cores or on a Dask cluster"
 DESCRIPTION = (
@@ -42,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser: Of this command.
     """
     from uav_tracking_mpc.settings.configuration import campaign_names
-    from uav_tracking_mpc.studies.comparison.law_names import law_names
+    from uav_tracking_mpc.studies.comparison.scenarios import law_names
 
     names = ", ".join(campaign_names())
     parser.add_argument("campaign", metavar="NAME|FILE", help=f"{names}, or a YAML file")
@@ -106,10 +103,9 @@ def run(arguments: argparse.Namespace) -> int:
         Exit code.
     """
     from uav_tracking_mpc.studies.campaign.campaign_file import load_campaign
-    from uav_tracking_mpc.studies.campaign.campaign_page import tables, write_campaign, write_into
-    from uav_tracking_mpc.studies.campaign.campaign_results import as_json
+    from uav_tracking_mpc.studies.campaign.campaign_page import campaign_study
     from uav_tracking_mpc.studies.campaign.campaign_run import run_campaign
-    from uav_tracking_mpc.studies.campaign.executors import DaskExecutor, Executor, LocalExecutor
+    from uav_tracking_mpc.studies.executors import DaskExecutor, Executor, LocalExecutor
 
     campaign = load_campaign(
         arguments.campaign, tuple(arguments.overrides), tuple(arguments.laws), arguments.flights
@@ -119,25 +115,11 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.scheduler is None
         else DaskExecutor(arguments.scheduler)
     )
-    folder = arguments.output or Path("output") / "campaigns" / campaign.name
-    check_writable(folder)
+    arguments.output = arguments.output or Path("output") / "campaigns" / campaign.name
+    check_writable(arguments.output)
     with closing(executor):
-        results = run_campaign(campaign, executor, folder)
-    content = as_json(results)
-    write_campaign(content, results)
-    if arguments.page is not None and not results.left:
-        write_into(arguments.page, results)
-    words = [table.as_rich() for table in tables(results).values()]
-    if results.flown:
-        rate = 60.0 * results.flown / results.seconds / results.workers
-        words.append(
-            f"{results.flown} flights in {results.seconds:.0f} s: {rate:.0f} a minute and worker"
-        )
-    answer(content, [*words, f"report: {folder / 'campaign.html'}"], arguments.json)
-    if results.left:
-        print(
-            f"interrupted: {results.left} flights are left; the same command goes on with them",
-            file=sys.stderr,
-        )
-        return 128 + signal.SIGINT
-    return 0
+        results = run_campaign(campaign, executor, arguments.output)
+    publish(campaign_study(results), arguments)
+    if not results.left:
+        return 0
+    return interrupted(f"{results.left} flights are left; the same command goes on with them")

@@ -17,12 +17,9 @@
 from __future__ import annotations
 
 import argparse
-import signal
-import sys
 from pathlib import Path
 
-from uav_tracking_mpc.cli.answer import answer
-from uav_tracking_mpc.cli.arguments import (
+from uav_tracking_mpc.cli.options import (
     add_configuration_arguments,
     add_limit_argument,
     add_output_arguments,
@@ -30,6 +27,7 @@ from uav_tracking_mpc.cli.arguments import (
     chosen_overrides,
     existing_file,
 )
+from uav_tracking_mpc.cli.program import interrupted, publish
 
 HELP = "the controller beside classical laws: in wind, about moving targets, told wrong"
 DESCRIPTION = (
@@ -46,8 +44,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser: Of this command.
     """
     from uav_tracking_mpc.settings.configuration import scenario_names
-    from uav_tracking_mpc.studies.comparison.law_names import law_names
-    from uav_tracking_mpc.studies.comparison.mismatches import DURATION, MISMATCHES, SCENARIO
+    from uav_tracking_mpc.studies.comparison.scenarios import (
+        DURATION,
+        MISMATCHES,
+        SCENARIO,
+        law_names,
+    )
 
     add_configuration_arguments(parser, default="small_uav")
     add_limit_argument(parser)
@@ -96,67 +98,27 @@ def run(arguments: argparse.Namespace) -> int:
     Returns:
         Exit code.
     """
+    from uav_tracking_mpc.studies.comparison import scenarios
+    from uav_tracking_mpc.studies.comparison.figures import comparison
+    from uav_tracking_mpc.studies.comparison.results import MISTOLD, SCENARIOS, compare
+
     laws = list(dict.fromkeys([*arguments.laws, *arguments.more_laws]))
     if arguments.mismatch is None:
-        return _through_scenarios(arguments, laws)
-    return _under_mismatches(arguments, laws)
-
-
-def _through_scenarios(arguments: argparse.Namespace, laws: list[str]) -> int:
-    from uav_tracking_mpc.studies.comparison.comparison_page import write_comparison
-    from uav_tracking_mpc.studies.comparison.comparison_table import comparison_table, misses
-    from uav_tracking_mpc.studies.comparison.flights import scenarios_in_order
-    from uav_tracking_mpc.studies.comparison.results import as_json, compare
-
-    names = list(dict.fromkeys(arguments.scenario or scenarios_in_order()))
-    configurations = {Path(name).stem: chosen_configuration(arguments, name) for name in names}
-    scenarios = compare(configurations, laws)
-    whole = len(scenarios) == len(configurations)
-    content = as_json(scenarios)
-    table = comparison_table(scenarios)
-    words = [table.as_rich(), *(f"missed, {line}" for line in misses(scenarios))]
-    if arguments.output is not None:
-        write_comparison(content, scenarios, arguments.output)
-        words.append(f"report: {arguments.output / 'compare.html'}")
-    if arguments.page is not None and whole:
-        table.write_into(arguments.page, "comparison")
-    answer(content, words, arguments.json)
-    return _code(len(scenarios), len(configurations))
-
-
-def _code(flown: int, asked: int) -> int:
-    """Exit code, and on stderr what the user's interruption left out."""
-    if flown == asked:
+        names = dict.fromkeys(arguments.scenario or scenarios.scenarios_in_order())
+        configurations = {Path(name).stem: chosen_configuration(arguments, name) for name in names}
+        kind, after = SCENARIOS, None
+    else:
+        asked = arguments.mismatch or scenarios.MISMATCHES
+        overrides = tuple(chosen_overrides(arguments, scenarios.SCENARIO))
+        configurations = {
+            name: scenarios.mismatched(arguments.config, name, overrides)
+            for name in scenarios.MISMATCHES
+            if name in asked
+        }
+        kind, after = MISTOLD, scenarios.settled_after(next(iter(configurations.values())))
+    flown = compare(configurations, laws, settled_after=after)
+    whole = len(flown) == len(configurations)
+    publish(comparison(flown, kind, whole), arguments)
+    if whole:
         return 0
-    print(f"interrupted: {flown} of {asked} were flown by every law", file=sys.stderr)
-    return 128 + signal.SIGINT
-
-
-def _under_mismatches(arguments: argparse.Namespace, laws: list[str]) -> int:
-    from uav_tracking_mpc.studies.comparison.comparison_page import write_mismatches
-    from uav_tracking_mpc.studies.comparison.mismatch_results import mismatches_as_json
-    from uav_tracking_mpc.studies.comparison.mismatch_table import mismatch_misses, mismatch_table
-    from uav_tracking_mpc.studies.comparison.mismatches import (
-        MISMATCHES,
-        SCENARIO,
-        mismatched,
-        settled_after,
-    )
-    from uav_tracking_mpc.studies.comparison.results import compare
-
-    names = [name for name in MISMATCHES if name in (arguments.mismatch or MISMATCHES)]
-    overrides = tuple(chosen_overrides(arguments, SCENARIO))
-    configurations = {name: mismatched(arguments.config, name, overrides) for name in names}
-    after = settled_after(configurations[names[0]])
-    mismatches = compare(configurations, laws, settled_after=after)
-    whole = len(mismatches) == len(configurations)
-    content = mismatches_as_json(mismatches)
-    table = mismatch_table(mismatches)
-    words = [table.as_rich(), *(f"missed, {line}" for line in mismatch_misses(mismatches))]
-    if arguments.output is not None:
-        write_mismatches(content, mismatches, arguments.output)
-        words.append(f"report: {arguments.output / 'mismatches.html'}")
-    if arguments.page is not None and whole:
-        table.write_into(arguments.page, "mismatches")
-    answer(content, words, arguments.json)
-    return _code(len(mismatches), len(configurations))
+    return interrupted(f"{len(flown)} of {len(configurations)} were flown by every law")

@@ -19,12 +19,12 @@ from __future__ import annotations
 import argparse
 import time
 
-from uav_tracking_mpc.cli.answer import answer
-from uav_tracking_mpc.cli.arguments import (
+from uav_tracking_mpc.cli.options import (
     add_configuration_arguments,
     add_limit_argument,
     chosen_configuration,
 )
+from uav_tracking_mpc.cli.program import answer
 
 HELP = "compile the solver of a configuration, to prepare a companion computer"
 DESCRIPTION = (
@@ -56,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
     Returns:
         Exit code.
     """
-    from uav_tracking_mpc.control.compiled_flight import compile_flight, compiled_into
+    from uav_tracking_mpc.control.guidance import compile_flight, compiled_into
     from uav_tracking_mpc.mpc import machine_code
 
     begin = time.perf_counter()

@@ -12,13 +12,107 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""``uav_tracking engage``: command of a flight that is under way, taken and given back."""
+"""``uav_tracking engage``, and how a command asks the nodes of a flight that is under way."""
 
 from __future__ import annotations
 
 import argparse
+import os
+import re
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
-from uav_tracking_mpc.cli.flight_requests import add_flight_arguments, appears, flight_requests
+from uav_tracking_mpc.cli.options import add_domain_argument
+
+if TYPE_CHECKING:
+    from uav_tracking_mpc.nodes.watching.steering_requests import SteeringRequests
+
+
+APPEARANCE = 5.0  # s for nodes that fly to be found
+
+
+def add_flight_arguments(parser: argparse.ArgumentParser, what: str) -> None:
+    """The options ``--domain-id`` and ``--namespace``: which flight, and which of its aircraft.
+
+    Args:
+        parser: Gets the options.
+        what: What is done to it, as a verb.
+    """
+    add_domain_argument(
+        parser, f"ROS domain to {what} (default: ROS_DOMAIN_ID, or 0); a launch prints its own"
+    )
+    parser.add_argument(
+        "--namespace",
+        type=_namespace,
+        default="/",
+        metavar="NAME",
+        help=f"of the aircraft to {what}, such as red",
+    )
+
+
+def _namespace(text: str) -> str:
+    """A ROS namespace, with or without its first slash."""
+    name = text.strip("/")
+    if name and not re.fullmatch(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*", name, re.ASCII):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a namespace: letters, digits and underscores, no digit first"
+        )
+    return f"/{name}"
+
+
+@contextmanager
+def flight_requests(
+    arguments: argparse.Namespace, owners: Sequence[str] = (), switches: Sequence[str] = ()
+) -> Iterator[SteeringRequests]:
+    """Requests to the nodes of the aircraft that the options choose.
+
+    Args:
+        arguments: Of a parser with :func:`add_flight_arguments`.
+        owners: Nodes whose parameters are set.
+        switches: Services of type SetBool, each as ``node/service``.
+
+    Raises:
+        ConnectionError: A node is not there, or does not answer.
+        DomainValueError: The exported domain is not allowed.
+    """
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    from uav_tracking_mpc.nodes.ros.process import BackgroundNode
+    from uav_tracking_mpc.nodes.ros.ros_environment import exported_domain
+    from uav_tracking_mpc.nodes.watching.steering_requests import (
+        NoAnswerError,
+        SteeringRequests,
+        asking_node,
+    )
+
+    asked = arguments.domain_id
+    domain = (exported_domain() or 0) if asked is None else asked
+    spun = BackgroundNode(asking_node, domain)
+    try:
+        yield SteeringRequests(spun.node, arguments.namespace, owners, switches, ())
+    except NoAnswerError as error:
+        raise ConnectionError(
+            f"{error}: no such node in namespace {arguments.namespace} of ROS domain {domain}; a "
+            "launch prints its domain, --domain-id takes it"
+        ) from error
+    finally:
+        spun.close()
+
+
+def appears(found: Callable[[], bool]) -> bool:
+    """Wait for nodes to be found.
+
+    Args:
+        found: Whether they are.
+    """
+    deadline = time.monotonic() + APPEARANCE
+    while not found():
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(0.02)
+    return True
+
 
 HELP = "let the controller command a flight that is under way, or give command back"
 DESCRIPTION = (

@@ -24,28 +24,26 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from uav_tracking_mpc.cli.answer import answer
-from uav_tracking_mpc.cli.arguments import (
+from uav_tracking_mpc.cli.options import (
+    CONNECT_LIMIT,
     DOMAIN_WORDS,
     add_domain_argument,
     add_excite_argument,
+    add_link_arguments,
     add_mission_arguments,
     add_output_arguments,
-    chosen_configuration,
-)
-from uav_tracking_mpc.cli.link_arguments import (
-    CONNECT_LIMIT,
-    add_link_arguments,
     check_link_arguments,
+    chosen_configuration,
     preflight_lines,
     with_connection,
 )
-from uav_tracking_mpc.cli.page_arguments import add_view_argument, check_page, told_page_arguments
+from uav_tracking_mpc.cli.page_options import add_view_argument, check_page, told_page_arguments
+from uav_tracking_mpc.cli.program import answer
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from uav_tracking_mpc.launch.page_process import PageProcess
+    from uav_tracking_mpc.launch.node_process import PageProcess
     from uav_tracking_mpc.settings.configuration import Configuration
 
 HELP = "fly a mission with real ROS 2 nodes, record and report"
@@ -138,9 +136,9 @@ def _page(
     arguments: argparse.Namespace, words: Sequence[str], console: Console
 ) -> Iterator[PageProcess]:
     """A page of the domain in which is flown from now on."""
-    from uav_tracking_mpc.launch.domain import own_domain
-    from uav_tracking_mpc.launch.page_process import page_process
-    from uav_tracking_mpc.nodes.ros_environment import exported_domain
+    from uav_tracking_mpc.launch.node_process import page_process
+    from uav_tracking_mpc.launch.supervisor import own_domain
+    from uav_tracking_mpc.nodes.ros.ros_environment import exported_domain
 
     check_page()
     asked = exported_domain() if arguments.domain_id is None else arguments.domain_id
@@ -159,10 +157,10 @@ def _reported(
     whole: bool,
 ) -> int:
     """Report what was flown until its end, until a signal came or a node died; exit code."""
-    from uav_tracking_mpc.nodes.flight_bag import flight_log
-    from uav_tracking_mpc.report.flight_findings import in_short, unsettled
+    from uav_tracking_mpc.nodes.bag.bag_log import flight_log
+    from uav_tracking_mpc.report.metrics import in_short, unsettled
     from uav_tracking_mpc.report.mission_report import write_report
-    from uav_tracking_mpc.view.recorded.recorded_scene import recorded_scene
+    from uav_tracking_mpc.view.recorded_scene import recorded_scene
 
     log = flight_log(bag, configuration)
     metrics = write_report(log, arguments.output, recorded_scene)
@@ -179,7 +177,7 @@ def _reported(
 
 def _not_settled(words: str, duration: float, bag: Path) -> str:
     """That a flight did not settle, and what its nodes complained of, in one line."""
-    from uav_tracking_mpc.nodes.flight_complaint import last_complaint
+    from uav_tracking_mpc.nodes.bag.bag_log import last_complaint
 
     line, complaint = f"not settled in {duration:.1f} s: {words}", last_complaint(bag)
     line = line if complaint is None else f"{line}; {complaint}"
@@ -190,7 +188,7 @@ def _inspected(
     configuration: Configuration, arguments: argparse.Namespace, console: Console, stack: ExitStack
 ) -> Configuration:
     """Look at the autopilot, a simulated one on the stack; what is flown has its limits."""
-    from uav_tracking_mpc.launch.autopilot_process import autopilot_process
+    from uav_tracking_mpc.launch.node_process import autopilot_process
     from uav_tracking_mpc.launch.preflight import preflight, refuse
 
     if arguments.simulated:

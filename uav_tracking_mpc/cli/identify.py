@@ -19,13 +19,13 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from uav_tracking_mpc.cli.answer import answer
-from uav_tracking_mpc.cli.arguments import (
+from uav_tracking_mpc.cli.options import (
     add_configuration_arguments,
     add_output_arguments,
     existing_file,
     number,
 )
+from uav_tracking_mpc.cli.program import publish
 
 HELP = "lag, dead time, gain and limits of an aircraft, from a recorded flight"
 DESCRIPTION = (
@@ -88,52 +88,26 @@ def run(arguments: argparse.Namespace) -> int:
         raise ParameterError("identify needs either a bag or CSV file, or --validate N")
     if arguments.record is not None and not arguments.record.exists():
         raise ParameterError(f"there is no bag or CSV file {str(arguments.record)!r}")
-    return _identify(arguments) if arguments.validate is None else _validate(arguments)
+    if arguments.validate is not None:
+        from uav_tracking_mpc.studies.identification.validation import validate, validation
 
-
-def _identify(arguments: argparse.Namespace) -> int:
+        content = validate(
+            arguments.config,
+            arguments.overrides,
+            count=arguments.validate,
+            seed=arguments.seed,
+            workers=arguments.workers,
+        )
+        publish(validation(content), arguments)
+        return 0
     from rich.console import Console
 
     from uav_tracking_mpc.studies.identification.identification import (
         identification,
         identify_flight,
     )
-    from uav_tracking_mpc.studies.identification.identification_text import (
-        identification_table,
-        parameters_to_paste,
-    )
 
     with Console(stderr=True).status(f"identifying {arguments.record}"):
         found = identify_flight(arguments.record)
-    yaml = parameters_to_paste(found)
-    content = {**identification(arguments.record, found), "yaml": yaml}
-    words = [identification_table(found).as_rich(), yaml]
-    if arguments.output is not None:
-        from uav_tracking_mpc.studies.identification.response_figure import write_identification
-
-        write_identification(content, found, arguments.output)
-        words.append(f"figure: {arguments.output / 'response.png'}")
-    answer(content, words, arguments.json)
+    publish(identification(arguments.record, found), arguments)
     return 0 if all(channel.sure for channel in found) else 1
-
-
-def _validate(arguments: argparse.Namespace) -> int:
-    from uav_tracking_mpc.studies.identification.validation import validate, validation_table
-
-    content = validate(
-        arguments.config,
-        arguments.overrides,
-        count=arguments.validate,
-        seed=arguments.seed,
-        workers=arguments.workers,
-    )
-    if arguments.output is not None:
-        from uav_tracking_mpc.report.atomic_write import write_json
-
-        arguments.output.mkdir(parents=True, exist_ok=True)
-        write_json(arguments.output / "validation.json", content)
-    table = validation_table(content)
-    if arguments.page is not None:
-        table.write_into(arguments.page, "identification")
-    answer(content, [table.as_rich()], arguments.json)
-    return 0

@@ -21,15 +21,13 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 
-from uav_tracking_mpc.cli import completion
-from uav_tracking_mpc.cli.arguments import (
+from uav_tracking_mpc.cli.options import (
     DOMAIN_WORDS,
     add_domain_argument,
     add_mission_arguments,
     chosen_configuration,
 )
-from uav_tracking_mpc.cli.command_parser import CommandParser
-from uav_tracking_mpc.cli.ending import explained
+from uav_tracking_mpc.cli.program import CommandParser, explained, offer
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -39,9 +37,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         arguments: Command line without the program's name; that of the process by default.
 
     Returns:
-        Exit code, see :class:`uav_tracking_mpc.cli.ending.Ending`.
+        Exit code, see :class:`uav_tracking_mpc.cli.program.Ending`.
     """
-    completion.offer(lambda _: _parser())
+    offer(lambda _: _parser())
     parsed = _parser().parse_args(arguments)
     from uav_tracking_mpc.launch.flight import FlightInterruptedError, launch
 

@@ -18,9 +18,15 @@ from __future__ import annotations
 
 import argparse
 
-from uav_tracking_mpc.cli.answer import answer
-from uav_tracking_mpc.cli.arguments import add_configuration_arguments, chosen_configuration, number
-from uav_tracking_mpc.cli.link_arguments import CONNECT_LIMIT, add_link_arguments, preflight_lines
+from uav_tracking_mpc.cli.options import (
+    CONNECT_LIMIT,
+    add_configuration_arguments,
+    add_link_arguments,
+    chosen_configuration,
+    number,
+    preflight_lines,
+)
+from uav_tracking_mpc.cli.program import answer
 
 HELP = "what a real autopilot says before a flight"
 DESCRIPTION = "Look at an autopilot. Nothing is commanded, and nothing is changed there."

@@ -24,10 +24,7 @@ import sys
 from collections.abc import Sequence
 
 from uav_tracking_mpc import __version__
-from uav_tracking_mpc.cli import completion
-from uav_tracking_mpc.cli.command_parser import CommandParser
-from uav_tracking_mpc.cli.ending import explained
-from uav_tracking_mpc.cli.output_folder import check_writable
+from uav_tracking_mpc.cli.program import CommandParser, check_writable, explained, offer
 
 COMMANDS = (
     "fly", "view", "autopilot", "link", "simulate", "compare", "campaign", "margins", "identify",
@@ -73,9 +70,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         arguments: Command line without the program's name; that of the process by default.
 
     Returns:
-        Exit code, see :class:`uav_tracking_mpc.cli.ending.Ending`.
+        Exit code, see :class:`uav_tracking_mpc.cli.program.Ending`.
     """
-    completion.offer(_parser)
+    offer(_parser)
     words = sys.argv[1:] if arguments is None else list(arguments)
     with explained("uav_tracking") as ending:
         parsed = _parser(words).parse_args(words)

@@ -17,19 +17,15 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING
 
-from uav_tracking_mpc.cli.answer import answer
-from uav_tracking_mpc.cli.arguments import (
+from uav_tracking_mpc.cli.options import (
     add_configuration_arguments,
     add_limit_argument,
     add_output_arguments,
     chosen_configuration,
     existing_file,
 )
-
-if TYPE_CHECKING:
-    from uav_tracking_mpc.settings.configuration import Configuration
+from uav_tracking_mpc.cli.program import publish
 
 HELP = "stability margins of the closed loop about the orbit"
 DESCRIPTION = (
@@ -83,45 +79,18 @@ def run(arguments: argparse.Namespace) -> int:
         Exit code.
     """
     from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT
+    from uav_tracking_mpc.studies.margins.margin_figure import margins
+    from uav_tracking_mpc.studies.margins.margin_study import margin_study
 
     if arguments.search:
-        return _search(arguments)
+        from uav_tracking_mpc.studies.margins import weight_search
+
+        search = weight_search.search_weights(arguments.config, arguments.overrides)
+        publish(weight_search.as_study(search), arguments)
+        return 0
     configuration = chosen_configuration(arguments, arguments.scenario)
     in_drift = configuration.controller.terminal_constraint == ARTIFICIAL_ORBIT
     if arguments.scenario is None and in_drift:
         configuration = chosen_configuration(arguments, SCENARIO)
-    return _margins(arguments, configuration)
-
-
-def _margins(arguments: argparse.Namespace, configuration: Configuration) -> int:
-    from uav_tracking_mpc.report.atomic_write import write_json
-    from uav_tracking_mpc.report.figure_style import save_figure
-    from uav_tracking_mpc.studies.margins.margin_figure import margin_figure
-    from uav_tracking_mpc.studies.margins.margin_study import as_json, margin_study
-    from uav_tracking_mpc.studies.margins.margin_table import margin_table
-
-    study = margin_study(configuration)
-    content, table = as_json(study), margin_table(study)
-    words = [table.as_rich(), *(f"too small, {line}" for line in study.shortfalls)]
-    if arguments.output is not None:
-        arguments.output.mkdir(parents=True, exist_ok=True)
-        write_json(arguments.output / "margins.json", content)
-        save_figure(margin_figure(study), arguments.output / "margins.png")
-        words.append(f"figure: {arguments.output / 'margins.png'}")
-    if arguments.page is not None:
-        table.write_into(arguments.page, "margins")
-    answer(content, words, arguments.json)
-    return 0
-
-
-def _search(arguments: argparse.Namespace) -> int:
-    from uav_tracking_mpc.report.atomic_write import write_json
-    from uav_tracking_mpc.studies.margins.weight_search import as_json, search_table, search_weights
-
-    search = search_weights(arguments.config, arguments.overrides)
-    content = as_json(search)
-    if arguments.output is not None:
-        arguments.output.mkdir(parents=True, exist_ok=True)
-        write_json(arguments.output / "search.json", content)
-    answer(content, [search_table(search).as_rich(), search.yaml], arguments.json)
+    publish(margins(margin_study(configuration)), arguments)
     return 0

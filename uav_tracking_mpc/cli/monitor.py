@@ -19,7 +19,7 @@ from __future__ import annotations
 import argparse
 import os
 
-from uav_tracking_mpc.cli.flight_requests import add_flight_arguments
+from uav_tracking_mpc.cli.engage import add_flight_arguments
 
 HELP = "a live table of a flight in the terminal"
 DESCRIPTION = (
@@ -50,6 +50,6 @@ def run(arguments: argparse.Namespace) -> int:
         os.environ["ROS_DOMAIN_ID"] = str(arguments.domain_id)
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     from uav_tracking_mpc.nodes.monitor import Monitor
-    from uav_tracking_mpc.nodes.run import run as run_node
+    from uav_tracking_mpc.nodes.ros.process import run as run_node
 
     return run_node("monitor", Monitor, ["--ros-args", "-r", f"__ns:={arguments.namespace}"])

@@ -19,7 +19,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable
 
-from uav_tracking_mpc.cli.ending import explained
+from uav_tracking_mpc.cli.program import explained
 
 
 def program(name: str) -> Callable[[], int]:

@@ -19,7 +19,7 @@ from __future__ import annotations
 import argparse
 from functools import partial
 
-from uav_tracking_mpc.cli.flight_requests import add_flight_arguments, appears, flight_requests
+from uav_tracking_mpc.cli.engage import add_flight_arguments, appears, flight_requests
 
 HELP = "change parameters of a flight that is under way"
 DESCRIPTION = (
@@ -57,10 +57,9 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         ParameterError: One was refused.
     """
+    from uav_tracking_mpc.parameters.registry import did_you_mean
     from uav_tracking_mpc.parameters.specification import ParameterError
-    from uav_tracking_mpc.parameters.suggestion import did_you_mean
-    from uav_tracking_mpc.settings.configuration import SECTIONS
-    from uav_tracking_mpc.settings.parameter_file import Sections, override
+    from uav_tracking_mpc.settings.configuration import SECTIONS, Sections, override
 
     nodes: Sections = {section: {} for section in SECTIONS if section != "mission"}
     for assignment in arguments.assignments:
@@ -68,7 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
     asked = {owner: values for owner, values in nodes.items() if values}
     with flight_requests(arguments, owners=tuple(asked)) as requests:
         for owner, values in asked.items():
-            appears(partial(requests.offered, f"{owner}/set_parameters_atomically"))
+            appears(partial(requests.offered, owner))
             known = requests.parameters(owner)
             for name in values:
                 if name not in known:

@@ -20,20 +20,20 @@ import argparse
 import logging
 from typing import TYPE_CHECKING
 
-from uav_tracking_mpc.cli.answer import answer
-from uav_tracking_mpc.cli.arguments import (
+from uav_tracking_mpc.cli.options import (
     add_excite_argument,
     add_mission_arguments,
     add_output_arguments,
     chosen_configuration,
 )
-from uav_tracking_mpc.cli.page_arguments import (
+from uav_tracking_mpc.cli.page_options import (
     add_view_argument,
     check_page,
     opened_page,
     serve_until_signal,
     told_page_arguments,
 )
+from uav_tracking_mpc.cli.program import answer
 
 if TYPE_CHECKING:
     from uav_tracking_mpc.settings.configuration import Configuration
@@ -80,12 +80,12 @@ def run(arguments: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.progress import Progress
 
-    from uav_tracking_mpc.control.margin_check import margin_warning
-    from uav_tracking_mpc.report.flight_findings import in_short
+    from uav_tracking_mpc.margins.margin_check import margin_warning
+    from uav_tracking_mpc.report.metrics import in_short
     from uav_tracking_mpc.report.mission_report import write_report
     from uav_tracking_mpc.simulation.closed_loop import simulate
-    from uav_tracking_mpc.studies.identification.csv_record import FlightWitness, write_record
-    from uav_tracking_mpc.view.recorded.recorded_scene import recorded_scene
+    from uav_tracking_mpc.studies.identification.record_files import FlightWitness, write_record
+    from uav_tracking_mpc.view.recorded_scene import recorded_scene
 
     told_page_arguments(arguments)
     configuration = chosen_configuration(arguments, arguments.scenario)
@@ -116,7 +116,7 @@ def _watched(
     configuration: Configuration, arguments: argparse.Namespace, witness: Witness | None
 ) -> FlightLog:
     """Fly on a page until SIGINT or SIGTERM."""
-    from uav_tracking_mpc.view.simulated.simulated_source import SimulatedSource
+    from uav_tracking_mpc.view.simulated_source import SimulatedSource
 
     check_page()
     source = SimulatedSource(configuration, witness)

@@ -21,18 +21,18 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from uav_tracking_mpc.cli.answer import answer
-from uav_tracking_mpc.cli.arguments import (
+from uav_tracking_mpc.cli.options import (
     add_configuration_arguments,
     add_output_arguments,
     chosen_configuration,
     existing_file,
     number,
 )
+from uav_tracking_mpc.cli.program import answer
 
 if TYPE_CHECKING:
     from uav_tracking_mpc.settings.configuration import Configuration
-    from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
+    from uav_tracking_mpc.terminal.ingredients import StabilityProblem
 
 # What was asked for: for programs, for people, and whether it is good news.
 Found = tuple[dict[str, Any], list[Any], bool]
@@ -80,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
         Exit code.
     """
     if arguments.errata is not None:
-        from uav_tracking_mpc.studies.stability.paper_report_text import write_page
+        from uav_tracking_mpc.studies.stability.paper_report import write_page
 
         write_page(arguments.errata)
         return 0
@@ -92,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _found(arguments: argparse.Namespace) -> Found:
     if arguments.verify is not None:
         return _verified(arguments.verify)
-    from uav_tracking_mpc.formulation.paper_problem import stability_problem
+    from uav_tracking_mpc.formulation.paper_formulation import stability_problem
     from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT
 
     configuration = chosen_configuration(arguments)
@@ -109,8 +109,7 @@ def _say(text: str) -> None:
 
 
 def _verified(path: Path) -> Found:
-    from uav_tracking_mpc.terminal.certificate import read_certificate
-    from uav_tracking_mpc.terminal.verify import verify
+    from uav_tracking_mpc.terminal.certificate import read_certificate, verify
 
     try:
         certificate = read_certificate(path)
@@ -129,7 +128,7 @@ def _artificial_orbit(arguments: argparse.Namespace, configuration: Configuratio
     """The problem has no ellipsoid: say what is guaranteed, and fly random states."""
     from uav_tracking_mpc.parameters.specification import ParameterError
     from uav_tracking_mpc.report.atomic_write import write_json
-    from uav_tracking_mpc.studies.feasibility.feasibility_study import feasibility_study, in_words
+    from uav_tracking_mpc.studies.feasibility_study import feasibility_study, in_words
 
     for option in ("design", "maps", "figures"):
         if getattr(arguments, option):
@@ -148,18 +147,18 @@ def _designed(arguments: argparse.Namespace, problem: StabilityProblem) -> Found
 
     from uav_tracking_mpc.report.atomic_write import write_json
     from uav_tracking_mpc.studies.stability.design import candidate_table, design
-    from uav_tracking_mpc.terminal.cover import BOXES
+    from uav_tracking_mpc.studies.stability.proof import BOXES
 
     found = design(problem, _say, boxes=arguments.boxes or BOXES)
     if arguments.output is not None:
         write_json(arguments.output / "design.json", asdict(found))
-    words = [found.words, candidate_table(found).as_rich()]
+    words = [found.words, candidate_table(found)]
     return asdict(found), words, found.best is not None
 
 
 def _analysed(arguments: argparse.Namespace, problem: StabilityProblem) -> Found:
+    from uav_tracking_mpc.studies.stability.proof import BOXES
     from uav_tracking_mpc.studies.stability.stability_study import in_words, stability_study
-    from uav_tracking_mpc.terminal.cover import BOXES
 
     study = stability_study(
         problem,

@@ -19,16 +19,17 @@ from __future__ import annotations
 import argparse
 import itertools
 import signal
+from collections.abc import Iterator
 from typing import Any
 
-from uav_tracking_mpc.cli.answer import answer
-from uav_tracking_mpc.cli.arguments import (
+from uav_tracking_mpc.cli.options import (
     add_configuration_arguments,
     add_domain_argument,
     add_output_arguments,
     chosen_configuration,
     number,
 )
+from uav_tracking_mpc.cli.program import answer
 
 HELP = "inject faults into real nodes and check that nothing breaks"
 DESCRIPTION = (
@@ -100,39 +101,9 @@ def run(arguments: argparse.Namespace) -> int:
     # SIGTERM ends the campaign as Ctrl-C does.
     previous = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        if arguments.link is not None:
-            return _link(arguments)
         return _campaign(arguments) if arguments.soak is None else _soak(arguments)
     finally:
         signal.signal(signal.SIGTERM, previous)
-
-
-def _link(arguments: argparse.Namespace) -> int:
-    from rich.console import Console
-    from rich.progress import Progress
-
-    from uav_tracking_mpc.studies.link_faults.link_campaign import (
-        bad_frames,
-        fly_cases,
-        summary,
-        table,
-    )
-
-    configuration = chosen_configuration(arguments, "crosswind")
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("faults", total=arguments.cases)
-        cases = fly_cases(
-            arguments.link,
-            configuration,
-            arguments.cases,
-            arguments.seed,
-            progress=lambda done, kind: bar.update(task, completed=done, description=kind),
-        )
-    found = summary(arguments.link, configuration, arguments.seed, cases)
-    found["frames"] = bad_frames(arguments.link, configuration, arguments.seed)
-    _report(arguments, "torture.json", found, table(found))
-    return 1 if found["violations"] else 0
 
 
 def _soak(arguments: argparse.Namespace) -> int:
@@ -153,38 +124,53 @@ def _soak(arguments: argparse.Namespace) -> int:
 
 
 def _campaign(arguments: argparse.Namespace) -> int:
+    from uav_tracking_mpc.report.atomic_write import write_atomically
+    from uav_tracking_mpc.studies.faults.fault_findings import table, timeline
+
+    campaign = _nodes(arguments) if arguments.link is None else _link(arguments)
+    summary = campaign.summary()
+    write_atomically(arguments.output / "timeline.png", timeline(campaign))
+    _report(arguments, "torture.json", summary, table(summary))
+    if summary["interrupted"]:
+        raise KeyboardInterrupt
+    return 1 if summary["violations"] or summary.get("deaths") else 0
+
+
+def _link(arguments: argparse.Namespace) -> Any:
     from rich.console import Console
 
-    from uav_tracking_mpc.report.atomic_write import write_atomically
-    from uav_tracking_mpc.studies.faults.catalogue import catalogue, variants
-    from uav_tracking_mpc.studies.faults.fault_campaign import (
-        RECOVERY_LIMIT,
-        TOLERANCE,
-        FaultCampaign,
-    )
-    from uav_tracking_mpc.studies.faults.fault_findings import table
+    from uav_tracking_mpc.studies.faults.link_campaign import LINK_FAULTS, LinkCampaign
     from uav_tracking_mpc.studies.faults.schedule import schedule
-    from uav_tracking_mpc.studies.faults.timeline import timeline
 
-    configuration = chosen_configuration(arguments)
+    configuration = chosen_configuration(arguments, "crosswind")
+    cases = itertools.islice(schedule(LINK_FAULTS, arguments.seed, most=1), arguments.cases)
+    flown = LinkCampaign(arguments.link, configuration, Console(stderr=True))
+    return flown.fly(_chosen(arguments, cases), seed=arguments.seed)
+
+
+def _nodes(arguments: argparse.Namespace) -> Any:
+    from rich.console import Console
+
+    from uav_tracking_mpc.studies.faults.node_campaign import NodeCampaign
+    from uav_tracking_mpc.studies.faults.schedule import catalogue, schedule, variants
+
+    configuration, seed, minutes = (
+        chosen_configuration(arguments), arguments.seed, arguments.minutes
+    )  # fmt: skip
     faults = catalogue(arguments.faults)
     first = [label for reference in arguments.faults for label in variants(reference)]
     for bag in (arguments.output / "cases").glob("case_*.mcap"):
         bag.unlink()  # of another run
-    cases = schedule(faults, arguments.seed, arguments.minutes, first)
-    if arguments.case is not None:
-        cases = itertools.islice(cases, arguments.case, arguments.case + 1)
-    flown = FaultCampaign(configuration, faults, arguments.output, Console(stderr=True))
-    campaign = flown.fly(
-        cases, seed=arguments.seed, minutes=arguments.minutes, domain=arguments.domain_id
-    )
-    summary = campaign.summary()
-    picture = timeline(campaign, TOLERANCE, RECOVERY_LIMIT)
-    write_atomically(arguments.output / "timeline.png", picture)
-    _report(arguments, "torture.json", summary, table(summary))
-    if campaign.interrupted:
-        raise KeyboardInterrupt
-    return 1 if summary["violations"] or summary["deaths"] else 0
+    cases = _chosen(arguments, schedule(faults, seed, minutes, first))
+    flown = NodeCampaign(configuration, faults, arguments.output, Console(stderr=True))
+    return flown.fly(cases, seed=seed, minutes=minutes, domain=arguments.domain_id)
+
+
+def _chosen(arguments: argparse.Namespace, cases: Iterator[Any]) -> Iterator[Any]:
+    """The cases to fly: all, or one."""
+    if arguments.case is None:
+        return cases
+    return itertools.islice(cases, arguments.case, arguments.case + 1)
 
 
 def _report(

@@ -21,12 +21,12 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from uav_tracking_mpc.cli.arguments import (
+from uav_tracking_mpc.cli.options import (
     add_configuration_arguments,
     add_domain_argument,
     chosen_configuration,
 )
-from uav_tracking_mpc.cli.page_arguments import (
+from uav_tracking_mpc.cli.page_options import (
     add_page_arguments,
     check_page,
     opened_page,
@@ -80,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _recorded(arguments: argparse.Namespace) -> FlightSource:
-    from uav_tracking_mpc.view.recorded.recorded_source import RecordedSource
+    from uav_tracking_mpc.view.recorded_source import RecordedSource
 
     return RecordedSource(arguments.bag, _told_tracking(arguments))
 
@@ -98,6 +98,6 @@ def _told_tracking(arguments: argparse.Namespace) -> TrackingParameters | None:
 
 def _live(arguments: argparse.Namespace) -> FlightSource:
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    from uav_tracking_mpc.view.live.live_source import LiveSource
+    from uav_tracking_mpc.view.live_source import LiveSource
 
     return LiveSource(arguments.domain_id)

@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.control.event import EventLog, Level
-from uav_tracking_mpc.control.oscillation import OscillationReport
-from uav_tracking_mpc.dynamics.response import Response
+from uav_tracking_mpc.control.watches import OscillationReport
+from uav_tracking_mpc.dynamics.vehicle import Response
 from uav_tracking_mpc.estimation.channel_response import CHANNELS, ChannelResponse
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.response_estimator import ResponseEstimator

@@ -22,11 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.control.fallback import FallbackMode
-from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit, orbit_about
-from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.dynamics.orbit import FlownOrbit, Orbit, orbit_about
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.formulation import Plan
-from uav_tracking_mpc.mpc.solution import Solution, Status
+from uav_tracking_mpc.mpc.solver import Solution, Status
 
 
 @dataclass(frozen=True)

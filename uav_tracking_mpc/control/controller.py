@@ -26,6 +26,7 @@ solves the optimal control problem from there, or falls back. Times are in [s] o
 from __future__ import annotations
 
 import dataclasses
+import math
 import time
 from collections.abc import Callable
 from typing import Any
@@ -36,21 +37,26 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc.control.adaptation import ResponseAdaptation
 from uav_tracking_mpc.control.command import Command, orbit_from
 from uav_tracking_mpc.control.command_shaping import CommandShaper
-from uav_tracking_mpc.control.direction import nearest_direction
 from uav_tracking_mpc.control.event import EventLog, Level
 from uav_tracking_mpc.control.fallback import (
     OWN_SOLVE,
     Available,
     FallbackMode,
     ModeSelector,
+    PlanMemory,
     choose,
 )
-from uav_tracking_mpc.control.guidance import formulation_of, law_about, law_inputs, law_of, planned
-from uav_tracking_mpc.control.orbit_shortfall import OrbitShortfall
-from uav_tracking_mpc.control.pace import Pace
-from uav_tracking_mpc.control.plan_memory import PlanMemory
-from uav_tracking_mpc.control.rate_keeper import RateKeeper
-from uav_tracking_mpc.dynamics.response import Response
+from uav_tracking_mpc.control.guidance import (
+    formulation_of,
+    law_about,
+    law_inputs,
+    law_of,
+    nearest_direction,
+    planned,
+)
+from uav_tracking_mpc.control.pace import Pace, RateKeeper
+from uav_tracking_mpc.control.watches import OrbitShortfall
+from uav_tracking_mpc.dynamics.vehicle import Response
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.navigator import Estimate, Navigator
 from uav_tracking_mpc.estimation.situation import Situation
@@ -196,6 +202,8 @@ class Controller:
         position: ArrayLike,
         velocity: ArrayLike | None = None,
         covariance: ArrayLike | None = None,
+        *,
+        now: float = math.nan,
     ) -> bool:
         """Take in a measurement of the target: see :meth:`TargetFilter.update`.
 
@@ -205,21 +213,23 @@ class Controller:
             velocity: In ``map``, shape (3,), in [m/s]; None if it is not known.
             covariance: Of position, shape (3, 3), or of position and velocity, shape (6, 6), in
                 SI units; None if it is not known.
+            now: Time at the call in [s], by the clock of the stamps; not a number if it is unknown.
 
         Raises:
             MeasurementError: Not finite, not of its shape, or stamped by another clock.
         """
         known, limit = self.navigator.target.time, self.parameters.target_timeout
-        self._gate.check_target(stamp, known, limit)
+        self._gate.check_target(stamp, known, limit, now)
         return self.navigator.see_target(stamp, position, velocity, covariance)
 
-    def see_state(self, measurement: Measurement) -> None:
+    def see_state(self, measurement: Measurement, now: float = math.nan) -> None:
         """Take note of a measurement that is not to be answered.
 
         Args:
             measurement: Of the aircraft.
+            now: Time at the call in [s], by the clock of the stamps; not a number if it is unknown.
         """
-        self._believe(measurement, self._stopwatch())
+        self._believe(measurement, self._stopwatch(), now)
 
     def step(self, measurement: Measurement, now: float) -> Command | None:
         """Answer a measurement.
@@ -232,7 +242,7 @@ class Controller:
             None while no command is due, the measurement is doubted or late, or no target seen.
         """
         begin, stamp = self._stopwatch(), measurement.stamp
-        if not self._believe(measurement, begin):
+        if not self._believe(measurement, begin, now):
             return None
         self.rate.state(stamp)
         target = self.navigator.target
@@ -287,9 +297,9 @@ class Controller:
         self._shaper.reset()
         self._select(Available(state=False, trouble=reason))
 
-    def _believe(self, measurement: Measurement, arrival: float) -> bool:
+    def _believe(self, measurement: Measurement, arrival: float, now: float) -> bool:
         """Whether a measurement is to be used."""
-        verdict = self._gate.judge(measurement, arrival)
+        verdict = self._gate.judge(measurement, arrival, now)
         reason = f"vehicle state: {self._gate.reason}"
         if verdict is Verdict.DOUBT:
             self.events.add(Level.REFUSAL, f"{reason}; used if the next ones agree")

@@ -21,8 +21,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import TYPE_CHECKING
 
-from uav_tracking_mpc.mpc.solution import Solution, Status
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.mpc.solver import Solution, Status
+
+if TYPE_CHECKING:
+    from uav_tracking_mpc.formulation.formulation import Plan
 
 FEASIBLE_VIOLATION = 1e-2  # of hard constraints, in their own scale, that a plan may be flown with
 OWN_SOLVE = "the own solve is late"  # why nothing is sent, though states come
@@ -159,3 +166,46 @@ class ModeSelector:
             return None
         self.changes += 1
         return ModeChange(before, mode, self.reason)
+
+
+class PlanMemory:
+    """Keeps one plan and what is left of it."""
+
+    def __init__(self) -> None:
+        self._plan: Plan | None = None
+        self._begin = 0.0
+
+    def reset(self) -> None:
+        """Forget the plan."""
+        self._plan = None
+
+    def keep(self, plan: Plan, begin: float) -> None:
+        """Remember a plan in the place of the one before.
+
+        Args:
+            plan: That is flown.
+            begin: When its first segment begins in [s].
+        """
+        self._plan, self._begin = plan, begin
+
+    @property
+    def orbit(self) -> NDArray[np.float64] | None:
+        """Range, altitude and airspeed of the orbit that the plan ends on, shape (3,), or None."""
+        return None if self._plan is None else self._plan.orbit
+
+    def remaining(self, time: float, age_max: float) -> tuple[NDArray[np.float64], float] | None:
+        """What is left of the plan.
+
+        Args:
+            time: From which on in [s].
+            age_max: Age at which a plan counts no more in [s].
+
+        Returns:
+            Inputs, shape (n, 3), n >= 1, and the length of a segment in [s]; None if there is
+            no plan, or nothing left of it.
+        """
+        age = time - self._begin
+        if self._plan is None or not 0.0 <= age <= age_max:
+            return None
+        inputs = self._plan.inputs[int(age / self._plan.step) :]
+        return (inputs, self._plan.step) if len(inputs) else None

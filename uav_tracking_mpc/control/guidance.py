@@ -12,23 +12,85 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The guidance that the parameters ask for: an optimal control problem to solve, or a law."""
+"""The guidance that the parameters ask for: an optimal control problem, or a law."""
 
 from __future__ import annotations
+
+import math
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.control.bank_alone import BankAlone
-from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.dynamics.symbolic_work import one_at_a_time
+from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, COUNTER_CLOCKWISE, Orbit
+from uav_tracking_mpc.dynamics.vehicle_models import VehicleModel
 from uav_tracking_mpc.estimation.navigator import Estimate
 from uav_tracking_mpc.estimation.situation import Situation
-from uav_tracking_mpc.formulation.formulation import Formulation, Plan, SolverMaker, solver_of
-from uav_tracking_mpc.laws import GuidanceLaw
-from uav_tracking_mpc.parameters.registry import GUIDANCE_LAW, ExtensionError
+from uav_tracking_mpc.formulation.formulation import (
+    Formulation,
+    Plan,
+    SolverMaker,
+    solver_as_told,
+    solver_of,
+)
+from uav_tracking_mpc.laws import GUIDANCE_LAW, GuidanceLaw
+from uav_tracking_mpc.mpc.compiled_method import Compilation, method_folder
+from uav_tracking_mpc.parameters.registry import ExtensionError
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, PREDICTIVE, TrackingParameters
+from uav_tracking_mpc.symbolic.functions import one_at_a_time
+
+# The other direction is the nearer one beyond 90 deg from the tangent. The direction changes only
+# when it is nearer by more than 45 deg (hysteresis).
+HYSTERESIS = math.radians(45.0)
+
+
+def nearest_direction(
+    situation: Situation, present: str | None = None, stands: bool = False
+) -> str:
+    """Direction of the orbit to which the relative velocity needs to turn less.
+
+    Args:
+        situation: Where the aircraft is and goes.
+        present: Direction that is flown, if one is: kept but for a flight clearly against it.
+        stands: Whether it is kept in any case.
+    """
+    x, y, _ = situation.offset.tolist()
+    w_x, w_y, _ = situation.relative_velocity.tolist()
+    speed_distance = math.hypot(x, y) * math.hypot(w_x, w_y)
+    # Cosine of the angle between relative velocity and counter-clockwise tangent.
+    along = (x * w_y - y * w_x) / speed_distance if speed_distance > 0.0 else 0.0
+    if present is None:
+        return COUNTER_CLOCKWISE if along > 0.0 else CLOCKWISE
+    follows = along if present == COUNTER_CLOCKWISE else -along
+    if stands or not follows < -math.sin(HYSTERESIS):  # also where it is no number
+        return present
+    return CLOCKWISE if present == COUNTER_CLOCKWISE else COUNTER_CLOCKWISE
+
+
+class BankAlone(GuidanceLaw):
+    """A law, with what the autopilot finds itself in the place of its other inputs.
+
+    Args:
+        law: Whose turn rate is flown.
+        model: Of the aircraft, which says what the autopilot finds itself.
+    """
+
+    def __init__(self, law: GuidanceLaw, model: VehicleModel) -> None:
+        super().__init__(law.orbit, law.envelope)
+        self.name = law.name  # type: ignore[misc]  # errors are told by the name of the law
+        self._law, self._model = law, model
+        self._numbers = model.numbers(1.0)  # none of those of what is held depends on the step
+
+    def inputs(self, situation: Situation) -> NDArray[np.float64]:
+        """See :meth:`GuidanceLaw.inputs`; the envelope has no say in what the autopilot finds."""
+        state = self._model.initial(situation.vehicle, situation.target, situation.rates)
+        held = self._model.held(
+            state, self.orbit.altitude, self.orbit.speed, self._numbers, situation.drift
+        )
+        inputs = np.array(self._law.inputs(situation), dtype=float)
+        inputs[self._model.commanded :] = held
+        return inputs
 
 
 @one_at_a_time
@@ -127,3 +189,41 @@ def planned(
     if not np.all(np.isfinite(plan.inputs)):
         return None, f"the plan is not finite: {plan.solution.message}"
     return plan, ""
+
+
+def compiled_into(parameters: TrackingParameters) -> Path | None:
+    """Folder of the machine code, whether it is made yet or not.
+
+    Args:
+        parameters: What is flown.
+
+    Returns:
+        None where nothing is compiled for it.
+
+    Raises:
+        ParameterError: It cannot be flown.
+        NotImplementedError: The problem uses an operation that cannot be compiled.
+    """
+    formulation = formulation_of(parameters, solver_as_told(lambda: False))
+    if formulation is None or parameters.solver != "newton":
+        return None
+    return method_folder(formulation.solver.problem)
+
+
+def compile_flight(parameters: TrackingParameters) -> Path | None:
+    """Return when the machine code is there; where it is already, at once.
+
+    Args:
+        parameters: What is flown.
+
+    Returns:
+        As of :func:`compiled_into`.
+
+    Raises:
+        ParameterError: It cannot be flown.
+        CompilationError: It cannot be compiled.
+    """
+    folder = compiled_into(parameters)
+    if folder is not None:
+        Compilation(folder).wait()
+    return folder

@@ -17,13 +17,16 @@
 from __future__ import annotations
 
 import logging
+import math
 import threading
+import time
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
 logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
+LOOK_PERIOD = 0.1  # s between looks at whether the program ends
 
 
 class LatestJob(Generic[T]):
@@ -33,10 +36,16 @@ class LatestJob(Generic[T]):
         name: Of the thread.
         work: Called in that thread with each thing that is asked for. An exception of its ends that
             one thing: it is logged, and the next one is done.
+        patience: How long the first work waits in [s].
+        rest: How long nothing else may be asked for before work begins in [s], so that a series of
+            changes is worked on once.
     """
 
-    def __init__(self, name: str, work: Callable[[T], None]) -> None:
-        self._name, self._work = name, work
+    def __init__(
+        self, name: str, work: Callable[[T], None], patience: float = 0.0, rest: float = 0.0
+    ) -> None:
+        self._name, self._work, self._rest = name, work, rest
+        self._begin = time.monotonic() + patience
         self._lock = threading.Lock()
         self._next: list[T] = []
         self._thread: threading.Thread | None = None
@@ -48,6 +57,7 @@ class LatestJob(Generic[T]):
             what: Takes the place of what was asked for and has not begun.
         """
         with self._lock:
+            self._begin = max(self._begin, time.monotonic() + self._rest)
             self._next = [what]
             if self._thread is None:
                 self._thread = threading.Thread(target=self._run, name=self._name)
@@ -59,11 +69,19 @@ class LatestJob(Generic[T]):
         if thread is not None:
             thread.join()
 
+    def end(self) -> None:
+        """Give up what has not begun."""
+        with self._lock:
+            self._next, self._begin = [], -math.inf
+
     def _run(self) -> None:
         while True:
+            while time.monotonic() < self._begin and threading.main_thread().is_alive():
+                time.sleep(LOOK_PERIOD)
             with self._lock:
                 waiting, self._next = self._next, []
-                if not waiting:
+                ends = time.monotonic() < self._begin  # the program does
+                if ends or not waiting:
                     self._thread = None
                     return
             try:

@@ -12,9 +12,11 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""When a command is due: states come at their own rate, commands keep theirs on the average."""
+"""When a command is due, and whether the control rate is kept."""
 
 from __future__ import annotations
+
+from collections import deque
 
 FORGIVEN = 0.01  # of the period by which a state may be early: rounding must not cost a whole state
 
@@ -46,3 +48,90 @@ class Pace:
             return False
         self._due = stamp if due + self.period <= stamp else due
         return True
+
+
+WINDOW = 2.0  # s of the stamps
+KEPT = 0.9  # share of the rate, below which it is missed
+KEPT_AGAIN = 0.95  # share of the rate, from which on it is kept again
+LASTING = 3.0  # s for which the other opinion must hold: longer than one lapse is in the window
+LATE = 1.5  # periods from command to command, beyond which one came late
+
+
+class RateKeeper:
+    """Counts commands and the states they could have answered over the latest seconds.
+
+    Args:
+        rate: Commands a second that are asked for in [Hz].
+
+    Attributes:
+        rate: Commands a second that are asked for in [Hz].
+        missed: Periods in which a command was due and none was sent.
+        late: Commands that came late.
+    """
+
+    def __init__(self, rate: float) -> None:
+        self.rate = rate
+        self.missed = self.late = 0
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the latest seconds."""
+        self._states: deque[float] = deque()
+        self._commands: deque[float] = deque()
+        self._kept, self._agreed = True, -float("inf")
+
+    def state(self, time: float) -> None:
+        """Count a state.
+
+        Args:
+            time: Its stamp in [s].
+        """
+        _add(self._states, time)
+
+    def command(self, time: float) -> None:
+        """Count a command that has been sent.
+
+        Args:
+            time: Stamp of the state that it answers in [s].
+        """
+        if self._commands and time < self._commands[-1]:
+            self.reset()
+        if self._commands:
+            periods = (time - self._commands[-1]) * self.rate
+            self.missed += max(0, round(periods) - 1)
+            self.late += periods > LATE
+        _add(self._commands, time)
+        self._judge(time)
+
+    def _judge(self, time: float) -> None:
+        """Change the opinion where the other one has lasted."""
+        rate = _rate(self._commands)
+        least = (KEPT if self._kept else KEPT_AGAIN) * self.rate
+        if rate is None or (rate >= least) == self._kept:
+            self._agreed = time
+        elif time - self._agreed >= LASTING:
+            self._kept, self._agreed = not self._kept, time
+
+    def complaint(self) -> str:
+        """How the rate is missed, in words; empty while it is kept or not yet known."""
+        commands, states = _rate(self._commands), _rate(self._states)
+        if self._kept or commands is None:
+            return ""
+        words = f"keeps {commands:.1f} Hz of the {self.rate:g} Hz asked for"
+        if states is not None and states < KEPT * self.rate:
+            words += f": states come at {states:.1f} Hz only"
+        return words
+
+
+def _add(times: deque[float], time: float) -> None:
+    if times and time < times[-1]:
+        times.clear()
+    times.append(time)
+    while times[0] < time - WINDOW:
+        times.popleft()
+
+
+def _rate(times: deque[float]) -> float | None:
+    if len(times) < 2 or times[-1] - times[0] < 0.5 * WINDOW:
+        return None
+    return (len(times) - 1) / (times[-1] - times[0])

@@ -30,7 +30,7 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple, ParamSpec, TypeVar, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,21 +44,7 @@ from uav_tracking_mpc.formulation.formulation import Formulation, solver_as_told
 from uav_tracking_mpc.parameters.specification import ParameterError, from_mapping
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
-P = ParamSpec("P")
-T = TypeVar("T")
 PENDING = 200  # calls after which they are written, if nobody has asked for it before
-
-
-def _noted(method: Callable[P, T]) -> Callable[P, T]:
-    """The method of a controller, which remembers its arguments before it is called."""
-
-    @functools.wraps(method)
-    def noted(*arguments: P.args, **named: P.kwargs) -> T:
-        controller, *rest = arguments
-        cast("RecordingController", controller).note(method.__name__, rest, named)
-        return method(*arguments, **named)
-
-    return noted
 
 
 class RecordingController(Controller):
@@ -115,17 +101,8 @@ class RecordingController(Controller):
             self.flush()
             self._file.close()
 
-    def note(self, name: str, arguments: Sequence[Any], named: dict[str, Any]) -> dict[str, Any]:
-        """Remember a call.
-
-        Args:
-            name: Of the method.
-            arguments: By position.
-            named: By name.
-
-        Returns:
-            What will be written, to be added to.
-        """
+    def _note(self, name: str, arguments: Sequence[Any], named: dict[str, Any]) -> dict[str, Any]:
+        """Remember a call; what is returned will be written, and may be added to."""
         if len(self._calls) >= PENDING:
             self.flush()
         self._readings = []
@@ -133,28 +110,32 @@ class RecordingController(Controller):
         self._calls.append({**call, "stopwatch": self._readings})
         return self._calls[-1]
 
-    reset = _noted(Controller.reset)
-    change = _noted(Controller.change)
-    see_air = _noted(Controller.see_air)
-    see_target = _noted(Controller.see_target)
-    see_state = _noted(Controller.see_state)
-    engage = _noted(Controller.engage)
-    fall_silent = _noted(Controller.fall_silent)
-
     def step(self, measurement: Measurement, now: float) -> Command | None:
         """See :meth:`Controller.step`."""
-        call = self.note("step", (measurement, now), {})
+        call = self._note("step", (measurement, now), {})
         command = super().step(measurement, now)
         if self.formulation is not None:
             call["solver"] = self.formulation.solver.name
         if command is not None:
-            call["command"] = {
-                "inputs": command.inputs,
-                "step": command.step,
-                "mode": command.mode.value,
-                "out_of_time": command.out_of_time,
-            }
+            answer = {name: getattr(command, name) for name in RecordedCommand._fields}
+            call["command"] = {**answer, "mode": command.mode.value}
         return command
+
+
+def _noted(name: str) -> Callable[..., Any]:
+    """A method of a controller, which remembers its arguments before it is called."""
+    method = getattr(Controller, name)
+
+    @functools.wraps(method)
+    def noted(controller: RecordingController, *arguments: Any, **named: Any) -> Any:
+        controller._note(name, arguments, named)
+        return method(controller, *arguments, **named)
+
+    return noted
+
+
+for _name in ("reset", "change", "see_air", "see_target", "see_state", "engage", "fall_silent"):
+    setattr(RecordingController, _name, _noted(_name))
 
 
 class RecordedCommand(NamedTuple):

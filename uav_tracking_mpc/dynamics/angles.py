@@ -12,38 +12,14 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Angles live on a circle: wrap them where they enter and where they are subtracted."""
+"""Old name of :mod:`uav_tracking_mpc.dynamics.frames`, where ``wrap_angle`` is; gone with 0.4."""
 
-from __future__ import annotations
+import warnings
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from uav_tracking_mpc.dynamics.frames import wrap_angle as wrap_angle
 
-
-def wrap_angle(angle: ArrayLike) -> NDArray[np.float64]:
-    """Wrap angles to (-pi, pi].
-
-    Angles that already lie there come back bit for bit.
-
-    Args:
-        angle: Angle or array of angles in [rad], any shape.
-
-    Returns:
-        The same shape (0-d for a scalar), in [rad].
-    """
-    angle = np.asarray(angle, dtype=float)
-    wrapped = np.pi - np.mod(np.pi - angle, 2.0 * np.pi)
-    return np.where((angle > -np.pi) & (angle <= np.pi), angle, wrapped)
-
-
-def angle_difference(minuend: ArrayLike, subtrahend: ArrayLike) -> NDArray[np.float64]:
-    """Shortest signed turn from ``subtrahend`` to ``minuend``, in (-pi, pi].
-
-    Args:
-        minuend: Angle or angles in [rad], any shape.
-        subtrahend: Angle or angles in [rad], of a shape that broadcasts with the other.
-
-    Returns:
-        Of the broadcast shape, in [rad].
-    """
-    return wrap_angle(np.asarray(minuend, dtype=float) - np.asarray(subtrahend, dtype=float))
+warnings.warn(
+    "uav_tracking_mpc.dynamics.angles is uav_tracking_mpc.dynamics.frames now: import from there",
+    DeprecationWarning,
+    stacklevel=2,
+)

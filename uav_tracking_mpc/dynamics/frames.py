@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-r"""Frames and signs (REP-103): the only module that knows them.
+r"""Frames, angles and signs (REP-103): the only module that knows them.
 
 World ``map`` is East-North-Up, body ``base_link`` is Forward-Left-Up. The heading psi turns
 counter-clockwise from East; the path angle chi is positive when climbing. FLU pitch is positive
@@ -21,7 +21,7 @@ nose *down*, hence
 .. math:: R = R_z(\psi) R_y(-\chi)
 
 and the pitch rate on the wire is minus the rate of chi. There is no roll: the vehicle is a point
-that moves along its own x axis.
+that moves along its own x axis. Angles are wrapped where they enter and where they are subtracted.
 """
 
 from __future__ import annotations
@@ -33,7 +33,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.dynamics.air import GRAVITY
+
+
+def wrap_angle(angle: ArrayLike) -> NDArray[np.float64]:
+    """Wrap angles to (-pi, pi].
+
+    Angles that already lie there come back bit for bit.
+
+    Args:
+        angle: Angle or array of angles in [rad], any shape.
+
+    Returns:
+        The same shape (0-d for a scalar), in [rad].
+    """
+    angle = np.asarray(angle, dtype=float)
+    wrapped = np.pi - np.mod(np.pi - angle, 2.0 * np.pi)
+    return np.where((angle > -np.pi) & (angle <= np.pi), angle, wrapped)
+
 
 # Rotations of frames with an autopilot's axes, (x, y, z, w): of North-East-Down in East-North-Up,
 # where x and y change places, and of Forward-Right-Down in Forward-Left-Up, half a turn about x.
@@ -186,16 +203,6 @@ def heading_from_yaw(yaw: float) -> float:
         In [rad], in (-pi, pi]; the same function leads back.
     """
     return math.remainder(0.5 * math.pi - yaw, 2.0 * math.pi)
-
-
-def north_east_down(vector: ArrayLike) -> NDArray[np.float64]:
-    """A vector of ``map`` in North-East-Down axes, shape (3,); the same function leads back.
-
-    Args:
-        vector: Shape (3,), in any unit [SI].
-    """
-    east, north, up = np.asarray(vector, dtype=float).tolist()
-    return np.array([north, east, -up])
 
 
 def course_rates_from_euler(

@@ -12,42 +12,24 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Motion of the UAV relative to its target, Section 3 of the paper: coordinates and steady orbits.
+"""Motion of the UAV relative to its target, Section 3: coordinates, steady orbits, error form (11).
 
 The models themselves stand in :mod:`uav_tracking_mpc.dynamics.relative_models`.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.dynamics.angles import wrap_angle
+from uav_tracking_mpc.dynamics.frames import wrap_angle
 from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.dynamics.relative_models import RELATIVE_MODEL, RelativeState
 from uav_tracking_mpc.dynamics.vehicle import INPUT_NAMES
-from uav_tracking_mpc.parameters.registry import RELATIVE_MODEL
-
-
-class RelativeState(NamedTuple):
-    """State (r, theta, z, chi, v) by name; an array of shape (5,) in this order is the same.
-
-    Attributes:
-        range: r, distance to the target [m].
-        bearing: theta = psi - phi - pi, wrapped to (-pi, pi] [rad].
-        altitude: z, height above the target [m].
-        path_angle: chi, positive when climbing [rad].
-        speed: v [m/s].
-    """
-
-    range: Any
-    bearing: Any
-    altitude: Any
-    path_angle: Any
-    speed: Any
-
+from uav_tracking_mpc.symbolic.functions import SCHEMES, evaluate
 
 STATE_NAMES = RelativeState._fields
 NX, NU = len(STATE_NAMES), len(INPUT_NAMES)
@@ -91,27 +73,94 @@ def vanishing_rates(model: str) -> RelativeState:
     Args:
         model: Name of a relative model.
     """
-    rates = rates_function(model)
     place = RelativeState(*(ca.SX.sym(name) for name in STATE_NAMES))
-    inputs = [ca.vertcat(*place._replace(path_angle=ca.SX(0))), ca.SX(NU, 1)]
-    work: dict[int, ca.SX] = {}
-    found = [ca.SX(0)] * NX
-    for k in range(rates.n_instructions()):
-        code = rates.instruction_id(k)
-        ins, outs = rates.instruction_input(k), rates.instruction_output(k)
-        if code == ca.OP_OUTPUT:
-            found[outs[1]] = work[ins[0]]
-        elif code == ca.OP_INPUT:
-            work[outs[0]] = inputs[ins[0]][ins[1]]
-        elif code == ca.OP_CONST:
-            work[outs[0]] = ca.SX(rates.instruction_constant(k))
-        elif code == ca.OP_COS and ca.is_equal(work[ins[0]], place.bearing):
-            work[outs[0]] = ca.SX(0)
-        elif len(ins) == 1:
-            work[outs[0]] = ca.SX.unary(code, work[ins[0]])
-        else:
-            work[outs[0]] = ca.SX.binary(code, *(work[i] for i in ins))
+
+    def applied(code: int, *operands: ca.SX) -> ca.SX:
+        if code == ca.OP_COS and ca.is_equal(operands[0], place.bearing):
+            return ca.SX(0)
+        return ca.SX.unary(code, *operands) if len(operands) == 1 else ca.SX.binary(code, *operands)
+
+    inputs = [[*place._replace(path_angle=ca.SX(0))], [ca.SX(0)] * NU]
+    (found,) = evaluate(rates_function(model), inputs, ca.SX, applied)
     return RelativeState(*(entry.is_zero() for entry in found))
+
+
+def error_step(
+    model: str, scheme: str, x: ca.SX, u: ca.SX, x_ss: Any, u_ss: Any, step: Any
+) -> ca.SX:
+    """Tracking-error form of one step, (10)-(11): x+ = Phi(x_ss + x, u_ss + u) - x_ss.
+
+    Args:
+        model: Name of a relative model.
+        scheme: Name in :data:`SCHEMES`.
+        x: Deviation from the steady state, shape (5, 1).
+        u: Deviation from the steady inputs, shape (3, 1).
+        x_ss: Steady state, shape (5, 1).
+        u_ss: Steady inputs, shape (3, 1).
+        step: T_s in [s], a number or a symbol.
+    """
+    return SCHEMES[scheme](rates_function(model), x_ss + x, u_ss + u, step) - x_ss
+
+
+def error_dynamics(model: str, orbit: Orbit, step: float, scheme: str = "euler") -> ca.Function:
+    """Tracking-error form f(x, u) of a model, (10)-(11): x+ = f(x, u), f(0, 0) = 0.
+
+    Args:
+        model: Name of a relative model.
+        orbit: Reference; x and u are deviations from its steady state and steady inputs.
+        step: T_s in [s].
+        scheme: Name in :data:`SCHEMES`.
+
+    Returns:
+        CasADi function (x (5,), u (3,)) -> x+ (5,).
+
+    Raises:
+        ValueError: Unknown model or scheme, or a step that is not positive.
+    """
+    if scheme not in SCHEMES:
+        raise ValueError(f"scheme is {scheme!r}, must be one of {', '.join(SCHEMES)}")
+    if not step > 0.0:
+        raise ValueError(f"step is {step} s, must be positive")
+    x, u = ca.SX.sym("x", NX), ca.SX.sym("u", NU)
+    x_ss, u_ss = ca.DM(orbit.steady_state), ca.DM(steady_inputs(model, orbit))
+    following = error_step(model, scheme, x, u, x_ss, u_ss, step)
+    return ca.Function(f"{model}_{scheme}", [x, u], [following], ["x", "u"], ["x_next"])
+
+
+def orbit_dynamics(model: str, step: float, scheme: str = "euler") -> ca.Function:
+    """The same of every orbit: what it depends on is the third argument.
+
+    Args:
+        model: Name of a relative model.
+        step: T_s in [s].
+        scheme: Name in :data:`SCHEMES`.
+
+    Returns:
+        CasADi function (x (5,), u (3,), orbit (5,)) -> x+ (5,), where orbit is
+        :func:`orbit_numbers`.
+    """
+    x, u, orbit = ca.SX.sym("x", NX), ca.SX.sym("u", NU), ca.SX.sym("orbit", NX)
+    range_, bearing, altitude, speed, turn_rate = ca.vertsplit(orbit)
+    x_ss = ca.vertcat(range_, bearing, altitude, 0.0, speed)
+    u_ss = ca.vertcat(turn_rate, 0.0, 0.0)
+    following = error_step(model, scheme, x, u, x_ss, u_ss, step)
+    names = ["x", "u", "orbit"], ["x_next"]
+    return ca.Function(f"{model}_{scheme}", [x, u, orbit], [following], *names)
+
+
+def orbit_numbers(model: str, orbit: Orbit) -> NDArray[np.float64]:
+    """What is not zero in x_ss and u_ss of an orbit: r_d, theta_ss, z_d, v_d and the turn rate.
+
+    Args:
+        model: Name of a relative model.
+        orbit: Reference.
+
+    Returns:
+        Shape (5,), in [m], [rad], [m], [m/s] and [rad/s].
+    """
+    range_, bearing, altitude, _, speed = orbit.steady_state
+    turn_rate, _, _ = steady_inputs(model, orbit)
+    return np.array([range_, bearing, altitude, speed, turn_rate])
 
 
 def relative_state(vehicle: ArrayLike, target: ArrayLike) -> NDArray[np.float64]:

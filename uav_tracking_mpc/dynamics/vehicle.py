@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.dynamics.angles import wrap_angle
+from uav_tracking_mpc.dynamics.frames import wrap_angle
 
 INPUT_NAMES = ("u_psi", "u_chi", "u_v")
 
@@ -128,3 +128,27 @@ def velocity(state: ArrayLike) -> NDArray[np.float64]:
     """
     _, _, _, psi, chi, v = np.asarray(state, dtype=float).tolist()
     return np.array(air_velocity(psi, chi, v, np))  # also of what is not finite
+
+
+class Response(NamedTuple):
+    """A first-order lag behind a dead time on each of the three channels.
+
+    Attributes:
+        lags: Time constants, shape (3,), in [s].
+        dead_times: Shape (3,), in [s].
+        gains: What is flown over what is commanded, shape (3,) [-].
+    """
+
+    lags: NDArray[np.float64]
+    dead_times: NDArray[np.float64]
+    gains: NDArray[np.float64]
+
+
+def followed(duration: float, lag: float) -> float:
+    """Share of a step that a first-order lag has followed after a time [-]; all of it without one.
+
+    Args:
+        duration: Since the step in [s].
+        lag: Time constant in [s].
+    """
+    return -math.expm1(-duration / lag) if lag else 1.0

@@ -15,7 +15,8 @@
 """The airspeed that belongs to a measurement; without one the air is taken as still.
 
 An airspeed that comes by itself is heard after the state that it belongs to: the first state has
-none. It is awaited for a time before it counts as one that nobody measures.
+none. It is awaited for a time before it counts as one that nobody measures. For the same reason the
+first state after a gap goes by the airspeed from before the gap.
 """
 
 from __future__ import annotations
@@ -34,8 +35,8 @@ class AirData:
     """The newest airspeed that came by itself, beside the measurements of the aircraft.
 
     Args:
-        timeout: Greatest difference of its stamp from that of a measurement, and how long the
-            first one is awaited, in [s].
+        timeout: Greatest difference of its stamp from that of a measurement, or of the one before,
+            and how long the first one is awaited, in [s].
 
     Attributes:
         missing: Whether the latest vehicle state had no airspeed to go by.
@@ -49,6 +50,7 @@ class AirData:
     def reset(self) -> None:
         """Forget the airspeed."""
         self._stamp, self._airspeed = -math.inf, math.nan
+        self._latest = self._before = -math.inf  # stamps of the two newest measurements
         self.missing = self.awaited = self._told = False
         self._first: float | None = None  # stamp of the first measurement; -inf after an airspeed
 
@@ -76,8 +78,11 @@ class AirData:
         Args:
             measurement: Its own airspeed counts first, then the one that came by itself.
         """
-        airspeed = measurement.airspeed
-        if airspeed is None and abs(measurement.stamp - self._stamp) <= self.timeout:
+        airspeed, stamp = measurement.airspeed, measurement.stamp
+        if stamp != self._latest:
+            self._before, self._latest = self._latest, stamp
+        near = any(abs(each - self._stamp) <= self.timeout for each in (stamp, self._before))
+        if airspeed is None and near:
             airspeed = self._airspeed
         self.missing = airspeed is None
         if airspeed is not None or self._first is None:

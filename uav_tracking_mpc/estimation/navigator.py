@@ -23,9 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics import vehicle as vehicle_model
-from uav_tracking_mpc.dynamics.buffered_function import BufferedFunction
-from uav_tracking_mpc.dynamics.response import Response
-from uav_tracking_mpc.dynamics.symbolic_work import one_at_a_time
+from uav_tracking_mpc.dynamics.vehicle import Response, followed
 from uav_tracking_mpc.dynamics.vehicle_models import step_function
 from uav_tracking_mpc.estimation.air_data import AirData
 from uav_tracking_mpc.estimation.command_history import CommandHistory
@@ -37,6 +35,7 @@ from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.estimation.target_filter import REWIND, TargetFilter
 from uav_tracking_mpc.estimation.wind_filter import WindFilter
 from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.symbolic.functions import BufferedFunction, one_at_a_time
 
 LONGEST_SUBSTEP = 0.05  # s, in which dead time is flown through
 ROUNDING = 1e-9
@@ -324,5 +323,5 @@ class Navigator:
             return
         dead_time = self._dead_time[ACCELERATION]
         demanded = self._history.demanded(time - 0.5 * elapsed - dead_time, ACCELERATION)
-        share = -math.expm1(-elapsed / self._lag) if self._lag else 1.0
+        share = followed(elapsed, self._lag)
         self._acceleration += share * (demanded - self._acceleration)

@@ -29,8 +29,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.dynamics.buffered_function import BufferedFunction
 from uav_tracking_mpc.estimation.turn_prediction import turned
+from uav_tracking_mpc.symbolic.functions import BufferedFunction
 
 # A measurement corrects the target's track by steps. They are faded in with this time constant
 # [s], or those of a noisy track would go straight into the bank angle.

@@ -30,8 +30,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.dynamics.buffered_function import BufferedFunction
 from uav_tracking_mpc.estimation.noise_meter import MEMORY, NoiseMeters, Signal
+from uav_tracking_mpc.symbolic.functions import BufferedFunction
 
 BIAS_WALK = 1e-3  # of the bias, variance per s as a share of that of the rate's noise
 LONGEST_GAP = 1.0  # s without a measurement, after which x begins anew

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from enum import Enum
 
 from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
@@ -25,6 +26,7 @@ SPEED_LIMIT = 500.0  # m/s over ground; a faster change of position is a jump
 FASTER = 2.0  # times the ground velocity before a gap, that explain a change of position after it
 JUMP_MIN = 50.0  # m; a smaller change of position is never a jump
 NOISE_MULTIPLE = 6.0  # standard deviations of the position that are no jump either
+AGES = 20  # states in a row, of which the one that was the least old tells how the clocks differ
 AGREEING = 3  # outliers in a row, each consistent with the one before, that are a fact
 
 
@@ -57,51 +59,63 @@ class StateGate:
         """Believe the next measurement, whatever it is."""
         self.newest: Measurement | None = None
         self._arrived = math.nan
+        self._ages: deque[float] = deque(maxlen=AGES)  # at their arrival in [s]
         self.lost = False
         self._outlier: Measurement | None = None
         self._agreeing = 0
         self.reason = ""
 
-    def check_target(self, stamp: float, known: float | None, limit: float) -> None:
+    def check_target(
+        self, stamp: float, known: float | None, limit: float, now: float = math.nan
+    ) -> None:
         """Refuse a target's stamp that is ahead; while no state comes there is nothing to compare.
 
         Args:
             stamp: By the same clock in [s].
             known: The target's newest stamp that was taken in [s]; None before the first.
             limit: By how much targets may be ahead while states do not come, in [s].
+            now: Time at the call in [s], by the clock of the stamps; not a number if it is unknown.
 
         Raises:
-            MeasurementError: It is ahead of the newest state and target by more than the timeout.
+            MeasurementError: It is ahead of the newest state and target, and of the clock, by more
+                than the timeout; or of the state by more than the limit.
         """
         if self.newest is None or self.lost:
             return
         lead, allowed = stamp - self.newest.stamp, min(self.timeout, limit)
         step = lead if known is None else min(lead, stamp - known)
-        if step > allowed or lead > limit:
+        late = self._ahead(stamp, now) <= allowed  # it is the state that is
+        if (step > allowed and not late) or lead > limit:
+            why = "no newer state has come" if late else "do the clocks agree?"
             raise MeasurementError(
                 f"target: its stamp is {lead:.3f} s ahead of the vehicle's, may be {allowed:g} s: "
-                "do the clocks agree?"
+                f"{why}"
             )
 
-    def judge(self, measurement: Measurement, arrival: float = math.nan) -> Verdict:
+    def judge(
+        self, measurement: Measurement, arrival: float = math.nan, now: float = math.nan
+    ) -> Verdict:
         """What to do with a measurement.
 
         Args:
             measurement: Stamp and position count, and the noise of the position where it is known.
             arrival: When it arrived in [s], by a steady clock; not a number where that is unknown.
+            now: The same by the clock of the stamps, which may be that of a simulation.
         """
         newest, waited = self.newest, arrival - self._arrived
         if newest is None:
-            return self._believe(measurement, arrival, Verdict.USE)
+            return self._believe(measurement, arrival, now, Verdict.USE)
         step, jump = _change(newest, measurement)
         if -self.timeout <= step <= 0.0:
             return Verdict.DROP
         flown = FASTER * math.hypot(*newest.ground_velocity.tolist()) * abs(step)
         moved = jump > flown + _explained(measurement, min(abs(step), self.timeout))
-        # A gap that the steady clock has seen as well is one of the messages, not of the stamps.
-        ordinary = abs(step) <= self.timeout or abs(step - waited) <= self.timeout
+        # A gap that a clock has seen as well is one of the messages, not of the stamps. Simulated
+        # time may pass many times as fast as that of the steady clock.
+        ahead = step, abs(step - waited), self._ahead(measurement.stamp, now)
+        ordinary = step > 0.0 and any(one <= self.timeout for one in ahead)
         if ordinary and not moved:
-            return self._believe(measurement, arrival, Verdict.USE)
+            return self._believe(measurement, arrival, now, Verdict.USE)
         if step < 0.0:
             self.reason = f"the stamp went back by {-step:.3f} s"
         elif moved:
@@ -114,11 +128,18 @@ class StateGate:
             return Verdict.DOUBT
         # After a gap the flight goes on; time gone back and a vehicle elsewhere are a new beginning
         verdict = Verdict.RESTART if step < 0.0 or moved else Verdict.USE
-        return self._believe(measurement, arrival, verdict)
+        return self._believe(measurement, arrival, now, verdict)
 
-    def _believe(self, measurement: Measurement, arrival: float, verdict: Verdict) -> Verdict:
+    def _ahead(self, stamp: float, now: float) -> float:
+        """By how much a stamp is ahead of the clock and what states were late at least in [s]."""
+        return stamp - now + min(self._ages, default=math.nan)
+
+    def _believe(
+        self, measurement: Measurement, arrival: float, now: float, verdict: Verdict
+    ) -> Verdict:
         self.newest, self._outlier, self._agreeing = measurement, None, 0
         self._arrived, self.lost = arrival, False
+        self._ages.append(now - measurement.stamp)
         return verdict
 
     def _agrees(self, measurement: Measurement) -> bool:

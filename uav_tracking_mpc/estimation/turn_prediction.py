@@ -36,8 +36,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.buffered_function import BufferedFunction
-from uav_tracking_mpc.dynamics.symbolic_work import one_at_a_time
+from uav_tracking_mpc.symbolic.functions import BufferedFunction, one_at_a_time
 
 TURN_RATE_MAX = 1.0  # rad/s
 SPEED_TIME = 2.0  # tau [s]: vehicles change their speed for a few seconds

@@ -25,7 +25,7 @@ velocity,
     p_{measured} = p,\qquad v_{measured} = p' + b.
 
 Gusts are coloured noise, :math:`g' = -g / T + n`, with the correlation time T = L / V of the
-Dryden spectra (:mod:`~uav_tracking_mpc.dynamics.dryden`; the longitudinal form on all axes).
+Dryden spectra (:mod:`~uav_tracking_mpc.dynamics.air`; the longitudinal form on all axes).
 Everything else wanders slowly. How strong the gusts are is seen, and so is how noisy positions and
 velocities are, which until then counts as their source tells it. A bias of the ground velocity
 shows at once beside the positions, those of heading and airspeed while the aircraft turns, for they
@@ -44,11 +44,11 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.buffered_function import BufferedFunction
-from uav_tracking_mpc.dynamics.dryden import gust_scales
+from uav_tracking_mpc.dynamics.air import gust_scales
 from uav_tracking_mpc.estimation.noise_meter import MEMORY, NoiseMeters, Signal
 from uav_tracking_mpc.estimation.told_noise import UNKNOWN
 from uav_tracking_mpc.estimation.velocity_check import Velocity, VelocityCheck
+from uav_tracking_mpc.symbolic.functions import BufferedFunction
 
 # Standard deviations before anything is measured
 WIND, GUST, GROUND_BIAS = 10.0, 2.5, 2.0  # m/s

@@ -21,17 +21,16 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.buffered_function import BufferedFunction
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
-from uav_tracking_mpc.dynamics.response import Response
+from uav_tracking_mpc.dynamics.vehicle import Response
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.flight_problem import DECISION_SCALE, FlightProblem, part_of
 from uav_tracking_mpc.formulation.formulation import Plan, SolverMaker, solver_of
 from uav_tracking_mpc.laws.vector_field import VectorField
-from uav_tracking_mpc.mpc.solution import Solution
-from uav_tracking_mpc.mpc.solver import Guess, Solver
+from uav_tracking_mpc.mpc.solver import Guess, Solution, Solver
 from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.symbolic.functions import BufferedFunction
 
 # Where the cost of the artificial orbit's offset turns from quadratic to linear, as a share of the
 # wanted range, range and airspeed. Steep near the wanted orbit, or errors would be shared between

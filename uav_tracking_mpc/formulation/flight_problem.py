@@ -29,8 +29,8 @@ outside of a band about the wanted one are paid for by squares, so much that lim
 make a plan fly them.
 
 The inputs are shares, from -1 to 1, of what the aircraft can do in its present state
-(:mod:`~uav_tracking_mpc.formulation.input_span`), so that their coupled limits are a box, which
-every plan obeys. The limits of the flight itself, such as airspeed and height, are exact soft
+(:func:`~uav_tracking_mpc.limits.envelope.input_span`), so that their coupled limits are a box,
+which every plan obeys. The limits of the flight itself, such as airspeed and height, are exact soft
 constraints, since a flight may begin outside of them.
 
 Terminal ingredient: the optimiser chooses an orbit (d_a, z_a, v_a), tracks it, pays for its
@@ -50,22 +50,92 @@ Everything that may change in flight is a parameter of one compiled problem: see
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from types import ModuleType
 from typing import Any
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.drift import DRIFT_SHARE
-from uav_tracking_mpc.dynamics.drifting_orbit import OrbitMotion, orbit_motion
+from uav_tracking_mpc.dynamics.orbit import DRIFT_SHARE, OrbitMotion, orbit_motion
 from uav_tracking_mpc.dynamics.vehicle import air_velocity
 from uav_tracking_mpc.dynamics.vehicle_models import Drift, VehicleModel
-from uav_tracking_mpc.formulation.input_span import BLENDS, input_span
-from uav_tracking_mpc.formulation.law_stage import LawStage
-from uav_tracking_mpc.formulation.layout import Layout
 from uav_tracking_mpc.limits import Bound, Limit, Motion, OrbitShape
+from uav_tracking_mpc.limits.envelope import BLENDS, input_span
 from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
+from uav_tracking_mpc.symbolic.functions import BufferedFunction
+
+
+class Layout:
+    """Where each named part stands in a vector.
+
+    Args:
+        sizes: Length of each part, in the order of the vector.
+
+    Attributes:
+        where: Slice of each part.
+        size: Length of the vector.
+    """
+
+    def __init__(self, sizes: Mapping[str, int]) -> None:
+        self.where: dict[str, slice] = {}
+        begin = 0
+        for name, size in sizes.items():
+            self.where[name] = slice(begin, begin + size)
+            begin += size
+        self.size = begin
+
+    def part(self, vector: Any, name: str) -> Any:
+        """One part of a vector.
+
+        Args:
+            vector: Shape (size,) or (size, n), numbers or symbols.
+            name: Of the part.
+
+        Returns:
+            Shape (k,) or (k, n): a view where the vector is an array.
+        """
+        return vector[self.where[name]]
+
+
+class LawStage:
+    """Shares and next state of the flight problem where a law flies.
+
+    Args:
+        problem: The flight problem.
+        wanted: Symbol of (u_psi, u_chi, u_v) that the law asks for, SX (3, 1).
+        shares: Input shares of them in the symbols of the problem, SX (nu, 1), not yet clipped.
+    """
+
+    def __init__(self, problem: OptimalControlProblem, wanted: ca.SX, shares: ca.SX) -> None:
+        x, p = problem.state, problem.parameter
+        nearest = ca.fmin(ca.fmax(shares, problem.input_lower), problem.input_upper)
+        step = ca.Function("step", [x, problem.inputs, p], [problem.next_state])
+        results = [ca.densify(nearest), ca.densify(step(x, nearest, p))]
+        function = ca.Function("law_stage", [x, wanted, p], results)
+        self._function = BufferedFunction(function)
+
+    def __call__(
+        self, x: NDArray[np.float64], wanted: NDArray[np.float64], p: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Fly one stage.
+
+        Args:
+            x: State of the problem, shape (nx,).
+            wanted: (u_psi, u_chi, u_v) that the law asks for in [rad/s, rad/s, m/s^2], shape (3,).
+            p: Parameter of the stage, shape (np,).
+
+        Returns:
+            The shares nearest to them, shape (nu,), and the next state, shape (nx,): arrays that
+            the next call overwrites.
+        """
+        for kept, values in zip(self._function.arguments, (x, wanted, p), strict=True):
+            kept[:] = values
+        self._function.evaluate()
+        shares, following = self._function.results
+        return shares, following
+
 
 # Decisions are scaled to be of one size: [m], [m], [m/s].
 DECISION_SCALE = np.array([100.0, 30.0, 3.0])
@@ -142,7 +212,7 @@ class FlightProblem:
         shares, decision = ca.SX.sym("u", model.commanded), ca.SX.sym("a", 3)
         self._steered = ca.vertcat(state.x, state.y, state.heading, state.turn_rate, shares)
         told = {name: p[where] for name, where in self.layout.where.items()}
-        inputs = self._inputs(shares, state, p, ca)
+        inputs = self.inputs(shares, state, p, ca)
         at = [ca.vertcat(*state), p, shares]
         self.commands = ca.Function("commands", at, [ca.densify(ca.vertcat(*inputs))])
         drift = Drift(ca.vertsplit(told["drift"]), ca.vertsplit(told["drift_rate"]))
@@ -222,21 +292,19 @@ class FlightProblem:
             state.airspeed - v_a,
         )  # fmt: skip
 
-    def inputs(self, shares: Any, state: Any, p: Any) -> list[Any]:
+    def inputs(self, shares: Any, state: Any, p: Any, xp: ModuleType = np) -> list[Any]:
         """(u_psi, u_chi, u_v) of plans.
 
         Args:
             shares: Of what each input can be, from -1 to 1, shape (k,) or (k, n).
-            state: A ``State`` of the model, of numbers or of arrays of shape (n,).
+            state: A ``State`` of the model, of numbers, arrays of shape (n,), or symbols.
             p: Parameter of the stage, shape (np,), or of the stages, shape (np, n).
+            xp: ``casadi`` for symbols, ``numpy`` for numbers.
 
         Returns:
             Three values, in [rad/s, rad/s, m/s^2], scalar or of shape (n,).
         """
-        return self._inputs(shares, state, p, np)
-
-    def _inputs(self, shares: Any, state: Any, p: Any, xp: ModuleType) -> list[Any]:
-        middle, half = self._span(_motion(state), p, xp)
+        middle, half = self.span(state, p, xp)
         free = range(self.model.commanded)
         commanded = [middle[axis] + half[axis] * shares[axis] for axis in free]
         if not self.holds:
@@ -246,42 +314,37 @@ class FlightProblem:
 
     def _shares(self, inputs: Sequence[Any], state: Any, p: ca.SX) -> ca.SX:
         """Input shares of (u_psi, u_chi, u_v) in a state."""
-        middle, half = self._span(_motion(state), p, ca)
+        middle, half = self.span(state, p, ca)
         free = range(self.model.commanded)
         return ca.vertcat(*[(inputs[axis] - middle[axis]) / half[axis] for axis in free])
 
-    def _span(self, motion: Motion, p: Any, xp: ModuleType) -> tuple[list[Any], list[Any]]:
-        told = [self.layout.part(p, part_of(limit)) for limit in self._of_inputs]
-        return input_span(self._of_inputs, told, motion, xp)
-
-    def span(self, state: Any, p: Any) -> tuple[list[Any], list[Any]]:
+    def span(self, state: Any, p: Any, xp: ModuleType = np) -> tuple[list[Any], list[Any]]:
         """Middle and half width of (u_psi, u_chi, u_v) in states: see :func:`input_span`.
 
         Args:
-            state: A ``State`` of the model, of numbers or of arrays of shape (n,).
+            state: A ``State`` of the model, of numbers, arrays of shape (n,), or symbols.
             p: Parameter of the stage, shape (np,), or of the stages, shape (np, n).
+            xp: ``casadi`` for symbols, ``numpy`` for numbers.
 
         Returns:
             Three values each, in [rad/s, rad/s, m/s^2], scalar or of shape (n,).
         """
-        return self._span(_motion(state), p, np)
+        numbers = [self.layout.part(p, part_of(limit)) for limit in self._of_inputs]
+        return input_span(self._of_inputs, numbers, _motion(state), xp)
 
     def _stage_inequalities(self, motion: Motion, p: ca.SX) -> list[Inequality]:
-        found = []
-        for limit, bound in self._stage_bounds(motion, p):
-            if not limit.by_squares:
-                found.append(_inequality(bound, self._penalty, limit.label))
-        return found
+        return [
+            _inequality(bound, self._penalty, limit.label)
+            for limit, bound in self._stage_bounds(motion, p)
+            if not limit.by_squares
+        ]
 
     def _passed(self, motion: Motion, p: ca.SX) -> ca.SX:
         """Cost of what is paid for by squares: the airspeed's band, and limits that say so."""
-        band = self.layout.part(p, "airspeed_band")
-        bounds = []
-        if not self.holds:
-            bounds.append(Bound(motion.airspeed, band[0], band[1], scale=BAND_SCALE))
-        for limit, bound in self._stage_bounds(motion, p):
-            if limit.by_squares:
-                bounds.append(bound)
+        least, most = ca.vertsplit(self.layout.part(p, "airspeed_band"))
+        band = Bound(motion.airspeed, least, most, BAND_SCALE)
+        bounds = [] if self.holds else [band]
+        bounds += [bound for limit, bound in self._stage_bounds(motion, p) if limit.by_squares]
         sides = ca.vertcat(*(side for bound in bounds for side in bound.inequalities()))
         return SQUARES * self._penalty * ca.sum1(_rounded_square(sides))
 

@@ -24,15 +24,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.dynamics.response import Response
+from uav_tracking_mpc.dynamics.vehicle import Response
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.situation import Situation
-from uav_tracking_mpc.mpc.bridged_solver import BridgedSolver, MachineCode
+from uav_tracking_mpc.mpc.bridged_solver import BridgedSolver
 from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
+from uav_tracking_mpc.mpc.compiled_method import MachineCode
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
-from uav_tracking_mpc.mpc.solution import Solution
-from uav_tracking_mpc.mpc.solver import Solver
+from uav_tracking_mpc.mpc.solver import Solution, Solver
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
 if TYPE_CHECKING:
@@ -135,7 +135,7 @@ def solver_of(problem: OptimalControlProblem, parameters: TrackingParameters) ->
     budget = parameters.solve_time_max
     if parameters.solver == "newton":
         return NewtonSolver(problem, time_limit=budget)
-    return CasadiSolver(problem, parameters.solver, time_limit=budget)
+    return CasadiSolver(problem, time_limit=budget)
 
 
 def solver_at_once(report: Callable[[str], None]) -> SolverMaker:

@@ -19,16 +19,111 @@ from __future__ import annotations
 import numpy as np
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.dynamics.relative import relative_state, tracking_error
-from uav_tracking_mpc.dynamics.response import Response
-from uav_tracking_mpc.dynamics.symbolic_work import one_at_a_time
+from uav_tracking_mpc.dynamics.relative import (
+    orbit_dynamics,
+    orbit_numbers,
+    relative_state,
+    tracking_error,
+)
+from uav_tracking_mpc.dynamics.vehicle import Response
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.formulation import Plan, SolverMaker, solver_of
-from uav_tracking_mpc.formulation.paper_problem import problem_of, stability_problem, terminal_level
+from uav_tracking_mpc.mpc.problem import OptimalControlProblem, TerminalSet, quadratic_problem
 from uav_tracking_mpc.mpc.solver import Solver
+from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.symbolic.functions import one_at_a_time
 from uav_tracking_mpc.terminal.decrease import decrease_monitor
+from uav_tracking_mpc.terminal.ingredients import StabilityProblem, input_limited_level
+
+# At the very limit rounding decides whether K x is in U, and no proof closes.
+LEVEL_MARGIN = 1.0 - 2e-6
+
+
+def stability_problem(parameters: TrackingParameters, name: str = "unnamed") -> StabilityProblem:
+    """Orbit, model, weights and input set of parameters.
+
+    Args:
+        parameters: What is flown.
+        name: What a report calls it.
+    """
+    return StabilityProblem(
+        orbit=parameters.orbit,
+        state_weight=np.diag(parameters.state_weights),
+        input_weight=np.diag(parameters.input_weights),
+        scaling=parameters.terminal_scaling,
+        input_lower=parameters.input_lower,
+        input_upper=parameters.input_upper,
+        step=parameters.horizon_step,
+        horizon=parameters.horizon,
+        model=parameters.model,
+        scheme=parameters.scheme,
+        name=name,
+    )
+
+
+def terminal_level(
+    parameters: TrackingParameters, problem: StabilityProblem | None = None
+) -> float | None:
+    """Varrho of X_f (25), as large as U allows; None where no terminal set is asked for.
+
+    Args:
+        parameters: What is flown.
+        problem: Of these parameters; made from them by default.
+    """
+    if parameters.terminal_constraint == "none":
+        return None
+    problem = problem or stability_problem(parameters)
+    return LEVEL_MARGIN * input_limited_level(problem.ingredients(), *problem.deviation_bounds())
+
+
+def problem_of(
+    parameters: TrackingParameters, problem: StabilityProblem | None = None
+) -> OptimalControlProblem:
+    """P_N(x_0), (16), of parameters; those that differ in the orbit have the same expressions.
+
+    Args:
+        parameters: What is flown.
+        problem: Of these parameters; made from them by default.
+
+    Raises:
+        ParameterError: No stabilising terminal controller for this orbit and these weights.
+    """
+    penalty = parameters.terminal_penalty if parameters.terminal_constraint == "soft" else None
+    problem = problem or stability_problem(parameters)
+    try:
+        return tracking_problem(problem, terminal_level(parameters, problem), penalty)
+    except (ValueError, np.linalg.LinAlgError) as error:
+        raise ParameterError(
+            "parameters 'state_weights', 'input_weights', 'terminal_scaling' and the orbit give no "
+            f"problem that can be solved: {error}"
+        ) from error
+
+
+def tracking_problem(
+    problem: StabilityProblem, level: float | None, penalty: float | None = None
+) -> OptimalControlProblem:
+    """(14)-(16) in tracking errors x = xbar - x_ss, u = ubar - u_ss.
+
+    Args:
+        problem: The configuration.
+        level: varrho [-] of the terminal set (16e); None leaves it away.
+        penalty: None to enforce the terminal set; else the L1 weight of a violation [-].
+    """
+    lower, upper = problem.deviation_bounds()
+    return quadratic_problem(
+        orbit_dynamics(problem.model, problem.step, problem.scheme),
+        reference=orbit_numbers(problem.model, problem.orbit),
+        horizon=problem.horizon,
+        step=problem.step,
+        state_weight=problem.state_weight,
+        input_weight=problem.input_weight,
+        terminal_weight=problem.ingredients().weight,
+        input_lower=lower,
+        input_upper=upper,
+        terminal_set=None if level is None else TerminalSet(level, penalty),
+    )
 
 
 class _About:

@@ -14,17 +14,11 @@
 
 """Nodes as processes: started, watched over and ended.
 
-=====================  ==========================================================================
-``domain``             a ROS domain of one's own
-``shared_memory``      files of Fast DDS that a killed process leaves behind
-``node_process``       one node as a process that cannot outlive its launcher
-``supervisor``         all node processes of a flight: started, frozen, killed, restarted, ended
-``flight``             one flight with real nodes, recorded
-``fleet``              several aircraft under one launch file of ROS 2: namespaces, starts, views
-``simulated_pace``     how fast simulated time runs while the solver is being compiled
-``controller_kill``    the service that kills the controller and starts it again
-``preflight``          what a real autopilot says before, and the envelope that follows
-``autopilot_process``  an autopilot of our own behind a wire, where there is no other
-``page_process``       the page of a flight as a process of its own
-=====================  ==========================================================================
+================  ===============================================================================
+``flight``        one flight with real nodes, recorded; its pace, and the death of its controller
+``supervisor``    all node processes of a flight: started, frozen, killed, restarted, ended
+``node_process``  a node, the page or an autopilot as a process that cannot outlive its launcher
+``preflight``     what a real autopilot says before, and the envelope that follows
+``fleet``         several aircraft under one launch file of ROS 2: namespaces, starts, views
+================  ===============================================================================
 """

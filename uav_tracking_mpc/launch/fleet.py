@@ -22,7 +22,7 @@ from __future__ import annotations
 import copy
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import yaml
@@ -35,6 +35,94 @@ AIRCRAFT = "Aircraft"  # the group of displays that every aircraft gets
 TRANSFORMS = ("/tf", "/tf_static")
 NAMESPACE = re.compile(r"(/?[A-Za-z]\w*(/[A-Za-z]\w*)*)?")
 
+SWITCH = ("true", "false")
+# Launch arguments of one aircraft and of several by name: default, what is allowed, and meaning.
+AIRCRAFT_ARGUMENTS: dict[str, tuple[str, tuple[str, ...], str]] = {
+    "namespace": ("", (), "Namespace of all nodes; empty for none."),
+    "config": (
+        "small_uav",
+        (),
+        "Configuration: name of one of the package (paper, small_uav, px4_uav, jsbsim_uav), or "
+        "path of a YAML file.",
+    ),
+    "scenario": (
+        "",
+        (),
+        "Wind, gusts or target laid over the configuration: name of a scenario of the package, or "
+        "path of a YAML file.",
+    ),
+    "vehicle": (
+        "simulator",
+        ("simulator", "autopilot", "none"),
+        "What flies: the simulator, a real autopilot through autopilot_link, or what another node "
+        "publishes as uav/odometry.",
+    ),
+    "connection": (
+        "",
+        (),
+        "Where the autopilot of a single aircraft is, such as udpin:0.0.0.0:14550; empty for what "
+        "the configuration says.",
+    ),
+    "target": (
+        "true",
+        SWITCH,
+        "Start target_publisher, for each aircraft one; false where a tracker publishes the "
+        "target.",
+    ),
+    "autostart": (
+        "true",
+        SWITCH,
+        "Configure and activate the controller; false where a lifecycle manager does.",
+    ),
+    "use_sim_time": (
+        "false",
+        SWITCH,
+        "Follow /clock, which the first simulator drives, instead of the wall's clock.",
+    ),
+    "speed": ("1.0", (), "Simulated over wall time, where the simulator drives /clock."),
+}
+ONE_ARGUMENTS = {
+    **AIRCRAFT_ARGUMENTS,
+    "controller": ("true", SWITCH, "Start nmpc_controller."),
+    "publish_clock": (
+        "",
+        ("", *SWITCH),
+        "Let this simulator drive /clock, as one node alone may; empty for what use_sim_time says.",
+    ),
+    "initial_position": (
+        "",
+        (),
+        "Where the simulated aircraft starts, x, y, z in map in [m], as 600, 0, 100; empty for "
+        "what the configuration says.",
+    ),
+    "initial_heading": (
+        "",
+        (),
+        "Where it heads then, counter-clockwise from East, in [rad]; empty for what the "
+        "configuration says.",
+    ),
+}
+FLEET_ARGUMENTS = {
+    "aircraft": (
+        "1",
+        (),
+        "How many, simulated. With more than one, each has a namespace uav1, uav2 and so on.",
+    ),
+    **AIRCRAFT_ARGUMENTS,
+    "rviz": ("false", SWITCH, "Start RViz on all aircraft."),
+    "rviz_config": (
+        "",
+        (),
+        "Configuration of RViz; empty for that of the package, for these namespaces.",
+    ),
+    "record": (
+        "false",
+        SWITCH,
+        "Record every topic of the package as an MCAP bag with `ros2 bag record`.",
+    ),
+    "bag": ("", (), "Folder of the bag, which must not exist; empty for one named by the time."),
+}
+
 
 class Start(NamedTuple):
     """Where a simulated aircraft starts.
@@ -46,6 +134,33 @@ class Start(NamedTuple):
 
     position: tuple[float, float, float]
     heading: float
+
+
+def described(
+    arguments: Mapping[str, tuple[str, tuple[str, ...], str]],
+    act: Callable[[dict[str, str]], list[Any]],
+) -> Any:
+    """A launch description that declares arguments and does something with what they are.
+
+    Args:
+        arguments: By name: default, what is allowed, meaning.
+        act: From the arguments' values to its actions.
+    """
+    from launch import LaunchDescription
+    from launch.actions import DeclareLaunchArgument, OpaqueFunction
+    from launch.substitutions import LaunchConfiguration
+
+    declared = [
+        DeclareLaunchArgument(
+            name, default_value=default, choices=list(allowed) or None, description=meaning
+        )
+        for name, (default, allowed, meaning) in arguments.items()
+    ]
+
+    def acted(context: Any) -> list[Any]:
+        return act({n: LaunchConfiguration(n).perform(context) for n in arguments})
+
+    return LaunchDescription([*declared, OpaqueFunction(function=acted)])
 
 
 def namespaces(namespace: str, count: str) -> tuple[str, ...]:

@@ -23,23 +23,30 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.progress import Progress, TextColumn
 
+from uav_tracking_mpc.control.guidance import compiled_into
 from uav_tracking_mpc.launch.node_process import STOP_LIMIT
 from uav_tracking_mpc.launch.supervisor import LaunchError, Supervisor, supervised
-from uav_tracking_mpc.nodes.ros_environment import VARIABLE, exported_domain
+from uav_tracking_mpc.mpc import machine_code
+from uav_tracking_mpc.nodes.ros.ros_environment import VARIABLE, exported_domain
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.settings.link import LinkParameters
 
 if TYPE_CHECKING:
     from rclpy.experimental.events_executor import EventsExecutor
+    from rclpy.node import Node
+    from rclpy.task import Future
 
     from uav_tracking_mpc.nodes.flight_recorder import FlightRecorder
     from uav_tracking_mpc.nodes.flight_recorder import Progress as Standing
 
+
+CONTROLLER, SIMULATOR = "nmpc_controller", "uav_simulator"
+REAL_TIME = 1.0
 START_LIMIT = 120.0  # s of wall time for the first command
 DRAIN_TIME = 0.3  # s of wall time for the nodes' last messages
 NOTE_PERIOD = 0.5  # s of wall time between looks at the nodes' shared-memory files
@@ -66,6 +73,78 @@ class FlightInterruptedError(LaunchError):
 
 class BrokenFlightError(LaunchError):
     """A node died in flight; what was flown until then has been recorded."""
+
+
+class SimulatedPace:
+    """How fast simulated time runs: not above real time while the solver is being compiled.
+
+    The solver that stands in meanwhile takes tens of milliseconds for a plan, which is enough in
+    real time and not at ten times that.
+
+    Args:
+        configuration: What is flown; its mission says how fast.
+        node: With which the simulator is asked.
+        console: Where it is said that the simulator refused.
+
+    Attributes:
+        speed: Simulated over wall time at the start [-].
+    """
+
+    def __init__(self, configuration: Configuration, node: Node, console: Console) -> None:
+        from uav_tracking_mpc.nodes.watching.steering_requests import RemoteParameters
+
+        self._wanted, self._console = configuration.mission.speed, console
+        self._folder = compiled_into(configuration.controller)
+        waits = self._folder is not None and not machine_code.finished(self._folder)
+        self._done = not waits or self._wanted <= REAL_TIME
+        self.speed = self._wanted if self._done else REAL_TIME
+        self._simulator = RemoteParameters(node, SIMULATOR)
+
+    def follow(self) -> None:
+        """Ask for the wanted speed once the solver is compiled; returns at once."""
+        if self._done or self._folder is None or not machine_code.finished(self._folder):
+            return
+        if self._simulator.offered:
+            self._done = True
+            self._simulator.set({"speed": self._wanted}).add_done_callback(self._answered)
+
+    def _answered(self, answer: Future[Any]) -> None:
+        response = answer.result()
+        if response is not None and not response.result.successful:
+            reason = response.result.reason
+            words = f"simulated time goes on at {self.speed:g} times real time: {reason}"
+            self._console.print(words, markup=False, highlight=False, soft_wrap=True)
+
+
+class ControllerKill:
+    """Service ``nmpc_controller/kill`` of a simulated flight, for trials.
+
+    A flight does not end over that death: the process is missed by nobody and started at once, as
+    it was started before, with the parameters of the start.
+
+    Args:
+        node: Of the launcher; serves the service.
+        supervisor: Of the controller's process.
+    """
+
+    def __init__(self, node: Node, supervisor: Supervisor) -> None:
+        from std_srvs.srv import Trigger
+
+        self._supervisor, self._wanted = supervisor, False
+        node.create_service(Trigger, f"{CONTROLLER}/kill", self._on_request)
+
+    def _on_request(self, request: Any, response: Any) -> Any:
+        self._wanted = True  # a callback does not wait for the end of a process
+        response.success = True
+        response.message = f"{CONTROLLER} is killed and started again"
+        return response
+
+    def follow(self) -> None:
+        """Do what was asked for since the last call."""
+        if self._wanted:
+            self._wanted = False
+            self._supervisor.kill(CONTROLLER)
+            self._supervisor.restart(CONTROLLER)
 
 
 def launch(
@@ -120,9 +199,8 @@ def _fly(
 ) -> int | None:
     from rclpy.experimental.events_executor import EventsExecutor
 
-    from uav_tracking_mpc.launch.controller_kill import ControllerKill
-    from uav_tracking_mpc.launch.simulated_pace import SimulatedPace
-    from uav_tracking_mpc.nodes.flight_bag import FlightBag
+    from uav_tracking_mpc.launch.flight import ControllerKill, SimulatedPace
+    from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
     from uav_tracking_mpc.nodes.flight_recorder import FlightRecorder
 
     with ExitStack() as stack:

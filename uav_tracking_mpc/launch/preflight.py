@@ -30,8 +30,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.vehicle import velocity
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.links import Inspection, LinkRefusedError, VehicleLink
-from uav_tracking_mpc.parameters.registry import VEHICLE_LINK
+from uav_tracking_mpc.links import VEHICLE_LINK, Inspection, LinkRefusedError, VehicleLink
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import Configuration, configuration_of
 from uav_tracking_mpc.settings.tracking import TrackingParameters

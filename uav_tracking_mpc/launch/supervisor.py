@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -28,12 +29,47 @@ from pathlib import Path
 
 from rich.console import Console
 
-from uav_tracking_mpc.launch.domain import own_domain
-from uav_tracking_mpc.launch.node_process import NodeProcess
-from uav_tracking_mpc.launch.shared_memory import SharedMemoryFiles
-from uav_tracking_mpc.nodes.log_folder import ensure_log_folder
-from uav_tracking_mpc.nodes.ros_environment import VARIABLE
+from uav_tracking_mpc.launch.node_process import NodeProcess, SharedMemoryFiles
+from uav_tracking_mpc.nodes.ros.ros_environment import VARIABLE, ensure_log_folder
 from uav_tracking_mpc.settings.configuration import Configuration
+
+FIRST_DOMAIN, LAST_DOMAIN = 1, 101  # what Linux's ephemeral ports leave free
+
+
+class DomainError(RuntimeError):
+    """No domain is free."""
+
+
+@contextmanager
+def own_domain(domain: int | None) -> Iterator[int]:
+    """A ROS domain that no other launch on this machine uses.
+
+    A TCP port stands for the domain while it is in use; it carries no traffic.
+
+    Args:
+        domain: Take this one instead, whoever else is on it.
+
+    Yields:
+        Number of the domain.
+
+    Raises:
+        DomainError: All domains are in use.
+    """
+    if domain is not None:
+        yield domain
+        return
+    count = LAST_DOMAIN - FIRST_DOMAIN + 1
+    for offset in range(count):
+        candidate = FIRST_DOMAIN + (os.getpid() + offset) % count
+        with socket.socket() as claim:
+            try:
+                claim.bind(("127.0.0.1", 7400 + 250 * candidate))  # where DDS puts its domains
+            except OSError:
+                continue
+            yield candidate
+            return
+    raise DomainError(f"all ROS domains from {FIRST_DOMAIN} to {LAST_DOMAIN} are in use")
+
 
 NODES = ("uav_simulator", "target_publisher", "nmpc_controller")
 LINK = "autopilot_link"  # in the simulator's place

@@ -36,11 +36,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
+from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.situation import Situation
-from uav_tracking_mpc.laws import GuidanceLaw
-from uav_tracking_mpc.laws._altitude_hold import altitude_hold
-from uav_tracking_mpc.limits._envelope import Envelope
+from uav_tracking_mpc.laws import GuidanceLaw, altitude_hold
+from uav_tracking_mpc.limits.envelope import Envelope
 
 
 class L1Loiter(GuidanceLaw):
@@ -64,7 +63,6 @@ class L1Loiter(GuidanceLaw):
         self, orbit: Orbit, envelope: Envelope, period: float = 8.0, damping: float = 1.2
     ) -> None:
         super().__init__(orbit, envelope)
-        self._sense = 1.0 if orbit.direction == COUNTER_CLOCKWISE else -1.0
         self._period = period
         self._damping = damping
 
@@ -88,7 +86,7 @@ class L1Loiter(GuidanceLaw):
         # Over the target, take the direction of the flight for that to the aircraft.
         ex, ey = (x / d, y / d) if d > 0.1 else (wx / speed, wy / speed)
         outward = wx * ex + wy * ey
-        around = self._sense * (ex * wy - ey * wx)  # w.t
+        around = self.sense * (ex * wy - ey * wx)  # w.t
         radius, omega = self.orbit.radius, 2.0 * math.pi / self._period
 
         circle = omega * omega * (d - radius) + 2.0 * self._damping * omega * outward
@@ -101,5 +99,5 @@ class L1Loiter(GuidanceLaw):
         distance = self._damping * self._period * speed / math.pi
         capture = 4.0 * self._damping**2 * speed * speed / distance * math.sin(nu)
         if d > radius and capture < circle:
-            return self._sense * capture
-        return self._sense * circle
+            return self.sense * capture
+        return self.sense * circle

@@ -61,16 +61,14 @@ minimum ground speed asks for 5 m/s anyway.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
+from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.situation import Situation
-from uav_tracking_mpc.laws import GuidanceLaw
-from uav_tracking_mpc.laws._altitude_hold import SPEED_GAIN, altitude_hold
-from uav_tracking_mpc.limits._envelope import Envelope
+from uav_tracking_mpc.laws import SPEED_GAIN, GuidanceLaw, altitude_hold
+from uav_tracking_mpc.limits.envelope import Envelope
 
 # Defaults of PX4's parameters, fw_path_navigation_params.c and fw_lat_long_params.yaml.
 PERIOD = 10.0  # s, NPFG_PERIOD
@@ -100,7 +98,6 @@ class NPFGLoiter(GuidanceLaw):
         self, orbit: Orbit, envelope: Envelope, period: float = PERIOD, damping: float = DAMPING
     ) -> None:
         super().__init__(orbit, envelope)
-        self._sense = 1.0 if orbit.direction == COUNTER_CLOCKWISE else -1.0
         self._period = period
         self._damping = damping
 
@@ -125,20 +122,21 @@ class NPFGLoiter(GuidanceLaw):
         """
         x, y, _ = situation.offset.tolist()
         wx, wy, _ = situation.relative_velocity.tolist()
-        drift = _Vector(*situation.drift.tolist()[:2])
-        air = _Vector(*situation.air_velocity.tolist()[:2])
-        relative, airspeed = _Vector(wx, wy), air.norm
+        # Horizontal vectors are complex numbers: East is real, North imaginary.
+        drift = complex(*situation.drift.tolist()[:2])
+        air = complex(*situation.air_velocity.tolist()[:2])
+        relative, airspeed = complex(wx, wy), _norm(air)
         # Over the target the direction of the flight stands for that from the target.
-        outward = (_Vector(x, y) if math.hypot(x, y) > 0.1 else relative).unit
-        tangent = outward.left.times(self._sense)
         distance = math.hypot(x, y)
+        outward = _unit(complex(x, y) if distance > 0.1 else relative)
+        tangent = 1j * outward * self.sense
         error = distance - self.orbit.radius
 
         on_track = _feasibility(drift, tangent, airspeed)
-        period = self._adapted_period(relative.norm, airspeed, drift.norm, abs(error), on_track)
-        angle = self._look_ahead(abs(error), relative.norm, period)
-        inward = outward.times(-1.0 if error > 0.0 else 1.0)
-        bearing = inward.times(math.cos(angle)).plus(tangent.times(math.sin(angle)))
+        period = self._adapted_period(_norm(relative), airspeed, _norm(drift), abs(error), on_track)
+        angle = self._look_ahead(abs(error), _norm(relative), period)
+        inward = outward * (-1.0 if error > 0.0 else 1.0)
+        bearing = inward * math.cos(angle) + tangent * math.sin(angle)
         proximity = math.sin(angle) ** 2
         feasible = on_track * _feasibility(drift, bearing, airspeed)
 
@@ -146,16 +144,16 @@ class NPFGLoiter(GuidanceLaw):
             drift, bearing, self.orbit.speed, self.envelope.airspeed_max
         )
         # Beyond 90 deg of heading error the acceleration stays at its greatest (lateralAccel).
-        aim = wanted.unit
-        sine = air.unit.cross(aim)
-        if air.dot(aim) < 0.0:
+        aim = _unit(wanted)
+        sine = _across(aim, _unit(air))
+        if _along(air, aim) < 0.0:
             sine = math.copysign(1.0, sine)
         lateral = 4.0 * math.pi * self._damping / period * airspeed * sine
 
         # The circle's turn, as if the aircraft were on it without heading error (lateralAccelFF).
-        along, across = drift.dot(tangent), tangent.cross(drift)
+        along, across = _along(drift, tangent), _across(drift, tangent)
         speed_ratio = 1.0 + along / max(_leg(airspeed, across), SMALL)
-        rate = self._sense * max(relative.dot(tangent), 0.0) / max(distance, RADIUS_MIN)
+        rate = self.sense * max(_along(relative, tangent), 0.0) / max(distance, RADIUS_MIN)
         return lateral + feasible * proximity * airspeed * speed_ratio * rate, reference
 
     def _adapted_period(
@@ -188,39 +186,23 @@ class NPFGLoiter(GuidanceLaw):
         return 0.5 * math.pi * (1.0 - share) * (1.0 - share)
 
 
-class _Vector(NamedTuple):
-    """A horizontal vector."""
+def _norm(vector: complex) -> float:
+    return math.hypot(vector.real, vector.imag)
 
-    east: float
-    north: float
 
-    @property
-    def norm(self) -> float:
-        return math.hypot(self.east, self.north)
+def _unit(vector: complex) -> complex:
+    """Direction of a vector; North where it has none, as PX4 chooses."""
+    norm = _norm(vector)
+    return vector * (1.0 / norm) if norm > SMALL else 1j
 
-    @property
-    def unit(self) -> _Vector:
-        """Its direction; North where it has none, as PX4 chooses."""
-        norm = self.norm
-        return self.times(1.0 / norm) if norm > SMALL else _Vector(0.0, 1.0)
 
-    @property
-    def left(self) -> _Vector:
-        """Turned by 90 deg counter-clockwise."""
-        return _Vector(-self.north, self.east)
+def _along(vector: complex, direction: complex) -> float:
+    return (direction.conjugate() * vector).real
 
-    def times(self, factor: float) -> _Vector:
-        return _Vector(factor * self.east, factor * self.north)
 
-    def plus(self, other: _Vector) -> _Vector:
-        return _Vector(self.east + other.east, self.north + other.north)
-
-    def dot(self, other: _Vector) -> float:
-        return self.east * other.east + self.north * other.north
-
-    def cross(self, other: _Vector) -> float:
-        """Component of the other to the left of this, times this one's length."""
-        return self.east * other.north - self.north * other.east
+def _across(vector: complex, direction: complex) -> float:
+    """Component of a vector to the left of a direction."""
+    return (direction.conjugate() * vector).imag
 
 
 def _leg(hypotenuse: float, other: float) -> float:
@@ -228,22 +210,22 @@ def _leg(hypotenuse: float, other: float) -> float:
     return math.sqrt(max(hypotenuse * hypotenuse - other * other, 0.0))
 
 
-def _feasibility(drift: _Vector, bearing: _Vector, airspeed: float) -> float:
+def _feasibility(drift: complex, bearing: complex, airspeed: float) -> float:
     """1 where the air velocity can make up for the drift, 0 where not (bearingFeasibility)."""
-    against = drift.norm if drift.dot(bearing) < 0.0 else abs(bearing.cross(drift))
+    against = _norm(drift) if _along(drift, bearing) < 0.0 else abs(_across(drift, bearing))
     share = min(max((airspeed - against) / AIRSPEED_BUFFER, 0.0), 1.0)
     return math.sin(0.5 * math.pi * share) ** 2
 
 
 def _air_velocity(
-    drift: _Vector, bearing: _Vector, nominal: float, most: float
-) -> tuple[float, _Vector]:
+    drift: complex, bearing: complex, nominal: float, most: float
+) -> tuple[float, complex]:
     """Airspeed, and the air velocity that follows a bearing with it (refAirVelocity)."""
-    along, across = drift.dot(bearing), bearing.cross(drift)
+    along, across = _along(drift, bearing), _across(drift, bearing)
     needed = math.hypot(max(GROUND_SPEED_MIN - along, 0.0), across)
     # In this order a drift that is no number leaves the nominal airspeed.
     airspeed = min(max(nominal, needed), most)
-    if abs(across) <= airspeed and (along > 0.0 or drift.norm < airspeed):
+    if abs(across) <= airspeed and (along > 0.0 or _norm(drift) < airspeed):
         leg = _leg(airspeed, across)
-        return airspeed, bearing.times(leg).plus(bearing.left.times(-across))
-    return airspeed, bearing.times(_leg(drift.norm, airspeed)).plus(drift.times(-1.0))
+        return airspeed, bearing * leg - 1j * bearing * across
+    return airspeed, bearing * _leg(_norm(drift), airspeed) - drift

@@ -38,11 +38,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
+from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.situation import Situation
-from uav_tracking_mpc.laws import GuidanceLaw
-from uav_tracking_mpc.laws._altitude_hold import altitude_hold
-from uav_tracking_mpc.limits._envelope import Envelope
+from uav_tracking_mpc.laws import GuidanceLaw, altitude_hold
+from uav_tracking_mpc.limits.envelope import Envelope
 
 # Sine of the steepest crab angle. A stronger cross drift than this leaves no direction of the air
 # velocity that follows the field; the aircraft then crabs as it can.
@@ -71,7 +70,6 @@ class VectorField(GuidanceLaw):
         self, orbit: Orbit, envelope: Envelope, circulation: float = 0.15, gain: float = 1.1
     ) -> None:
         super().__init__(orbit, envelope)
-        self._sense = 1.0 if orbit.direction == COUNTER_CLOCKWISE else -1.0
         self._circulation = circulation
         self._gain = gain
 
@@ -133,5 +131,5 @@ class VectorField(GuidanceLaw):
         )  # fmt: skip
         # No aircraft follows the field's turn over the target; the floor keeps it finite.
         azimuth_rate = (ux * wy - uy * wx) / max(d, 1e-3 * radius)
-        rate = azimuth_rate + self._sense * slope * (ux * wx + uy * wy) / radius
-        return azimuth + self._sense * (math.pi / 2.0 + gamma), rate
+        rate = azimuth_rate + self.sense * slope * (ux * wx + uy * wy) / radius
+        return azimuth + self.sense * (math.pi / 2.0 + gamma), rate

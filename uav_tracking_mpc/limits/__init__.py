@@ -12,31 +12,23 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-r"""Limits of the aircraft and of where it may fly, one file each.
+r"""Limits of the aircraft and of where it may fly.
 
-===================  =============================================================
-``airspeed``         least and greatest airspeed
-``path_angle``       steepest descent and climb
-``bank``             greatest bank of a coordinated turn: limits the turn rate
-``yaw_rate``         greatest turn rate
-``roll_rate``          how quickly the bank may change
-``pitch_rate``       greatest path-angle rate
-``acceleration``     least and greatest acceleration
-``force``            thrust less drag: a climb and an acceleration share it
-``height``           least height in ``map``
-``distance``         least distance to the target
-``fence``            circle fixed to the ground that is not to be left
-===================  =============================================================
+==============  ==================================================================
+``airspeed``    least and greatest airspeed, acceleration, and thrust less drag
+``turn``        greatest turn rate, bank, and change of the bank
+``climb``       steepest descent and climb, greatest path-angle rate
+``place``       least height, least distance to the target, a fence
+``envelope``    all of them together
+==============  ==================================================================
 
-A limit is a subclass of :class:`Limit` in a file of its own name: a quantity q of the motion with
-its bounds,
+A limit is a subclass of :class:`Limit` with a name: a quantity q of the motion with its bounds,
 
 .. math:: q_{min} \le q(x) \le q_{max}
 
 said once, and from it everything else: the inequalities of the problem, how far a flown state is
 beyond them, and the words of a refusal. It is found by its name, by an entry point in the group
 ``uav_tracking_mpc.limits``, or as ``path.py:Class`` in the controller's parameter ``limits``.
-:class:`~uav_tracking_mpc.limits._envelope.Envelope` is all of them together.
 """
 
 from __future__ import annotations
@@ -50,6 +42,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.parameters.registry import ExtensionPoint
 from uav_tracking_mpc.parameters.specification import Parameters
 
 # Parameter and value without which the bounds of the inputs are compiled into the problem, which is
@@ -271,3 +264,6 @@ class Limit(Parameters):
             drift: c, shape (3,), in [m/s].
         """
         return ""
+
+
+LIMIT = ExtensionPoint("limit", Limit)

@@ -22,7 +22,7 @@ import numpy as np
 
 from uav_tracking_mpc.links import LinkError, VehicleLink
 from uav_tracking_mpc.parameters.conformance import ConformanceError, require, require_name
-from uav_tracking_mpc.simulation.plants._check import check_measurement
+from uav_tracking_mpc.simulation.plants.conformance import check_measurement
 
 STATES = 40  # that are looked at
 WAIT = 2.0  # s for each

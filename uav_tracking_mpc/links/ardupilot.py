@@ -27,28 +27,164 @@ flies the loiter of the last DO_REPOSITION (ArduPlane/GCS_MAVLink_Plane.cpp, mod
 Altitude and airspeed, once told, hold in that loiter too, until the mode changes
 (``Mode::enter``). A DO_REPOSITION lets TECS hold the present altitude for one step of 0.1 s
 (``Plane::set_guided_WP``), hence it is not renewed more often than needed.
+
+What ArduPlane's parameters allow is the envelope of the controller, and what speaks against a
+flight. Names are looked up by presence, since they changed with versions (LIM_ROLL_CD and
+ROLL_LIMIT_DEG).
 """
 
 from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.atmosphere import true_over_equivalent
-from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
+from uav_tracking_mpc.dynamics.air import true_over_equivalent
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate, quaternion_from_euler
+from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.links import Inspection
-from uav_tracking_mpc.links.mavlink.arduplane_envelope import NAMES, ArduPlaneEnvelope
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
-from uav_tracking_mpc.links.mavlink.findings import firmware, inspection, state_refusal
+from uav_tracking_mpc.links.mavlink.findings import (
+    BANK_KEPT,
+    FENCE_MARGIN,
+    RATE_SHARE,
+    HomeFence,
+    VehicleEnvelope,
+    climb_angle,
+)
 from uav_tracking_mpc.links.mavlink.mavlink_link import MavlinkLink
 from uav_tracking_mpc.links.mavlink.requests import NOT_ANSWERED
 from uav_tracking_mpc.links.mavlink.telemetry import DEGREE_SCALE, SLOW_CLIMB
+
+NAMES = (
+    "ROLL_LIMIT_DEG", "LIM_ROLL_CD", "AIRSPEED_MIN", "ARSPD_FBW_MIN", "AIRSPEED_MAX",
+    "ARSPD_FBW_MAX", "AIRSPEED_CRUISE", "TRIM_ARSPD_CM", "AIRSPEED_STALL", "STALL_PREVENTION",
+    "WP_LOITER_RAD", "TECS_CLMB_MAX", "TECS_SINK_MIN", "TECS_SINK_MAX", "TECS_TIME_CONST",
+    "RLL2SRV_TCONST", "RLL2SRV_RMAX", "ARSPD_USE", "SCHED_LOOP_RATE", "GUIDED_TIMEOUT",
+    "FS_LONG_ACTN", "FS_GCS_ENABL", "FENCE_ENABLE", "FENCE_ACTION", "FENCE_TYPE",
+    "FENCE_ALT_MAX", "FENCE_ALT_MIN", "FENCE_RADIUS", "STICK_MIXING", "ALT_OFFSET",
+)  # fmt: skip
+FENCE_ALTITUDE_MAX, FENCE_CIRCLE, FENCE_ALTITUDE_MIN = 1, 2, 8  # bits of FENCE_TYPE
+FENCE_RTL = (1.0, 8.0)  # actions that take GUIDED away
+SHARE_OF_LOOP = 0.8  # of the main loop's rate, that telemetry can have
+
+
+class ArduPlaneEnvelope(VehicleEnvelope):
+    """Limits that ArduPlane keeps.
+
+    Args:
+        vehicle: Its parameters by name, in their own units [SI or deg].
+        true_over_equivalent: True over equivalent airspeed where it flies [-].
+    """
+
+    names = NAMES
+
+    def __init__(self, vehicle: Mapping[str, float], true_over_equivalent: float) -> None:
+        super().__init__(vehicle, true_over_equivalent)
+        cruise = self._first("AIRSPEED_CRUISE", "TRIM_ARSPD_CM")
+        self.cruise = None if cruise is None else cruise * true_over_equivalent
+
+    def _first(self, *names: str) -> float | None:
+        """The first that there is of a parameter's names; older ones may be in hundredths."""
+        found = next((name for name in names if name in self.vehicle), None)
+        if found is None:
+            return None
+        return self.vehicle[found] * (1e-2 if found.endswith(("_CM", "_CD")) else 1.0)
+
+    def values(self, airspeed: float) -> dict[str, Any]:
+        """See :meth:`VehicleEnvelope.values`."""
+        vehicle, values = self.vehicle, dict[str, Any]()
+        bank = self.bank_max(airspeed)
+        if bank is not None:
+            values["bank_max"] = bank - BANK_KEPT
+        least = self._first("AIRSPEED_MIN", "ARSPD_FBW_MIN")
+        most = self._first("AIRSPEED_MAX", "ARSPD_FBW_MAX")
+        if least is not None and most is not None:
+            values["airspeed_min"], values["airspeed_max"] = least * self.ratio, most * self.ratio
+        if "RLL2SRV_TCONST" in vehicle:
+            # AP_RollController asks for a roll rate of error / TCONST. Nothing else is commanded.
+            values["rate_lag"] = (vehicle["RLL2SRV_TCONST"],) * 3
+        if vehicle.get("RLL2SRV_RMAX", 0.0) > 0.0:
+            values["roll_rate_max"] = RATE_SHARE * math.radians(vehicle["RLL2SRV_RMAX"])
+        if "TECS_CLMB_MAX" in vehicle and "TECS_SINK_MAX" in vehicle:
+            climb, sink = vehicle["TECS_CLMB_MAX"], vehicle["TECS_SINK_MAX"]
+            values["path_angle_max"] = climb_angle(climb, airspeed)
+            values["path_angle_min"] = climb_angle(-sink, airspeed)
+            values["hold_climb_max"], values["hold_sink_max"] = climb, sink
+        if "TECS_SINK_MIN" in vehicle:
+            values["hold_sink_idle"] = vehicle["TECS_SINK_MIN"]
+        if "TECS_TIME_CONST" in vehicle:
+            constant = vehicle["TECS_TIME_CONST"]
+            values["hold_time"] = (constant, 1.0, constant)
+        return values
+
+    def bank_max(self, airspeed: float) -> float | None:
+        """See :meth:`VehicleEnvelope.bank_max`: what the autopilot flies.
+
+        With STALL_PREVENTION the load factor is limited by the airspeed over the stall speed
+        (ArduPlane/Attitude.cpp, ``Plane::apply_load_factor_roll_limits``).
+
+        Args:
+            airspeed: True, in [m/s].
+        """
+        limit = self._first("ROLL_LIMIT_DEG", "LIM_ROLL_CD")
+        if limit is None:
+            return None
+        stall = self.vehicle.get("AIRSPEED_STALL") or self._first("AIRSPEED_MIN", "ARSPD_FBW_MIN")
+        return self.turning(
+            limit, airspeed, stall if self.vehicle.get("STALL_PREVENTION", 1.0) else None
+        )
+
+    def fence(self) -> HomeFence | None:
+        """See :meth:`VehicleEnvelope.fence`."""
+        vehicle = self.vehicle
+        if not vehicle.get("FENCE_ENABLE"):
+            return None
+        kinds = int(vehicle.get("FENCE_TYPE", 0.0))
+        lowest = vehicle.get("FENCE_ALT_MIN") if kinds & FENCE_ALTITUDE_MIN else None
+        highest = vehicle.get("FENCE_ALT_MAX") if kinds & FENCE_ALTITUDE_MAX else None
+        radius = vehicle.get("FENCE_RADIUS") if kinds & FENCE_CIRCLE else None
+        return HomeFence(
+            -math.inf if lowest is None else lowest + FENCE_MARGIN,
+            math.inf if highest is None else highest - FENCE_MARGIN,
+            math.inf if radius is None else radius - FENCE_MARGIN,
+        )
+
+    def refusals(self) -> list[str]:
+        """See :meth:`VehicleEnvelope.refusals`."""
+        known = self.bank_max(1.0) is not None
+        return [] if known else ["neither ROLL_LIMIT_DEG nor LIM_ROLL_CD can be read"]
+
+    def warnings(self, telemetry_rate: float) -> list[str]:
+        """See :meth:`VehicleEnvelope.warnings`."""
+        vehicle, words = self.vehicle, []
+        loop = vehicle.get("SCHED_LOOP_RATE")
+        if loop is not None and SHARE_OF_LOOP * loop < telemetry_rate:
+            words.append(
+                f"SCHED_LOOP_RATE is {loop:g} Hz: telemetry comes at {SHARE_OF_LOOP * loop:g} Hz, "
+                f"not at {telemetry_rate:g}"
+            )
+        timeout = vehicle.get("GUIDED_TIMEOUT")
+        if timeout is not None and not 0.0 < timeout <= 5.0:
+            words.append(
+                f"GUIDED_TIMEOUT is {timeout:g} s: it decides how long the last bank is held when "
+                "the companion falls silent, must be from 0 to 5 s"
+            )
+        if vehicle.get("FENCE_ENABLE") and vehicle.get("FENCE_ACTION", 1.0) not in FENCE_RTL:
+            words.append(
+                f"FENCE_ACTION is {vehicle['FENCE_ACTION']:g}: a breach does not take GUIDED away, "
+                "1 (RTL) would"
+            )
+        if not vehicle.get("FENCE_ENABLE"):
+            words.append("FENCE_ENABLE is 0: the autopilot has no fence of its own")
+        if vehicle.get("STICK_MIXING", 0.0):
+            words.append("STICK_MIXING is on: the pilot's sticks add to our bank in GUIDED")
+        return words
+
 
 GUIDED = 15
 MODES = {
@@ -58,7 +194,6 @@ MODES = {
     19: "QLOITER", 20: "QLAND", 21: "QRTL", 22: "QAUTOTUNE", 23: "QACRO", 24: "THERMAL",
     25: "LOITER_ALT_QLAND", 26: "AUTOLAND",
 }  # fmt: skip
-HANDED_OVER = ("CIRCLE", "AUTO", "LOITER", "GUIDED")  # modes from which command may be taken
 ROLL_ALONE = 0b11111110  # type_mask: the rate of roll is not ignored, all else is
 CHANGE_MODE = 1.0  # flag of DO_REPOSITION
 AIRSPEED = 0.0  # type of speed of GUIDED_CHANGE_SPEED
@@ -86,7 +221,8 @@ class ArduPilotLink(MavlinkLink):
     )
     holds = True
     autopilot = mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA
-    asked_parameters = NAMES
+    handed_over = ("CIRCLE", "AUTO", "LOITER", "GUIDED")
+    limits = ArduPlaneEnvelope
     slow_messages = (
         mavlink.MAVLINK_MSG_ID_WIND,
         mavlink.MAVLINK_MSG_ID_EKF_STATUS_REPORT,
@@ -114,26 +250,6 @@ class ArduPilotLink(MavlinkLink):
     def takes_commands(self, custom_mode: int) -> bool:
         """See :meth:`MavlinkLink.takes_commands`."""
         return custom_mode == GUIDED
-
-    def _envelope(self) -> ArduPlaneEnvelope:
-        altitude = self.heard.telemetry.altitude
-        return ArduPlaneEnvelope(self.vehicle, true_over_equivalent(altitude or 0.0))
-
-    def describe(self) -> Inspection:
-        """See :meth:`MavlinkLink.describe`."""
-        heard, envelope = self.heard, self._envelope()
-        mode = self.mode_name(heard.heartbeat.custom_mode)
-        refusals = [state_refusal(heard, mode, HANDED_OVER)]
-        if envelope.bank_max(1.0) is None:
-            refusals.append("neither ROLL_LIMIT_DEG nor LIM_ROLL_CD can be read")
-        told = {"firmware": f"{self.title} {firmware(heard.version)}", "mode": mode}
-        warnings = envelope.warnings(self.parameters.telemetry_rate)
-        return inspection(heard, told, self.vehicle, envelope, warnings, refusals)
-
-    def refusal(self, orbit: FlownOrbit) -> str:
-        """See :meth:`MavlinkLink.refusal`: what its fence says."""
-        fence = self._envelope().fence()
-        return "" if fence is None else fence.refusal(orbit, self.heard.telemetry)
 
     def ask_for_command(self, now: float) -> None:
         """See :meth:`MavlinkLink.ask_for_command`."""
@@ -208,7 +324,7 @@ class ArduPilotLink(MavlinkLink):
         """See :meth:`MavlinkLink.fly`."""
         if measured.airspeed is None:
             return
-        limit = self._envelope().bank_max(measured.airspeed) or 0.0
+        limit = self.envelope().bank_max(measured.airspeed) or 0.0
         turn_rate = float(inputs[0]) - self.heard.telemetry.direction.surplus
         bank = max(-limit, min(limit, bank_from_turn_rate(turn_rate, measured.airspeed)))
         self.heard.connection.send(

@@ -28,28 +28,248 @@ flown for COM_OF_LOSS_T, then comes what COM_OBL_RC_ACT says (src/modules/comman
 when set-points come again. So none are sent after it, unless it was the link that was dead: then
 inert ones are, which hold bank and height, until OFFBOARD is there again. A pilot who has changed
 the mode is not overridden by them.
+
+What PX4's parameters allow is the envelope of the controller, and what speaks against a flight.
+In OFFBOARD with attitudes PX4 keeps none of its limits of bank, pitch, thrust and airspeed itself,
+for the modules that know them do not run (src/modules/commander/ModeUtil/control_mode.cpp,
+``getVehicleControlMode``; src/modules/fw_mode_manager, fw_lateral_longitudinal_control): the link
+does, by what is read here.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.atmosphere import true_over_equivalent
-from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
+from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate, quaternion_from_euler
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.links import Inspection
 from uav_tracking_mpc.links.mavlink.dialect import CURRENT_MODE, mavlink
-from uav_tracking_mpc.links.mavlink.energy_law import EnergyLaw, FlownPath
+from uav_tracking_mpc.links.mavlink.energy_law import EnergyLaw, EnergyLimits, FlownPath
 from uav_tracking_mpc.links.mavlink.engagement import State
-from uav_tracking_mpc.links.mavlink.findings import firmware, inspection, state_refusal
+from uav_tracking_mpc.links.mavlink.findings import (
+    BANK_KEPT,
+    FENCE_MARGIN,
+    RATE_SHARE,
+    HomeFence,
+    VehicleEnvelope,
+    climb_angle,
+)
+from uav_tracking_mpc.links.mavlink.listener import FIXED_WING
 from uav_tracking_mpc.links.mavlink.mavlink_link import MavlinkLink
-from uav_tracking_mpc.links.mavlink.px4_envelope import NAMES, Px4Envelope
 from uav_tracking_mpc.links.mavlink.telemetry import Attitude
+
+DEFAULTS = {
+    "FW_THR_MIN": 0.0, "FW_THR_MAX": 1.0, "FW_THR_TRIM": 0.6, "FW_THR_ASPD_MIN": 0.0,
+    "FW_THR_ASPD_MAX": 0.0, "FW_THR_SLEW_MAX": 0.0, "FW_T_CLMB_MAX": 5.0, "FW_T_SINK_MIN": 2.0,
+    "FW_T_SINK_MAX": 5.0, "FW_T_VERT_ACC": 7.0, "FW_T_RLL2THR": 15.0, "FW_P_LIM_MIN": -30.0,
+    "FW_P_LIM_MAX": 30.0, "FW_P_TC": 0.4, "FW_P_RMAX_POS": 60.0, "FW_P_RMAX_NEG": 60.0,
+    "FW_R_RMAX": 70.0, "FW_PN_R_SLEW_MAX": 90.0,
+}  # fmt: skip
+NEEDED = ("FW_R_LIM", "FW_AIRSPD_MIN", "FW_AIRSPD_TRIM", "FW_AIRSPD_MAX")
+NAMES = (
+    *NEEDED, *DEFAULTS, "FW_R_TC", "COM_OF_LOSS_T", "COM_OBL_RC_ACT", "COM_RCL_EXCEPT",
+    "NAV_RCL_ACT", "NAV_DLL_ACT", "COM_DL_LOSS_T", "GF_ACTION", "GF_MAX_HOR_DIST",
+    "GF_MAX_VER_DIST", "MAV_TYPE", "MAV_FWDEXTSP", "NAV_LOITER_RAD", "FW_USE_AIRSPD",
+    "MAV_SIGN_CFG",
+)  # fmt: skip
+FORCE_SHARE = 0.25  # of the engine's excess, that is left at the greatest airspeed at least
+FREE_THRUST_SLEW = 2.0  # 1/s, where PX4 limits none
+LOSS_ACTIONS = {
+    0: "Position", 1: "Altitude", 2: "Stabilized", 3: "Return", 4: "Land", 5: "Hold",
+    6: "Terminate", 7: "Disarm",
+}  # of COM_OBL_RC_ACT: failsafe.cpp, fromOffboardLossActParam  # fmt: skip
+ENDS_WELL = (3.0, 5.0)
+LONGEST_LOSS, SHORTEST_LOSS = 5.0, 0.3  # s, of COM_OF_LOSS_T
+OFFBOARD_BIT = 4  # of COM_RCL_EXCEPT
+FATAL = {5: "terminates the flight", 6: "disarms"}  # of NAV_RCL_ACT and NAV_DLL_ACT
+FENCE_TERMINATES = 4.0  # of GF_ACTION
+
+
+class Px4Envelope(VehicleEnvelope):
+    """Limits that the link keeps for PX4.
+
+    Parameters that this version does not have count as their defaults, where that harms nobody.
+
+    Args:
+        vehicle: Its parameters by name, in their own units [SI or deg].
+        true_over_equivalent: True over equivalent airspeed where it flies [-].
+    """
+
+    names = NAMES
+
+    def __init__(self, vehicle: Mapping[str, float], true_over_equivalent: float) -> None:
+        super().__init__(vehicle, true_over_equivalent)
+        self._all = {**DEFAULTS, **vehicle}
+        trim = vehicle.get("FW_AIRSPD_TRIM")
+        self.cruise = None if trim is None else trim * true_over_equivalent
+
+    def values(self, airspeed: float) -> dict[str, Any]:
+        """See :meth:`VehicleEnvelope.values`."""
+        vehicle, values = self._all, dict[str, Any]()
+        if (bank := self.bank_max(airspeed)) is not None:
+            values["bank_max"] = bank - BANK_KEPT
+        values["roll_rate_max"] = RATE_SHARE * self.roll_slew
+        values["pitch_rate_max"] = vehicle["FW_T_VERT_ACC"] / airspeed
+        climb, sink = vehicle["FW_T_CLMB_MAX"], vehicle["FW_T_SINK_MAX"]
+        values["path_angle_max"] = climb_angle(climb, airspeed)
+        values["path_angle_min"] = climb_angle(-sink, airspeed)
+        if {"FW_AIRSPD_MIN", "FW_AIRSPD_MAX"} <= self.vehicle.keys():
+            least = vehicle["FW_AIRSPD_MIN"] * self.ratio
+            most = vehicle["FW_AIRSPD_MAX"] * self.ratio
+            values["airspeed_min"], values["airspeed_max"] = least, most
+            values.update(self._forces(most))
+        return values
+
+    def _forces(self, most: float) -> dict[str, Any]:
+        """Thrust less drag at the ends of the airspeed, the drag growing with its square."""
+        if self.cruise is None:
+            return {}
+        climb, idle = self._all["FW_T_CLMB_MAX"], self._all["FW_T_SINK_MIN"]
+        per_climb = GRAVITY / self.cruise
+        fast = max(climb - idle * ((most / self.cruise) ** 2 - 1.0), FORCE_SHARE * climb)
+        return {
+            "force_max": (per_climb * climb, per_climb * fast),
+            "force_min": (-per_climb * idle, -per_climb * idle),
+        }
+
+    def bank_max(self, airspeed: float) -> float | None:
+        """See :meth:`VehicleEnvelope.bank_max`: what is ever commanded.
+
+        The least airspeed of a turn grows with the root of its load factor
+        (src/lib/fw_performance_model, ``PerformanceModel::getMinimumCalibratedAirspeed``).
+
+        Args:
+            airspeed: True, in [m/s].
+        """
+        limit = self.vehicle.get("FW_R_LIM")
+        slowest = self.vehicle.get("FW_AIRSPD_MIN")
+        return None if limit is None else self.turning(limit, airspeed, slowest)
+
+    @property
+    def roll_slew(self) -> float:
+        """How quickly the commanded bank changes at most in [rad/s]."""
+        slew = min(self._all["FW_R_RMAX"], self._all["FW_PN_R_SLEW_MAX"])
+        return math.radians(slew)
+
+    def energy_limits(self) -> EnergyLimits:
+        """What the energy law is to know and to keep."""
+        vehicle = self._all
+        cruise = vehicle.get("FW_AIRSPD_TRIM", 15.0)
+        slew = vehicle["FW_THR_SLEW_MAX"]
+        return EnergyLimits(
+            cruise=cruise,
+            airspeed_min=vehicle.get("FW_AIRSPD_MIN", cruise),
+            airspeed_max=vehicle.get("FW_AIRSPD_MAX", cruise),
+            thrust_min=max(vehicle["FW_THR_MIN"], 0.0),
+            thrust_max=min(vehicle["FW_THR_MAX"], 1.0),
+            trim=vehicle["FW_THR_TRIM"],
+            trim_slow=vehicle["FW_THR_ASPD_MIN"],
+            trim_fast=vehicle["FW_THR_ASPD_MAX"],
+            climb_max=vehicle["FW_T_CLMB_MAX"],
+            sink_idle=vehicle["FW_T_SINK_MIN"],
+            load_energy=vehicle["FW_T_RLL2THR"],
+            pitch_min=math.radians(vehicle["FW_P_LIM_MIN"]),
+            pitch_max=math.radians(vehicle["FW_P_LIM_MAX"]),
+            pitch_time=vehicle["FW_P_TC"],
+            pitch_slew=math.radians(min(vehicle["FW_P_RMAX_POS"], vehicle["FW_P_RMAX_NEG"])),
+            thrust_slew=slew if slew > 0.0 else FREE_THRUST_SLEW,
+        )
+
+    def fence(self) -> HomeFence | None:
+        """See :meth:`VehicleEnvelope.fence`."""
+        vehicle = self.vehicle
+        highest = vehicle.get("GF_MAX_VER_DIST", 0.0)
+        radius = vehicle.get("GF_MAX_HOR_DIST", 0.0)
+        if not vehicle.get("GF_ACTION") or (highest <= 0.0 and radius <= 0.0):
+            return None
+        return HomeFence(
+            -math.inf,
+            highest - FENCE_MARGIN if highest > 0.0 else math.inf,
+            radius - FENCE_MARGIN if radius > 0.0 else math.inf,
+        )
+
+    def refusals(self) -> list[str]:
+        """See :meth:`VehicleEnvelope.refusals`."""
+        vehicle = self.vehicle
+        words = [f"{name} cannot be read" for name in NEEDED if name not in vehicle]
+        if vehicle.get("MAV_TYPE", 1.0) not in FIXED_WING:
+            words.append(
+                f"MAV_TYPE is {vehicle['MAV_TYPE']:g}: its thrust would be another vehicle's, must "
+                "be 1 (fixed wing)"
+            )
+        if vehicle.get("MAV_FWDEXTSP", 1.0) != 1.0:
+            words.append("MAV_FWDEXTSP is 0: it drops a companion's set-points, must be 1")
+        action = vehicle.get("COM_OBL_RC_ACT")
+        if action is not None and action not in ENDS_WELL:
+            name = LOSS_ACTIONS.get(int(action), "unknown")
+            words.append(
+                f"COM_OBL_RC_ACT is {action:g} ({name}): where the companion falls silent it must "
+                "end in 5 (Hold) or 3 (Return)"
+            )
+        loss = vehicle.get("COM_OF_LOSS_T")
+        if loss is not None and not SHORTEST_LOSS <= loss <= LONGEST_LOSS:
+            words.append(
+                f"COM_OF_LOSS_T is {loss:g} s: the last attitude and thrust are held that long "
+                f"when the companion falls silent, must be from {SHORTEST_LOSS:g} to "
+                f"{LONGEST_LOSS:g} s"
+            )
+        low, trim, high = (self._all[f"FW_THR_{end}"] for end in ("MIN", "TRIM", "MAX"))
+        if not 0.0 <= low < trim < high <= 1.0:
+            words.append(
+                f"FW_THR_TRIM is {trim:g}, must be between FW_THR_MIN = {low:g} and FW_THR_MAX = "
+                f"{high:g}, from 0 to 1"
+            )
+        if not words:
+            slow, cruise, fast = (vehicle[name] for name in NEEDED[1:])
+            if not 0.0 < slow < cruise < fast:
+                words.append(
+                    f"FW_AIRSPD_TRIM is {cruise:g} m/s, must be between FW_AIRSPD_MIN = {slow:g} "
+                    f"and FW_AIRSPD_MAX = {fast:g} m/s"
+                )
+        return words
+
+    def warnings(self, telemetry_rate: float) -> list[str]:
+        """See :meth:`VehicleEnvelope.warnings`."""
+        vehicle, words = self.vehicle, []
+        for name in ("COM_OBL_RC_ACT", "COM_OF_LOSS_T"):
+            if name not in vehicle:
+                words.append(f"{name} cannot be read: see what PX4 does when the companion dies")
+        if int(vehicle.get("COM_RCL_EXCEPT", 0.0)) & OFFBOARD_BIT:
+            words.append(
+                f"COM_RCL_EXCEPT is {vehicle['COM_RCL_EXCEPT']:g}: OFFBOARD goes on without the "
+                "pilot's transmitter, who then cannot take over; without bit 2 it would not"
+            )
+        for name, lost in {"NAV_RCL_ACT": "transmitter", "NAV_DLL_ACT": "ground station"}.items():
+            action = int(vehicle.get(name, 0.0))
+            if fatal := FATAL.get(action):
+                words.append(
+                    f"{name} is {action}: the loss of the {lost} {fatal}, 2 (Return) would not"
+                )
+        if vehicle.get("NAV_DLL_ACT"):
+            words.append(
+                f"NAV_DLL_ACT is {vehicle['NAV_DLL_ACT']:g}: OFFBOARD ends "
+                f"{vehicle.get('COM_DL_LOSS_T', 10.0):g} s after the last heartbeat of a ground "
+                "station, which a companion's does not replace"
+            )
+        if self.fence() is None:
+            words.append(
+                "GF_ACTION, GF_MAX_HOR_DIST and GF_MAX_VER_DIST set no fence of the autopilot's own"
+            )
+        elif vehicle.get("GF_ACTION") == FENCE_TERMINATES:
+            words.append("GF_ACTION is 4: a breach of the fence terminates the flight")
+        if vehicle.get("FW_USE_AIRSPD", 1.0) == 0.0:
+            words.append(
+                "FW_USE_AIRSPD is 0: the attitude loops take every airspeed for FW_AIRSPD_TRIM"
+            )
+        if vehicle.get("MAV_SIGN_CFG", 0.0):
+            words.append("MAV_SIGN_CFG is on: only messages signed with its key are heard")
+        return words
+
 
 # Main and sub mode of custom_mode: src/modules/commander/px4_custom_mode.h
 MODES = {
@@ -59,7 +279,6 @@ MODES = {
     (6, 0): "OFFBOARD", (7, 0): "STABILIZED", (10, 0): "TERMINATION", (11, 0): "ALTITUDE_CRUISE",
 }  # fmt: skip
 OFFBOARD, HOLD = (6, 0), (4, 3)
-HANDED_OVER = ("HOLD", "MISSION", "POSITION", "OFFBOARD")  # modes command may be taken from
 NO_RATES = 0b111  # type_mask: rates are ignored; attitude and thrust are not
 CUSTOM_MODE = 1.0  # param1 of DO_SET_MODE
 INERT_TIME = 1.2  # s of inert set-points before OFFBOARD is asked for; PX4 wants more than 1 s
@@ -87,7 +306,8 @@ class Px4Link(MavlinkLink):
         "COM_OBL_RC_ACT says"
     )
     autopilot = mavlink.MAV_AUTOPILOT_PX4
-    asked_parameters = NAMES
+    handed_over = ("HOLD", "MISSION", "POSITION", "OFFBOARD")
+    limits = Px4Envelope
     by_bits = True
     slow_messages = (mavlink.MAVLINK_MSG_ID_WIND_COV, mavlink.MAVLINK_MSG_ID_ESTIMATOR_STATUS)
     quick_messages = (CURRENT_MODE,)
@@ -97,7 +317,6 @@ class Px4Link(MavlinkLink):
         super()._forget()
         self._law: EnergyLaw | None = None
         self._known: Px4Envelope | None = None
-        self._known_at = math.nan
         self._bank, self._banked_at = 0.0, -math.inf
         self._inert_since: float | None = None
 
@@ -110,28 +329,11 @@ class Px4Link(MavlinkLink):
         """See :meth:`MavlinkLink.takes_commands`."""
         return main_and_sub(custom_mode)[0] == OFFBOARD[0]
 
-    def _envelope(self) -> Px4Envelope:
-        ratio = self._ratio()
-        if self._known is None or abs(ratio - self._known_at) > SAME_RATIO:
-            self._known, self._known_at = Px4Envelope(self.vehicle, ratio), ratio
+    def envelope(self) -> Px4Envelope:
+        """See :meth:`MavlinkLink.envelope`: made anew where the air is another."""
+        if self._known is None or abs(self.ratio - self._known.ratio) > SAME_RATIO:
+            self._known = Px4Envelope(self.vehicle, self.ratio)
         return self._known
-
-    def _ratio(self) -> float:
-        return true_over_equivalent(self.heard.telemetry.altitude or 0.0)
-
-    def describe(self) -> Inspection:
-        """See :meth:`MavlinkLink.describe`."""
-        heard, envelope = self.heard, self._envelope()
-        mode = self.mode_name(heard.heartbeat.custom_mode)
-        refusals = [state_refusal(heard, mode, HANDED_OVER), *envelope.refusals()]
-        told = {"firmware": f"{self.title} {firmware(heard.version)}", "mode": mode}
-        warnings = envelope.warnings()
-        return inspection(heard, told, self.vehicle, envelope, warnings, refusals)
-
-    def refusal(self, orbit: FlownOrbit) -> str:
-        """See :meth:`MavlinkLink.refusal`: what its fence says."""
-        fence = self._envelope().fence()
-        return "" if fence is None else fence.refusal(orbit, self.heard.telemetry)
 
     def ask_for_command(self, now: float) -> None:
         """See :meth:`MavlinkLink.ask_for_command`: once set-points have come for long enough."""
@@ -147,7 +349,7 @@ class Px4Link(MavlinkLink):
         self._inert_since = None
         telemetry = self.heard.telemetry
         attitude, measured = telemetry.attitude, telemetry.newest
-        self._law = EnergyLaw(self._envelope().energy_limits())
+        self._law = EnergyLaw(self.envelope().energy_limits())
         if attitude is not None and measured is not None and measured.airspeed is not None:
             flown = self._flown(attitude, measured, measured.airspeed, now)
             self._law.begin(flown, attitude.pitch, telemetry.throttle)
@@ -174,7 +376,7 @@ class Px4Link(MavlinkLink):
             self.begin(now)
         assert self._law is not None
         turn_rate, path_rate, gain = np.asarray(inputs, dtype=float).tolist()
-        envelope = self._envelope()
+        envelope = self.envelope()
         limit, reach = envelope.bank_max(airspeed) or 0.0, envelope.roll_slew
         coordinated = turn_rate - self.heard.telemetry.direction.surplus
         wanted = _clip(bank_from_turn_rate(coordinated, airspeed), limit)
@@ -193,7 +395,7 @@ class Px4Link(MavlinkLink):
             return
         self._inert_since = self._inert_since or now
         self._sent_at = now
-        envelope = self._envelope()
+        envelope = self.envelope()
         limits = envelope.energy_limits()
         limit = envelope.bank_max(measured.airspeed or 0.0) or 0.0
         pitch = attitude.pitch - measured.path_angle
@@ -216,7 +418,7 @@ class Px4Link(MavlinkLink):
     def _flown(
         self, attitude: Attitude, measured: Measurement, airspeed: float, now: float
     ) -> FlownPath:
-        return FlownPath(now, measured.path_angle, airspeed, attitude.roll, self._ratio())
+        return FlownPath(now, measured.path_angle, airspeed, attitude.roll, self.ratio)
 
     @property
     def _streams(self) -> bool:

@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
+from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import LinkError, VehicleLink
 from uav_tracking_mpc.parameters.specification import ParameterError

@@ -14,24 +14,15 @@
 
 """The optimal control problem (14)-(16) as data, and its solvers. Knows nothing of aircraft.
 
-=====================  ================================================================
-``problem``            any problem of this kind: dynamics, costs, box, inequalities
-``quadratic``          (14)-(16) of the paper: quadratic costs, terminal ellipsoid
-``solution``           what comes back: a status in words, cost, plan, time
-``solver``             the interface that every solver shares
-``plan_guesses``       plans to begin from: the last one moved on, or cold ones
-``optimality``         cost and KKT residual of a plan, whoever found it
-``nonlinear_program``  the problem as variables, bounds and constraints
-``casadi_solver``      the problem handed to fatrop or IPOPT through CasADi
-``newton_solver``      the problem solved by a stagewise Newton method, compiled for it
-``newton``             that method, one idea a file
-``cold_start``         the guesses from which a cold solve tries it
-``stage_code``         the problem's equations and derivatives as straight-line code
-``compiled_method``    the method as machine code, loaded from the cache
-``method_cache``       where compiled methods are kept, and under which name
-``machine_code``       makes the machine code, as a process of its own
-``compilation``        that process, waited for or given up
-``bridged_solver``     another solver solves until the compiled one can
-``prediction_loop``    the closed loop on the prediction model itself, for campaigns
-=====================  ================================================================
+===================  ============================================================================
+``problem``          any problem of this kind; (14)-(16) of the paper: quadratic, with an ellipsoid
+``solver``           the interface that every solver shares, what a solve gives back, its flights
+``casadi_solver``    the problem as a nonlinear program, handed to IPOPT through CasADi
+``newton_solver``    the problem solved by a stagewise Newton method, from warm and cold starts
+``newton``           that method, to be compiled for the problem
+``stage_code``       the problem's equations and derivatives as straight-line code
+``machine_code``     makes the method's machine code, as a process of its own
+``compiled_method``  keeps the machine code, waits for it, loads it
+``bridged_solver``   another solver solves until the compiled one can
+===================  ============================================================================
 """

@@ -26,16 +26,12 @@ from collections.abc import Callable
 
 from numpy.typing import ArrayLike
 
-from uav_tracking_mpc.mpc import machine_code
 from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
-from uav_tracking_mpc.mpc.compilation import Compilation, CompilationError
-from uav_tracking_mpc.mpc.method_cache import method_folder
+from uav_tracking_mpc.mpc.compiled_method import BRIDGE, MachineCode
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
-from uav_tracking_mpc.mpc.solution import Solution
-from uav_tracking_mpc.mpc.solver import Guess, Solver, shift
+from uav_tracking_mpc.mpc.solver import Guess, Solution, Solver, shift
 
-BRIDGE = "ipopt"
 TOLERANCE = 1e-4  # of IPOPT's optimality: half the iterations of 1e-8, the same flight
 # s, that IPOPT has for a solve at least; it takes half of it for an attempt, and a command that is
 # later than that is worth nothing.
@@ -71,7 +67,7 @@ class BridgedSolver:
                 self._solver = NewtonSolver(self.problem, time_limit=self._time_limit)
             else:
                 limit = max(self._time_limit, BUDGET)
-                self._solver = CasadiSolver(self.problem, BRIDGE, TOLERANCE, time_limit=limit)
+                self._solver = CasadiSolver(self.problem, TOLERANCE, time_limit=limit)
         return self._solver
 
     @property
@@ -134,42 +130,3 @@ class BridgedSolver:
             begin = Guess(inputs, last.decision)
             return self.prepare().solve(initial_state, parameters, None, lambda: begin)
         return self.prepare().solve(initial_state, parameters, None, guess)
-
-
-class MachineCode:
-    """The machine code for a problem, which is made meanwhile if it is not there.
-
-    Args:
-        problem: What is solved.
-        report: Called with what happens, in words.
-    """
-
-    def __init__(self, problem: OptimalControlProblem, report: Callable[[str], None]) -> None:
-        self._report = report
-        self._compilation: Compilation | None = None
-        self._failed = False
-        folder = method_folder(problem)
-        if not machine_code.finished(folder):
-            self._compilation = Compilation(folder, aside=True)
-            report(f"{BRIDGE} solves while the solver is compiled, once; kept in {folder}")
-
-    @property
-    def pending(self) -> bool:
-        """Whether it is still being made."""
-        return self._compilation is not None
-
-    def __call__(self) -> bool:
-        """Whether it is there; where it cannot be made, that is said once and it never will be."""
-        compilation = self._compilation
-        if compilation is None:
-            return not self._failed
-        try:
-            done = compilation.done()
-        except CompilationError as error:
-            self._failed, self._compilation = True, None
-            self._report(f"{error}; {BRIDGE} goes on solving")
-            return False
-        if done:
-            self._compilation = None
-            self._report(f"solver compiled in {compilation.seconds:.1f} s; it solves from now on")
-        return done

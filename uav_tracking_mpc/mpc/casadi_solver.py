@@ -12,27 +12,252 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The problem as a nonlinear program, handed to fatrop or IPOPT through CasADi."""
+"""The problem as a nonlinear program, solved by a plugin of CasADi."""
 
 from __future__ import annotations
 
 import math
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.dynamics.symbolic_work import one_at_a_time
-from uav_tracking_mpc.mpc.nonlinear_program import NonlinearProgram
-from uav_tracking_mpc.mpc.plan_guesses import plan_guesses
-from uav_tracking_mpc.mpc.problem import OptimalControlProblem
-from uav_tracking_mpc.mpc.solution import Solution, Status
-from uav_tracking_mpc.mpc.solver import Guess
+from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
+from uav_tracking_mpc.mpc.solver import Guess, Solution, Status, shift, solve_data
+from uav_tracking_mpc.symbolic.functions import one_at_a_time
 
-PLUGINS = ("ipopt", "fatrop")
+
+class PlanGuess(NamedTuple):
+    """Where a solver begins; states need not obey the dynamics.
+
+    Attributes:
+        states: x_0..x_N, shape (N + 1, nx).
+        inputs: u_0..u_{N-1}, shape (N, nu).
+        decision: a, shape (na,).
+    """
+
+    states: NDArray[np.float64]
+    inputs: NDArray[np.float64]
+    decision: NDArray[np.float64]
+
+
+def plan_guesses(
+    problem: OptimalControlProblem,
+    initial_state: NDArray[np.float64],
+    last: Solution | None,
+    elapsed: float | None,
+    make: Callable[[], Guess | None] | None,
+    rollout: Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]],
+) -> list[PlanGuess]:
+    """Plans to start from: the last one moved on, or that of the caller, or two cold ones.
+
+    Args:
+        problem: What is solved.
+        initial_state: x_0, shape (nx,).
+        last: The last plan that was one; None for a cold start.
+        elapsed: Time in [s] since then; None for a cold start.
+        make: Plan of the caller for a cold start.
+        rollout: States x_0..x_N, shape (N + 1, nx), under inputs, shape (N, nu), and a decision,
+            shape (na,).
+    """
+    if elapsed is not None and last is not None:
+        stages = max(0.0, elapsed) / problem.step
+        states = shift(last.states, stages)
+        states[0] = initial_state
+        return [PlanGuess(states, shift(last.inputs, stages), last.decision)]
+    inputs = np.tile(problem.input_rest, (problem.horizon, 1))
+    guess = make() if make is not None else None
+    if guess is not None:
+        inputs[: len(guess.inputs)] = guess.inputs
+        decision = np.asarray(guess.decision)
+        return [PlanGuess(rollout(inputs, decision), inputs, decision)]
+    goal = np.zeros(problem.nx) if problem.state_goal is None else problem.state_goal
+    later = (problem.horizon, 1)
+    return [
+        PlanGuess(np.vstack([initial_state, np.tile(rest, later)]), inputs, problem.decision_guess)
+        for rest in (goal, initial_state)
+    ]
+
+
+class NonlinearProgram:
+    """Variables, bounds and constraints of the nonlinear program, stage by stage.
+
+    Args:
+        problem: What is solved.
+
+    Attributes:
+        nlp: The program as CasADi's ``nlpsol`` takes it.
+        lower: Least values of the variables.
+        upper: Greatest values of the variables.
+        constraint_lower: Least values of the constraints; the greatest are 0.
+        equality: Which constraints are equalities.
+    """
+
+    def __init__(self, problem: OptimalControlProblem) -> None:
+        self.problem = problem
+        x, u, p, a = problem.state, problem.inputs, problem.parameter, problem.decision
+        n, nx, nu, na = problem.horizon, problem.nx, problem.nu, problem.na
+        stage_hard, stage_soft, stage_penalty = hard_and_soft(problem.stage_inequalities)
+        end_hard, end_soft, end_penalty = hard_and_soft(problem.terminal_inequalities)
+        soft = stage_soft.numel()
+        stage = ca.Function(
+            "stage", [x, u, p, a], [problem.next_state, problem.stage_cost, stage_hard, stage_soft]
+        )
+        end = ca.Function(
+            "end", [x, p, a], [problem.terminal_cost, problem.terminal_equality, end_hard, end_soft]
+        )
+        initial = ca.SX.sym("initial", nx)
+        values = ca.SX.sym("p", problem.np, n + 1)
+
+        variables: list[ca.SX] = []
+        constraints, equality = [], []
+        cost = ca.SX(0)
+        xs = [ca.SX.sym(f"x{i}", nx) for i in range(n + 1)]
+        decisions = [ca.SX.sym(f"a{i}", na) for i in range(n + 1)]
+
+        def constrain(expression: ca.SX, is_equality: bool) -> None:
+            constraints.append(expression)
+            equality.extend([is_equality] * expression.numel())
+
+        for i in range(n):
+            ui, si = ca.SX.sym(f"u{i}", nu), ca.SX.sym(f"s{i}", soft)
+            variables += [xs[i], decisions[i], ui, si]
+            following, stage_cost, hard, soft_value = stage(xs[i], ui, values[:, i], decisions[i])
+            cost += stage_cost + ca.dot(stage_penalty, si)
+            constrain(xs[i + 1] - following, True)  # (16b)
+            constrain(decisions[i + 1] - decisions[i], True)
+            if i == 0:
+                constrain(xs[0] - initial, True)
+            constrain(ca.vertcat(hard, soft_value - si), False)
+        s_end = ca.SX.sym("s_end", end_soft.numel())
+        variables += [xs[n], decisions[n], s_end]
+        end_cost, end_equal, hard, soft_value = end(xs[n], values[:, n], decisions[n])
+        cost += end_cost + ca.dot(end_penalty, s_end)
+        constrain(end_equal, True)
+        constrain(ca.vertcat(hard, soft_value - s_end), False)  # (16e)
+
+        self._stage = stage
+        self.equality = equality
+        self.constraint_lower = np.where(equality, 0.0, -np.inf)
+        self.nlp = {
+            "x": ca.vertcat(*variables),
+            "f": cost,
+            "g": ca.vertcat(*constraints),
+            "p": ca.vertcat(initial, ca.vec(values)),
+        }
+        self._stage_size, self._soft = nx + na + nu + soft, (soft, s_end.numel())
+        self.bound(problem)
+
+    def bound(self, problem: OptimalControlProblem) -> None:
+        """Take the bounds of the variables from a problem.
+
+        Args:
+            problem: Of the same expressions.
+        """
+        soft, soft_end = self._soft
+        bounds = []
+        for sign, decision, inputs, violation in (
+            (-1.0, problem.decision_lower, problem.input_lower, 0.0),
+            (1.0, problem.decision_upper, problem.input_upper, np.inf),
+        ):
+            state = np.full(problem.nx, sign * np.inf)
+            stage = np.concatenate([state, decision, inputs, np.full(soft, violation)])
+            end = [state, decision, np.full(soft_end, violation)]
+            bounds.append(np.concatenate([np.tile(stage, problem.horizon), *end]))
+        self.lower, self.upper = bounds
+
+    def rollout(
+        self,
+        x_0: NDArray[np.float64],
+        inputs: NDArray[np.float64],
+        p: NDArray[np.float64],
+        decision: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """States under given inputs; x_0 throughout where they are not finite.
+
+        Args:
+            x_0: State of stage 0, shape (nx,).
+            inputs: u_0..u_{N-1}, shape (N, nu).
+            p: Parameters of stages 0..N, shape (N + 1, np).
+            decision: a, shape (na,).
+
+        Returns:
+            x_0..x_N, shape (N + 1, nx).
+        """
+        states = [x_0]
+        for u, parameter in zip(inputs, p, strict=False):
+            following = self._stage(states[-1], u, parameter, decision)[0]
+            states.append(np.array(following).ravel())
+        rolled = np.array(states)
+        return rolled if np.isfinite(rolled).all() else np.tile(x_0, (len(states), 1))
+
+    def pack(
+        self,
+        states: NDArray[np.float64],
+        inputs: NDArray[np.float64],
+        decision: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """Variables of the program from a plan; slacks start at 0.
+
+        Args:
+            states: x_0..x_N, shape (N + 1, nx).
+            inputs: u_0..u_{N-1}, shape (N, nu).
+            decision: a, shape (na,).
+
+        Returns:
+            All variables, shape (n,).
+        """
+        nx, nu, na, n = self.problem.nx, self.problem.nu, self.problem.na, self.problem.horizon
+        variables = np.zeros(len(self.lower))
+        stages = variables[: n * self._stage_size].reshape(n, self._stage_size)
+        stages[:, :nx] = states[:n]
+        stages[:, nx : nx + na] = decision
+        stages[:, nx + na : nx + na + nu] = inputs
+        end = variables[n * self._stage_size :]
+        end[:nx] = states[n]
+        end[nx : nx + na] = decision
+        return variables
+
+    def unpack(
+        self, variables: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Plan (states, inputs, decision) from the variables of the program.
+
+        Args:
+            variables: Of all stages, shape (n,).
+
+        Returns:
+            x_0..x_N, shape (N + 1, nx); u_0..u_{N-1}, shape (N, nu); and a, shape (na,).
+        """
+        nx, nu, na, n = self.problem.nx, self.problem.nu, self.problem.na, self.problem.horizon
+        stages = variables[: n * self._stage_size].reshape(n, self._stage_size)
+        end = variables[n * self._stage_size :]
+        states = np.vstack([stages[:, :nx], end[:nx]])
+        return states, stages[:, nx + na : nx + na + nu].copy(), stages[0, nx : nx + na].copy()
+
+
+def hard_and_soft(inequalities: tuple[Inequality, ...]) -> tuple[ca.SX, ca.SX, ca.DM]:
+    """Hard expressions, soft expressions, and the penalty of each row of the soft ones.
+
+    Args:
+        inequalities: At a stage, or at the end.
+    """
+    hard = ca.vertcat(ca.SX.zeros(0, 1), *(h.expression for h in inequalities if h.penalty is None))
+    soft = [h for h in inequalities if h.penalty is not None]
+    expressions = ca.vertcat(ca.SX.zeros(0, 1), *(h.expression for h in soft))
+    penalties = [h.penalty for h in soft for _ in range(h.expression.numel())]
+    return hard, expressions, ca.DM(np.array(penalties, dtype=float).reshape(-1, 1))
+
+
+OPTIONS: dict[str, Any] = {
+    "print_time": False,
+    "expand": True,
+    "error_on_fail": False,
+    "show_eval_warnings": False,
+}
 FEASIBILITY_TOLERANCE = 1e-5
 LONGEST = 1e9  # s, of a solve without a budget: IPOPT has no infinite one
 # From the last plan moved on, IPOPT begins with a small barrier and close to the bounds: a fifth of
@@ -46,32 +271,28 @@ DERIVATIVES = {"grad_f": "nlp_grad_f", "jac_g": "nlp_jac_g", "hess_lag": "nlp_he
 
 
 class CasadiSolver:
-    """Solver (see :class:`uav_tracking_mpc.mpc.solver.Solver`) on a CasADi plugin.
+    """Solver (see :class:`uav_tracking_mpc.mpc.solver.Solver`) on IPOPT through CasADi.
 
     Args:
         problem: What to solve.
-        plugin: ``ipopt`` or ``fatrop``. fatrop is four times as fast, but has been seen never to
-            return where the model has no value (a state outside its domain): not for flight.
-        tolerance: Of the plugin's scaled optimality conditions [-].
+        tolerance: Of IPOPT's scaled optimality conditions [-].
         iteration_limit: Per attempt; a solve makes up to two.
-        time_limit: Wall time per solve in [s], IPOPT only, which looks at it once an iteration.
+        time_limit: Wall time per solve in [s]; IPOPT looks at it once an iteration.
 
     Raises:
-        ValueError: Unknown plugin, or a time limit that is not positive.
+        ValueError: A time limit that is not positive.
     """
+
+    name = "ipopt"
 
     @one_at_a_time
     def __init__(
         self,
         problem: OptimalControlProblem,
-        plugin: str = "ipopt",
         tolerance: float = 1e-8,
         iteration_limit: int = 200,
         time_limit: float = math.inf,
     ) -> None:
-        if plugin not in PLUGINS:
-            raise ValueError(f"plugin is {plugin!r}, must be one of {', '.join(PLUGINS)}")
-        self.name = plugin
         self.problem = problem
         self._tolerance = tolerance
         self._iteration_limit = iteration_limit
@@ -98,39 +319,24 @@ class CasadiSolver:
         if not limit > 0.0:
             raise ValueError(f"time_limit is {limit}, must be positive")
         self._time_limit = limit
-        # IPOPT reads its options once: with another budget it is another solver.
-        options = self._options(self.name, self._tolerance, min(limit, LONGEST))
-        self._cold = self._warm = ca.nlpsol("tracking", self.name, self._program.nlp, options)
-        if self.name == "ipopt":
-            options["ipopt"].update(WARM)
-            for option, function in DERIVATIVES.items():  # they take longer to make than the rest
-                options[option] = self._cold.get_function(function)
-            self._warm = ca.nlpsol("tracking", self.name, self._program.nlp, options)
+        self._build(min(limit, LONGEST))
 
-    def _options(self, plugin: str, tolerance: float, time_limit: float) -> dict[str, Any]:
-        options: dict[str, Any] = {"print_time": False, "expand": True, "error_on_fail": False}
-        options["show_eval_warnings"] = False
-        if plugin == "ipopt":
-            options["ipopt"] = {
-                "print_level": 0,
-                "sb": "yes",
-                "tol": tolerance,
-                "max_iter": self._iteration_limit,
-                "mu_strategy": "adaptive",
-                "max_wall_time": time_limit / 2.0,  # a solve makes up to two attempts
-            }
-            return options
-        structure = self._program
-        options.update(
-            structure_detection="manual",
-            N=self.problem.horizon,
-            nx=structure.nx,
-            nu=structure.nu,
-            ng=structure.ng,
-            equality=structure.equality,
-            fatrop={"print_level": 0, "tol": tolerance, "max_iter": self._iteration_limit},
-        )
-        return options
+    def _build(self, limit: float) -> None:
+        """IPOPT reads its options once: with another budget it is another solver."""
+        ipopt: dict[str, Any] = {
+            "print_level": 0,
+            "sb": "yes",
+            "tol": self._tolerance,
+            "max_iter": self._iteration_limit,
+            "mu_strategy": "adaptive",
+            "max_wall_time": limit / 2.0,  # a solve makes up to two attempts
+        }
+        nlp = self._program.nlp
+        self._cold = ca.nlpsol("tracking", "ipopt", nlp, {**OPTIONS, "ipopt": ipopt})
+        # Derivatives take longer to make than the rest.
+        made = {option: self._cold.get_function(name) for option, name in DERIVATIVES.items()}
+        warm: dict[str, Any] = {**OPTIONS, **made, "ipopt": {**ipopt, **WARM}}
+        self._warm = ca.nlpsol("tracking", "ipopt", nlp, warm)
 
     def change(self, problem: OptimalControlProblem) -> None:
         """See :meth:`uav_tracking_mpc.mpc.solver.Solver.change`."""
@@ -153,14 +359,9 @@ class CasadiSolver:
         begin = time.perf_counter()
         problem = self.problem
         try:
-            x_0 = np.asarray(initial_state, dtype=float).reshape(problem.nx)
-            p = np.zeros((problem.horizon + 1, problem.np))
-            p[:] = problem.usual_parameter if parameters is None else np.asarray(parameters, float)
+            x_0, p = solve_data(problem, initial_state, parameters)
         except (TypeError, ValueError) as error:
             return self._unsolved(Status.REFUSED, str(error), begin)
-        if not (np.all(np.isfinite(x_0)) and np.all(np.isfinite(p))):
-            message = f"initial state {x_0} or a parameter is not finite"
-            return self._unsolved(Status.REFUSED, message, begin)
         warm = elapsed is not None and self._last is not None
         solutions: list[Solution] = []
         for last in (self._last, None) if warm else (None,):

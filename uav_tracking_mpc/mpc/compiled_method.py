@@ -12,28 +12,291 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The Newton method as machine code for one problem, loaded from the user's cache.
+"""The Newton method as machine code for one problem: compiled once, kept, loaded from the cache.
 
 The code is called through its address, so what flies needs neither numba nor a compiler in its
 process: LLVM links it in a few milliseconds, where numba takes half a second.
+
+The cache has a folder for each problem. It holds the source files of the method and the
+``stage.py`` generated for the problem, and, once they are compiled, the machine code. Its name is a
+digest of all that goes into the machine code: the expressions of the problem, the sources, the
+versions that compile them, the processor. So a change of any makes a new folder. It is written
+under another name and moved into place, so that processes which start together cannot read half a
+folder.
 """
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
+import hashlib
 import json
-from collections.abc import Callable
+import logging
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
 from functools import cache
+from importlib import metadata, resources
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import casadi as ca
 import numpy as np
 
-from uav_tracking_mpc.mpc import machine_code
-from uav_tracking_mpc.mpc.compilation import Compilation
-from uav_tracking_mpc.mpc.method_cache import method_folder
+from uav_tracking_mpc.mpc import machine_code, stage_code
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
+
+logger = logging.getLogger(__name__)
+
+POLL_PERIOD = 0.02  # s between looks while waiting
+PATIENCE = 2.0  # s of waiting without a word
+COURTESY = 10  # by which others go first where a flight goes on meanwhile, in steps of `nice`
+
+BRIDGE = "ipopt"  # solves meanwhile
+
+
+class CompilationError(RuntimeError):
+    """The solver cannot be compiled; the message says why."""
+
+
+class Compilation:
+    """The machine code of a folder, made by a child process.
+
+    The child ends with this process, whatever ends it, and leaves nothing half-made: the next
+    process that needs the machine code makes it.
+
+    Args:
+        folder: With the method's sources.
+        aside: Let everything else on the machine go first.
+
+    Attributes:
+        folder: With the method's sources.
+    """
+
+    def __init__(self, folder: Path, aside: bool = False) -> None:
+        self.folder = folder
+        self._begin = time.monotonic()
+        self._seconds: float | None = None
+        command = [sys.executable, "-m", machine_code.__name__, str(folder), str(os.getpid())]
+        if aside and sys.platform == "linux":
+            command = ["nice", "-n", str(COURTESY), *command]
+        self._given_up = False
+        self._child: subprocess.Popen[bytes] | None = None
+        if machine_code.finished(folder):
+            self._seconds = 0.0
+            return
+        # A file, not a pipe: a child that writes more than a pipe holds would wait for a reader.
+        self._words = tempfile.TemporaryFile("w+", errors="replace")  # noqa: SIM115
+        started: Future[subprocess.Popen[bytes]] = Future()
+        threading.Thread(target=self._run, args=(command, started), daemon=True).start()
+        self._child = started.result()
+
+    def _run(self, command: list[str], started: Future[subprocess.Popen[bytes]]) -> None:
+        """Start the child and outlive it: Linux ends a child with the thread that started it."""
+        try:
+            child = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=self._words,
+                env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+                start_new_session=True,  # Ctrl-C reaches this process alone, which ends the child
+            )
+        except BaseException as error:  # raised where the child was asked for
+            started.set_exception(error)
+            return
+        started.set_result(child)
+        child.wait()
+
+    @property
+    def seconds(self) -> float:
+        """How long it has taken in [s]: until now, or until it was seen to be done."""
+        return time.monotonic() - self._begin if self._seconds is None else self._seconds
+
+    def done(self) -> bool:
+        """Whether the machine code is there; returns at once.
+
+        Raises:
+            CompilationError: The child failed, or it was given up.
+        """
+        if self._given_up:
+            raise CompilationError("the compilation was given up")
+        if self._child is None or self._seconds is not None:
+            return True
+        if self._child.poll() is None:
+            return False
+        self._seconds = self.seconds
+        if not machine_code.finished(self.folder):
+            self._words.seek(0)
+            last = (
+                self._words.read().strip().splitlines() or [f"exit code {self._child.returncode}"]
+            )[-1]
+            raise CompilationError(f"the solver could not be compiled in {self.folder}: {last}")
+        return True
+
+    def wait(self) -> None:
+        """Return when the machine code is there; a signal interrupts at once.
+
+        Raises:
+            CompilationError: The child failed, or this process is about to end.
+        """
+        # Nobody is held up by a thread that waits beside the main one.
+        told = threading.current_thread() is not threading.main_thread()
+        silent = told
+        try:
+            while not self.done():
+                time.sleep(POLL_PERIOD)
+                if not told and self.seconds > PATIENCE:
+                    told = True
+                    logger.info(
+                        "compiling the solver for this problem, once; kept in %s", self.folder
+                    )
+                if not threading.main_thread().is_alive():
+                    raise CompilationError("the program ends before the solver is compiled")
+        finally:
+            self.close()
+        if told and not silent:
+            logger.info("solver compiled in %.1f s", self.seconds)
+
+    def close(self) -> None:
+        """Give it up, unless it is done."""
+        if self._child is not None and self._child.poll() is None:
+            self._given_up = True
+            self._child.kill()
+            self._child.wait()
+
+
+METHOD = "uav_tracking_mpc.mpc.newton"
+COMPILERS = ("numba", "llvmlite", "numpy", "casadi")
+# With which numba is told to compile for another processor.
+PROCESSOR_VARIABLES = ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NUMBA_OPT")
+
+
+def method_folder(problem: OptimalControlProblem) -> Path:
+    """Folder with the sources of the method for a problem, with its machine code if that is made.
+
+    Args:
+        problem: What the method is to solve.
+
+    Raises:
+        NotImplementedError: An expression uses an operation that has no translation.
+    """
+    name = "newton_" + _digest(problem)
+    for place in _places():
+        if _ours(place) and machine_code.finished(place / name):
+            return place / name
+    folder = cache_directory() / name
+    if not folder.is_dir():
+        sources = dict(_method_sources())
+        sources["stage.py"] = stage_code.stage_module(problem)
+        _install(folder, sources)
+    return folder
+
+
+def cache_directory() -> Path:
+    """Writable directory for compiled solvers: XDG cache, or one of this user's under temp."""
+    for place in _places():
+        try:
+            place.mkdir(mode=0o700, parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=place):
+                pass
+        except OSError:
+            continue
+        if _ours(place):
+            return place
+    return _last_resort()
+
+
+def _places() -> Iterator[Path]:
+    """Where compiled solvers may be; the first one that can be written takes new ones."""
+    base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+    with contextlib.suppress(RuntimeError):  # nobody knows where this user's home is
+        yield Path(base).expanduser() / "uav_tracking_mpc"
+    user = os.getuid() if hasattr(os, "getuid") else "user"
+    yield Path(tempfile.gettempdir()) / f"uav_tracking_mpc-{user}"
+
+
+@cache
+def _last_resort() -> Path:
+    return Path(tempfile.mkdtemp(prefix="uav_tracking_mpc-"))
+
+
+def _ours(place: Path) -> bool:
+    """Whether nobody but this user and root can have written there: machine code is run from it."""
+    if not hasattr(os, "getuid"):
+        return True
+    try:
+        found = place.stat()
+        return found.st_uid in (os.getuid(), 0) and not found.st_mode & 0o022
+    except OSError:
+        return False
+
+
+@cache
+def _method_sources() -> tuple[tuple[str, str], ...]:
+    files = resources.files(METHOD).iterdir()
+    return tuple(
+        sorted((f.name, f.read_text(encoding="utf-8")) for f in files if f.name.endswith(".py"))
+    )
+
+
+@cache
+def _toolchain() -> str:
+    """Digest of all that makes machine code of a problem, whatever the problem."""
+    from llvmlite import binding
+
+    digest = hashlib.sha256()
+    parts = [sys.version, platform.machine(), *(metadata.version(name) for name in COMPILERS)]
+    parts += [binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten()]
+    parts += [os.environ.get(variable, "") for variable in PROCESSOR_VARIABLES]
+    for module in (stage_code, machine_code):
+        parts.append(Path(str(module.__file__)).read_text(encoding="utf-8"))
+    for name, text in _method_sources():
+        parts += [name, text]
+    for part in parts:
+        digest.update(part.encode() + b"\0")
+    return digest.hexdigest()
+
+
+def _digest(problem: OptimalControlProblem) -> str:
+    """Of the expressions as CasADi writes them: a hundredth of the time that their code takes."""
+    expressions = ca.Function(
+        "problem",
+        [problem.state, problem.inputs, problem.parameter, problem.decision],
+        [
+            problem.next_state,
+            problem.stage_cost,
+            ca.vertcat(*(h.expression for h in problem.stage_inequalities)),
+            problem.terminal_cost,
+            problem.terminal_equality,
+            ca.vertcat(*(h.expression for h in problem.terminal_inequalities)),
+            problem.inputs if problem.continuation is None else problem.continuation,
+        ],
+    )
+    text = f"{_toolchain()} {problem.horizon} {problem.continuation is None} "
+    return hashlib.sha256((text + expressions.serialize()).encode()).hexdigest()[:20]
+
+
+def _install(folder: Path, sources: dict[str, str]) -> None:
+    """Write a folder with these sources, unless another process is faster."""
+    draft = Path(tempfile.mkdtemp(prefix=f"{folder.name}.", dir=folder.parent))
+    try:
+        for file, text in sources.items():
+            (draft / file).write_text(text, encoding="utf-8")
+        draft.rename(folder)
+    except OSError:
+        if not folder.is_dir():
+            raise
+    finally:
+        shutil.rmtree(draft, ignore_errors=True)
 
 
 class CompiledMethod:
@@ -122,3 +385,42 @@ def load(folder: Path) -> CompiledMethod:
         folder: Of the cache, with machine code.
     """
     return CompiledMethod(folder)
+
+
+class MachineCode:
+    """The machine code for a problem, which is made meanwhile if it is not there.
+
+    Args:
+        problem: What is solved.
+        report: Called with what happens, in words.
+    """
+
+    def __init__(self, problem: OptimalControlProblem, report: Callable[[str], None]) -> None:
+        self._report = report
+        self._compilation: Compilation | None = None
+        self._failed = False
+        folder = method_folder(problem)
+        if not machine_code.finished(folder):
+            self._compilation = Compilation(folder, aside=True)
+            report(f"{BRIDGE} solves while the solver is compiled, once; kept in {folder}")
+
+    @property
+    def pending(self) -> bool:
+        """Whether it is still being made."""
+        return self._compilation is not None
+
+    def __call__(self) -> bool:
+        """Whether it is there; where it cannot be made, that is said once and it never will be."""
+        compilation = self._compilation
+        if compilation is None:
+            return not self._failed
+        try:
+            done = compilation.done()
+        except CompilationError as error:
+            self._failed, self._compilation = True, None
+            self._report(f"{error}; {BRIDGE} goes on solving")
+            return False
+        if done:
+            self._compilation = None
+            self._report(f"solver compiled in {compilation.seconds:.1f} s; it solves from now on")
+        return done

@@ -129,7 +129,7 @@ def _compiled(module: ModuleType) -> tuple[bytes, str]:
     """Machine code of the entry as an object file, and the symbol under which it is there."""
     from numba import njit, types
 
-    options = importlib.import_module(f"{PACKAGE}.numba_options").OPTIONS
+    options = importlib.import_module(f"{PACKAGE}.compiling").OPTIONS
     function = getattr(module, ENTRY).py_func
     # Without the wrapper for Python, which would need numba where it is loaded.
     bare = njit(**options, no_cpython_wrapper=True, no_cfunc_wrapper=True)(function)

@@ -15,24 +15,228 @@
 """The problem solved by a stagewise Newton method, compiled for it on first use.
 
 The method stands in :mod:`uav_tracking_mpc.mpc.newton`; here its data enter and its results leave.
+A cold start makes several attempts, the best of which is kept.
+
+The problem has local minima. So a cold start tries inputs at rest, feedback to the goal, and that
+feedback after a few stages with inputs held near a bound ("openings").
+
+A long horizon has many local minima and a short one few. So beyond :data:`SHORT_HORIZON` every
+opening is tried on a horizon of that length, without terminal constraints, which belong to the end
+of the whole one; the two best plans, extended by the feedback, are then the guesses for the whole
+horizon, next to inputs at rest and plain feedback. If none of these converges, the openings are
+tried on the whole horizon, until one does.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.dynamics.symbolic_work import one_at_a_time
-from uav_tracking_mpc.mpc.cold_start import ColdStart
-from uav_tracking_mpc.mpc.compiled_method import compile_method
+from uav_tracking_mpc.mpc.compiled_method import CompiledMethod, compile_method
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
-from uav_tracking_mpc.mpc.solution import Solution, Status
-from uav_tracking_mpc.mpc.solver import Guess
+from uav_tracking_mpc.mpc.solver import Guess, Solution, Status
 from uav_tracking_mpc.mpc.stage_code import multiplier_intervals
+from uav_tracking_mpc.symbolic.functions import one_at_a_time
+
+SHORT_HORIZON = 20
+COARSE_TOLERANCE, COARSE_ITERATIONS = 1e-3, 40  # of the attempts on the short horizon
+DISTINCT = 1e-3  # relative difference in cost between two local minima
+OPENING_STAGES = 4
+OPENING_SHARE = 0.9  # of the way from the middle of the box to its bound
+MULTIPLIER_WEIGHT = 10.0  # rho to begin with
+# rho to begin with from a guess, one after the other until one converges. A guess nearly meets the
+# constraints and should not leave them far behind for a lower cost: on the other side of a bearing
+# of pi there may be no way back to them. Yet some get stuck on them.
+GUESS_WEIGHTS = (10000.0, 10.0, 1000.0)
+RESCUE_WEIGHTS = (1000.0, 10.0)  # of the openings on a whole long horizon
+PLAN_FIELDS = ("x", "u", "a", "c", "value", "mu", "rho")
+
+Attempt = Callable[[int, float, int], int]
+
+
+class ColdStart:
+    """Attempts at one compiled problem.
+
+    Args:
+        problem: What is solved.
+        method: The method compiled for it.
+        record: Its workspace.
+    """
+
+    def __init__(
+        self, problem: OptimalControlProblem, method: CompiledMethod, record: np.void
+    ) -> None:
+        self._codes = method.minimise
+        self._record = {field: record[field] for field in record.dtype.names or ()}  # views
+        self._plan = [record[field] for field in PLAN_FIELDS]
+        self._horizon, self._ends = method.stage.N, method.stage.NE
+        rows = method.workspace
+        self._kept, self._reference = int(rows.KEPT), int(rows.SECOND)
+        self._working, spare = int(rows.WORKING), int(rows.SPARE)
+        self._best, self._short = int(rows.ASIDE), (spare, spare + 1)
+        self._rest = problem.input_rest
+        self._openings = list(openings(problem, self._rest, rows.COMBINED_INPUTS))
+        self._policy = record["policy"]
+        for number, inputs in enumerate(self._openings):
+            record["opening"][number] = inputs[0] if len(inputs) else self._rest
+            record["held"][number] = len(inputs)
+
+    def __call__(
+        self, attempt: Attempt, tolerance: float, iteration_limit: int, guess: Guess | None = None
+    ) -> tuple[int, int]:
+        """Run the attempts and leave the best plan in row KEPT.
+
+        Args:
+            attempt: (start, tolerance, iteration limit) -> how it ended.
+            tolerance: Of the attempts on the whole horizon [-].
+            iteration_limit: Of each of them.
+            guess: Tried first; if it converges, alone.
+
+        Returns:
+            How the best attempt ended, and the Newton iterations of all together.
+        """
+        codes, record = self._codes, self._record
+        self._set_horizon(self._horizon)
+        iterations = 0
+        if guess is not None:
+            for weight in GUESS_WEIGHTS:
+                self._prepare(np.asarray(guess.inputs), np.asarray(guess.decision), weight)
+                end = attempt(codes.PREPARED, tolerance, iteration_limit)
+                iterations += int(record["outcome"][0])
+                if end in (codes.CONVERGED, codes.TIME_LIMIT):
+                    return end, iterations
+        if self._horizon <= SHORT_HORIZON:
+            end = attempt(codes.ALL_OPENINGS, tolerance, iteration_limit)
+            return end, iterations + int(record["outcome"][0])
+        end, count = self._long_horizon(attempt, tolerance, iteration_limit)
+        return end, iterations + count
+
+    def _long_horizon(
+        self, attempt: Attempt, tolerance: float, iteration_limit: int
+    ) -> tuple[int, int]:
+        """How the best attempt of those on a long horizon ended; iterations of all."""
+        codes, record = self._codes, self._record
+        attempt(codes.FEEDBACK, tolerance, 1)
+        found, iterations = self._shorter_horizon(attempt)
+        self._set_horizon(self._horizon)
+        plans = [(record["u"][row, :SHORT_HORIZON].copy(), row) for row in found]
+        guesses = [(inputs, record["a"][row].copy(), MULTIPLIER_WEIGHT) for inputs, row in plans]
+        guesses += self._guesses(2, MULTIPLIER_WEIGHT)
+        rescues = [guess for weight in RESCUE_WEIGHTS for guess in self._guesses(None, weight)]
+        best: tuple[bool, float, float] | None = None
+        best_end, best_gradient = codes.NO_START, np.nan
+        for number, (inputs, decision, weight) in enumerate([*guesses, *rescues]):
+            if number >= len(guesses) and best_end == codes.CONVERGED:
+                break
+            self._prepare(inputs, decision, weight)
+            end = attempt(codes.PREPARED, tolerance, iteration_limit)
+            if end == codes.NO_START:
+                continue
+            iterations += int(record["outcome"][0])
+            _, cost, violation = record["value"][self._kept]
+            rank = (end != codes.CONVERGED, max(violation, tolerance), cost)
+            if best is None or rank < best:
+                best, best_end, best_gradient = rank, end, record["outcome"][1]
+                self._copy(self._kept, self._best)
+            if end == codes.TIME_LIMIT:
+                break
+        if best is not None:
+            self._copy(self._best, self._kept)
+        record["outcome"][1] = best_gradient
+        return best_end, iterations
+
+    def _guesses(
+        self, count: int | None, weight: float
+    ) -> list[tuple[NDArray[np.float64], NDArray[np.float64], float]]:
+        """Inputs, decision and weight of the first ``count`` openings."""
+        return [(inputs, self._record["a_guess"], weight) for inputs in self._openings[:count]]
+
+    def _shorter_horizon(self, attempt: Attempt) -> tuple[list[int], int]:
+        """Rows of the best distinct plans of a shorter horizon, at most two; iterations spent."""
+        record, cost = self._record, self._record["value"][:, 1]
+        found: list[int] = []
+        free = list(self._short)
+        iterations = 0
+        self._set_horizon(SHORT_HORIZON)
+        for inputs in self._openings:
+            self._prepare(inputs, record["a_guess"])
+            end = attempt(self._codes.PREPARED, COARSE_TOLERANCE, COARSE_ITERATIONS)
+            if end == self._codes.NO_START:
+                continue
+            iterations += int(record["outcome"][0])
+            new = cost[self._kept]
+            if any(abs(new - cost[row]) <= DISTINCT * abs(new) for row in found):
+                continue
+            if not free and new < cost[found[-1]]:
+                free.append(found.pop())
+            if free:
+                row = free.pop()
+                self._copy(self._kept, row)
+                found = sorted([*found, row], key=lambda r: cost[r])
+            if end == self._codes.TIME_LIMIT:
+                break
+        return found, iterations
+
+    def _set_horizon(self, stages: int) -> None:
+        """Stages of the next attempts; a shorter horizon has no terminal constraints."""
+        self._record["horizon"][0] = stages
+        self._record["ends"][0] = self._ends if stages == self._horizon else 0
+
+    def _prepare(
+        self,
+        inputs: NDArray[np.float64],
+        decision: NDArray[np.float64],
+        weight: float = MULTIPLIER_WEIGHT,
+    ) -> None:
+        """Reference of a rollout: given inputs at the first stages, then feedback to the goal."""
+        record, row, held = self._record, self._reference, len(inputs)
+        record["x"][row] = record["goal"]
+        record["u"][row] = self._rest
+        record["u"][row, :held] = inputs
+        record["a"][row, : len(decision)] = decision
+        record["k"][:] = record["k_a"][:] = 0.0
+        record["K"][:held] = 0.0
+        record["K"][held:] = self._policy
+        record["mu"][self._working] = 0.0
+        record["rho"][self._working] = weight
+        record["residual"][:] = np.inf
+
+    def _copy(self, source: int, target: int) -> None:
+        for values in self._plan:
+            values[target] = values[source]
+
+
+def openings(
+    problem: OptimalControlProblem, rest: NDArray[np.float64], combined: int
+) -> list[NDArray[np.float64]]:
+    """Inputs of the first stages, shape (stages, nu), of each opening.
+
+    At rest throughout; none (feedback from the start); each input alone at either end of its box;
+    the first inputs together in every combination of ends.
+
+    Args:
+        problem: Its box and horizon.
+        rest: The inputs at rest, shape (nu,).
+        combined: So many inputs are held at their bounds together, in every combination.
+    """
+    lower, upper = problem.input_lower, problem.input_upper
+    bounded = np.isfinite(lower) & np.isfinite(upper)
+    lower, upper = np.where(bounded, lower, rest), np.where(bounded, upper, rest)
+    middle, reach = 0.5 * (lower + upper), 0.5 * OPENING_SHARE * (upper - lower)
+    signs = [sign * unit for unit in np.eye(problem.nu) for sign in (1.0, -1.0)]
+    together = min(problem.nu, combined)
+    for corner in itertools.product((1.0, -1.0), repeat=together):
+        signs.append(np.array([*corner, *np.zeros(problem.nu - together)]))
+    held = [np.where(sign == 0.0, rest, middle + sign * reach) for sign in signs]
+    whole = np.tile(rest, (min(problem.horizon, SHORT_HORIZON), 1))
+    stages = min(OPENING_STAGES, problem.horizon)
+    return [whole, whole[:0], *(np.tile(inputs, (stages, 1)) for inputs in held)]
+
 
 # In the order of the codes in newton/minimise.py; the last two are ways to fail and to begin.
 STATUSES = (*Status, Status.FAILED)

@@ -12,18 +12,88 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The interface that every solver shares."""
+"""The interface that every solver shares, what a solve gives back, and a flight of its plans."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from enum import Enum
+from functools import partial
+from itertools import islice
 from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
-from uav_tracking_mpc.mpc.solution import Solution
+
+
+class Status(Enum):
+    """How a solve ended; the value is what people read."""
+
+    CONVERGED = "converged"
+    ITERATION_LIMIT = "iteration limit"
+    TIME_LIMIT = "time limit"
+    INFEASIBLE = "infeasible"
+    FAILED = "failed"
+    REFUSED = "refused"
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Result of one solve.
+
+    Attributes:
+        status: How it ended.
+        message: The status with its reason, for people.
+        cost: V_N at the plan [-], nan if it could not be evaluated.
+        iterations: Iterations of the solver.
+        solve_time: Wall time in [s].
+        states: x_0..x_N, shape (N + 1, nx), as (19).
+        inputs: u_0..u_{N-1}, shape (N, nu), as (18): finite and inside the box whatever the status.
+        decision: a, shape (na,).
+        violation: Largest violation of a hard constraint at the plan, in its own units [-].
+    """
+
+    status: Status
+    message: str
+    cost: float
+    iterations: int
+    solve_time: float
+    states: NDArray[np.float64]
+    inputs: NDArray[np.float64]
+    decision: NDArray[np.float64]
+    violation: float
+
+    @classmethod
+    def without_plan(
+        cls, problem: OptimalControlProblem, status: Status, reason: str, solve_time: float
+    ) -> Solution:
+        """What a solve gives back that found nothing: inputs at rest, states 0.
+
+        Args:
+            problem: What was to be solved.
+            status: How it ended.
+            reason: Why, in words.
+            solve_time: Wall time in [s].
+        """
+        return cls(
+            status=status,
+            message=f"{status.value}: {reason}",
+            cost=float("nan"),
+            iterations=0,
+            solve_time=solve_time,
+            states=np.zeros((problem.horizon + 1, problem.nx)),
+            inputs=np.tile(problem.input_rest, (problem.horizon, 1)),
+            decision=np.array(problem.decision_guess, dtype=float),
+            violation=float("inf"),
+        )
+
+    @property
+    def converged(self) -> bool:
+        """Whether the plan is a solution to the stated tolerance."""
+        return self.status is Status.CONVERGED
 
 
 class Guess(NamedTuple):
@@ -91,6 +161,22 @@ class Solver(Protocol):
         ...
 
 
+def solve_data(
+    problem: OptimalControlProblem, initial_state: ArrayLike, parameters: ArrayLike | None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """x_0, shape (nx,), and p_0..p_N, shape (N + 1, np), from the arguments of a solve.
+
+    Raises:
+        ValueError: Sizes disagree, or a number is not finite.
+    """
+    x_0 = np.asarray(initial_state, dtype=float).reshape(problem.nx)
+    p = np.zeros((problem.horizon + 1, problem.np))
+    p[:] = problem.usual_parameter if parameters is None else np.asarray(parameters, dtype=float)
+    if not (np.all(np.isfinite(x_0)) and np.all(np.isfinite(p))):
+        raise ValueError(f"initial state {x_0} or a parameter is not finite")
+    return x_0, p
+
+
 def shift(samples: NDArray[np.float64], stages: float) -> NDArray[np.float64]:
     """Move a sequence forward in time by linear interpolation; the last sample is held.
 
@@ -107,3 +193,69 @@ def shift(samples: NDArray[np.float64], stages: float) -> NDArray[np.float64]:
     above = np.minimum(below + 1, count - 1)
     weight = (where - below)[:, np.newaxis]
     return (1.0 - weight) * samples[below] + weight * samples[above]
+
+
+class ClosedLoop(NamedTuple):
+    """A flight on the prediction model.
+
+    Attributes:
+        states: x_0, x_1, ..., shape (steps + 1, nx).
+        inputs: u_0 of each plan, shape (steps, nu).
+        costs: V_N at each step, shape (steps,).
+        failures: Solves that did not converge.
+    """
+
+    states: NDArray[np.float64]
+    inputs: NDArray[np.float64]
+    costs: NDArray[np.float64]
+    failures: int
+
+
+def solutions(
+    solver: Solver,
+    initial_state: ArrayLike,
+    parameters: ArrayLike | None = None,
+    guess: Callable[[NDArray[np.float64]], Guess | None] | None = None,
+) -> Iterator[Solution]:
+    """Apply u_0 of each plan to x+ = f(x, u), the model of the problem, from a cold start.
+
+    A plan obeys the dynamics exactly where its solver rolls them out, so x_1 of the plan is the
+    next state and nothing is simulated twice. With a solver that meets the dynamics to a
+    tolerance (an interior point), so does the flight.
+
+    Args:
+        solver: Solves the problem; forgets what it knew.
+        initial_state: x_0, shape (nx,).
+        parameters: The same at every step, see :meth:`Solver.solve`.
+        guess: Plan to begin a cold start with, from the state, shape (nx,).
+
+    Yields:
+        Solution at each step, without end.
+    """
+    solver.reset()
+    state, elapsed = np.asarray(initial_state, dtype=float), None
+    while True:
+        start = None if guess is None else partial(guess, state)
+        solution = solver.solve(state, parameters, elapsed, start)
+        yield solution
+        state, elapsed = solution.states[1], solver.problem.step
+
+
+def closed_loop(
+    solver: Solver, initial_state: ArrayLike, steps: int, parameters: ArrayLike | None = None
+) -> ClosedLoop:
+    """A flight of :func:`solutions`.
+
+    Args:
+        solver: Solves the problem; forgets what it knew.
+        initial_state: x_0, shape (nx,).
+        steps: Number of steps.
+        parameters: The same at every step, of either shape that :meth:`Solver.solve` takes.
+    """
+    flown = list(islice(solutions(solver, initial_state, parameters), steps))
+    return ClosedLoop(
+        states=np.array([np.asarray(initial_state), *(each.states[1] for each in flown)]),
+        inputs=np.array([each.inputs[0] for each in flown]),
+        costs=np.array([each.cost for each in flown]),
+        failures=sum(not each.converged for each in flown),
+    )

@@ -35,7 +35,7 @@ constant decisions, w = (s, u), F = d(x+, a)/dw, and the Lagrangian of a stage
 
 F^T V F is formed symbolically as well, so the zeros and constants of F cost nothing at run time.
 Each function is listed operation by operation in the form of
-:mod:`uav_tracking_mpc.mpc.newton.straight_line`.
+:mod:`uav_tracking_mpc.mpc.newton.compiling`.
 """
 
 from __future__ import annotations
@@ -46,15 +46,14 @@ import casadi as ca
 import numpy as np
 
 from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
+from uav_tracking_mpc.symbolic.functions import walk
 
-BINARY = {
+OPERATIONS = {
     ca.OP_ADD: "add", ca.OP_SUB: "sub", ca.OP_MUL: "mul", ca.OP_DIV: "div", ca.OP_POW: "pow",
     ca.OP_CONSTPOW: "pow", ca.OP_LT: "lt", ca.OP_LE: "le", ca.OP_EQ: "eq", ca.OP_NE: "ne",
     ca.OP_AND: "mul", ca.OP_FMIN: "fmin", ca.OP_FMAX: "fmax", ca.OP_ATAN2: "atan2",
     ca.OP_COPYSIGN: "copysign", ca.OP_IF_ELSE_ZERO: "choose", ca.OP_HYPOT: "hypot",
     ca.OP_FMOD: "fmod", ca.OP_OR: "fmax",
-}  # fmt: skip
-UNARY = {
     ca.OP_NEG: "neg", ca.OP_SQRT: "sqrt", ca.OP_SIN: "sin", ca.OP_COS: "cos", ca.OP_TAN: "tan",
     ca.OP_ASIN: "asin", ca.OP_ACOS: "acos", ca.OP_ATAN: "atan", ca.OP_EXP: "exp",
     ca.OP_LOG: "log", ca.OP_SINH: "sinh", ca.OP_COSH: "cosh", ca.OP_TANH: "tanh",
@@ -77,7 +76,7 @@ def stage_module(problem: OptimalControlProblem) -> str:
     lines = [
         '"""Sizes and equations of one problem; written by ``mpc/stage_code.py``."""',
         "",
-        "from .straight_line import straight_line",
+        "from .compiling import straight_line",
         "",
         f"N = {problem.horizon}  # stages",
         f"NX = {problem.nx}  # states x",
@@ -158,52 +157,37 @@ def stage_functions(problem: OptimalControlProblem) -> dict[str, ca.Function]:
 
 def straight_line_code(function: ca.Function) -> list[str]:
     """Lines of a program that evaluates a CasADi SX ``function``."""
-    values: dict[int, str] = {}  # what CasADi's work vector holds
     elements = [function.sparsity_out(k).find() for k in range(function.n_out())]
     lines: list[str] = []
 
-    def assign(work: int, operation: str) -> None:
+    def assigned(operation: str) -> str:
         lines.append(f"t{len(lines)} = {operation}")
-        values[work] = f"t{len(lines) - 1}"
+        return f"t{len(lines) - 1}"
 
-    for index in range(function.n_instructions()):
-        operation = function.instruction_id(index)
-        source, target = function.instruction_input(index), function.instruction_output(index)
-        if operation == ca.OP_OUTPUT:
-            element = elements[target[0]][target[1]]
-            lines.append(f"store {target[0]} {element} {values[source[0]]}")
-        elif operation == ca.OP_INPUT:
-            assign(target[0], f"load {source[0]} {source[1]}")
-        elif operation == ca.OP_CONST:
-            values[target[0]] = repr(float(function.instruction_constant(index)))
-        else:
-            operands = [values[element] for element in source]
-            if operation == ca.OP_ASSIGN:
-                values[target[0]] = operands[0]
-            else:
-                assign(target[0], _operation(operation, operands, lines))
+    def applied(code: int, x: str, *others: str) -> str:
+        composed = {
+            ca.OP_SQ: f"mul {x} {x}",
+            ca.OP_TWICE: f"mul 2.0 {x}",
+            ca.OP_INV: f"div 1.0 {x}",
+            ca.OP_NOT: f"eq {x} 0.0",
+        }
+        if code == ca.OP_SIGN:
+            positive, negative = assigned(f"lt 0.0 {x}"), assigned(f"lt {x} 0.0")
+            return assigned(f"sub {positive} {negative}")
+        if code in composed:
+            return assigned(composed[code])
+        if code not in OPERATIONS:
+            raise NotImplementedError(f"operation {code} of CasADi has no straight-line form")
+        return assigned(" ".join([OPERATIONS[code], x, *others]))
+
+    walk(
+        function,
+        lambda number, nonzero: assigned(f"load {number} {nonzero}"),
+        lambda value: repr(float(value)),
+        applied,
+        lambda k, nonzero, value: lines.append(f"store {k} {elements[k][nonzero]} {value}"),
+    )
     return lines
-
-
-def _operation(operation: int, operands: list[str], lines: list[str]) -> str:
-    x = operands[0]
-    if operation in BINARY:
-        return f"{BINARY[operation]} {' '.join(operands)}"
-    if operation in UNARY:
-        return f"{UNARY[operation]} {x}"
-    composed = {
-        ca.OP_SQ: f"mul {x} {x}",
-        ca.OP_TWICE: f"mul 2.0 {x}",
-        ca.OP_INV: f"div 1.0 {x}",
-        ca.OP_NOT: f"eq {x} 0.0",
-    }
-    if operation in composed:
-        return composed[operation]
-    if operation == ca.OP_SIGN:
-        lines.append(f"t{len(lines)} = lt 0.0 {x}")
-        lines.append(f"t{len(lines)} = lt {x} 0.0")
-        return f"sub t{len(lines) - 2} t{len(lines) - 1}"
-    raise NotImplementedError(f"operation {operation} of CasADi has no straight-line form")
 
 
 def multiplier_intervals(problem: OptimalControlProblem) -> tuple[np.ndarray, np.ndarray]:

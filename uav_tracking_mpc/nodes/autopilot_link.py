@@ -22,43 +22,31 @@ import time
 from typing import Any
 
 from rclpy.clock import Clock, ClockType
-from rclpy.node import Node
 from std_srvs.srv import SetBool
 
 from uav_tracking_mpc.control.event import Level
-from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
+from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.links import LinkError, VehicleLink
-from uav_tracking_mpc.nodes import diagnostics
-from uav_tracking_mpc.nodes.clock_offset import ClockOffset
-from uav_tracking_mpc.nodes.command_wire import CommandWire
-from uav_tracking_mpc.nodes.conversions import nanoseconds, set_air_velocity, set_measurement
-from uav_tracking_mpc.nodes.declared_parameters import declare_parameters
-from uav_tracking_mpc.nodes.endpoints import listen, publish
-from uav_tracking_mpc.nodes.frame_names import frame_names
-from uav_tracking_mpc.nodes.link_reader import LinkReader
-from uav_tracking_mpc.nodes.message_checks import MessageError
-from uav_tracking_mpc.nodes.orbit_message import orbit_from_message
-from uav_tracking_mpc.nodes.peers import Peers, Promise
-from uav_tracking_mpc.nodes.run import run
-from uav_tracking_mpc.nodes.sighting_publisher import SightingPublisher
-from uav_tracking_mpc.nodes.sole_sender import SoleSenders
-from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, COMMAND, ENGAGED, ODOMETRY, ORBIT
-from uav_tracking_mpc.nodes.transform_broadcaster import TransformBroadcaster
-from uav_tracking_mpc.parameters.registry import VEHICLE_LINK, ExtensionError
+from uav_tracking_mpc.links import VEHICLE_LINK, LinkError, VehicleLink
+from uav_tracking_mpc.nodes.messages.message_checks import MessageError
+from uav_tracking_mpc.nodes.ros import diagnostics
+from uav_tracking_mpc.nodes.ros.endpoints import publish
+from uav_tracking_mpc.nodes.ros.process import run
+from uav_tracking_mpc.nodes.topics import ENGAGED
+from uav_tracking_mpc.nodes.vehicle.link_reader import ClockOffset, LinkReader, SightingPublisher
+from uav_tracking_mpc.nodes.vehicle.vehicle_node import VehicleNode
+from uav_tracking_mpc.parameters.registry import ExtensionError
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.link import LinkParameters
 
-FLOWN = (COMMAND, ODOMETRY, AIR_VELOCITY)  # topics with one sender
 LOOK_PERIOD = 0.1  # s between looks at how the link is
 TELL_PERIOD = 1.0  # s between messages that say whether the commands are flown
 SILENCE = 1.0  # s without a state, after which it is missed
 SWITCH_INTERVAL = 1e-4  # s that a thread may keep another, which has a set-point to send, waiting
-WARNING_PERIOD = 5.0  # s
 ORBIT_AGE = 2.0  # s by which an orbit may be older than the command
 
 
-class AutopilotLink(Node):
+class AutopilotLink(VehicleNode):
     """Publishes what the aircraft measures and hands it the commands.
 
     It waits for an aircraft that is not there yet, and outlives one that is lost.
@@ -74,47 +62,23 @@ class AutopilotLink(Node):
     """
 
     def __init__(self, **options: Any) -> None:
-        super().__init__("autopilot_link", **options)
-        self.parameters = declare_parameters(self, LinkParameters)
-        self._frames = frame_names(self, self.parameters)
+        super().__init__("autopilot_link", LinkParameters, **options)
         self._link = _link(self.parameters)
         self._clocks = ClockOffset(lambda: self.get_clock().now().nanoseconds, self._link.now)
         self._wanted = self.parameters.engage
         self._engaged, self._told = False, -math.inf
         self._ready = False  # whether the link has something to fly
-        self._wire = CommandWire(self._frames)
         self._orbit: tuple[FlownOrbit, int] | None = None
-        self._states = self._received = self._refused = 0
-        self._state_time, self._refusal = -math.inf, ""
-        self._odometry, self._air_velocity = ODOMETRY.type(), AIR_VELOCITY.type()
-        self._promise = Promise(self.parameters.telemetry_rate)
-        self._odometry_publisher = publish(
-            self,
-            ODOMETRY,
-            self._promise.qos(ODOMETRY.qos),
-            event_callbacks=self._promise.callbacks(lambda: None),
-        )
-        self._air_publisher = publish(self, AIR_VELOCITY)
-        self._transforms = TransformBroadcaster(self, self._frames)
+        self._states, self._state_time, self._refusal = 0, -math.inf, ""
         self._sightings = None
         if self.parameters.target_system:
             self._sightings = SightingPublisher(self, self._frames)
         self._engaged_publisher = publish(self, ENGAGED)
-        self._diagnostics = diagnostics.Diagnostics(self, self._values)
-        self._senders = SoleSenders(self, FLOWN, self._diagnostics.alarm)
-        self._peers = Peers(lambda words: self._diagnostics.report(diagnostics.WARN, words))
-        listen(
-            self,
-            COMMAND,
-            self._on_command,
-            event_callbacks=self._peers.listening(COMMAND),
-            raw=True,
-        )
-        listen(self, ORBIT, self._on_orbit)
+        self._reader = LinkReader(self._link, self._on_measured)
+        self._open(self.parameters.telemetry_rate)
         self.create_service(SetBool, "~/engage", self._on_engage)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(LOOK_PERIOD, self._look, clock=steady)
-        self._reader = LinkReader(self._link, self._on_measured)
         self._reader.start()
 
     @property
@@ -124,14 +88,9 @@ class AutopilotLink(Node):
 
     def _on_measured(self, seen: Measurement) -> None:
         """Publish a measurement at once, in the thread that received it."""
-        stamp = self._clocks.ros(seen.stamp)
-        set_measurement(self._odometry, stamp, seen, self._frames)
-        if self._states or seen.airspeed is None:  # the first airspeed goes before the first state
-            self._odometry_publisher.publish(self._odometry)
-            self._transforms.publish(self._odometry)
-        if seen.airspeed is not None:
-            set_air_velocity(self._air_velocity, stamp, seen.airspeed, self._frames)
-            self._air_publisher.publish(self._air_velocity)
+        # The first airspeed goes before the first state.
+        state = bool(self._states) or seen.airspeed is None
+        self._publish(self._clocks.ros(seen.stamp), seen, state)
         self._states += 1
         self._state_time = time.monotonic()
         sighting = None if self._sightings is None else self._link.sighting()
@@ -153,22 +112,14 @@ class AutopilotLink(Node):
         self._received += 1
         self._refusal = refusal
         if refusal:
-            self._refused += 1
-            self.get_logger().warning(
-                f"command refused: {refusal}", throttle_duration_sec=WARNING_PERIOD
-            )
+            self._refuse("command", refusal)
 
-    def _on_orbit(self, message: Any) -> None:
-        try:
-            self._orbit = (
-                orbit_from_message(message, self._frames),
-                nanoseconds(message.header.stamp),
-            )
-        except MessageError as error:
-            self._refused += 1
-            self.get_logger().warning(
-                f"orbit refused: {error}", throttle_duration_sec=WARNING_PERIOD
-            )
+    def _refuse(self, what: str, words: str) -> None:
+        self._rejected += 1
+        super()._refuse(what, words)
+
+    def _see_orbit(self, orbit: FlownOrbit, stamp: int) -> None:
+        self._orbit = orbit, stamp
 
     def _orbit_at(self, stamp: int) -> FlownOrbit | None:
         """The newest orbit, its centre carried on to a ROS time; None without a new one."""
@@ -219,7 +170,7 @@ class AutopilotLink(Node):
             words = self._engage()
             self._wanted = bool(words)  # asked for once: it does not argue with the pilot
             if words:
-                logger.warning(f"not engaged: {words}", throttle_duration_sec=WARNING_PERIOD)
+                self._warnings.warn("engaging", f"not engaged: {words}")
 
     def _tell(self, now: float) -> None:
         """Say whether the commands are flown, on change and once a second."""
@@ -253,11 +204,10 @@ class AutopilotLink(Node):
             "when silent": self._link.when_silent,
             "states": self._states,
             "commands received": self._received,
-            "plans refused": self._refused,
+            "plans refused": self._rejected,
             "last refusal": self._refusal,
-            "state deadlines missed": self._promise.broken,
             **values,
-            **self._peers.values(),
+            **super()._values(),
         }
 
     def finish(self) -> None:
@@ -265,7 +215,7 @@ class AutopilotLink(Node):
         self._wanted = False
         self._disengage()
         self._look()
-        self._diagnostics.end()
+        super().finish()
         self._reader.stop()
 
 

@@ -28,17 +28,16 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
-from uav_tracking_mpc.nodes.conversions import (
+from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
+from uav_tracking_mpc.nodes.messages.conversions import (
     air_velocity_from_twist,
     measurement_from_odometry,
     nanoseconds,
     position_from_point,
 )
-from uav_tracking_mpc.nodes.flight_bag import FlightBag
-from uav_tracking_mpc.nodes.frame_names import ANY_FRAMES
-from uav_tracking_mpc.nodes.message_checks import MessageError
-from uav_tracking_mpc.nodes.overhearing import Overhearing
-from uav_tracking_mpc.nodes.target_odometry import target_from_odometry
+from uav_tracking_mpc.nodes.messages.message_checks import ANY_FRAMES, MessageError
+from uav_tracking_mpc.nodes.messages.target_messages import target_from_odometry
+from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     ALL,
@@ -98,9 +97,9 @@ class FlightRecorder(Node):
             0.05, self._release, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
 
-    def _listen(self, topic: Topic) -> Overhearing:
+    def _listen(self, topic: Topic) -> FollowingSubscription:
         callback = functools.partial(self._on_message, topic)
-        return Overhearing(self, topic, callback, QUEUE, raw=True)
+        return FollowingSubscription(self, topic, callback, QUEUE, raw=True)
 
     def _release(self) -> None:
         if self._link or all(each.senders for each in self._needed):

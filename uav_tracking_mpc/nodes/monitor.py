@@ -20,8 +20,12 @@ import functools
 import math
 import sys
 import time
+from collections import defaultdict, deque
+from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rich.console import Console, Group
@@ -29,17 +33,16 @@ from rich.live import Live
 from rich.markup import escape
 from rich.table import Table
 
-from uav_tracking_mpc.nodes.conversions import (
+from uav_tracking_mpc.nodes.messages.conversions import (
     air_velocity_from_twist,
     measurement_from_odometry,
     plan_from_command,
     position_from_point,
 )
-from uav_tracking_mpc.nodes.frame_names import ANY_FRAMES
-from uav_tracking_mpc.nodes.message_checks import MessageError
-from uav_tracking_mpc.nodes.overhearing import Overhearing
-from uav_tracking_mpc.nodes.run import run
-from uav_tracking_mpc.nodes.target_odometry import target_from_odometry
+from uav_tracking_mpc.nodes.messages.message_checks import ANY_FRAMES, MessageError
+from uav_tracking_mpc.nodes.messages.target_messages import target_from_odometry
+from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription
+from uav_tracking_mpc.nodes.ros.process import run
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     COMMAND,
@@ -70,12 +73,11 @@ class Monitor(Node):
     def __init__(self, console: Console | None = None, **options: Any) -> None:
         super().__init__("monitor", **options)
         self._latest: dict[str, Any] = {}
-        self._arrivals: dict[str, list[float]] = {}
+        self._arrivals: dict[str, deque[float]] = defaultdict(lambda: deque(maxlen=20))
         self._statuses: dict[str, tuple[Any, float]] = {}  # and when it came, steady [s]
         self._others: list[str] = []  # namespaces of other aircraft
         for topic in (*SHOWN, DIAGNOSTICS):
-            callback = functools.partial(self._on_message, topic)
-            Overhearing(self, topic, callback, QUEUE)
+            FollowingSubscription(self, topic, functools.partial(self._on_message, topic), QUEUE)
         self._live = Live(self.table(), console=console, refresh_per_second=4)
         self._live.start()
         steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -101,34 +103,26 @@ class Monitor(Node):
             self._statuses.update({status.name: (status, now) for status in message.status})
             return
         self._latest[topic.name] = message
-        arrivals = self._arrivals.setdefault(topic.name, [])
-        arrivals.append(time.monotonic())
-        del arrivals[:-20]
+        self._arrivals[topic.name].append(time.monotonic())
 
     def table(self) -> Group:
         """What is known now, as tables."""
         namespace = self.get_namespace()
+        title = "flight" if namespace == "/" else f"flight of {namespace}"
         flight = Table(
-            title="flight" if namespace == "/" else f"flight of {namespace}",
-            caption=self._elsewhere(),
-            expand=True,
+            "topic", "rate", "value", title=title, caption=self._elsewhere(), expand=True
         )
-        for heading in ("topic", "rate", "value"):
-            flight.add_column(heading)
         for topic in SHOWN:
             flight.add_row(topic.name, self._rate(topic), escape(self._words(topic)))
-        nodes = Table(title="nodes", expand=True)
-        for heading in ("node", "aircraft", "level", "says"):
-            nodes.add_column(heading)
+        nodes = Table("node", "aircraft", "level", "says", title="nodes", expand=True)
         for name, (status, came) in sorted(self._statuses.items()):
             if any(name.startswith(f"{other[1:]}/") for other in self._others if other != "/"):
                 continue
             silent = time.monotonic() - came > GONE
             level = "[red]silent[/]" if silent else LEVELS.get(status.level, "?")
             # Others publish here too: their words are text, not markup.
-            words = (name.partition(":")[0], status.hardware_id, status.message)
-            node, aircraft, says = map(escape, words)
-            nodes.add_row(node, aircraft, level, says)
+            node, aircraft = escape(name.partition(":")[0]), escape(status.hardware_id)
+            nodes.add_row(node, aircraft, level, escape(status.message))
         return Group(flight, nodes)
 
     def _elsewhere(self) -> str | None:
@@ -139,8 +133,7 @@ class Monitor(Node):
         return f"{words}; watch one with `uav_tracking monitor --namespace {self._others[0]}`"
 
     def _rate(self, topic: Topic) -> str:
-        arrivals = self._arrivals.get(topic.name, [])
-        if not arrivals:
+        if not (arrivals := self._arrivals[topic.name]):
             return "nothing yet"
         if time.monotonic() - arrivals[-1] > STALE:
             return "[red]silent[/]"
@@ -149,48 +142,61 @@ class Monitor(Node):
 
     def _words(self, topic: Topic) -> str:
         message = self._latest.get(topic.name)
-        if message is None:
-            return ""
         try:
-            if topic is ODOMETRY:
-                motion = measurement_from_odometry(message, frames=ANY_FRAMES)
-                x, y, z = motion.position
-                return (
-                    f"x {x:.2f}  y {y:.2f}  z {z:.2f} m   "
-                    f"heading {math.degrees(motion.heading):.1f}  "
-                    f"path angle {math.degrees(motion.path_angle):.1f} deg   "
-                    f"ground speed {math.hypot(*motion.ground_velocity):.2f} m/s"
-                )
-            if topic is AIR_VELOCITY:
-                return (
-                    f"airspeed {math.hypot(*air_velocity_from_twist(message, ANY_FRAMES)):.2f} m/s"
-                )
-            if topic is TARGET:
-                x, y, z = position_from_point(message, ANY_FRAMES)
-                return f"x {x:.2f}  y {y:.2f}  z {z:.2f} m"
-            if topic is TARGET_ODOMETRY:
-                (x, y, z), velocity, _ = target_from_odometry(message, ANY_FRAMES)
-                speed = "" if velocity is None else f"   speed {math.hypot(*velocity):.2f} m/s"
-                return f"x {x:.2f}  y {y:.2f}  z {z:.2f} m{speed}"
-            if topic is COMMAND:
-                yaw, pitch, acceleration = plan_from_command(message, ANY_FRAMES)[0][0]
-                return (
-                    f"yaw rate {yaw:+.4f}  path-angle rate {pitch:+.4f} rad/s   "
-                    f"acceleration {acceleration:+.4f} m/s^2"
-                )
+            return "" if message is None else WORDS.get(topic.name, _figure)(topic, message)
         except MessageError as error:
             return f"unusable: {error}"
-        unit = topic.meaning.partition("[")[2].partition("]")[0]
-        return (
-            f"{message.data:+.4f} {unit}"
-            if unit in ("m", "rad", "m/s")
-            else f"{message.data:.3g} {unit}"
-        )
 
     def finish(self) -> None:
         """Leave the last table on the screen."""
         self._live.update(self.table())
         self._live.stop()
+
+
+def _state(_: Topic, message: Any) -> str:
+    motion = measurement_from_odometry(message, frames=ANY_FRAMES)
+    return (
+        f"{_place(motion.position)}   heading {math.degrees(motion.heading):.1f}  "
+        f"path angle {math.degrees(motion.path_angle):.1f} deg   "
+        f"ground speed {math.hypot(*motion.ground_velocity):.2f} m/s"
+    )
+
+
+def _target(_: Topic, message: Any) -> str:
+    seen = target_from_odometry(message, ANY_FRAMES)
+    speed = "" if seen.velocity is None else f"   speed {math.hypot(*seen.velocity):.2f} m/s"
+    return f"{_place(seen.position)}{speed}"
+
+
+def _command(_: Topic, message: Any) -> str:
+    yaw, pitch, acceleration = plan_from_command(message, ANY_FRAMES)[0][0]
+    return (
+        f"yaw rate {yaw:+.4f}  path-angle rate {pitch:+.4f} rad/s   "
+        f"acceleration {acceleration:+.4f} m/s^2"
+    )
+
+
+def _place(position: NDArray[np.float64]) -> str:
+    x, y, z = position
+    return f"x {x:.2f}  y {y:.2f}  z {z:.2f} m"
+
+
+def _figure(topic: Topic, message: Any) -> str:
+    unit = topic.meaning.partition("[")[2].partition("]")[0]
+    signed = unit in ("m", "rad", "m/s")
+    return f"{message.data:+.4f} {unit}" if signed else f"{message.data:.3g} {unit}"
+
+
+# What a message says, by the name of its topic; those that are missing hold one figure.
+WORDS: dict[str, Callable[[Topic, Any], str]] = {
+    ODOMETRY.name: _state,
+    AIR_VELOCITY.name: lambda _, message: (
+        f"airspeed {math.hypot(*air_velocity_from_twist(message, ANY_FRAMES)):.2f} m/s"
+    ),
+    TARGET.name: lambda _, message: _place(position_from_point(message, ANY_FRAMES)),
+    TARGET_ODOMETRY.name: _target,
+    COMMAND.name: _command,
+}
 
 
 def main() -> int:

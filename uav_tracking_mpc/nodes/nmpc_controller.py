@@ -27,33 +27,30 @@ from typing import Any
 import numpy as np
 from rclpy.clock import Clock, ClockType
 
-from uav_tracking_mpc.control.claim_watch import ClaimWatch
+from uav_tracking_mpc.control.certification import ClaimWatch
 from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.control.commanded_path import CommandPaths
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.event import Level
 from uav_tracking_mpc.control.guidance import formulation_of
-from uav_tracking_mpc.control.margin_check import MarginWatch
 from uav_tracking_mpc.control.record import RecordingController
 from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
 from uav_tracking_mpc.formulation.formulation import solver_at_once
-from uav_tracking_mpc.nodes import conversions
-from uav_tracking_mpc.nodes.command_wire import CommandWire
-from uav_tracking_mpc.nodes.controller_report import ControllerReport
-from uav_tracking_mpc.nodes.controller_views import ControllerViews
-from uav_tracking_mpc.nodes.declared_parameters import declare_parameters, follow_parameters
-from uav_tracking_mpc.nodes.endpoints import listen, publish
-from uav_tracking_mpc.nodes.engage_service import DISENGAGED, EngageService
-from uav_tracking_mpc.nodes.frame_names import frame_names
-from uav_tracking_mpc.nodes.managed_node import ManagedNode, Stage, TransitionError
-from uav_tracking_mpc.nodes.message_times import MessageTimes
-from uav_tracking_mpc.nodes.odometry_wire import OdometryWire
-from uav_tracking_mpc.nodes.orbit_message import orbit_message, set_orbit
-from uav_tracking_mpc.nodes.peers import Promise
-from uav_tracking_mpc.nodes.run import run
-from uav_tracking_mpc.nodes.sole_sender import SoleSenders
-from uav_tracking_mpc.nodes.stall_guard import StallGuard
-from uav_tracking_mpc.nodes.target_odometry import target_from_odometry
+from uav_tracking_mpc.margins.margin_check import MarginWatch
+from uav_tracking_mpc.nodes.controller.controller_report import ControllerReport
+from uav_tracking_mpc.nodes.controller.controller_views import ControllerViews
+from uav_tracking_mpc.nodes.controller.message_times import MessageTimes, StallGuard
+from uav_tracking_mpc.nodes.messages import conversions
+from uav_tracking_mpc.nodes.messages.message_checks import frame_names
+from uav_tracking_mpc.nodes.messages.named_figures import orbit_message, set_orbit
+from uav_tracking_mpc.nodes.messages.target_messages import target_from_odometry
+from uav_tracking_mpc.nodes.messages.wires import CommandWire, OdometryWire
+from uav_tracking_mpc.nodes.ros.declared_parameters import declare_parameters, follow_parameters
+from uav_tracking_mpc.nodes.ros.endpoints import PublishDeadline, listen, publish
+from uav_tracking_mpc.nodes.ros.managed_node import ManagedNode, Stage, TransitionError
+from uav_tracking_mpc.nodes.ros.node_services import DISENGAGED, CommandGate
+from uav_tracking_mpc.nodes.ros.process import run
+from uav_tracking_mpc.nodes.ros.sole_sender import DuplicateSenders
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     COMMAND,
@@ -102,18 +99,18 @@ class NmpcController(ManagedNode):
         self._views, self._odometry = ControllerViews(self), OdometryWire()
         self._name_frames()
         self.report = ControllerReport(self)
-        self._senders = SoleSenders(self, (*HEARD, COMMAND), self.report.alarm)
+        self._senders = DuplicateSenders(self, (*HEARD, COMMAND), self.report.alarm)
         simulated = bool(self.get_parameter("use_sim_time").value)
-        self._promise = Promise(None if simulated else self.parameters.control_rate)
+        self._deadline = PublishDeadline(None if simulated else self.parameters.control_rate)
         self._commands = publish(
             self,
             COMMAND,
-            self._promise.qos(COMMAND.qos),
-            event_callbacks=self._promise.callbacks(self.report.late),
+            self._deadline.qos(COMMAND.qos),
+            event_callbacks=self._deadline.callbacks(self.report.late),
         )
         self._orbits = publish(self, ORBIT)
         listen(self, ENGAGED, self._on_engaged)
-        self._consent = EngageService(self, self._on_consent)
+        self._consent = CommandGate(self, self._on_consent)
         callbacks = self._on_state, self._on_air, self._on_target, self._on_target_odometry
         for topic, callback in zip(HEARD, callbacks, strict=True):
             heard, events = self._refusing(topic, callback), self.report.peers.listening(topic)
@@ -153,7 +150,7 @@ class NmpcController(ManagedNode):
         self._margins = MarginWatch(
             lambda words: events.add(Level.WARNING, words), MARGIN_PATIENCE, MARGIN_REST
         )
-        self._margins.judge(parameters)
+        self._margins.ask(parameters)
 
     def activate(self) -> None:
         """Answer states from now on."""
@@ -197,11 +194,11 @@ class NmpcController(ManagedNode):
 
     def _take(self, parameters: TrackingParameters) -> None:
         self.parameters = parameters
-        self._promise.rate = parameters.control_rate
+        self._deadline.rate = parameters.control_rate
         if self.controller is not None:
             self.controller.change(**asdict(parameters))
             if self._margins is not None:
-                self._margins.judge(parameters)
+                self._margins.ask(parameters)
             self.report.changed(parameters)
 
     def _name_frames(self) -> None:
@@ -249,7 +246,7 @@ class NmpcController(ManagedNode):
         self, topic: Topic, controller: Controller, stamp: float, *measured: Any
     ) -> None:
         late = controller.navigator.target.late
-        if controller.see_target(stamp, *measured):
+        if controller.see_target(stamp, *measured, now=self._times.now()):
             return
         old = controller.navigator.target.late > late
         self.report.leave_out(
@@ -270,12 +267,12 @@ class NmpcController(ManagedNode):
         fresh = self._stall.alive(arrival)
         stamp = self._times.measured(ODOMETRY, message)
         measurement = conversions.measurement_from_odometry(message, stamp, self._frames)
-        command = None
+        command, now = None, self._times.now()
         active = self.stage is Stage.ACTIVE
         if fresh and active and self._consent.engaged:
-            command = controller.step(measurement, self._times.now())
+            command = controller.step(measurement, now)
         else:  # it is not to be answered, or was queued while the process was stopped
-            controller.see_state(measurement)
+            controller.see_state(measurement, now)
             if active and not self._consent.engaged:
                 controller.fall_silent(DISENGAGED)
         believed = controller.state_time != before

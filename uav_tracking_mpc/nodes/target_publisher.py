@@ -22,19 +22,18 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from uav_tracking_mpc.nodes import diagnostics
-from uav_tracking_mpc.nodes.conversions import set_point
-from uav_tracking_mpc.nodes.declared_parameters import declare_parameters, follow_parameters
-from uav_tracking_mpc.nodes.endpoints import listen, publish
-from uav_tracking_mpc.nodes.frame_names import FrameNames, map_frame
-from uav_tracking_mpc.nodes.message_checks import MessageError
-from uav_tracking_mpc.nodes.outage import Outage
-from uav_tracking_mpc.nodes.run import run
-from uav_tracking_mpc.nodes.target_truth import goal_from_point, set_truth
+from uav_tracking_mpc.nodes.messages.conversions import set_point
+from uav_tracking_mpc.nodes.messages.diagnostic_values import target_words
+from uav_tracking_mpc.nodes.messages.message_checks import FrameNames, MessageError, map_frame
+from uav_tracking_mpc.nodes.messages.target_messages import goal_from_point, set_truth
+from uav_tracking_mpc.nodes.ros import diagnostics
+from uav_tracking_mpc.nodes.ros.declared_parameters import declare_parameters, follow_parameters
+from uav_tracking_mpc.nodes.ros.endpoints import listen, publish
+from uav_tracking_mpc.nodes.ros.node_services import SimulatedOutage
+from uav_tracking_mpc.nodes.ros.process import run
 from uav_tracking_mpc.nodes.topics import TARGET, TARGET_GOAL, TARGET_TRUTH
-from uav_tracking_mpc.settings.target import TargetParameters
-from uav_tracking_mpc.simulation.steered_target import STATIONARY, SteeredTarget
-from uav_tracking_mpc.simulation.target_sensor import TargetSensor
+from uav_tracking_mpc.settings.simulator import TargetParameters
+from uav_tracking_mpc.simulation.steered_target import STATIONARY, SteeredTarget, TargetSensor
 
 TRUTH_PERIOD = 0.05  # s
 DELIVERY_PERIOD = 0.01  # s; how closely a delay is kept
@@ -65,7 +64,7 @@ class TargetPublisher(Node):
         self._truths = publish(self, TARGET_TRUTH)
         listen(self, TARGET_GOAL, self._on_goal)
         self._diagnostics = diagnostics.Diagnostics(self, self._values)
-        self._outage = Outage(self, "lose_target", "the target's position", self._time)
+        self._outage = SimulatedOutage(self, "lose_target", "the target's position", self._time)
         self._timer = self.create_timer(1.0 / self.parameters.rate, self._measure)
         self._truth_timer = self.create_timer(TRUTH_PERIOD, self._tell_truth)
         if self.parameters.delay > 0.0:
@@ -122,13 +121,7 @@ class TargetPublisher(Node):
         if self._outage.lasts:
             self._diagnostics.report(diagnostics.WARN, self._outage.words)
             return
-        motion, place = self.parameters.motion, self._target.heading_for(now)
-        if place is None:
-            words = f"target is {motion}"
-        else:
-            x, y, z = place.tolist()
-            words = f"target drives to ({x:.6g}, {y:.6g}, {z:.6g}), then is {motion}"
-        self._diagnostics.report(diagnostics.OK, words)
+        self._diagnostics.report(diagnostics.OK, target_words(self._target, now))
 
     def _deliver(self) -> None:
         arrived = self._sensor.delivered(self._time())

@@ -16,40 +16,57 @@
 
 from __future__ import annotations
 
+import importlib
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
-from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PointStamped, TwistStamped
-from nav_msgs.msg import Odometry, Path
-from rcl_interfaces.msg import Log
-from rclpy.duration import Duration
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, Float64
-from trajectory_msgs.msg import MultiDOFJointTrajectory
-from visualization_msgs.msg import MarkerArray
+if TYPE_CHECKING:
+    from rclpy.qos import QoSProfile
 
-LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
-SENSED = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-MANY_SENDERS = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 
-LOG = QoSProfile(  # as rcl publishes it
-    depth=1000,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-    lifespan=Duration(seconds=10),
-)
+@dataclass(frozen=True)
+class Quality:
+    """Quality of service of a publisher.
+
+    Attributes:
+        depth: How many messages wait at most.
+        reliable: Whether what is lost is sent again.
+        kept: Whether who comes later hears the last ones, too.
+        lifespan: After which a message is not sent any more in [s]; 0 for none.
+    """
+
+    depth: int = 1
+    reliable: bool = True
+    kept: bool = False
+    lifespan: int = 0
+
+    @property
+    def profile(self) -> QoSProfile:
+        """As rclpy takes it."""
+        from rclpy.duration import Duration
+        from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+        reliability, durability = ReliabilityPolicy, DurabilityPolicy
+        return QoSProfile(
+            depth=self.depth,
+            reliability=reliability.RELIABLE if self.reliable else reliability.BEST_EFFORT,
+            durability=durability.TRANSIENT_LOCAL if self.kept else durability.VOLATILE,
+            lifespan=Duration(seconds=self.lifespan),
+        )
+
+
+LATEST, SENSED, MANY_SENDERS = Quality(), Quality(reliable=False), Quality(depth=10)
+LOG = Quality(depth=1000, kept=True, lifespan=10)  # as rcl publishes it
 
 
 @dataclass(frozen=True)
 class Topic:
-    """One topic.
+    """One topic, as plain data: reading its messages from a bag needs no ROS.
 
     Attributes:
         name: Relative, so that a namespace moves it; absolute where ROS fixes it.
-        type: Message class.
-        qos: Offered by who sends it.
+        type_name: Type as ROS writes it, such as ``nav_msgs/msg/Odometry``.
+        quality: Offered by who sends it.
         sender: Node that publishes it.
         meaning: For people.
         optional: Whether a flight may go without it.
@@ -57,28 +74,33 @@ class Topic:
     """
 
     name: str
-    type: type
-    qos: QoSProfile
+    type_name: str
+    quality: Quality
     sender: str
     meaning: str
     optional: bool = False
     sensed: bool = False
 
     @property
-    def heard(self) -> QoSProfile:
-        """Quality of service that is asked for: what connects with every sender there may be."""
-        return SENSED if self.sensed else self.qos
+    def type(self) -> Any:
+        """Message class."""
+        package, _, name = self.type_name.split("/")
+        return getattr(importlib.import_module(f"{package}.msg"), name)
 
     @property
-    def type_name(self) -> str:
-        """Type as ROS writes it, such as ``nav_msgs/msg/Odometry``."""
-        package = self.type.__module__.split(".", 1)[0]
-        return f"{package}/msg/{self.type.__name__}"
+    def qos(self) -> QoSProfile:
+        """Quality of service of who sends it."""
+        return self.quality.profile
+
+    @property
+    def heard(self) -> QoSProfile:
+        """Quality of service that is asked for: what connects with every sender there may be."""
+        return (SENSED if self.sensed else self.quality).profile
 
 
 ODOMETRY = Topic(
     "uav/odometry",
-    Odometry,
+    "nav_msgs/msg/Odometry",
     LATEST,
     "uav_simulator or autopilot_link",
     "Pose in `map`; twist in `base_link`: ground velocity and body rates.",
@@ -86,7 +108,7 @@ ODOMETRY = Topic(
 )
 AIR_VELOCITY = Topic(
     "uav/air_velocity",
-    TwistStamped,
+    "geometry_msgs/msg/TwistStamped",
     LATEST,
     "uav_simulator or autopilot_link",
     "Velocity through the air, in `base_link`.",
@@ -94,7 +116,7 @@ AIR_VELOCITY = Topic(
 )
 TARGET = Topic(
     "target/position",
-    PointStamped,
+    "geometry_msgs/msg/PointStamped",
     LATEST,
     "target_publisher, or autopilot_link with `target_system`",
     "Measured position of the target in `map`, noisy, at any rate.",
@@ -102,7 +124,7 @@ TARGET = Topic(
 )
 TARGET_ODOMETRY = Topic(
     "target/odometry",
-    Odometry,
+    "nav_msgs/msg/Odometry",
     LATEST,
     "a tracker, or autopilot_link with `target_system`",
     "Instead of `target/position`: pose in `map`; twist in `child_frame_id`, which is the target's "
@@ -112,7 +134,7 @@ TARGET_ODOMETRY = Topic(
 )
 TARGET_GOAL = Topic(
     "target/goal",
-    PointStamped,
+    "geometry_msgs/msg/PointStamped",
     LATEST,
     "people",
     "Where the target is to go and stand, in `map`: at its `speed`, or 5 m/s if that is 0.",
@@ -121,7 +143,7 @@ TARGET_GOAL = Topic(
 )
 TARGET_TRUTH = Topic(
     "target/truth",
-    Odometry,
+    "nav_msgs/msg/Odometry",
     LATEST,
     "target_publisher",
     "Where the target truly is and how it moves, pose and twist in `map`: 20 Hz, for records and "
@@ -130,7 +152,7 @@ TARGET_TRUTH = Topic(
 )
 COMMAND = Topic(
     "uav/command",
-    MultiDOFJointTrajectory,
+    "trajectory_msgs/msg/MultiDOFJointTrajectory",
     LATEST,
     "nmpc_controller",
     "points[0]: the command now; the rest: the plan, time_from_start = k T_s. "
@@ -141,7 +163,7 @@ COMMAND = Topic(
 )
 ORBIT = Topic(
     "uav/orbit",
-    JointState,
+    "sensor_msgs/msg/JointState",
     LATEST,
     "nmpc_controller",
     "What the command leads to, for autopilots that hold altitude and airspeed themselves or "
@@ -151,33 +173,50 @@ ORBIT = Topic(
 )
 ENGAGED = Topic(
     "uav/engaged",
-    Bool,
+    "std_msgs/msg/Bool",
     LATEST,
     "autopilot_link",
     "Whether the aircraft flies the commands: 1 Hz and on change. Without it they count as flown.",
     optional=True,
 )
 PREDICTED_PATH = Topic(
-    "uav/predicted_path", Path, LATEST, "nmpc_controller", "The plan in `map`, at most 5 Hz."
+    "uav/predicted_path",
+    "nav_msgs/msg/Path",
+    LATEST,
+    "nmpc_controller",
+    "The plan in `map`, at most 5 Hz.",
 )
 MARKERS = Topic(
     "uav/markers",
-    MarkerArray,
+    "visualization_msgs/msg/MarkerArray",
     LATEST,
     "nmpc_controller",
     "Target, desired orbit, plan and aircraft, at most 5 Hz.",
 )
 DIAGNOSTICS = Topic(
-    "/diagnostics", DiagnosticArray, MANY_SENDERS, "every node", "1 Hz and on change."
+    "/diagnostics",
+    "diagnostic_msgs/msg/DiagnosticArray",
+    MANY_SENDERS,
+    "every node",
+    "1 Hz and on change.",
 )
 ROSOUT = Topic(
-    "/rosout", Log, LOG, "every node", "What the nodes log; ROS itself sends it.", optional=True
+    "/rosout",
+    "rcl_interfaces/msg/Log",
+    LOG,
+    "every node",
+    "What the nodes log; ROS itself sends it.",
+    optional=True,
 )
 CLOCK = Topic(
-    "/clock", Clock, LATEST, "uav_simulator", "Simulated time, with `publish_clock` only."
+    "/clock",
+    "rosgraph_msgs/msg/Clock",
+    LATEST,
+    "uav_simulator",
+    "Simulated time, with `publish_clock` only.",
 )
 TRACKING = {
-    name: Topic(f"uav/tracking/{name}", Float64, LATEST, "nmpc_controller", meaning)
+    name: Topic(f"uav/tracking/{name}", "std_msgs/msg/Float64", LATEST, "nmpc_controller", meaning)
     for name, meaning in {
         "range_error": "r - r_d [m], of the state that is answered, as are the other errors.",
         "bearing_error": "theta - theta_d, wrapped [rad].",
@@ -190,7 +229,7 @@ TRACKING = {
 }
 TRACKING_ERRORS = Topic(
     "uav/tracking_errors",
-    JointState,
+    "sensor_msgs/msg/JointState",
     LATEST,
     "nmpc_controller",
     "What the controller tracks by in one message, stamped as the state; with each command, once a "
@@ -200,6 +239,11 @@ TRACKING_ERRORS = Topic(
     "each [m]); wind_east, wind_north, wind_up (as estimated, with gust); mode (0 optimal plan, 1 "
     "guidance law, 2 feasible plan, 3 earlier plan, 4 loiter law, 5 wings level). Values in "
     "`position`.",
+)
+# As tf2 offers them; for viewers, and only where ROS has tf2_msgs.
+TRANSFORMS, STATIC_TRANSFORMS = (
+    Topic(name, "tf2_msgs/msg/TFMessage", quality, ODOMETRY.sender, "Frames for tf2.")
+    for name, quality in {"/tf": Quality(depth=100), "/tf_static": Quality(kept=True)}.items()
 )
 ALL = (
     ODOMETRY,

@@ -21,38 +21,31 @@ from typing import Any
 
 from builtin_interfaces.msg import Time as TimeMessage
 from rclpy.clock import Clock, ClockType
-from rclpy.node import Node
 from rclpy.time import Time
 from rclpy.timer import Timer
 from std_srvs.srv import SetBool, Trigger
 
-from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.nodes import diagnostics
-from uav_tracking_mpc.nodes.command_wire import CommandWire
-from uav_tracking_mpc.nodes.conversions import set_air_velocity, set_measurement, set_stamp
-from uav_tracking_mpc.nodes.declared_parameters import declare_parameters, follow_parameters
-from uav_tracking_mpc.nodes.endpoints import listen, publish
-from uav_tracking_mpc.nodes.frame_names import frame_names
-from uav_tracking_mpc.nodes.message_checks import MessageError
-from uav_tracking_mpc.nodes.orbit_message import orbit_from_message
-from uav_tracking_mpc.nodes.outage import Outage
-from uav_tracking_mpc.nodes.peers import Peers, Promise
-from uav_tracking_mpc.nodes.run import run
-from uav_tracking_mpc.nodes.sole_sender import SoleSenders
-from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY, ORBIT
-from uav_tracking_mpc.nodes.transform_broadcaster import TransformBroadcaster
+from uav_tracking_mpc.dynamics.orbit import FlownOrbit
+from uav_tracking_mpc.nodes.messages.conversions import set_stamp
+from uav_tracking_mpc.nodes.messages.diagnostic_values import vehicle_status
+from uav_tracking_mpc.nodes.ros import diagnostics
+from uav_tracking_mpc.nodes.ros.declared_parameters import follow_parameters
+from uav_tracking_mpc.nodes.ros.endpoints import publish
+from uav_tracking_mpc.nodes.ros.node_services import SimulatedOutage
+from uav_tracking_mpc.nodes.ros.process import run
+from uav_tracking_mpc.nodes.ros.rclpy_internals import NAMELESS
+from uav_tracking_mpc.nodes.topics import CLOCK
+from uav_tracking_mpc.nodes.vehicle.vehicle_node import VehicleNode
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.plants import Plant, SimulationError, plant_named
 
-FLOWN = (COMMAND, ODOMETRY, AIR_VELOCITY)  # topics with one sender
 # Who only looks comes and goes: time does not begin for them. The first has no name yet.
-LOOKERS = ("_NODE_NAME_UNKNOWN_", "flight_watcher", "monitor")
+PASSIVE_NODES = (NAMELESS, "flight_watcher", "monitor")
 LONGEST_STEP = 0.5  # s; a jump of the clock beyond this is not flown through
-WARNING_PERIOD = 5.0  # s
 
 
-class UavSimulator(Node):
+class UavSimulator(VehicleNode):
     """Vehicle and autopilot in simulated or real time.
 
     Args:
@@ -63,50 +56,23 @@ class UavSimulator(Node):
     """
 
     def __init__(self, **options: Any) -> None:
-        super().__init__("uav_simulator", **options)
-        self.parameters = declare_parameters(self, SimulatorParameters, changeable=True)
+        super().__init__("uav_simulator", SimulatorParameters, changeable=True, **options)
         follow_parameters(self, self.parameters, self._check, self._take)
-        self._frames = frame_names(self, self.parameters)
         self._plant = _plant(self.parameters)
         self._truth, self._failure = self._plant.truth, ""
         self._tick = round(1e9 / self.parameters.state_rate)
-        self._now = 0 if self.parameters.publish_clock else self.get_clock().now().nanoseconds
+        driven = self.parameters.publish_clock
+        self._now = 0 if driven else self.get_clock().now().nanoseconds
         self._start = self._now
-        self._received = self._rejected = 0
         self._started = self._paused = False
         self._reset_at, self._failsafes = 0, 0  # [ns], and counted before it
-        self._odometry, self._air_velocity = ODOMETRY.type(), AIR_VELOCITY.type()
         self._clock_message = CLOCK.type()
-        driven = self.parameters.publish_clock
-        self._promise = Promise(None if driven else self.parameters.state_rate)
-        self._odometry_publisher = publish(
-            self,
-            ODOMETRY,
-            self._promise.qos(ODOMETRY.qos),
-            event_callbacks=self._promise.callbacks(lambda: None),
-        )
-        self._air_publisher = publish(self, AIR_VELOCITY)
-        self._transforms = TransformBroadcaster(self, self._frames)
-        self._clock_publisher = None
-        if self.parameters.publish_clock:
-            self._clock_publisher = publish(self, CLOCK)
-        self._peers = Peers(lambda words: self._diagnostics.report(diagnostics.WARN, words))
-        self._wire = CommandWire(self._frames)
-        listen(
-            self,
-            COMMAND,
-            self._on_command,
-            event_callbacks=self._peers.listening(COMMAND),
-            raw=True,
-        )
-        listen(self, ORBIT, self._on_orbit)
+        self._clock_publisher = publish(self, CLOCK) if driven else None
         # Whoever makes the time does not follow it: its own clock is the wall's.
-        stamp = self._time if self.parameters.publish_clock else None
-        self._diagnostics = diagnostics.Diagnostics(self, self._values, stamp)
-        self._senders = SoleSenders(self, FLOWN, self._diagnostics.alarm)
+        self._open(None if driven else self.parameters.state_rate, self._time if driven else None)
         self.create_service(SetBool, "~/pause", self._on_pause)
         self.create_service(Trigger, "~/reset", self._on_reset)
-        self._outage = Outage(self, "lose_state", "the state", lambda: self._now * 1e-9)
+        self._outage = SimulatedOutage(self, "lose_state", "the state", lambda: self._now * 1e-9)
         self._timer = self._make_timer()
 
     def _make_timer(self) -> Timer:
@@ -174,22 +140,14 @@ class UavSimulator(Node):
             stamp, plan, starts = self._wire.segments(data)
             if stamp < self._reset_at:
                 raise ValueError("it answers a state from before the reset")
-            begin = (stamp - self._start) * 1e-9
-            self._plant.accept(plan, begin + starts)
+            self._plant.accept(plan, (stamp - self._start) * 1e-9 + starts)
             self._received += 1
-        except (MessageError, ValueError) as error:
+        except Exception as error:  # whatever a user's plant raises, the node goes on
             self._rejected += 1
-            self.get_logger().warning(
-                f"command refused: {error}", throttle_duration_sec=WARNING_PERIOD
-            )
+            self._refuse("command", str(error))
 
-    def _on_orbit(self, message: Any) -> None:
-        try:
-            self._plant.see_orbit(orbit_from_message(message, self._frames))
-        except MessageError as error:
-            self.get_logger().warning(
-                f"orbit refused: {error}", throttle_duration_sec=WARNING_PERIOD
-            )
+    def _see_orbit(self, orbit: FlownOrbit, stamp: int) -> None:
+        self._plant.see_orbit(orbit)
 
     def _step(self) -> None:
         if not self._started:
@@ -204,21 +162,13 @@ class UavSimulator(Node):
             set_stamp(self._clock_message.clock, self._now)
             self._clock_publisher.publish(self._clock_message)
         if not self._failure and not self._outage.lasts:
-            self._publish(self._plant.measured())
+            seen = self._plant.measured()
+            self._publish(self._start + round(seen.stamp * 1e9), seen)
 
     def _listeners(self) -> int:
         """How many listen to the state, without who only looks."""
         known = self.get_subscriptions_info_by_topic(self._odometry_publisher.topic_name)
-        return sum(one.node_name not in LOOKERS for one in known)
-
-    def _publish(self, seen: Measurement) -> None:
-        stamp = self._start + round(seen.stamp * 1e9)
-        set_measurement(self._odometry, stamp, seen, self._frames)
-        self._odometry_publisher.publish(self._odometry)
-        self._transforms.publish(self._odometry)
-        if seen.airspeed is not None:
-            set_air_velocity(self._air_velocity, stamp, seen.airspeed, self._frames)
-            self._air_publisher.publish(self._air_velocity)
+        return sum(one.node_name not in PASSIVE_NODES for one in known)
 
     def _elapsed(self) -> int:
         """Time since the last step in [ns], by the clock that this node drives or follows."""
@@ -231,10 +181,8 @@ class UavSimulator(Node):
         self._plant.time = (self._now - self._start) * 1e-9
         self._now += elapsed
         if not 0 <= elapsed <= LONGEST_STEP * 1e9:
-            self.get_logger().warning(
-                f"clock moved by {elapsed * 1e-9:.3f} s, vehicle held",
-                throttle_duration_sec=WARNING_PERIOD,
-            )
+            words = f"clock moved by {elapsed * 1e-9:.3f} s, vehicle held"
+            self._warnings.warn("clock", words)
             held = True
         else:
             held = self.parameters.start_on_command and not self._plant.plan.commanded
@@ -253,19 +201,13 @@ class UavSimulator(Node):
             self._failure = f"the plant failed, its state is not published: {error}"
 
     def _report(self) -> None:
-        plan = self._plant.plan
         if self._failure:
             self._diagnostics.report(diagnostics.ERROR, self._failure)
         elif self._outage.lasts:
             self._diagnostics.report(diagnostics.WARN, self._outage.words)
-        elif plan.commanded and plan.holding:
-            self._diagnostics.report(
-                diagnostics.WARN, "no plan left to fly: holding wings level until a command comes"
-            )
-        elif plan.commanded:
-            self._diagnostics.report(diagnostics.OK, "flying on commands")
         else:
-            self._diagnostics.report(diagnostics.WARN, "waiting for the first command")
+            level, words = vehicle_status(self._plant.plan)
+            self._diagnostics.report(bytes([level]), words)
 
     def _values(self) -> dict[str, object]:
         truth = self._truth
@@ -285,13 +227,8 @@ class UavSimulator(Node):
             "commands refused": self._rejected,
             "speed": self.parameters.speed,
             "failsafe": self._failsafes + self._plant.plan.failsafes,
-            "state deadlines missed": self._promise.broken,
-            **self._peers.values(),
+            **super()._values(),
         }
-
-    def finish(self) -> None:
-        """Publish the last diagnostics."""
-        self._diagnostics.end()
 
 
 def _plant(parameters: SimulatorParameters) -> Plant:

@@ -14,34 +14,50 @@
 
 """What people add is found by name: in its room, by an entry point, or as ``path.py:Class``.
 
-A room keeps one thing a file, and the file's name is the thing's name: ``laws/l1.py`` holds the law
-``l1``. Files that begin with an underscore are shared parts. An installed package adds a thing
-through an entry point whose group is the room, for example in its ``setup.py``::
+A class in a file of its room says its name in a line of its own: ``laws/l1.py`` holds a class with
+``name = "l1"``. An installed package adds one through an entry point whose group is the room, for
+example in its ``setup.py``::
 
     entry_points={"uav_tracking_mpc.laws": ["pursuit = my_package.pursuit:Pursuit"]}
 
-Listing names imports nothing.
+Listing names imports nothing. Each room keeps its :class:`ExtensionPoint` beside its base.
 """
 
 from __future__ import annotations
 
+import difflib
 import functools
 import importlib
 import importlib.util
 import logging
+import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from uav_tracking_mpc.parameters.suggestion import did_you_mean
+
+def did_you_mean(name: object, known: Iterable[object]) -> str:
+    """The nearest name in words, to stand right behind the wrong one; "" if none is near.
+
+    Args:
+        name: As it was typed.
+        known: Names that there are.
+    """
+    spelt = {str(candidate).lower(): str(candidate) for candidate in known}
+    if str(name) in spelt.values():
+        return ""
+    nearest = difflib.get_close_matches(str(name).lower(), spelt, n=1)
+    return f" (did you mean {spelt[nearest[0]]!r}?)" if nearest else ""
+
 
 logger = logging.getLogger(__name__)
 
 PACKAGE = Path(__file__).parents[1]
+NAME = re.compile(r'^    name\b[^=\n]*= "(\w+)"', re.MULTILINE)  # in the body of a class
 
 
 class ExtensionError(ValueError):
@@ -49,33 +65,33 @@ class ExtensionError(ValueError):
 
 
 @dataclass(frozen=True)
-class Kind:
+class ExtensionPoint:
     """A kind of thing that people add.
 
     Attributes:
         title: What a message calls one of them.
-        room: Package that holds those that come with the project; also the entry points' group.
-        base: Name of the base class in that package.
+        base: Of all of them. Its package holds those that come with the project.
     """
 
     title: str
-    room: str
-    base: str
+    base: type
 
     @property
-    def base_class(self) -> type:
-        """The base of all of this kind."""
-        return getattr(importlib.import_module(self.room), self.base)
+    def room(self) -> str:
+        """Package that holds those that come with the project; also the entry points' group."""
+        module = self.base.__module__
+        package = hasattr(sys.modules[module], "__path__")
+        return module if package else module.rpartition(".")[0]
 
     @property
     def own_names(self) -> list[str]:
         """Names of those that come with the project, sorted."""
-        return _own_names(self.room)
+        return sorted(_own_modules(self.room))
 
     @property
     def names(self) -> list[str]:
         """Names of all that are installed, sorted."""
-        return sorted({*self.own_names, *(point.name for point in entry_points(self.room))})
+        return names_of(self.room)
 
     def find(self, name: str) -> type[Any]:
         """Class of a name.
@@ -88,9 +104,8 @@ class Kind:
         """
         if ":" in name:
             return self._checked(name, _loaded(self.title, name, lambda: _referred(name)))
-        if name in self.own_names:
-            module = importlib.import_module(f"{self.room}.{name}")
-            return self._of_module(name, module)
+        if module := _own_modules(self.room).get(name):
+            return self._of_module(name, importlib.import_module(module))
         for point in entry_points(self.room):
             if point.name == name:
                 return self._checked(name, _loaded(self.title, name, point.load))
@@ -114,24 +129,39 @@ class Kind:
         return found
 
     def _of_module(self, name: str, module: ModuleType) -> type[Any]:
-        base = self.base_class
         for value in vars(module).values():
-            if not (isinstance(value, type) and issubclass(value, base)):
-                continue
-            if value.__module__ == module.__name__ and value.__dict__.get("name") == name:
+            kind = isinstance(value, type) and issubclass(value, self.base)
+            if kind and value.__module__ == module.__name__ and vars(value).get("name") == name:
                 return value
-        raise ExtensionError(f"{module.__file__} holds no {self.base} whose name is {name!r}")
+        raise ExtensionError(
+            f"{module.__file__} holds no {self.base.__name__} whose name is {name!r}"
+        )
 
     def _checked(self, name: str, value: Any) -> type[Any]:
-        if not (isinstance(value, type) and issubclass(value, self.base_class)):
-            raise ExtensionError(f"{self.title} {name!r} must derive from {self.room}.{self.base}")
+        if not (isinstance(value, type) and issubclass(value, self.base)):
+            base = f"{self.room}.{self.base.__name__}"
+            raise ExtensionError(f"{self.title} {name!r} must derive from {base}")
         return value
 
 
+def names_of(room: str) -> list[str]:
+    """Names of all that are installed of one kind, sorted.
+
+    Args:
+        room: Package that holds those that come with the project; also the entry points' group.
+    """
+    return sorted({*_own_modules(room), *(point.name for point in entry_points(room))})
+
+
 @functools.cache  # parameters that change in flight ask for names again and again
-def _own_names(room: str) -> list[str]:
+def _own_modules(room: str) -> dict[str, str]:
+    """Module of each thing that a room's files hold, by its name."""
     folder = PACKAGE.joinpath(*room.split(".")[1:])
-    return sorted(path.stem for path in folder.glob("*.py") if path.stem[0] != "_")
+    return {
+        name: f"{room}.{path.stem}"
+        for path in folder.glob("*.py")
+        for name in NAME.findall(path.read_text(encoding="utf-8"))
+    }
 
 
 @functools.cache  # it looks into every package that is installed
@@ -186,19 +216,3 @@ def _module_of_file(path: Path) -> ModuleType:
         del sys.modules[name]
         raise
     return module
-
-
-GUIDANCE_LAW = Kind("guidance law", "uav_tracking_mpc.laws", "GuidanceLaw")
-LIMIT = Kind("limit", "uav_tracking_mpc.limits", "Limit")
-RELATIVE_MODEL = Kind(
-    "prediction model", "uav_tracking_mpc.dynamics.relative_models", "RelativeModel"
-)
-VEHICLE_MODEL = Kind(
-    "model of the vehicle", "uav_tracking_mpc.dynamics.vehicle_models", "VehicleModel"
-)
-PLANT = Kind("plant", "uav_tracking_mpc.simulation.plants", "Plant")
-TARGET_MOTION = Kind("target motion", "uav_tracking_mpc.simulation.motions", "TargetMotion")
-VEHICLE_LINK = Kind("vehicle link", "uav_tracking_mpc.links", "VehicleLink")
-FAULT = Kind("fault", "uav_tracking_mpc.studies.faults.kinds", "Fault")
-SCENE_ELEMENT = Kind("element of the scene", "uav_tracking_mpc.view.scene", "SceneElement")
-PANEL_PART = Kind("part of the panel", "uav_tracking_mpc.view.panel", "PanelPart")

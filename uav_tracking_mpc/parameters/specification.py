@@ -27,8 +27,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar, cast
 
-from uav_tracking_mpc.parameters.registry import Kind
-from uav_tracking_mpc.parameters.suggestion import did_you_mean
+from uav_tracking_mpc.parameters.registry import did_you_mean, names_of
 
 Value = bool | int | float | str | tuple[float, ...]
 T = TypeVar("T")
@@ -52,7 +51,7 @@ class Specification:
         choices: The only values allowed beside those of ``extension``, or () for any.
         size: Number of elements of a tuple; 0 for any multiple of ``multiple``.
         multiple: A tuple's length must be a multiple of this.
-        extension: The value names one of this kind: an installed one, or ``path.py:Class``.
+        extension: Room of what the value names: an installed one, or ``path.py:Class``.
         fixed: Whether it can only be set at the start, for a controller while not configured.
         fixed_unless: Name and value of another parameter; without that value this one is fixed.
     """
@@ -66,19 +65,21 @@ class Specification:
     choices: tuple[str, ...] = ()
     size: int = 0
     multiple: int = 1
-    extension: Kind | None = None
+    extension: str = ""
     fixed: bool = False
     fixed_unless: tuple[str, str] | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What the value may be, where that is one of several names."""
+        return (*self.choices, *(names_of(self.extension) if self.extension else ()))
 
     @property
     def allowed(self) -> str:
         """The allowed values in words."""
         kind = {bool: "true or false", int: "an integer", float: "a number", str: "text"}
-        if self.extension is not None:
-            names = (*self.choices, *self.extension.names)
-            return f"one of {', '.join(names)}, or path.py:Class"
-        if self.choices:
-            return "one of " + ", ".join(self.choices)
+        if self.names:
+            return f"one of {', '.join(self.names)}{', or path.py:Class' if self.extension else ''}"
         if isinstance(self.default, tuple):
             count = str(self.size) if self.size else f"a multiple of {self.multiple}"
             words = f"a list of {count} numbers"
@@ -113,14 +114,11 @@ class Specification:
             high = self.upper is not None and number > self.upper
             if not math.isfinite(number) or low or high:
                 raise self._error(value)
-        if (self.choices or self.extension) and not self._is_choice(str(checked)):
-            raise self._error(value)
+        if self.choices or self.extension:
+            named = checked in self.choices or (self.extension and ":" in str(checked))
+            if not (named or checked in self.names):
+                raise self._error(value)
         return checked
-
-    def _is_choice(self, name: str) -> bool:
-        if name in self.choices or self.extension is None:
-            return name in self.choices
-        return ":" in name or name in self.extension.names
 
     def _convert(self, value: Any) -> Value:
         if isinstance(self.default, tuple):
@@ -152,8 +150,7 @@ class Specification:
             raise self._error(value) from None
 
     def _error(self, value: Any) -> ParameterError:
-        names = (*self.choices, *(() if self.extension is None else self.extension.names))
-        meant = did_you_mean(value, names)
+        meant = did_you_mean(value, self.names)
         return ParameterError(
             f"parameter '{self.name}' is {value!r}{meant}, must be {self.allowed}"
         )

@@ -15,21 +15,17 @@
 """What a flight looks like afterwards: its numbers, its figures, and one page that tells both.
 
 ====================  ================================================================
-``metrics``           the numbers of ``metrics.json``
-``flight_findings``   what the numbers say in sentences: the verdict, the range offset
+``metrics``           the numbers of ``metrics.json``, and what they say in sentences
 ``trajectory``        the flight in space, as Figure 2 of the paper
-``time_marks``        labelled dots along a path
-``states``            states, inputs and cost over time, as Figure 3
-``conditions``        limits, air, target and fallback modes over time
-``time_axes``         what panels over time share
-``replay``            the flight as a moving scene, made in ``view``
+``time_panels``       states and inputs over time, as Figure 3; limits, air and modes
 ``animation``         the flight as a moving picture
 ``mission_report``    ``write_report``: all of it into one folder
-``mode_colours``      the colour of each fallback mode, in figures and on the live page
 ``figure_style``      colours, type and resolution that all figures share
-``table``             tables for the terminal and for pages
-``html_page``         pages that need no other file
+``mode_colours``      the colour of each fallback mode, in figures and on the live page
+``pages``             tables for the terminal and for documentation; HTML pages
 ``atomic_write``      files that are whole or absent
+``bag``               messages of bags, in order
+``bag_index``         messages of a bag by topic and time, however long it is
 ====================  ================================================================
 
 Everything starts from a :class:`uav_tracking_mpc.simulation.flight_log.FlightLog`::

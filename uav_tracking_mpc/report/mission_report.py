@@ -12,33 +12,53 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""One folder that tells a flight: ``metrics.json``, figures and a page that needs no other."""
+"""A flight as a moving scene that a page can hold: what draws it is above the report."""
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from uav_tracking_mpc.report.atomic_write import json_text, write_atomically, write_json
-from uav_tracking_mpc.report.conditions import conditions_figure, has_conditions
 from uav_tracking_mpc.report.figure_style import save_figure
-from uav_tracking_mpc.report.flight_findings import (
-    UNITS,
+from uav_tracking_mpc.report.metrics import (
+    BAND_UNITS,
     fallbacks,
+    metrics,
     quantity,
     range_offset_finding,
     settled,
     sound,
     verdict,
 )
-from uav_tracking_mpc.report.html_page import embedded, render
-from uav_tracking_mpc.report.metrics import metrics
-from uav_tracking_mpc.report.replay import Replay
-from uav_tracking_mpc.report.states import DECADES, states_figure
+from uav_tracking_mpc.report.pages import embedded, render
+from uav_tracking_mpc.report.time_panels import (
+    DECADES,
+    conditions_figure,
+    has_conditions,
+    states_figure,
+)
 from uav_tracking_mpc.report.trajectory import trajectory_figure
 from uav_tracking_mpc.simulation.flight_log import FlightLog
+
+
+@dataclass(frozen=True)
+class Replay:
+    """A scene that plays by itself in a browser.
+
+    Attributes:
+        html: A whole page that asks for nothing from elsewhere.
+        pace: Time of the flight over time of the replay [-].
+        frames: Pictures of the flight in it.
+    """
+
+    html: str
+    pace: float
+    frames: int
+
 
 logger = logging.getLogger(__name__)
 
@@ -124,7 +144,7 @@ def render_page(
         log=log,
         numbers=numbers,
         numbers_json=json_text(numbers),
-        units=UNITS,
+        units=BAND_UNITS,
         decades=DECADES,
         settled=settled(numbers),
         sound=sound(numbers),

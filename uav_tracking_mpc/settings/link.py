@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from uav_tracking_mpc.parameters.registry import VEHICLE_LINK
 from uav_tracking_mpc.parameters.specification import parameter
 from uav_tracking_mpc.settings.frame_parameters import FrameParameters
 
@@ -27,7 +26,9 @@ from uav_tracking_mpc.settings.frame_parameters import FrameParameters
 class LinkParameters(FrameParameters):
     """Which autopilot flies, where it is, and what may be asked of it."""
 
-    link: str = parameter("ardupilot", "Which autopilot.", extension=VEHICLE_LINK, fixed=True)
+    link: str = parameter(
+        "ardupilot", "Which autopilot.", extension="uav_tracking_mpc.links", fixed=True
+    )
     connection: str = parameter(
         "",
         "Where it is: udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT or "

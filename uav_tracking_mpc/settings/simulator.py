@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The simulated aircraft and its air, as parameters."""
+"""What is simulated: the aircraft and its air, the target, and the mission, as parameters."""
 
 from __future__ import annotations
 
@@ -26,9 +26,8 @@ from uav_tracking_mpc.dynamics import paper_numbers as paper
 from uav_tracking_mpc.dynamics.energy_hold import HoldParameters
 from uav_tracking_mpc.dynamics.relative import vehicle_state
 from uav_tracking_mpc.dynamics.vehicle import VehicleState
-from uav_tracking_mpc.parameters.registry import PLANT
-from uav_tracking_mpc.parameters.specification import ParameterError, parameter
-from uav_tracking_mpc.settings.frame_parameters import FrameParameters
+from uav_tracking_mpc.parameters.specification import ParameterError, Parameters, parameter
+from uav_tracking_mpc.settings.frame_parameters import FrameParameters, MapFrameParameters
 
 START = VehicleState(*vehicle_state(paper.INITIAL_STATE, 0.0, np.zeros(3)).tolist())
 
@@ -44,7 +43,9 @@ class SimulatorParameters(HoldParameters, FrameParameters):
         ParameterError: A lower limit is not below its upper limit, or the start is outside them.
     """
 
-    plant: str = parameter("vehicle", "What flies.", extension=PLANT, fixed=True)
+    plant: str = parameter(
+        "vehicle", "What flies.", extension="uav_tracking_mpc.simulation.plants", fixed=True
+    )
     initial_position: tuple[float, ...] = parameter(
         (START.x, START.y, START.z),
         "Position at the start in map.",
@@ -240,3 +241,113 @@ class SimulatorParameters(HoldParameters, FrameParameters):
                 self.initial_speed,
             ]
         )
+
+
+MEASURED = ("rate", "noise", "dropout", "delay", "seed")  # what is not about the motion
+
+
+@dataclass(frozen=True)
+class TargetParameters(MapFrameParameters):
+    """Motion and measurement of the target.
+
+    Raises:
+        ParameterError: The waypoints hold fewer than two different points.
+    """
+
+    motion: str = parameter(
+        "stationary", "How the target moves.", extension="uav_tracking_mpc.simulation.motions"
+    )
+    position: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Where it stands or starts in map; for a circle, its centre.",
+        "m",
+        -1e6,
+        1e6,
+        size=3,
+    )
+    speed: float = parameter(
+        0.0, "Speed along its path; ignored when stationary.", "m/s", 0.0, 100.0
+    )
+    heading: float = parameter(
+        0.0,
+        "Direction of a straight run, or azimuth of a circle's start, from East.",
+        "rad",
+        -2.0 * math.pi,
+        2.0 * math.pi,
+    )
+    radius: float = parameter(100.0, "Radius of a circle.", "m", 0.1, 1e5)
+    waypoints: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0, 100.0, 0.0, 0.0),
+        "x, y, z of one point after the other, visited in turn and from the start again.",
+        "m",
+        -1e6,
+        1e6,
+        multiple=3,
+    )
+    drive_time: float = parameter(
+        20.0, "How long stop_and_go and zigzag drive at a time, straight on.", "s", 0.1, 1e5
+    )
+    stand_time: float = parameter(20.0, "How long stop_and_go stands in between.", "s", 0.1, 1e5)
+    jump_time: float = parameter(
+        60.0, "When jump, otherwise a straight run, is somewhere else at once.", "s", 0.0, 1e6
+    )
+    jump_offset: tuple[float, ...] = parameter(
+        (100.0, 0.0, 0.0), "By how much it is moved.", "m", -1e6, 1e6, size=3
+    )
+    rate: float = parameter(
+        10.0, "How often the position is measured.", "Hz", 0.1, 1000.0, fixed=True
+    )
+    noise: float = parameter(
+        0.0, "Standard deviation of the measured position, each axis.", "m", 0.0, 1e3
+    )
+    dropout: float = parameter(
+        0.0, "Probability with which a measurement is lost.", lower=0.0, upper=1.0
+    )
+    delay: float = parameter(
+        0.0,
+        "How late a measurement is published; its stamp is the time of measuring.",
+        "s",
+        0.0,
+        60.0,
+        fixed=True,
+    )
+    seed: int = parameter(0, "Seed of noise and dropouts.", lower=0, upper=2**31 - 1, fixed=True)
+
+    def __post_init__(self) -> None:
+        """Check that the waypoints make a path."""
+        super().__post_init__()
+        points = {self.waypoints[first : first + 3] for first in range(0, len(self.waypoints), 3)}
+        if len(points) < 2:
+            raise ParameterError(
+                f"parameter 'waypoints' is {list(self.waypoints)}, must hold at least two "
+                "different points"
+            )
+
+
+@dataclass(frozen=True)
+class MissionParameters(Parameters):
+    """What `fly` and `simulate` add to the nodes: how long, how fast, on which plant."""
+
+    duration: float = parameter(
+        paper.DURATION, "Length of the mission, simulated time.", "s", 1.0, 1e6
+    )
+    speed: float = parameter(
+        10.0,
+        "Simulated over wall time in fly and simulate --view; simulate alone is as fast as it can.",
+        lower=0.01,
+        upper=100.0,
+    )
+    plant: str = parameter(
+        "vehicle",
+        "What simulate flies: the exact vehicle in moving air, or euler, the prediction model "
+        "itself advanced by Euler's method, which knows no wind and no lag.",
+        extension="uav_tracking_mpc.simulation.plants",
+    )
+
+
+@dataclass(frozen=True)
+class ScenarioParameters(Parameters):
+    """What a scenario is; no node reads it."""
+
+    title: str = parameter("", "What it is called.")
+    description: str = parameter("", "What happens in it.")

@@ -26,36 +26,92 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics import paper_numbers as paper
-from uav_tracking_mpc.dynamics.discretisation import SCHEMES
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, DIRECTIONS, Orbit
 from uav_tracking_mpc.dynamics.relative import steady_inputs
-from uav_tracking_mpc.dynamics.response import Response
-from uav_tracking_mpc.dynamics.vehicle_models import VehicleModel
-from uav_tracking_mpc.limits import COMPILED, Limit
-from uav_tracking_mpc.limits._envelope import Envelope
-from uav_tracking_mpc.mpc.quadratic import TERMINAL_CONSTRAINTS
-from uav_tracking_mpc.parameters.registry import (
-    GUIDANCE_LAW,
-    LIMIT,
-    RELATIVE_MODEL,
-    VEHICLE_MODEL,
-    ExtensionError,
-)
+from uav_tracking_mpc.dynamics.vehicle import Response
+from uav_tracking_mpc.dynamics.vehicle_models import VEHICLE_MODEL, VehicleModel
+from uav_tracking_mpc.limits import COMPILED, LIMIT, Limit
+from uav_tracking_mpc.limits.envelope import Envelope
+from uav_tracking_mpc.mpc.problem import TERMINAL_CONSTRAINTS
+from uav_tracking_mpc.parameters.registry import ExtensionError
 from uav_tracking_mpc.parameters.specification import (
     ParameterError,
+    Parameters,
     from_mapping,
     gathered,
     parameter,
     taken,
 )
-from uav_tracking_mpc.settings.estimation_parameters import EstimationParameters
 from uav_tracking_mpc.settings.frame_parameters import FrameParameters
+from uav_tracking_mpc.symbolic.functions import SCHEMES
+
+
+@dataclass(frozen=True)
+class EstimationParameters(Parameters):
+    """Part of :class:`~uav_tracking_mpc.settings.tracking.TrackingParameters`."""
+
+    dead_time: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Time until a command of turn rate, path-angle rate, acceleration begins to act.",
+        "s",
+        0.0,
+        2.0,
+        size=3,
+    )
+    response_estimation: bool = parameter(
+        False,
+        "Estimate lag, dead time and gain in flight and fly by them; needs the artificial orbit.",
+    )
+    excitation: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Amplitudes of a test signal on turn rate, path-angle rate, acceleration once the flight "
+        "has settled, in their units; 0 for none. For `identify`.",
+        lower=0.0,
+        upper=5.0,
+        size=3,
+    )
+    state_timeout: float = parameter(
+        0.5, "Age at which the vehicle's state counts as lost.", "s", 0.01, 60.0
+    )
+    target_timeout: float = parameter(
+        5.0, "Age at which the target's position counts as lost.", "s", 0.01, 600.0
+    )
+    target_noise: float = parameter(
+        0.1,
+        "Standard deviation of the target's measured position, until it is found in flight.",
+        "m",
+        1e-3,
+        1e3,
+    )
+    target_agility: float = parameter(
+        0.5, "How hard the target accelerates, until it is found in flight.", "m/s^2", 1e-3, 100.0
+    )
+    air_estimation: bool = parameter(
+        False,
+        "Estimate mean wind, gusts, noise and biases of the sensors; else measurements count as "
+        "they are.",
+        fixed=True,
+    )
+    delay_margin_min: float = parameter(
+        0.3,
+        "Delay that the closed loop shall bear in each channel beyond what it is told; a warning "
+        "is given where it is less.",
+        "s",
+        0.0,
+        10.0,
+    )
+    gain_margin_min: float = parameter(
+        6.0, "Likewise of the gain of each channel, up and down.", "dB", 0.0, 60.0
+    )
+
 
 ARTIFICIAL_ORBIT = COMPILED[1]
+# Test signal in [rad/s, rad/s, m/s^2]: 8 deg of bank, 5 deg of path angle, 10 % of airspeed.
+USUAL_EXCITATION = (0.06, 0.11, 1.5)
 NEAREST = "nearest"  # direction: the nearer one where the flight begins
 PREDICTIVE = "nmpc"  # law: none, the optimal control problem is solved
 LAGGED, HELD = "lagged", "held"  # vehicle models, all inputs commanded and the bank alone
-SOLVERS = ("newton", "ipopt")  # fatrop may never return, see CasadiSolver
+SOLVERS = ("newton", "ipopt")
 PARTS = EstimationParameters, FrameParameters
 OWNERS = (*LIMIT.own().values(), *VEHICLE_MODEL.own().values(), *PARTS)
 Gathered: Any = gathered("Gathered", OWNERS)
@@ -84,7 +140,7 @@ class TrackingParameters(Gathered):
         PREDICTIVE,
         "What is flown: the predictive controller, or a guidance law.",
         choices=(PREDICTIVE,),
-        extension=GUIDANCE_LAW,
+        extension="uav_tracking_mpc.laws",
         fixed=True,
     )
     direction: str = parameter(
@@ -95,7 +151,7 @@ class TrackingParameters(Gathered):
     model: str = parameter(
         "exact",
         "Prediction model: exact, or the paper's (11) or (9).",
-        extension=RELATIVE_MODEL,
+        extension="uav_tracking_mpc.dynamics.relative_models",
         fixed=True,
     )
     scheme: str = parameter(
@@ -189,7 +245,7 @@ class TrackingParameters(Gathered):
     vehicle_model: str = parameter(
         LAGGED,
         "Model of the aircraft, with the artificial orbit.",
-        extension=VEHICLE_MODEL,
+        extension="uav_tracking_mpc.dynamics.vehicle_models",
         fixed=True,
     )
     autopilot_holds: bool = parameter(
@@ -250,28 +306,20 @@ class TrackingParameters(Gathered):
                     f"terminal_constraint '{ARTIFICIAL_ORBIT}'"
                 )
             return
-        if self.autopilot_holds and self.law == PREDICTIVE:
-            raise ParameterError(
-                "parameter 'autopilot_holds' is true, must be false unless terminal_constraint is "
-                f"'{ARTIFICIAL_ORBIT}'"
-            )
-        if self.response_estimation:
-            raise ParameterError(
-                "parameter 'response_estimation' is true, must be false unless "
-                f"terminal_constraint is '{ARTIFICIAL_ORBIT}'"
-            )
-        defaults = {"rate_lag": (0.0,) * 3, "dead_time": (0.0,) * 3}
-        for name, default in defaults.items():
-            if getattr(self, name) != default:
+        held = self.autopilot_holds and self.law == PREDICTIVE
+        rules = (
+            ("autopilot_holds", held, "true", "false"),
+            ("response_estimation", self.response_estimation, "true", "false"),
+            ("rate_lag", any(self.rate_lag), list(self.rate_lag), "all 0"),
+            ("dead_time", any(self.dead_time), list(self.dead_time), "all 0"),
+            ("direction", self.direction == NEAREST, f"'{NEAREST}'", " or ".join(DIRECTIONS)),
+        )
+        for name, broken, value, wanted in rules:
+            if broken:
                 raise ParameterError(
-                    f"parameter '{name}' is {list(getattr(self, name))}, must be all 0 unless "
-                    f"terminal_constraint is '{ARTIFICIAL_ORBIT}'"
+                    f"parameter '{name}' is {value}, must be {wanted} unless terminal_constraint "
+                    f"is '{ARTIFICIAL_ORBIT}'"
                 )
-        if self.direction == NEAREST:
-            raise ParameterError(
-                f"parameter 'direction' is '{NEAREST}', must be {' or '.join(DIRECTIONS)} unless "
-                f"terminal_constraint is '{ARTIFICIAL_ORBIT}'"
-            )
 
     @property
     def orbit(self) -> Orbit:

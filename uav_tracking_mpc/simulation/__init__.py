@@ -17,16 +17,14 @@
 ===================  ==============================================================
 ``closed_loop``      a plant and the controller, step by step
 ``flight_log``       what a flight leaves behind
-``plants``           what can be flown, one plant a file
+``plants``           what can be flown
 ``plan_follower``    the part of an autopilot that flies plans
 ``flight_dynamics``  six degrees of freedom: JSBSim with an airframe of ours
 ``flight_control``   its inner loops: bank, path angle, airspeed
-``inner_loop``       dead time and lag between a command and the rate flown
-``lagged_flight``    the vehicle while its rates approach their commands
+``inner_loop``       dead time and lag between a command and the rate that is flown
 ``vehicle_sensors``  how the aircraft is measured: noise
 ``wind``             mean wind and Dryden gusts
-``motions``          how the target moves, one motion a file
-``steered_target``   one whose motion changes while it moves
-``target_sensor``    how its position is measured: noise, dropouts, delay
+``motions``          how the target moves
+``steered_target``   the target that is steered in flight, and how it is measured
 ===================  ==============================================================
 """

@@ -37,8 +37,7 @@ from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, FlownMode
 from uav_tracking_mpc.simulation.plants import Plant, SimulationError, plant_of
-from uav_tracking_mpc.simulation.steered_target import SteeredTarget
-from uav_tracking_mpc.simulation.target_sensor import TargetSensor
+from uav_tracking_mpc.simulation.steered_target import SteeredTarget, TargetSensor
 
 Progress = Callable[[float], None]
 Witness = Callable[[float, Measurement, Command | None], None]
@@ -66,12 +65,10 @@ class _Recorder:
     """Collects a flight sample by sample, as bare numbers: a flight may last for hours."""
 
     def __init__(self) -> None:
-        self.times, self.vehicles, self.ground_velocities = array("d"), array("d"), array("d")
-        self.targets, self.target_velocities = array("d"), array("d")
-        self.turn_rates: array[float] = array("d")
+        # Rows of time, vehicle, velocity over ground, turn rate, the target's place and velocity;
+        # and of stamp, inputs, cost, time of the solve, whether it is what was asked for.
+        self.samples, self.commands = array("d"), array("d")
         self.flown_modes: list[FlownMode] = []
-        self.stamps, self.inputs = array("d"), array("d")
-        self.costs, self.solve_times, self.nominal = array("d"), array("d"), array("b")
         self.modes: Counter[FallbackMode] = Counter()
         self.failures = 0
         self._asked: TrackingParameters | None = None
@@ -80,12 +77,9 @@ class _Recorder:
 
     def sample(self, now: float, truth: Measurement, target: SteeredTarget) -> None:
         airspeed = np.nan if truth.airspeed is None else truth.airspeed
-        self.times.append(now)
-        self.vehicles.extend(truth.state(airspeed).tolist())
-        self.ground_velocities.extend(truth.ground_velocity.tolist())
-        self.turn_rates.append(truth.turn_rate)
-        self.targets.extend(target.position(now).tolist())
-        self.target_velocities.extend(target.velocity(now).tolist())
+        self.samples.extend([now, *truth.state(airspeed).tolist(), *truth.ground_velocity.tolist()])
+        place, velocity = target.position(now).tolist(), target.velocity(now).tolist()
+        self.samples.extend([truth.turn_rate, *place, *velocity])
 
     def mode(self, now: float, mode: FallbackMode, reason: str) -> None:
         """Note the mode where it is another, with the reason that it begins with."""
@@ -94,11 +88,9 @@ class _Recorder:
 
     def command(self, command: Command, asked: TrackingParameters) -> None:
         solution, mode = command.solution, command.mode
-        self.stamps.append(command.stamp)
-        self.inputs.extend(command.inputs[0].tolist())
-        self.costs.append(np.nan if solution is None else solution.cost)
-        self.solve_times.append(np.nan if solution is None else solution.solve_time)
-        self.nominal.append(mode.nominal)
+        solved = [np.nan] * 2 if solution is None else [solution.cost, solution.solve_time]
+        inputs = command.inputs[0].tolist()
+        self.commands.extend([command.stamp, *inputs, *solved, mode.nominal])
         self.modes[mode] += 1
         self.failures += solution is not None and not solution.converged
         self._steered = self._steered or asked is not (self._asked or asked)
@@ -240,13 +232,15 @@ class ClosedLoop:
             SimulationError: There was no command, or the plant has left what it can describe.
         """
         recorder, tracking, plant = self._recorder, self.configuration.controller, self.plant
-        if not recorder.stamps:
+        if not recorder.commands:
             raise SimulationError(
                 f"the target was never seen in {duration:g} s: see "
                 "target_publisher.dropout and target_publisher.delay"
             )
         self._sample()
         formulation, modes = self.controller.formulation, recorder.modes
+        samples = np.array(recorder.samples).reshape(-1, 17).T
+        commands = np.array(recorder.commands).reshape(-1, 7).T
         return FlightLog(
             config=self.configuration.name,
             duration=duration,
@@ -257,27 +251,27 @@ class ClosedLoop:
             orbits=recorder.orbits,
             input_lower=tracking.input_lower,
             input_upper=tracking.input_upper,
-            time=np.array(recorder.times),
-            vehicle=np.array(recorder.vehicles).reshape(-1, 6),
-            target=np.array(recorder.targets).reshape(-1, 3),
-            command_time=np.array(recorder.stamps),
-            inputs=np.array(recorder.inputs).reshape(-1, 3),
-            cost=np.array(recorder.costs),
-            solve_time=np.array(recorder.solve_times),
+            time=samples[0],
+            vehicle=samples[1:7].T,
+            target=samples[11:14].T,
+            command_time=commands[0],
+            inputs=commands[1:4].T,
+            cost=commands[4],
+            solve_time=commands[5],
             solver="none" if formulation is None else formulation.solver.name,
             failures=recorder.failures,
             commands=CommandCounts(
-                sent=len(recorder.stamps),
+                sent=commands.shape[1],
                 plan_reused=modes[FallbackMode.EARLIER_PLAN],
                 failsafe=self._failsafes
                 + plant.plan.failsafes
                 + modes[FallbackMode.LOITER]
                 + modes[FallbackMode.HOLD],
             ),
-            ground_velocity=np.array(recorder.ground_velocities).reshape(-1, 3),
-            target_velocity=np.array(recorder.target_velocities).reshape(-1, 3),
-            nominal=np.array(recorder.nominal, dtype=bool),
-            turn_rate=np.array(recorder.turn_rates),
+            ground_velocity=samples[7:10].T,
+            target_velocity=samples[14:].T,
+            nominal=commands[6] > 0.0,
+            turn_rate=samples[10],
             modes=tuple(recorder.flown_modes),
             tracking=tracking,
         )
@@ -290,7 +284,7 @@ class ClosedLoop:
             truth = self.plant.truth
         except ValueError as error:
             raise SimulationError(f"at {now:g} s the plant's {error}") from error
-        if len(self._recorder.times) <= self._ticks:
+        if len(self._recorder.samples) <= 17 * self._ticks:
             self._recorder.sample(now, truth, self.target)
         return truth
 

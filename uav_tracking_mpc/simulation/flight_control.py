@@ -32,7 +32,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.dynamics.air import GRAVITY
+from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.flight_dynamics import Flown, Surfaces
 
@@ -133,9 +134,8 @@ class FlightControl:
         )
 
     def _aileron(self, turn: float, flown: Flown, weaker: float, step: float) -> float:
-        # A coordinated turn, positive to the left: tan(bank) = v cos(chi) u_psi / g.
-        across = flown.airspeed * math.cos(flown.path_angle) * turn
-        self.bank_demand = -_clip(math.atan2(across, GRAVITY), self._limits.bank_max)
+        level = flown.airspeed * math.cos(flown.path_angle)
+        self.bank_demand = _clip(bank_from_turn_rate(turn, level), self._limits.bank_max)
         wanted = _clip((self.bank_demand - flown.bank) / BANK_TIME, ROLL_RATE_MAX)
         # p = phi' - psi' sin(theta), psi' = g tan(phi) / v
         wanted -= GRAVITY / flown.airspeed * math.tan(flown.bank) * math.sin(flown.pitch)

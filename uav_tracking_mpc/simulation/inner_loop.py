@@ -12,13 +12,24 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The autopilot's inner loop: each rate follows its command after a dead time, with a lag."""
+r"""The autopilot's inner loop: each rate follows its command after a dead time, with a lag.
+
+While rates still approach their commands, heading, path angle and airspeed are sums of
+exponentials in closed form; only the position, the integral of
+:func:`~uav_tracking_mpc.dynamics.vehicle.air_velocity`, is left to a quadrature, Gauss-Legendre
+with five points on panels that are short beside any turn.
+"""
 
 from __future__ import annotations
 
 import math
 from collections import deque
 from collections.abc import Sequence
+
+import numpy as np
+
+from uav_tracking_mpc.dynamics.frames import wrap_angle
+from uav_tracking_mpc.dynamics.vehicle import air_velocity, followed
 
 TIME_ROUNDING = 1e-7  # s, by which a command may take effect too early
 
@@ -82,7 +93,7 @@ class Channel:
         """
         if self.lag == 0.0:
             return self.wanted
-        return self.rate + (self.wanted - self.rate) * -math.expm1(-duration / self.lag)
+        return self.rate + (self.wanted - self.rate) * followed(duration, self.lag)
 
     def integral(self, duration: float) -> float:
         """Integral of the rate over a time in which ``wanted`` stays, in [rad] or [m/s]; exact.
@@ -90,10 +101,8 @@ class Channel:
         Args:
             duration: Of that time in [s].
         """
-        if self.lag == 0.0:
-            return self.wanted * duration
-        gone = -math.expm1(-duration / self.lag)
-        return self.wanted * duration + (self.rate - self.wanted) * self.lag * gone
+        begun = (self.rate - self.wanted) * self.lag * followed(duration, self.lag)
+        return self.wanted * duration + begun
 
 
 class InnerLoop:
@@ -133,3 +142,46 @@ class InnerLoop:
         for channel in self.channels:
             channel.mature(time)
         return min(channel.next_change for channel in self.channels)
+
+
+PANEL = 0.05  # s, longest
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
+POINTS = tuple(zip((0.5 * (1.0 + _NODES)).tolist(), (0.5 * _WEIGHTS).tolist(), strict=True))
+
+
+def advance_lagged(
+    state: Sequence[float], channels: tuple[Channel, Channel, Channel], duration: float
+) -> tuple[float, float, float, float, float, float]:
+    """State after ``duration``, with what each channel wants held.
+
+    Args:
+        state: (x, y, z, psi, chi, v), shape (6,), in [m], [rad] and [m/s].
+        channels: Of turn rate, path-angle rate and acceleration; their rates are moved on.
+        duration: In [s], positive.
+
+    Returns:
+        State at the end, shape (6,), angles wrapped to (-pi, pi].
+    """
+    x, y, z, psi, chi, v = state
+    turn, climb, engine = channels
+    count = math.ceil(duration / PANEL)
+    step = duration / count
+    for _ in range(count):
+        for point, weight in POINTS:
+            moment = point * step
+            heading = psi + turn.integral(moment)
+            path_angle = chi + climb.integral(moment)
+            airspeed = v + engine.integral(moment)
+            east, north, up = air_velocity(heading, path_angle, airspeed, math)
+            x += weight * step * east
+            y += weight * step * north
+            z += weight * step * up
+        psi, chi, v = (
+            start + channel.integral(step)
+            for start, channel in zip((psi, chi, v), channels, strict=True)
+        )
+        for channel in channels:
+            channel.rate = channel.rate_after(step)
+    if max(abs(psi), abs(chi)) >= math.pi:  # seldom, and slow
+        psi, chi = wrap_angle([psi, chi]).tolist()
+    return x, y, z, psi, chi, v

@@ -12,11 +12,12 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A target whose motion changes while it moves, without a jump."""
+"""The target: a motion that changes while it moves, without a jump, and how it is measured."""
 
 from __future__ import annotations
 
 import math
+from collections import deque
 from dataclasses import asdict, replace
 from typing import NamedTuple
 
@@ -24,19 +25,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.parameters.specification import ParameterError, refuse_fixed
-from uav_tracking_mpc.settings.target import MEASURED, TargetParameters
-from uav_tracking_mpc.simulation.motions import motion_of
+from uav_tracking_mpc.settings.simulator import MEASURED, TargetParameters
+from uav_tracking_mpc.simulation.motions import TargetMotion, motion_of
 
 GOING_SPEED = 5.0  # m/s, to where it is sent, of a target whose motion has no speed
 STATIONARY = "stationary"
 
 
 class _Approach(NamedTuple):
-    """The straight way to where a motion begins: start [m], velocity [m/s] and duration [s]."""
+    """The straight way to where a motion begins: start [m] and velocity [m/s]."""
 
     start: NDArray[np.float64]
     velocity: NDArray[np.float64]
-    duration: float
 
 
 class SteeredTarget:
@@ -59,7 +59,7 @@ class SteeredTarget:
     def __init__(self, parameters: TargetParameters) -> None:
         self.parameters = parameters
         self._motion, self._began, self._changed = motion_of(parameters), 0.0, -math.inf
-        self._approach = _Approach(np.zeros(3), np.zeros(3), 0.0)
+        self._approach: _Approach | None = None
 
     def check(self, parameters: TargetParameters) -> None:
         """Whether other parameters can be taken.
@@ -123,9 +123,8 @@ class SteeredTarget:
             time: Since the target's start in [s]; before the last change it is where that was.
         """
         time = max(time, self._changed)
-        start, velocity, duration = self._approach
-        if time < self._began and duration > 0.0:
-            return start + velocity * (time - self._changed)
+        if self._approach and time < self._began:
+            return self._approach.start + self._approach.velocity * (time - self._changed)
         return self._motion.position(time - self._began)
 
     def velocity(self, time: float) -> NDArray[np.float64]:
@@ -135,9 +134,8 @@ class SteeredTarget:
             time: Since the target's start in [s]; before the last change it is that of then.
         """
         time = max(time, self._changed)
-        _, velocity, duration = self._approach
-        if time < self._began and duration > 0.0:
-            return velocity.copy()
+        if self._approach and time < self._began:
+            return self._approach.velocity.copy()
         return self._motion.velocity(time - self._began)
 
     def _begin(self, time: float, parameters: TargetParameters, elsewhere: bool) -> None:
@@ -149,10 +147,65 @@ class SteeredTarget:
         motion = motion_of(wanted)
         way, speed = motion.position(0.0) - place, parameters.speed or GOING_SPEED
         duration = float(np.linalg.norm(way)) / speed
-        self._approach = _Approach(place, way / max(duration, 1e-12), duration)
+        self._approach = _Approach(place, way / max(duration, 1e-12))
         self._motion, self._began, self._changed = motion, time + duration, time
 
 
 def _motion_alone(parameters: TargetParameters) -> dict[str, object]:
     """What of the parameters is about the motion, by name."""
     return {name: value for name, value in asdict(parameters).items() if name not in MEASURED}
+
+
+class TargetSensor:
+    """Measures the position of the target and delivers what it measured.
+
+    Noise and dropouts are drawn from their own seeds: a dropout does not change the noise of the
+    measurements that arrive.
+
+    Args:
+        parameters: Noise, dropouts and delay.
+        motion: Of the target.
+    """
+
+    def __init__(self, parameters: TargetParameters, motion: TargetMotion | SteeredTarget) -> None:
+        self._parameters = parameters
+        self._motion = motion
+        self._noise = np.random.default_rng(parameters.seed)
+        self._dropouts = np.random.default_rng([parameters.seed, 1])
+        self._on_the_way: deque[tuple[float, NDArray[np.float64]]] = deque()
+
+    def change(self, parameters: TargetParameters) -> None:
+        """Measure with other noise and dropouts from now on.
+
+        Args:
+            parameters: All of them; seed and delay stay those of the start.
+        """
+        self._parameters = parameters
+
+    def measure(self, time: float) -> None:
+        """Measure; the result is delivered later.
+
+        Args:
+            time: Since the target's start in [s].
+        """
+        while self._on_the_way and self._on_the_way[-1][0] >= time:
+            self._on_the_way.pop()  # the clock went back
+        noise = self._parameters.noise * self._noise.standard_normal(3)
+        if self._dropouts.random() >= self._parameters.dropout:
+            self._on_the_way.append((time, self._motion.position(time) + noise))
+
+    def delivered(self, time: float) -> list[tuple[float, NDArray[np.float64]]]:
+        """What has arrived and was not delivered before.
+
+        Args:
+            time: Now, since the target's start in [s].
+
+        Returns:
+            (time of measuring in [s], position in ``map``, shape (3,), in [m]) of each.
+        """
+        arrived = []
+        while self._on_the_way and (
+            self._on_the_way[0][0] + self._parameters.delay <= time + 1e-9  # rounding
+        ):
+            arrived.append(self._on_the_way.popleft())
+        return arrived

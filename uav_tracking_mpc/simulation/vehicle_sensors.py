@@ -26,7 +26,7 @@ from collections import deque
 
 import numpy as np
 
-from uav_tracking_mpc.dynamics.angles import wrap_angle
+from uav_tracking_mpc.dynamics.frames import wrap_angle
 from uav_tracking_mpc.estimation.measurement import Measurement, SensorNoise
 from uav_tracking_mpc.estimation.told_noise import axes_noise, scalar_noise
 from uav_tracking_mpc.settings.simulator import SimulatorParameters

@@ -14,7 +14,7 @@
 
 r"""Wind: a mean, and Dryden gusts about it (MIL-F-8785C, low-altitude model).
 
-With the strengths sigma and lengths L of :mod:`~uav_tracking_mpc.dynamics.dryden` each component,
+With the strengths sigma and lengths L of :mod:`~uav_tracking_mpc.dynamics.air` each component,
 flown through at airspeed V, has the one-sided spectrum over :math:`\Omega = \omega / V`
 
 .. math:: \Phi_u = \sigma_u^2 \frac{2 L_u}{\pi} \frac{1}{1 + (L_u \Omega)^2},\qquad
@@ -36,7 +36,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import gammainc
 
-from uav_tracking_mpc.dynamics.dryden import GustScales, gust_scales
+from uav_tracking_mpc.dynamics.air import GustScales, gust_scales
 
 GUST_STEP = 0.02  # s of flight for which a gust is held
 ROOT_2, ROOT_3 = math.sqrt(2.0), math.sqrt(3.0)

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.control.direction import nearest_direction
+from uav_tracking_mpc.control.guidance import nearest_direction
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.estimation.situation import Situation

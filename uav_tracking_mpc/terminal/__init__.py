@@ -12,28 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Terminal ingredients of the paper's problem, proof that they do what they are for, certificates.
+"""Terminal ingredients of the paper's problem that are flown, and the checker of certificates.
 
-=====================  =============================================================================
-``stability_problem``  what the analysis is about: model, orbit, weights, input set
-``ingredients``        K of (24), P_rho of (28), and how large a level U allows
-``theorems``           Theorems 2 and 3 as they are written, quantity by quantity
-``direct_condition``   what makes x'P_rho x <= varrho a terminal set; its proof
-``admissible``         linear limits on the ellipsoid
-``quadratic_bound``    the one kind of inequality that has to be proved, as data
-``terminal_dynamics``  the closed loop f(x, Kx) with its derivatives
-``ball``               CasADi functions in ball arithmetic
-``cover``              a proof: halve boxes until each one passes its test
-``box_check``          the test of one box
-``box_guess``          good guesses for it, which need not be right
-``violation``          search for counterexamples
-``certificate``        a proof written down
-``verify``             the independent checker of certificates
-``box_verification``   its test of boxes
-``interval_matrix``    its linear algebra
-``interval``           its arithmetic
-``claim``              certified, sampled, or neither
-``status``             which of the three holds of a configuration
-``decrease``           whether the optimal cost falls in flight as (54) says
-=====================  =============================================================================
+===================  ===========================================================================
+``ingredients``      model, orbit, weights, input set; K of (24), P_rho of (28), levels U allows
+``certificate``      a proof written down, and its checker, which believes nothing of a search
+``quadratic_bound``  the one kind of inequality that has to be proved, tested on boxes
+``interval``         arithmetic and linear algebra of it: intervals, rounded outwards
+``decrease``         whether the optimal cost falls in flight as (54) says
+===================  ===========================================================================
 """

@@ -12,29 +12,57 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The certificate: a proof written down, so that others can check it and a controller can cite it.
+"""The certificate: a proof written down, and its checker.
 
 It holds the model, every parameter, P, K, varrho, the tree of boxes with the multiplier of each
 leaf, how much work it was, and the versions of the libraries that did it; a digest covers it all.
-Whether it is true is for ``verify`` to say, which knows nothing of how it was found. Whether it
-speaks of the configuration that is flown is for :func:`certificate_status`.
+Whether it speaks of the configuration that is flown is for :func:`mismatch`, whether it is true for
+:func:`verify`, which checks it from scratch and knows nothing of how the proof was found.
+
+The checker trusts ``dynamics`` (the models, one step of them), CasADi's derivatives of them, and
+intervals of doubles. The search for a proof uses the same test of boxes, but nothing that it found
+is believed: not the tree, not the multipliers, not that they were confirmed. A model must be
+installed: no file that a certificate names is run. In order it checks that
+
+1. the content is complete, its digest right, P, Q and R positive definite, rho at least 1, and the
+   orbit steady by the structure of the model;
+2. the root box holds the ellipsoid, and the tree of halved boxes is complete: its leaves cover it;
+3. inputs stay in U and states in the model's domain on the ellipsoid, with a margin that covers P
+   and K recomputed elsewhere;
+4. on every leaf V_f(f(x, Kx)) - V_f(x) + L(x, Kx) <= -slack V_f(x) within the ellipsoid
+   (``quadratic_bound``).
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-import platform
 from dataclasses import asdict
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from uav_tracking_mpc.terminal.direct_condition import SLACK, DirectCondition
-from uav_tracking_mpc.terminal.ingredients import TerminalIngredients
-from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
+from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.dynamics.relative import NU, NX
+from uav_tracking_mpc.dynamics.relative_models import RELATIVE_MODEL
+from uav_tracking_mpc.terminal.ingredients import StabilityProblem, TerminalIngredients
+from uav_tracking_mpc.terminal.interval import (
+    Column,
+    Interval,
+    Matrix,
+    constant,
+    definite,
+    inverse_of,
+    reach,
+)
+from uav_tracking_mpc.terminal.quadratic_bound import (
+    ClosedLoop,
+    QuadraticBound,
+    decrease_bound,
+    stage_weight,
+)
 
 FORMAT = "uav_tracking_mpc terminal set certificate 1"
 TOLERANCE = 1e-11  # relative, of P and K recomputed elsewhere: far below the proof's slack
@@ -53,49 +81,6 @@ def problem_parameters(problem: StabilityProblem) -> dict[str, Any]:
         "input_lower": np.asarray(problem.input_lower, dtype=float).tolist(),
         "input_upper": np.asarray(problem.input_upper, dtype=float).tolist(),
     }
-
-
-def certificate(
-    problem: StabilityProblem, ingredients: TerminalIngredients, proved: DirectCondition
-) -> dict[str, Any]:
-    """Write a proved direct condition down.
-
-    Args:
-        problem: The configuration.
-        ingredients: Its K and P_rho.
-        proved: What was proved of them.
-
-    Raises:
-        ValueError: It is not proved.
-    """
-    if not proved.holds:
-        raise ValueError(f"no certificate at level {proved.level:.6g}: {proved.reason}")
-    proof = proved.decrease
-    content: dict[str, Any] = {
-        "format": FORMAT,
-        "problem": problem_parameters(problem),
-        "gain": ingredients.gain.tolist(),
-        "weight": ingredients.weight.tolist(),
-        "level": float(proved.level),
-        "slack": SLACK,
-        "root": list(proof.half),
-        "tree": proof.tree,
-        "multipliers": list(proof.multipliers),
-        "statistics": {"boxes": proof.boxes, "leaves": proof.leaves, "depth": proof.depth},
-        "versions": _versions(),
-    }
-    content["digest"] = digest(content)
-    return content
-
-
-def _versions() -> dict[str, str]:
-    found = {"python": platform.python_version()}
-    for name in ("uav_tracking_mpc", "python-flint", "casadi", "numpy", "scipy"):
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "not installed as a package"
-    return found
 
 
 def digest(content: dict[str, Any]) -> str:
@@ -154,3 +139,163 @@ def mismatch(
     except (KeyError, TypeError, ValueError) as error:
         return f"malformed certificate: {error!r}"
     return None
+
+
+EXTRA_HALVINGS = 8  # the guesses of two programs differ, so a leaf may need a cut or two
+MARGIN = 0.9e-6  # of the level; the prover keeps 1e-6, rounding must not decide
+_RANGE = range(NX)
+
+
+class RejectedError(Exception):
+    """The certificate does not prove what it says; the message says where."""
+
+
+def verify(content: dict[str, Any]) -> str | None:
+    """Check a certificate.
+
+    Args:
+        content: As read from the file.
+
+    Returns:
+        None if every statement in it was confirmed, else what was not.
+    """
+    try:
+        _check(content)
+    except (RejectedError, ArithmeticError) as rejection:
+        return str(rejection)
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
+        return f"malformed: {error!r}"
+    return None
+
+
+def _check(content: dict[str, Any]) -> None:
+    _require(content["format"] == FORMAT, "unknown format")
+    _require(content["digest"] == digest(content), "digest does not match")
+    problem = content["problem"]
+    installed = RELATIVE_MODEL.names
+    _require(problem["model"] in installed, f"model {problem['model']!r} is none of {installed}")
+    p = _numbers(content["weight"], (NX, NX), "weight")
+    k = _numbers(content["gain"], (NU, NX), "gain")
+    q = _numbers(problem["state_weight"], (NX, NX), "state_weight")
+    r = _numbers(problem["input_weight"], (NU, NU), "input_weight")
+    for name, matrix in (("weight", p), ("state_weight", q), ("input_weight", r)):
+        _require(np.array_equal(matrix, matrix.T), f"{name} is not symmetric")
+        _require(bool(np.all(definite(constant(matrix)))), f"{name} is not positive definite")
+    level, slack = float(content["level"]), float(content["slack"])
+    _require(np.isfinite(level) and level > 0.0, "level is not positive")
+    _require(np.isfinite(slack) and 0.0 <= slack < 1.0, "slack is not in [0, 1)")
+    _require(problem["scaling"] >= 1.0, "rho is below 1")
+
+    orbit = Orbit(**problem["orbit"])
+    loop = ClosedLoop(problem["model"], problem["scheme"], orbit, float(problem["step_s"]), k)
+
+    inverse = inverse_of(p)
+    root = _numbers(content["root"], (NX,), "root")
+    for i in _RANGE:  # the ellipsoid reaches sqrt(varrho (P^-1)_ii) along x_i
+        _require(reach(np.eye(NX)[i], inverse, level).upper <= root[i], "root box is too small")
+    _check_linear_limits(problem, orbit, k, loop.steady_inputs, inverse, level * (1.0 + MARGIN))
+
+    center, half = _leaves(content["tree"], root)
+    multipliers = _numbers(content["multipliers"], (len(center),), "multipliers")
+    _require(bool(np.all(multipliers >= 0.0)), "a multiplier is negative")
+    _require(content["statistics"]["leaves"] == len(center), "number of leaves is wrong")
+    _check_riccati(loop, problem["scaling"], p, stage_weight(q, r, k))
+
+    decrease = decrease_bound(loop, p, q, r, k, slack, level)
+    at_origin = np.all(np.abs(center) <= half, axis=1)
+    good = decrease.holds_at_origin(center[at_origin], half[at_origin])
+    _require(bool(np.all(good)), "decrease not confirmed on a box at the origin")
+    rest = _unconfirmed(decrease, center[~at_origin], half[~at_origin], multipliers[~at_origin])
+    _require(not len(rest), f"decrease not confirmed on {len(rest)} boxes, first at {rest[:1]}")
+
+
+def _unconfirmed(
+    bound: QuadraticBound,
+    center: NDArray[np.float64],
+    half: NDArray[np.float64],
+    m: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Middles of the boxes away from the origin on which a bound is not confirmed."""
+    for _ in range(EXTRA_HALVINGS + 1):
+        if not len(center):
+            break
+        expansion = bound.expansion(center, half)
+        guess = bound.guess(center, half, expansion.in_floats(), m)
+        bad = ~bound.confirmed(center, half, m, expansion, guess)
+        axis = np.argmax(expansion.influence[bad], axis=1)
+        center, width, m = center[bad], half[bad], m[bad]
+        each = np.arange(len(center))
+        width[each, axis] /= 2.0
+        shift = np.zeros_like(center)
+        shift[each, axis] = width[each, axis]
+        center = np.concatenate([center - shift, center + shift])
+        half, m = np.tile(width, (2, 1)), np.tile(m, 2)
+    return center
+
+
+def _check_riccati(loop: ClosedLoop, scaling: float, p: NDArray[np.float64], stage: Matrix) -> None:
+    """P is what (28) makes of the parameters. Not needed for the proof: it ties P and K to them."""
+    _, jacobian = loop.value_and_jacobian([Interval(0.0)] * NX)
+    a_k = np.array([[float(entry.middle()) for entry in row] for row in jacobian])
+    star = np.array([[float(entry.middle()) for entry in row] for row in stage])
+    residual = a_k.T @ p @ a_k - p + scaling * star
+    _require(np.abs(residual).max() < 1e-8 * np.abs(p).max(), "P_rho does not solve (28)")
+
+
+def _check_linear_limits(
+    problem: dict[str, Any],
+    orbit: Orbit,
+    gain: NDArray[np.float64],
+    u_ss: Column,
+    inverse: Matrix,
+    level: float,
+) -> None:
+    lower = _numbers(problem["input_lower"], (NU,), "input_lower")
+    upper = _numbers(problem["input_upper"], (NU,), "input_upper")
+    for i in range(NU):
+        swing = reach(gain[i], inverse, level)
+        _require((u_ss[i] + swing).upper <= upper[i], f"input {i} exceeds its upper bound")
+        _require((u_ss[i] - swing).lower >= lower[i], f"input {i} exceeds its lower bound")
+    for sign in (-1.0, 1.0):
+        room = Interval(orbit.range) + sign * orbit.altitude
+        gap = room - reach(np.array([1.0, 0.0, sign, 0.0, 0.0]), inverse, level)
+        _require(gap.lower > 0.0, "range may fall to |height|: outside the model's domain")
+    turn = reach(np.eye(NX)[1], inverse, level)
+    _require(turn.upper < np.pi, "bearing error may reach half a turn")
+
+
+def _leaves(
+    tree: str, root: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Centres and half-widths of the leaves of a tree in preorder, upper half first out last."""
+    stack, centers, halves = [(np.zeros(NX), root)], [], []
+    for mark in tree:
+        _require(bool(stack), "tree is too long")
+        center, half = stack.pop()
+        if mark == ".":
+            centers.append(center)
+            halves.append(half)
+            continue
+        _require(mark in "01234", f"tree has a mark {mark!r}")
+        axis, half = int(mark), half.copy()
+        half[axis] /= 2.0
+        for side in (1.0, -1.0):
+            child = center.copy()
+            child[axis] += side * half[axis]
+            part, back = side * half[axis], child[axis] - center[axis]
+            lost = (center[axis] - (child[axis] - back)) + (part - back)  # of the rounded sum
+            _require(lost == 0.0 and half[axis] > 0.0, "halving a box is not exact")
+            stack.append((child, half))
+    _require(not stack, "tree is not complete: its leaves do not cover the ellipsoid")
+    return np.array(centers), np.array(halves)
+
+
+def _numbers(values: Any, shape: tuple[int, ...], name: str) -> NDArray[np.float64]:
+    array = np.array(values, dtype=float)
+    _require(array.shape == shape and bool(np.all(np.isfinite(array))), f"{name} has wrong entries")
+    return array
+
+
+def _require(condition: Any, message: str) -> None:
+    if not condition:
+        raise RejectedError(message)

@@ -30,8 +30,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
-from uav_tracking_mpc.terminal.theorems import xi
+from uav_tracking_mpc.terminal.ingredients import StabilityProblem, relative_eigenvalues
 
 
 @dataclass(frozen=True)
@@ -70,7 +69,7 @@ class DecreaseMonitor:
         self.tolerance = tolerance
         self.checked = 0
         self.failed = 0
-        self._last: tuple[float, float, bool, bool] | None = None
+        self._last: tuple[float, float, bool] | None = None
 
     def reset(self) -> None:
         """Forget the step before: after a fault, or when the reference changed."""
@@ -92,8 +91,6 @@ class DecreaseMonitor:
         final_error: NDArray[np.float64] | None = None,
         *,
         target_moved: bool = False,
-        saturated: bool = False,
-        converged: bool = True,
         fraction: float = 1.0,
     ) -> DecreaseCheck | None:
         """Take the result of one solve and compare it with the one before.
@@ -103,8 +100,6 @@ class DecreaseMonitor:
             error: x_k, shape (5,).
             final_error: x_N of the plan, shape (5,), to see whether it ends in X_f.
             target_moved: The target has moved, or the wind changed, since the step before.
-            saturated: The command was cut back outside the problem (envelope, rate limits).
-            converged: The solver reached its tolerance.
             fraction: Time since the step before over T_s [-]. Below 1 that share of the stage cost
                 is asked for; (54) itself is proved for whole steps only.
 
@@ -115,19 +110,19 @@ class DecreaseMonitor:
         inside = self._ends_inside(final_error)
         previous, check = self._last, None
         if previous is not None and np.isfinite(cost):
-            last_cost, fall, was_inside, was_saturated = previous
+            last_cost, fall, was_inside = previous
             bound = last_cost - min(max(fraction, 0.0), 1.0) * fall
             held = bool(cost <= bound + self.tolerance * max(abs(last_cost), 1e-12))
             reason = ""
             if not held:
-                reason = _reason(was_inside, converged, target_moved, was_saturated)
+                reason = _reason(was_inside, target_moved)
                 self.failed += 1
             self.checked += 1
             check = DecreaseCheck(held, float(cost), float(bound), reason)
         self._last = None
         if np.isfinite(cost):
             fall = self.rate * float(error @ self.weight @ error)
-            self._last = (float(cost), fall, inside, saturated)
+            self._last = (float(cost), fall, inside)
         return check
 
     def _ends_inside(self, final_error: NDArray[np.float64] | None) -> bool:
@@ -137,14 +132,10 @@ class DecreaseMonitor:
         return bool(x @ self.weight @ x <= self.level * (1.0 + 1e-6))
 
 
-def _reason(was_inside: bool, converged: bool, target_moved: bool, saturated: bool) -> str:
+def _reason(was_inside: bool, target_moved: bool) -> str:
     """The first hypothesis of Theorem 3 that is known to be broken."""
     if target_moved:
         return "target or wind moved: the bound holds for a target at rest"
-    if not converged:
-        return "solver did not converge: the cost is not the optimal one"
-    if saturated:
-        return "saturation: the command flown is not the one planned"
     if not was_inside:
         return "terminal set not reached: the plan before did not end in X_f"
     return "unknown: disturbance, sampling or model error"
@@ -158,4 +149,5 @@ def decrease_monitor(problem: StabilityProblem, level: float | None) -> Decrease
         level: varrho of the terminal set that the controller uses [-], None if none.
     """
     weight = problem.ingredients().weight
-    return DecreaseMonitor(xi(problem.state_weight, weight), weight, level)
+    xi, *_ = relative_eigenvalues(problem.state_weight, weight)  # (52)
+    return DecreaseMonitor(float(xi), weight, level)

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-r"""The one kind of inequality that the analysis has to prove, as data.
+r"""The one kind of inequality that has to be proved, tested on boxes with intervals.
 
 .. math:: |f(x, Kx) - C x|_P^2 \le x' N x \quad \text{for every } x \text{ with } x' P x \le \alpha
 
@@ -20,93 +20,424 @@ r"""The one kind of inequality that the analysis has to prove, as data.
   that the proofs of Theorems 2 and 3 use of (30);
 - C = A_K, N = L^2 P: the Lipschitz bound |g(x)|_P <= L |x|_P of (27) and (31).
 
-P, K, Q, R and C are floating-point data and are taken as the exact rational numbers that they are;
-N is computed from them in ball arithmetic.
+**Away from the origin.** On a box c + d, \|d_i\| <= h_i, Taylor's theorem gives F = a + J d + e
+with \|e\|_P <= E from the Hessians over the whole box. For any t > 0 and m >= 0
+
+.. math:: |F|_P^2 - x'Nx \le q(d) = (1 + t)|a + Jd|_P^2 + (1 + 1/t) E^2 - x'Nx + m(\alpha - x'Px)
+
+on X_f, since the last bracket is not negative there. Where q is not concave a diagonal D is
+added: d'Dd <= sum D_ii h_i^2. A concave q lies below its tangent plane at any point, so the
+largest value of the plane on the box bounds it. The numbers t, m, D and the point of tangency are
+floating-point guesses: any choice is sound, a bad one only proves less. So the quadratic part is
+handled exactly whatever the size of the box; only variables in which the model curves need be cut
+small.
+
+**At the origin** the inequality is homogeneous: F(x) = (F'(0) + G(x)) x with rows G_k = x'H_k/2,
+and N - (F'(0) + G)'P(F'(0) + G) is to be positive definite for every G in the enclosure.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.terminal.ball import PRECISION, flint
-from uav_tracking_mpc.terminal.terminal_dynamics import ClosedLoopBalls
+from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, Orbit
+from uav_tracking_mpc.dynamics.relative import (
+    NU,
+    NX,
+    STATE_NAMES,
+    error_step,
+    rates_function,
+    vanishing_rates,
+)
+from uav_tracking_mpc.terminal.interval import (
+    Column,
+    Interval,
+    Matrix,
+    columns,
+    constant,
+    definite,
+    evaluate,
+    inverse_of,
+    product,
+    quadratic,
+    times,
+    total,
+    transpose,
+    unpack,
+)
+
+HALF_TURN = Interval(np.nextafter(np.pi, 3.0), np.nextafter(np.pi, 4.0))
+_RANGE = range(NX)
+
+
+class ClosedLoop:
+    """f(x, Kx) of (10) in error form, its Jacobian and Hessians, on many boxes at once.
+
+    (10) in error form is f(x, u) = Phi(x_ss + x, u_ss + u) - x_ss, Phi one step of the model. The
+    exact values are put in: theta_ss is pi/2, not the double nearest to it, and u_ss is the turn
+    rate that cancels the drift exactly. Then f(0, 0) = 0 holds as an identity: a steady state of
+    the rates is a fixed point of every scheme.
+
+    Args:
+        model: Name of a relative model.
+        scheme: Name in :data:`uav_tracking_mpc.symbolic.functions.SCHEMES`.
+        orbit: Reference.
+        step: T_s in [s], taken as the exact double.
+        gain: K, shape (3, 5), taken as exact doubles.
+
+    Raises:
+        ArithmeticError: The model's other rates do not vanish there: no steady state.
+    """
+
+    def __init__(
+        self, model: str, scheme: str, orbit: Orbit, step: float, gain: NDArray[np.float64]
+    ) -> None:
+        place, self.steady_inputs = steady_intervals(model, orbit)
+        entries = [Interval(value) for value in gain.ravel(order="F")]
+        self._numbers = [*place, *self.steady_inputs, *entries, Interval(float(step))]
+        x, values = ca.SX.sym("x", NX), ca.SX.sym("numbers", len(self._numbers))
+        x_ss, u_ss, t_s = values[:NX], values[NX : NX + NU], values[-1]
+        k = ca.reshape(values[NX + NU : -1], NU, NX)
+        following = error_step(model, scheme, x, k @ x, x_ss, u_ss, t_s)
+        self._slopes = ca.Function("slopes", [x, values], [following, ca.jacobian(following, x)])
+        bends = [ca.hessian(following[i], x)[0] for i in _RANGE]
+        self._bends = ca.Function("bends", [x, values], ca.cse(bends))
+
+    def value_and_jacobian(self, x: Column) -> tuple[Column, Matrix]:
+        """Enclosures of f and its Jacobian on the box ``x``."""
+        value, jacobian = evaluate(self._slopes, [x, self._numbers])
+        return value, unpack(self._slopes, 1, jacobian)
+
+    def hessians(self, x: Column) -> list[Matrix]:
+        """Enclosures of the Hessians of the components of f on the box ``x``."""
+        outputs = evaluate(self._bends, [x, self._numbers])
+        return [unpack(self._bends, i, output) for i, output in enumerate(outputs)]
+
+
+def steady_intervals(model: str, orbit: Orbit) -> tuple[Column, Column]:
+    """x_ss and u_ss of an orbit, pi/2 and the drift being enclosed.
+
+    Args:
+        model: Name of a relative model.
+        orbit: Reference.
+
+    Raises:
+        ArithmeticError: The model's other rates do not vanish there: no steady state.
+    """
+    bearing = HALF_TURN * (0.5 if orbit.direction == CLOCKWISE else -0.5)
+    numbers = (orbit.range, bearing, orbit.altitude, 0.0, orbit.speed)
+    place = [value if isinstance(value, Interval) else Interval(value) for value in numbers]
+    for name, vanishes in zip(STATE_NAMES, vanishing_rates(model), strict=True):
+        if not (vanishes or name == "bearing"):
+            raise ArithmeticError(f"rate of {name} of model {model!r} does not vanish on the orbit")
+    (drift,) = evaluate(rates_function(model), [place, [Interval(0.0)] * NU])
+    return place, [-drift[STATE_NAMES.index("bearing")], Interval(0.0), Interval(0.0)]
+
+
+def stage_weight(q: NDArray[np.float64], r: NDArray[np.float64], k: NDArray[np.float64]) -> Matrix:
+    """Q + K'RK, enclosed."""
+    stage = product(constant(k.T), product(constant(r), constant(k)))
+    return [[stage[i][j] + q[i, j] for j in _RANGE] for i in _RANGE]
 
 
 @dataclass(frozen=True)
-class QuadraticBound:
-    """The inequality of the module's docstring.
+class Expansion:
+    """Taylor's a + J d + e of F on boxes.
 
     Attributes:
-        closed_loop: f(x, K x) in ball arithmetic.
-        weight: P, symmetric positive definite, shape (5, 5).
-        right: N as an ``arb_mat``.
+        value: a, with the middle of the remainder.
+        jacobian: J.
+        error: E^2 [-].
+        influence: How much each coordinate's width adds to E, about, shape (n, 5).
+    """
+
+    value: Column
+    jacobian: Matrix
+    error: NDArray[np.float64]
+    influence: NDArray[np.float64]
+
+    def in_floats(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """a, J and E^2 near the middle of their enclosures, shapes (n, 5), (n, 5, 5) and (n,)."""
+        count = len(self.error)
+        value = np.stack([entry.middle() for entry in self.value], axis=-1)
+        rows = [[np.broadcast_to(e.middle(), count) for e in row] for row in self.jacobian]
+        jacobian = np.moveaxis(np.array(rows), -1, 0)
+        return (
+            np.nan_to_num(value, posinf=0.0, neginf=0.0),
+            np.nan_to_num(jacobian, posinf=0.0, neginf=0.0),
+            np.nan_to_num(self.error, nan=1e30, posinf=1e30),
+        )
+
+
+@dataclass(frozen=True)
+class Guess:
+    """Numbers that make the bound low on boxes, in plain floating point: any will do.
+
+    Attributes:
+        young: t, shape (n,) [-].
+        convexifier: The diagonal of D, shape (n, 5).
+        point: Where the tangent plane touches, shape (n, 5).
+        excess: The left side minus the right one there, about, shape (n,) [-].
+        height: x'Px there, shape (n,) [-].
+        pull: How steep the bound is in F, shape (n,) [-].
+    """
+
+    young: NDArray[np.float64]
+    convexifier: NDArray[np.float64]
+    point: NDArray[np.float64]
+    excess: NDArray[np.float64]
+    height: NDArray[np.float64]
+    pull: NDArray[np.float64]
+
+
+class QuadraticBound:
+    """The inequality of the module's docstring, box by box.
+
+    Args:
+        loop: f(x, Kx).
+        p: P, symmetric positive definite, shape (5, 5).
+        right: N.
         level: varrho [-].
         subtracted: C, shape (5, 5), or None for 0.
+
+    Raises:
+        ValueError: P is not symmetric to the last bit, or the level not positive and finite.
     """
 
-    closed_loop: ClosedLoopBalls
-    weight: NDArray[np.float64]
-    right: Any
-    level: float
-    subtracted: NDArray[np.float64] | None = None
-
-    def __post_init__(self) -> None:
-        """Symmetric matrices: the tests take gradients of x'Px and x'Nx as 2Px and 2Nx."""
-        if not np.array_equal(self.weight, np.transpose(self.weight)):
+    def __init__(
+        self,
+        loop: ClosedLoop,
+        p: NDArray[np.float64],
+        right: Matrix,
+        level: float,
+        subtracted: NDArray[np.float64] | None = None,
+    ) -> None:
+        if not np.array_equal(p, p.T):  # tests take the gradient of x'Px as 2Px
             raise ValueError("P must be symmetric to the last bit")
-        if not np.isfinite(self.level) or self.level <= 0.0:
-            raise ValueError(f"level is {self.level}, must be positive and finite")
-        # x'Nx is the same for N and its symmetric part.
-        symmetric = (self.right + self.right.transpose()) / 2
-        object.__setattr__(self, "right", symmetric)
+        if not np.isfinite(level) or level <= 0.0:
+            raise ValueError(f"level is {level}, must be positive and finite")
+        self._loop, self._p, self._right, self.level = loop, p, right, level
+        self._subtracted = None if subtracted is None else constant(subtracted)
+        self._right_float = np.array([[float(entry.middle()) for entry in row] for row in right])
+
+    def _value_and_jacobian(self, x: Column) -> tuple[Column, Matrix]:
+        """Enclosures of F and its Jacobian on the box ``x``."""
+        value, jacobian = self._loop.value_and_jacobian(x)
+        if self._subtracted is None:
+            return value, jacobian
+        linear = times(self._subtracted, x)
+        return (
+            [a - b for a, b in zip(value, linear, strict=True)],
+            [
+                [a - b for a, b in zip(row, taken, strict=True)]
+                for row, taken in zip(jacobian, self._subtracted, strict=True)
+            ],
+        )
+
+    def root(self) -> NDArray[np.float64]:
+        """Half-widths e of a box [-e, e] that holds X_f: e_i^2 >= varrho (P^-1)_ii, shape (5,).
+
+        They have 24-bit mantissas, so that halving boxes again and again stays exact.
+        """
+        inverse = inverse_of(self._p)
+        widths = [(inverse[i][i] * self.level).sqrt().upper for i in _RANGE]
+        mantissa, exponent = np.frexp(np.array(widths))
+        return np.ldexp(np.ceil(mantissa * 2.0**24) + 1.0, exponent - 24)
+
+    def violated_at(self, state: NDArray[np.float64]) -> bool:
+        """Whether a state of X_f surely has the left side above the right.
+
+        Args:
+            state: x, shape (5,), taken as exact doubles.
+        """
+        x = [Interval(float(value)) for value in state]
+        image, _ = self._value_and_jacobian(x)
+        left, right = quadratic(constant(self._p), image), quadratic(self._right, x)
+        height = quadratic(constant(self._p), x)
+        return bool(left.lower > right.upper and height.upper <= self.level)
+
+    def holds_at_origin(
+        self, center: NDArray[np.float64], half: NDArray[np.float64]
+    ) -> NDArray[np.bool_]:
+        """Where the inequality is confirmed, shape (n,), on boxes that hold the origin.
+
+        Args:
+            center: Middles of the boxes, shape (n, 5).
+            half: Their half-widths, shape (n, 5).
+        """
+        unit = Interval(-1.0, 1.0)
+        box = [c + unit * h for c, h in zip(columns(center), columns(half), strict=True)]
+        hessians = self._loop.hessians(box)
+        _, slope = self._value_and_jacobian([Interval(0.0)] * NX)
+        whole = [
+            [slope[k][j] + total(box[i] * hessians[k][i][j] for i in _RANGE) * 0.5 for j in _RANGE]
+            for k in _RANGE
+        ]
+        image = product(transpose(whole), product(constant(self._p), whole))
+        gap = [[self._right[i][j] - image[i][j] for j in _RANGE] for i in _RANGE]
+        scale = constant(np.linalg.inv(np.linalg.cholesky(self._p)))
+        return definite(product(scale, product(gap, transpose(scale))))
+
+    def expansion(self, center: NDArray[np.float64], half: NDArray[np.float64]) -> Expansion:
+        """Taylor's expansion of F on boxes.
+
+        Args:
+            center: Middles of the boxes, shape (n, 5).
+            half: Their half-widths, shape (n, 5).
+        """
+        p, count = self._p, len(center)
+        unit = Interval(-np.ones(count), np.ones(count))
+        c, h = columns(center), columns(half)
+        box = [ci + unit * hi for ci, hi in zip(c, h, strict=True)]
+        value, jacobian = self._value_and_jacobian(c)
+        radius = []
+        influence = 1e-9 * half * np.sqrt(np.diag(p))
+        for k, hessian in enumerate(self._loop.hessians(box)):
+            remainder = Interval(np.zeros(count))
+            for i in _RANGE:
+                remainder = remainder + hessian[i][i] * h[i].square() * Interval(0.0, 0.5)
+                for j in range(i):
+                    remainder = remainder + hessian[i][j] * h[i] * h[j] * unit
+                for j in _RANGE:
+                    size = hessian[i][j].magnitude() * half[:, i] * half[:, j]
+                    influence[:, i] += 0.5 * np.sqrt(p[k, k]) * np.nan_to_num(size, nan=0.0)
+            middle = Interval(remainder.middle())
+            value[k] = value[k] + middle
+            radius.append(Interval((remainder - middle).magnitude()))
+        error = quadratic(constant(np.abs(p)), radius).upper
+        return Expansion(value, jacobian, error, influence)
+
+    def guess(
+        self,
+        center: NDArray[np.float64],
+        half: NDArray[np.float64],
+        expanded: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]],
+        m: NDArray[np.float64],
+    ) -> Guess:
+        """Numbers t, D and a point of tangency that make the bound low on boxes.
+
+        Args:
+            center: Middles of the boxes, shape (n, 5).
+            half: Their half-widths, shape (n, 5).
+            expanded: a, J and E^2 of :meth:`Expansion.in_floats`.
+            m: Multipliers, shape (n,).
+        """
+        p, (a, jacobian, error) = self._p, expanded
+        big = self._right_float + m[:, None, None] * p
+        pj = p @ jacobian
+        squared = np.swapaxes(jacobian, 1, 2) @ pj
+        pulled = np.einsum("mki,mk->mi", pj, a)
+        point, axes = np.zeros_like(center), np.arange(NX)
+        reach = np.sqrt(np.einsum("mi,ij,mj->m", a, p, a))
+        for _ in range(3):
+            t = np.clip(np.sqrt(error) / np.maximum(reach, 1e-150), 1e-9, 1.0)
+            curved = big - (1.0 + t)[:, None, None] * squared
+            scaled = curved * half[:, :, None] * half[:, None, :]
+            values, vectors = np.linalg.eigh(scaled)
+            floor = 1e-7 * np.abs(values[:, -1:])
+            lacking = np.where(values <= floor, floor - values, 0.0)
+            sizes = np.abs(vectors)
+            bend = np.einsum("mk,mik,mk->mi", lacking, sizes, sizes.sum(axis=1))
+            short = np.any(lacking > 0.0, axis=1, keepdims=True)
+            bend = np.where(short, 1.001 * bend + floor, 0.0) / half**2
+            curved[:, axes, axes] += bend
+            linear = (1.0 + t)[:, None] * pulled - np.einsum("mij,mj->mi", big, center)
+            point = _highest(curved, linear, half, point)
+            image = a + np.einsum("mij,mj->mi", jacobian, point)
+            reach = np.sqrt(np.einsum("mi,ij,mj->m", image, p, image))
+        x = center + point
+        height = np.einsum("mi,ij,mj->m", x, p, x)
+        excess = (
+            (1.0 + t) * reach**2
+            + (1.0 + 1.0 / t) * error
+            - np.einsum("mi,mij,mj->m", x, big, x)
+            + m * self.level
+            + np.einsum("mi,mi->m", bend, half**2 - point**2)
+        )
+        return Guess(t, bend, point, excess, height, reach)
+
+    def confirmed(
+        self,
+        center: NDArray[np.float64],
+        half: NDArray[np.float64],
+        m: NDArray[np.float64],
+        expansion: Expansion,
+        guess: Guess,
+    ) -> NDArray[np.bool_]:
+        """Where the inequality is confirmed, shape (n,), on boxes away from the origin.
+
+        Args:
+            center: Middles of the boxes, shape (n, 5).
+            half: Their half-widths, shape (n, 5).
+            m: Their multipliers, shape (n,).
+            expansion: On these boxes.
+            guess: For these boxes.
+        """
+        p, right, unit = self._p, self._right, Interval(-np.ones(len(m)), np.ones(len(m)))
+        value, jacobian, t = expansion.value, expansion.jacobian, Interval(guess.young)
+        c, h, young = columns(center), columns(half), t + 1.0
+        d, diagonal = columns(guess.point), columns(guess.convexifier)
+        big = [[right[i][j] + Interval(p[i, j]) * Interval(m) for j in _RANGE] for i in _RANGE]
+        squared = product(transpose(jacobian), product(constant(p), jacobian))
+        curved = [[big[i][j] - squared[i][j] * young for j in _RANGE] for i in _RANGE]
+        for i in _RANGE:
+            curved[i][i] = curved[i][i] + diagonal[i]
+        concave = definite([[curved[i][j] * h[i] * h[j] for j in _RANGE] for i in _RANGE])
+        x = [ci + di for ci, di in zip(c, d, strict=True)]
+        image = [v + w for v, w in zip(value, times(jacobian, d), strict=True)]
+        p_image, big_x = times(constant(p), image), times(big, x)
+        top = total(v * w for v, w in zip(image, p_image, strict=True)) * young
+        top = top + Interval(expansion.error) * (t.inverse() + 1.0) + Interval(m) * self.level
+        top = top - total(v * w for v, w in zip(x, big_x, strict=True))
+        pulled = times(transpose(jacobian), p_image)
+        for i in _RANGE:
+            slope = pulled[i] * young - big_x[i] - diagonal[i] * d[i]
+            top = top + diagonal[i] * (h[i].square() - d[i].square())
+            top = top + 2.0 * slope * (unit * h[i] - d[i])
+        return concave & (top.upper <= 0.0)
 
 
-def exact(matrix: NDArray[np.float64]) -> Any:
-    """``arb_mat`` of a floating-point ``matrix`` of any shape (n, m), taken as exact."""
-    return flint().arb_mat([[float(value) for value in row] for row in np.asarray(matrix)])
-
-
-def lipschitz_bound(
-    closed_loop: ClosedLoopBalls,
-    weight: NDArray[np.float64],
-    linear: NDArray[np.float64],
-    constant: float,
+def decrease_bound(
+    loop: ClosedLoop,
+    p: NDArray[np.float64],
+    q: NDArray[np.float64],
+    r: NDArray[np.float64],
+    k: NDArray[np.float64],
+    slack: float,
     level: float,
 ) -> QuadraticBound:
-    """|g(x)|_P <= constant |x|_P on X_f, (27), with g(x) = f(x, Kx) - A_K x.
-
-    Args:
-        closed_loop: f(x, K x).
-        weight: P_rho, shape (5, 5).
-        linear: A_K, shape (5, 5).
-        constant: L [-].
-        level: varrho [-].
-    """
-    right = exact(weight) * flint().arb(constant) ** 2
-    return QuadraticBound(closed_loop, weight, right, level, linear)
+    """V_f(f(x, Kx)) - V_f(x) + L(x, Kx) <= -slack V_f(x), P, Q, R and K taken as exact."""
+    stage = stage_weight(q, r, k)
+    share = Interval(1.0) - slack
+    right = [[Interval(p[i, j]) * share - stage[i][j] for j in _RANGE] for i in _RANGE]
+    return QuadraticBound(loop, p, right, level)
 
 
-def is_violated(bound: QuadraticBound, state: NDArray[np.float64]) -> bool:
-    """Whether a state is surely a counterexample: x'Px <= level and the left side above the right.
-
-    Args:
-        bound: The inequality.
-        state: x, shape (5,), taken as exact doubles.
-    """
-    module = flint()
-    with module.ctx.workprec(PRECISION):
-        x = [module.arb(float(value)) for value in state]
-        column = module.arb_mat([[entry] for entry in x])
-        value, _ = bound.closed_loop.value_and_jacobian(x)
-        image = module.arb_mat([[entry] for entry in value])
-        if bound.subtracted is not None:
-            image = image - exact(bound.subtracted) * column
-        weight = exact(bound.weight)
-        left = (image.transpose() * weight * image)[0, 0]
-        right = (column.transpose() * bound.right * column)[0, 0]
-        height = (column.transpose() * weight * column)[0, 0]
-        return bool(left > right) and bool(height <= module.arb(bound.level))
+def _highest(
+    curved: NDArray[np.float64],
+    linear: NDArray[np.float64],
+    half: NDArray[np.float64],
+    point: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Maximise 2 l'd - d'Sd over |d_i| <= h_i: coordinate ascent, Newton steps among the free."""
+    point, eye = point.copy(), np.eye(NX)
+    for _ in range(8):
+        free = np.abs(point) < half
+        system = np.where(free[:, :, None] & free[:, None, :], curved, eye)
+        fixed = linear - np.einsum("mij,mj->mi", curved, np.where(free, 0.0, point))
+        step = np.linalg.solve(system, np.where(free, fixed, point)[..., None])[..., 0]
+        point = np.clip(step, -half, half)
+        slope = linear - np.einsum("mij,mj->mi", curved, point)
+        outward = np.where(np.abs(point) < half, 0.0, slope * np.sign(point))
+        if np.all(np.abs(step) <= half) and np.all(outward >= 0.0):
+            break
+        for _ in range(2):
+            for i in _RANGE:
+                rest = linear[:, i] - np.einsum("mj,mj->m", curved[:, i], point)
+                best = point[:, i] + rest / curved[:, i, i]
+                point[:, i] = np.clip(best, -half[:, i], half[:, i])
+    return point

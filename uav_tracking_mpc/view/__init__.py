@@ -14,22 +14,21 @@
 
 """The live page: a flight as a moving scene, with a panel to read and to steer it.
 
-==================  ================================================================================
-``sight``           what there is to see of one aircraft at one time
-``watched_flight``  one aircraft that a page shows, and where such aircraft come from
-``steering``        what a page can ask of a flight
-``live``            flights of ROS nodes
-``simulated``       a flight that is simulated in this process
-``recorded``        flights that have been flown: logs and bags
-``play_clock``      the time at which a flight is shown
-``page``            the server: draws every aircraft of a source, twenty times a second
-``guarded``         an element or a part whose exceptions end it alone
-``serving``         who may open a page, and where it listens
-``cameras``         from where each page looks
-``appearance``      light or dark, and what the colours mean
-``scene``           what is drawn, one file each
-``panel``           what is read and steered, one file each
-==================  ================================================================================
+=======================  ===========================================================================
+``watched_flight``       an aircraft that a page shows: what there is to see and to ask
+``snapshot``             what there is to see, built from what is measured or published
+``live_source``          flights of ROS nodes
+``simulated_source``     a flight that is simulated in this process
+``simulated_steering``   how that is steered, and its faults
+``recorded_source``      flights of a bag
+``logged_flight``        a flight from its log
+``recorded_scene``       a whole flight as a scene that needs no server
+``page``                 the server: draws every aircraft of a source, twenty times a second
+``serving``              who may open a page, and where it listens
+``cameras``              from where each page looks
+``scene``                what is drawn
+``panel``                what is read and steered
+=======================  ===========================================================================
 
 A page knows a flight by :class:`~uav_tracking_mpc.view.watched_flight.WatchedFlight` alone, whether
 it is flown by ROS nodes, simulated in this process or recorded. viser serves it; the extra

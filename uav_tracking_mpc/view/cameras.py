@@ -30,10 +30,10 @@ import viser
 import viser.transforms as rigid
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.view.scene._extent import centre, extent, finite
+from uav_tracking_mpc.simulation.flight_log import FlightLog
+from uav_tracking_mpc.view.scene._drawing import centre, extent, finite
 from uav_tracking_mpc.view.scene.airframe import SHARE, attitude
-from uav_tracking_mpc.view.sight import Sight
-from uav_tracking_mpc.view.watched_flight import WatchedFlight
+from uav_tracking_mpc.view.watched_flight import Sight, WatchedFlight
 
 ORBIT, FOLLOW, ABOVE, COCKPIT, FREE = (
     "the orbit", "follow", "from above", "from the cockpit", "free",
@@ -44,6 +44,7 @@ NEAR, FAR = 0.5, 50_000.0  # m
 MARGIN = 1.25  # of what is to be in the picture
 ELEVATION = math.radians(35.0)
 BEHIND, OVER = 0.75, 0.3  # where a camera that follows begins, by the radius of the orbit
+FAR_TARGET = 4.0  # by the radius of the orbit: a target that goes farther is followed
 FARTHEST = 2.5  # by the radius of the orbit: how far off the aircraft still is in the first view
 TILT = 1e-3  # rad; straight down, north would be nowhere
 # On a phone the panel covers the lower part: there the middle stands so far up, by half a picture.
@@ -112,6 +113,38 @@ def scene_pose(view: str, sight: Sight) -> rigid.SE3:
         return rigid.SE3.from_translation(-centre(sight) * [1.0, 1.0, 0.0])
     turned = attitude(sight) if view == COCKPIT else rigid.SO3.identity()
     return rigid.SE3.from_rotation_and_translation(turned, sight.position).inverse()
+
+
+def look_at_whole(camera: viser.InitialCameraConfig, flight: WatchedFlight, log: FlightLog) -> bool:
+    """Put a camera where it sees a whole flight, from the south and above.
+
+    Args:
+        camera: Of the scene.
+        flight: At its begin.
+        log: Of the whole flight.
+
+    Returns:
+        Whether the target goes so far that the scene is to be moved with it: the first view is then
+        that of the live page.
+    """
+    camera.fov, camera.near, camera.far = FIELD_OF_VIEW, NEAR, FAR
+    sight = flight.sight
+    assert sight is not None, "a log has one at each time"
+    size = extent(flight, sight)
+    places, targets = (
+        each[np.isfinite(each).all(axis=1)] for each in (log.vehicle[:, :3], log.target)
+    )
+    if len(targets) and np.linalg.norm(np.ptp(targets, axis=0)) > FAR_TARGET * size:
+        moved = scene_pose(ABOVE, sight).translation()
+        camera.position, camera.look_at = (
+            place + moved for place in first_pose(FREE, (flight, sight), 1.0)
+        )
+        return True
+    low, high = (limit([*places, *targets], axis=0) for limit in (np.min, np.max))
+    middle, reach = 0.5 * (low + high), max(0.5 * float(np.linalg.norm(high - low)), size)
+    back = reach / math.tan(0.5 * FIELD_OF_VIEW)
+    camera.position, camera.look_at = _from_south(middle, back, ELEVATION, 1.0)
+    return False
 
 
 class _Seat:

@@ -16,24 +16,24 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import time
+import weakref
 from collections.abc import Callable
 from html import escape
 from typing import Any
 
 import viser
 
-from uav_tracking_mpc.parameters.registry import PANEL_PART, SCENE_ELEMENT
-from uav_tracking_mpc.view.appearance import Appearance
+from uav_tracking_mpc.report.mode_colours import MODE_COLOURS
 from uav_tracking_mpc.view.cameras import Cameras
-from uav_tracking_mpc.view.guarded import Guarded
-from uav_tracking_mpc.view.panel import PanelPart
+from uav_tracking_mpc.view.panel import PANEL_PART, PanelPart
 from uav_tracking_mpc.view.panel._html import ALARM, badge, block
-from uav_tracking_mpc.view.scene import Colour, SceneElement
+from uav_tracking_mpc.view.scene import SCENE_ELEMENT, Colour, SceneElement
+from uav_tracking_mpc.view.scene._drawing import LIMIT, WIND
 from uav_tracking_mpc.view.serving.guarded_server import GuardedServer
-from uav_tracking_mpc.view.sight import Sight
-from uav_tracking_mpc.view.watched_flight import FlightSource, WatchedFlight
+from uav_tracking_mpc.view.watched_flight import FlightSource, Sight, WatchedFlight
 
 logger = logging.getLogger(__name__)
 
@@ -42,6 +42,104 @@ COLOURS: tuple[Colour, ...] = (  # Okabe and Ito: told apart by everybody
     (0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (230, 159, 0), (86, 180, 233),
 )  # fmt: skip
 WORLD = "/world"  # node under which the scene hangs; cameras move it, page by page
+LAST = 1e6  # order in the panel
+SQUARE = '<span style="color:rgb({},{},{})">&#9632;</span>'
+
+
+def legend() -> str:
+    """What the colours mean, as HTML."""
+    rows = [f"{SQUARE.format(*colour)} {mode.value}" for mode, colour in MODE_COLOURS.items()]
+    return (
+        '<div style="font-size:0.8em;line-height:1.5;padding:0 0.5em">'
+        "<b>Wings, plan and the orbit it ends on</b>: what is flown<br>"
+        + "<br>".join(rows)
+        + "<br><b>Fuselage, track, target and dashed orbit</b>: the aircraft's own colour; the "
+        "dashed orbit is the one asked for"
+        f"<br>{SQUARE.format(*WIND)} wind and drift<br>{SQUARE.format(*LIMIT)} limits</div>"
+    )
+
+
+def add_appearance(server: viser.ViserServer) -> None:
+    """Add a switch for dark pages and a legend to every page.
+
+    Args:
+        server: Of the pages.
+    """
+
+    def set_theme(gui: viser.GuiApi, dark: bool) -> None:
+        gui.configure_theme(show_share_button=False, show_logo=False, dark_mode=dark)
+
+    def join(client: viser.ClientHandle) -> None:
+        dark = client.gui.add_checkbox("Dark", False, order=LAST)
+        dark.on_update(lambda _: set_theme(client.gui, dark.value))
+        with client.gui.add_folder("Colours", order=LAST + 1.0, expand_by_default=False):
+            client.gui.add_html(legend())
+
+    set_theme(server.gui, False)
+    server.on_client_connect(join)
+
+
+class Guarded:
+    """Begins with the first sight, and is switched off by its first exception.
+
+    What it has added is hidden then, lest something that is no longer true stays on the page.
+
+    Args:
+        name: By which it is found.
+        api: Of viser, for the scene or the panel.
+        begin: Makes it with that API; None while there is nothing to show.
+
+    Attributes:
+        name: As above.
+        failure: Why it was switched off, in words; empty while it works.
+    """
+
+    def __init__(
+        self, name: str, api: Any, begin: Callable[[Any], SceneElement | PanelPart | None]
+    ) -> None:
+        self.name, self.failure = name, ""
+        self._api, self._begin = _Noting(api), begin
+        self._shown: SceneElement | PanelPart | None = None
+
+    def show(self, sight: Sight) -> None:
+        """Bring it up to date, unless it is switched off.
+
+        Args:
+            sight: Of the aircraft.
+        """
+        if self.failure:
+            return
+        try:
+            if self._shown is None:
+                self._shown = self._begin(self._api)
+            if self._shown is not None:
+                self._shown.show(sight)
+        except Exception as error:  # whatever it is, the page and the flight go on
+            self.failure = f"{type(error).__name__}: {error}"
+            logger.exception("page: %s is switched off", self.name)
+            for handle in self._api.added.values():
+                with contextlib.suppress(Exception):  # not all that can be added can be hidden
+                    handle.visible = False
+
+
+class _Noting:
+    """Passes everything on to an API of viser, and notes what is added through it."""
+
+    def __init__(self, api: Any) -> None:
+        self._api = api
+        self.added: weakref.WeakValueDictionary[int, Any] = weakref.WeakValueDictionary()
+
+    def __getattr__(self, name: str) -> Any:
+        found = getattr(self._api, name)
+        if not name.startswith("add_"):
+            return found
+
+        def add(*args: Any, **kwargs: Any) -> Any:
+            handle = found(*args, **kwargs)
+            self.added[id(handle)] = handle  # handles have no hash
+            return handle
+
+        return add
 
 
 def elements_of(scene: viser.SceneApi, flight: WatchedFlight, colour: Colour) -> list[Guarded]:
@@ -125,7 +223,7 @@ class Page:
         self._source = source
         self._server = GuardedServer(host, port, label="uav_tracking")
         self.address = self._server.address
-        self._appearance = Appearance(self._server)
+        add_appearance(self._server)
         self._cameras = Cameras(self._server, WORLD)
         self._tabs = self._server.gui.add_tab_group()  # one for each aircraft
         self._drawn: dict[str, _Drawn] = {}

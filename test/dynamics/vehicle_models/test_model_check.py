@@ -25,9 +25,9 @@ import numpy as np
 import pytest
 
 from uav_tracking_mpc import Controller, check_model, load_configuration
+from uav_tracking_mpc.dynamics.vehicle_models import VEHICLE_MODEL
 from uav_tracking_mpc.dynamics.vehicle_models.lagged import Lagged
 from uav_tracking_mpc.parameters.conformance import ConformanceError
-from uav_tracking_mpc.parameters.registry import VEHICLE_MODEL
 
 EXAMPLE = f"{Path(__file__).parents[3] / 'examples' / 'add_a_model.py'}:OneLag"
 

@@ -22,13 +22,13 @@ import threading
 import time
 
 import pytest
-from waiting import PATIENCE
+from processes import PATIENCE
 
 from uav_tracking_mpc.links import LinkError, LinkRefusedError
-from uav_tracking_mpc.links.mavlink import wire
+from uav_tracking_mpc.links.mavlink import connection
 from uav_tracking_mpc.links.mavlink.connection import KEY_LENGTH, Connection
 from uav_tracking_mpc.links.mavlink.dialect import mavlink, name_of
-from uav_tracking_mpc.studies.link_faults.bad_frames import changed
+from uav_tracking_mpc.studies.faults.link_campaign import changed
 
 FRAMES = 100_000  # mutated ones
 
@@ -107,7 +107,7 @@ def test_a_server_takes_the_next_client(ports):
 
 
 def test_reaching_a_peer_that_does_not_answer_has_a_deadline(monkeypatch):
-    monkeypatch.setattr(wire, "OPEN_LIMIT", 0.2)
+    monkeypatch.setattr(connection, "OPEN_LIMIT", 0.2)
     with contextlib.ExitStack() as opened:
         full = opened.enter_context(socket.create_server(("127.0.0.1", 0), backlog=0))
         for _ in range(3):  # more than wait to be accepted: the next is not answered
@@ -143,7 +143,7 @@ def test_a_peer_that_reads_nothing_keeps_nobody_waiting():
     ours, theirs = socket.socketpair()
     with ours, theirs:
         ours.setblocking(False)
-        end = wire.Wire(ours)
+        end = connection.Wire(ours)
         for _ in range(100):
             end.write(bytes(100_000))
         assert theirs.recv(1) == bytes(1)
@@ -242,8 +242,8 @@ def test_signed_messages_are_taken_and_others_are_not(ports, key, tmp_path):
     plain.send(heartbeat())
     assert received(ours, timeout=0.3) == []
     assert ours.bad == 1
-    for connection in (ours, signing, plain):
-        connection.close()
+    for each in (ours, signing, plain):
+        each.close()
 
 
 def test_a_key_of_another_length_is_refused(tmp_path):

@@ -22,7 +22,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.links.mavlink.energy_law import (
     LONGEST_STEP,
     PATH_LAG,

@@ -19,7 +19,7 @@ import math
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.links.mavlink.energy_law import (
     PATH_LAG,
     SPEED_LAG,

@@ -12,13 +12,49 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What an autopilot says of itself."""
+"""What an autopilot says of itself, and what counts of it after nobody has read for a while."""
 
 from types import SimpleNamespace
 
 import pytest
 
-from uav_tracking_mpc.links.mavlink.listener import Listener
+from uav_tracking_mpc.control.event import EventLog, Level
+from uav_tracking_mpc.links.mavlink.dialect import mavlink
+from uav_tracking_mpc.links.mavlink.listener import STALL, Listener
+from uav_tracking_mpc.settings.link import LinkParameters
+
+AUTOPILOT = mavlink.MAVLink(None, 3, 1)
+HEARTBEAT = mavlink.MAVLink_heartbeat_message(1, 3, 128, 15, 4, 3)
+ATTITUDE = mavlink.MAVLink_attitude_message(1000, 0.1, 0.0, 1.0, 0.0, 0.0, 0.0)
+
+
+class Wire:
+    """A connection over which comes what is put into it, one batch at each read."""
+
+    def __init__(self):
+        self.batches, self.time, self.address, self.closed = [], 100.0, "here", False
+
+    def now(self):
+        return self.time
+
+    def wait(self, timeout):
+        return bool(self.batches)
+
+    def receive(self, timeout):
+        batch = self.batches.pop(0) if self.batches else []
+        for message in batch:
+            message.pack(AUTOPILOT)  # with its sender
+        return batch
+
+    def send(self, message):
+        pass
+
+
+@pytest.fixture
+def listener():
+    heard = Listener(Wire(), LinkParameters(), EventLog())
+    heard.requests.system, heard.heartbeat = 3, HEARTBEAT
+    return heard
 
 
 @pytest.mark.parametrize(
@@ -33,3 +69,34 @@ from uav_tracking_mpc.links.mavlink.listener import Listener
 def test_its_serial_number_tells_it_apart_or_else_its_number_on_mavlink(version, identity):
     autopilot = SimpleNamespace(version=version, system=3)
     assert Listener.identity.fget(autopilot) == identity
+
+
+@pytest.mark.parametrize(
+    ("severity", "level"),
+    [
+        (mavlink.MAV_SEVERITY_EMERGENCY, Level.WARNING),
+        (mavlink.MAV_SEVERITY_WARNING, Level.WARNING),
+        (mavlink.MAV_SEVERITY_NOTICE, Level.INFO),
+        (mavlink.MAV_SEVERITY_DEBUG, Level.INFO),
+    ],
+)
+def test_its_warnings_and_what_is_worse_are_warnings(listener, severity, level):
+    listener.connection.batches = [[mavlink.MAVLink_statustext_message(severity, b"low battery")]]
+    listener.receive(0.0)
+    ((said, words),) = listener._events.take()
+    assert (said, words) == (level, "autopilot: low battery")
+
+
+def test_of_all_that_waited_while_nobody_read_the_heartbeats_alone_count(listener):
+    """Attitudes of then would pass for those of now."""
+    batch = [HEARTBEAT, ATTITUDE]
+    kinds = []
+    for pause in (0.0, 0.5 * STALL, 1.5 * STALL, 0.0):
+        listener.connection.time += pause
+        listener.connection.batches = [batch] * 3
+        heard = [listener.receive(0.0)]
+        while listener.connection.batches:
+            heard.append(listener.receive(0.0))
+        kinds.append([[message.get_type() for message in each] for each in heard])
+    fresh = [["HEARTBEAT", "ATTITUDE"]] * 3
+    assert kinds == [fresh, fresh, [["HEARTBEAT"] * 3], fresh]

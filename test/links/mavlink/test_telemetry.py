@@ -19,11 +19,18 @@ import math
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.dynamics.atmosphere import true_over_equivalent
+from uav_tracking_mpc.dynamics.air import true_over_equivalent
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
+from uav_tracking_mpc.estimation.measurement import SILENT
 from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
-from uav_tracking_mpc.links.mavlink.telemetry import QUICK_CLIMB, SLOW_CLIMB, Telemetry
+from uav_tracking_mpc.links.mavlink.telemetry import (
+    AGE,
+    QUICK_CLIMB,
+    SLOW_CLIMB,
+    Accuracies,
+    Telemetry,
+)
 
 HOME = LocalFrame(math.radians(47.3977), math.radians(8.5456), 488.0)
 
@@ -190,3 +197,46 @@ def test_the_wind_is_where_it_blows_to():
     np.testing.assert_allclose(heard.wind, (-4.0, 3.0, 0.0))
     heard.see(mavlink.MAVLink_wind_message(math.nan, 8.0, 0.5), 3.0)
     np.testing.assert_allclose(heard.wind, (-4.0, 3.0, 0.0))
+
+
+def estimator(level, vertical):
+    return mavlink.MAVLink_estimator_status_message(0, 63, *([0.1] * 6), level, vertical)
+
+
+def receiver(level, vertical, speed):
+    """In [mm] and [mm/s]."""
+    return mavlink.MAVLink_gps_raw_int_message(
+        0, 3, 0, 0, 0, 80, 120, 0, 0, 12, h_acc=level, v_acc=vertical, vel_acc=speed
+    )
+
+
+def told(*messages, now=0.0):
+    accuracies = Accuracies()
+    for message in messages:
+        accuracies.see(message, 0.0)
+    return accuracies.noise(now)
+
+
+def test_the_filter_counts_before_the_receiver():
+    noise = told(estimator(0.5, 0.8), receiver(900, 1500, 200))
+    assert noise.position == pytest.approx((0.5, 0.5, 0.8))
+    assert noise.velocity == pytest.approx((0.2, 0.2, 0.2))
+    assert told(receiver(900, 1500, 200)).position == pytest.approx((0.9, 0.9, 1.5))
+    assert told(estimator(0.5, 0.8)).velocity == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("wrong", [0.0, -1.0, math.nan, math.inf, 1e12])
+def test_what_makes_no_sense_is_unknown(wrong):
+    assert told(estimator(wrong, wrong)) is SILENT
+    assert told(estimator(wrong, wrong), receiver(900, 1500, 0)).position[0] == pytest.approx(0.9)
+    assert told(receiver(0, 0, 0)) is SILENT
+
+
+def test_test_ratios_are_no_variances():
+    assert told(mavlink.MAVLink_ekf_status_report_message(831, 0.1, 0.1, 0.1, 0.1, 0.1)) is SILENT
+
+
+def test_what_is_old_counts_no_more():
+    messages = estimator(0.5, 0.8), receiver(900, 1500, 200)
+    assert told(*messages, now=AGE) is not SILENT
+    assert told(*messages, now=AGE + 0.1) is SILENT

@@ -18,12 +18,11 @@ import numpy as np
 import pytest
 
 from uav_tracking_mpc.parameters.conformance import ConformanceError
-from uav_tracking_mpc.parameters.registry import TARGET_MOTION
 from uav_tracking_mpc.parameters.specification import ParameterError
-from uav_tracking_mpc.settings.target import TargetParameters
-from uav_tracking_mpc.simulation.motions import motion_of
-from uav_tracking_mpc.simulation.motions._check import check_motion
-from uav_tracking_mpc.simulation.motions.line import Line
+from uav_tracking_mpc.settings.simulator import TargetParameters
+from uav_tracking_mpc.simulation.motions import TARGET_MOTION, motion_of
+from uav_tracking_mpc.simulation.motions.conformance import check_motion
+from uav_tracking_mpc.simulation.motions.straight import Line
 
 
 @pytest.mark.parametrize("name", TARGET_MOTION.names)

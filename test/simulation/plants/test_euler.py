@@ -15,8 +15,7 @@
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.dynamics.discretisation import error_dynamics
-from uav_tracking_mpc.dynamics.relative import relative_state, steady_inputs
+from uav_tracking_mpc.dynamics.relative import error_dynamics, relative_state, steady_inputs
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.plants import SimulationError, plant_of

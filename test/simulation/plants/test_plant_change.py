@@ -23,9 +23,8 @@ from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.plants import Plant
 from uav_tracking_mpc.simulation.plants.euler import EulerPlant
-from uav_tracking_mpc.simulation.plants.held import HeldPlant
 from uav_tracking_mpc.simulation.plants.jsbsim import JSBSimPlant
-from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
+from uav_tracking_mpc.simulation.plants.vehicle import HeldPlant, VehiclePlant
 
 PARAMETERS = SimulatorParameters(
     initial_position=(400.0, 0.0, 120.0), initial_heading=1.0, initial_path_angle=0.0,

@@ -20,8 +20,8 @@ import numpy as np
 import pytest
 
 from uav_tracking_mpc.parameters.conformance import ConformanceError
-from uav_tracking_mpc.parameters.registry import PLANT
-from uav_tracking_mpc.simulation.plants._check import check_plant
+from uav_tracking_mpc.simulation.plants import PLANT
+from uav_tracking_mpc.simulation.plants.conformance import check_plant
 from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
 
 

@@ -12,16 +12,18 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.dynamics.relative import relative_state
 from uav_tracking_mpc.dynamics.vehicle import advance, velocity
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
-from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
+from uav_tracking_mpc.simulation.plants.vehicle import HeldPlant, VehiclePlant
 
 LEVEL_FLIGHT = SimulatorParameters(initial_speed=5.0, initial_path_angle=0.2)
 
@@ -233,3 +235,52 @@ def test_looking_does_not_change_the_flight():
     looked, alone = VehiclePlant(parameters), VehiclePlant(parameters)
     looked.measured()
     np.testing.assert_array_equal(fly(looked, 1.0), fly(alone, 1.0))
+
+
+FLIGHT = SimulatorParameters(
+    initial_position=(400.0, 0.0, 100.0), initial_path_angle=0.0, initial_speed=20.0,
+    speed_max=40.0, rate_lag=(0.3, 0.13, 0.16), pitch_rate_max=0.5, acceleration_min=-4.0,
+    acceleration_max=5.0, yaw_rate_max=0.8,
+)  # fmt: skip
+
+
+def orbit(up=100.0, climb=0.0, airspeed=20.0):
+    return FlownOrbit(np.array([0.0, 0.0, up]), np.array([3.0, 0.0, climb]), 200.0, airspeed)
+
+
+def flown_held(plant, seconds):
+    for _ in range(round(seconds / 0.05)):
+        plant.advance(0.05)
+    return plant.state
+
+
+def test_it_flies_the_commanded_turn_and_ignores_the_rest():
+    held, free = HeldPlant(FLIGHT), VehiclePlant(FLIGHT)
+    held.accept([[0.2, 0.1, 2.0]], [0.0])
+    free.accept([[0.2, 0.0, 0.0]], [0.0])
+    np.testing.assert_allclose(flown_held(held, 0.9), flown_held(free, 0.9), atol=1e-9)
+
+
+def test_altitude_and_airspeed_become_what_it_is_told():
+    plant = HeldPlant(FLIGHT)
+    plant.see_orbit(orbit(up=130.0, airspeed=23.0))
+    _, _, height, _, path_angle, airspeed = flown_held(plant, 60.0)
+    assert height == pytest.approx(130.0, abs=0.05)
+    assert airspeed == pytest.approx(23.0, abs=0.01)
+    assert path_angle == pytest.approx(0.0, abs=1e-3)
+
+
+def test_the_altitude_goes_on_with_the_centre_when_nothing_more_is_heard():
+    plant = HeldPlant(FLIGHT)
+    plant.see_orbit(orbit(climb=0.5))
+    _, _, height, *_ = flown_held(plant, 40.0)
+    assert plant.altitude == pytest.approx(120.0)
+    assert height == pytest.approx(120.0, abs=0.5)
+
+
+def test_it_climbs_no_faster_than_it_can():
+    plant = HeldPlant(FLIGHT)
+    plant.see_orbit(orbit(up=300.0))
+    flown_held(plant, 5.0)
+    before = plant.state[2]
+    assert flown_held(plant, 1.0)[2] - before == pytest.approx(5.0, abs=0.05)

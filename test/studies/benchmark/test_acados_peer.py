@@ -24,8 +24,8 @@ from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.studies.benchmark import acados_peer
 from uav_tracking_mpc.studies.benchmark.acados_peer import AcadosPeer, PeerError, acados_peers
 from uav_tracking_mpc.studies.benchmark.acados_program import rebuilt
+from uav_tracking_mpc.studies.benchmark.benchmark_study import OURS, measure, summary
 from uav_tracking_mpc.studies.benchmark.cases import flight_case, paper_case
-from uav_tracking_mpc.studies.benchmark.solver_timing import OURS, measure, summary
 
 # Answers with the plan that it is given, after a second by its own clock; ends when told to.
 ECHO = """

@@ -17,7 +17,7 @@
 import pytest
 
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.studies.benchmark.node_latency import in_words, node_latency
+from uav_tracking_mpc.studies.benchmark.node_latency import node_latency, watched_latency
 
 FAST = ["nmpc_controller.control_rate=50.0", "uav_simulator.state_rate=50.0"]
 
@@ -26,7 +26,8 @@ FAST = ["nmpc_controller.control_rate=50.0", "uav_simulator.state_rate=50.0"]
 @pytest.mark.alone
 def test_states_are_answered_and_the_echo_by_as_many_commands():
     heard = []
-    results = node_latency(load_configuration("small_uav", FAST, "crosswind"), 2.0, heard.append)
+    study = node_latency(load_configuration("small_uav", FAST, "crosswind"), 2.0, heard.append)
+    results = study.content
     controller, echo = results["state_to_command_us"], results["echo_us"]
     for row in (controller, echo):
         assert row["count"] > 0  # how many, the machine decides
@@ -34,14 +35,14 @@ def test_states_are_answered_and_the_echo_by_as_many_commands():
     assert results["ratio"] == controller["median"] / echo["median"] > 1.0
     assert 0.0 < results["controller_cpu_share"] < 1.0
     assert heard
-    words = "\n".join(in_words(results))
+    words = "\n".join(study.words)
     assert f"{controller['median']:.0f} us" in words
     assert f"ratio {results['ratio']:.2f}" in words
 
 
 @pytest.mark.nodes
 def test_a_command_counts_for_the_state_that_was_sent_last():
-    from uav_tracking_mpc.studies.benchmark.echo import RoundTrips  # needs ROS
+    from uav_tracking_mpc.studies.benchmark.timed_processes import RoundTrips  # needs ROS
 
     trips = RoundTrips()
     trips.send(1)
@@ -51,3 +52,38 @@ def test_a_command_counts_for_the_state_that_was_sent_last():
     trips.arrive(2)
     assert len(trips.times) == 1
     assert trips.times[0] >= 0.0
+
+
+LONG = 600.0  # s
+
+
+@pytest.mark.nodes
+@pytest.mark.alone
+def test_two_aircraft_are_timed_with_and_without_a_page():
+    pytest.importorskip("viser")
+    heard = []
+    configuration = load_configuration("small_uav", FAST, "crosswind")
+    study = watched_latency(configuration, [2], 2.0, heard.append, turns=1)
+    (flight,) = study.content["view"]
+    for row in (flight["without_us"], flight["with_us"]):
+        assert row["count"] > 0
+        assert 0.0 < row["median"] <= row["p99"] <= row["max"]
+    assert flight["median_ratio"] == flight["with_us"]["median"] / flight["without_us"]["median"]
+    assert flight["page_cpu_share"] > 0.0
+    assert flight["page_memory_mb"] > 10.0
+    assert flight["messages_hz"] > 0.0  # what is drawn has reached its client
+    assert heard
+    words = "\n".join(study.words)
+    assert "2 aircraft" in words
+    assert f"ratio of medians {flight['median_ratio']:.3f}" in words
+
+
+@pytest.mark.nodes
+@pytest.mark.long
+@pytest.mark.timeout(0)
+def test_a_long_view_grows_by_less_than_20_mb():
+    pytest.importorskip("viser")
+    configuration = load_configuration("small_uav", FAST, "crosswind")
+    study = watched_latency(configuration, [1], LONG, print, turns=1)
+    print("\n".join(study.words))
+    assert study.content["view"][0]["page_growth_mb"] < 20.0

@@ -12,13 +12,263 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+
+import math
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from campaign_files import SHORT, short_campaign, written
+from example_flights import orbiting
+from scipy import stats
 
 from uav_tracking_mpc.parameters.specification import ParameterError
-from uav_tracking_mpc.settings.configuration import campaign_names
-from uav_tracking_mpc.studies.campaign.campaign_file import load_campaign
+from uav_tracking_mpc.settings.configuration import campaign_names, load_configuration
+from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.studies.campaign.campaign_file import Distribution, load_campaign
+from uav_tracking_mpc.studies.campaign.criteria import Criteria
 from uav_tracking_mpc.studies.campaign.flight_plan import check_flights
+from uav_tracking_mpc.studies.campaign.uncertain_inputs import DERIVED, check_value, read, write
+
+
+def drawn(written, count=2000, **within):
+    draw, random = Distribution.of("key", written), np.random.default_rng(8)
+    if within:
+        return [draw.draw_within(random, **within) for _ in range(count)]
+    return [draw.draw(random) for _ in range(count)]
+
+
+@pytest.mark.parametrize(
+    ("written", "distribution"),
+    [
+        ({"uniform": [2.0, 5.0]}, stats.uniform(2.0, 3.0)),
+        ({"log_uniform": [0.1, 10.0]}, stats.loguniform(0.1, 10.0)),
+        ({"normal": [1.0, 3.0]}, stats.norm(1.0, 3.0)),
+    ],
+)
+def test_numbers_are_distributed_as_they_are_called(written, distribution):
+    assert stats.kstest(drawn(written), distribution.cdf).pvalue > 0.01
+
+
+def test_a_choice_takes_all_alike():
+    values = drawn({"choice": ["a", True, 3]})
+    assert {str(value) for value in values} == {"a", "True", "3"}
+    assert abs(values.count("a") / len(values) - 1.0 / 3.0) < 0.05
+
+
+def test_a_value_is_itself():
+    assert set(drawn(4.5, 3)) == {4.5}
+    assert drawn([1.0, 2.0], 1) == [[1.0, 2.0]]
+
+
+def test_half_the_range_is_half_way_from_what_is_right():
+    values = drawn({"uniform": [0.0, 3.0]}, neutral=1.0, share=0.5)
+    assert 0.5 <= min(values) < 0.51
+    assert 1.99 < max(values) <= 2.0
+
+
+def test_half_of_a_choice_is_made_in_half_of_the_flights():
+    values = drawn({"choice": ["zigzag"]}, neutral="line", share=0.5)
+    assert abs(values.count("zigzag") / len(values) - 0.5) < 0.05
+    assert set(values) == {"zigzag", "line"}
+
+
+def test_what_is_constant_is_not_shared():
+    assert set(drawn(5.0, 3, neutral=10.0, share=0.5)) == {5.0}
+
+
+def test_a_grid_is_evenly_spaced():
+    grid = Distribution.of("key", {"grid": [0.0, 1.0, 5]})
+    assert grid.swept
+    assert grid.arguments == (0.0, 0.25, 0.5, 0.75, 1.0)
+    assert Distribution.of("key", {"values": [1, "b"]}).arguments == (1, "b")
+
+
+@pytest.mark.parametrize(
+    ("written", "words"),
+    [
+        ({"triangle": [0, 1]}, "must be a value or one of uniform, log_uniform"),
+        ({"uniform": 3.0}, "with a list"),
+        ({}, "must be a value or one of"),
+        ({"uniform": [1.0]}, "must have 2 values"),
+        ({"choice": []}, "must have at least one values"),
+        ({"uniform": [1.0, 0.0]}, "in order"),
+        ({"uniform": ["a", 0.0]}, "finite numbers"),
+        ({"normal": [0.0, -1.0]}, "standard deviation"),
+        ({"log_uniform": [0.0, 1.0]}, "positive"),
+        ({"grid": [0.0, 1.0, 2.5]}, "how many"),
+        ({"uniform": [0.0, float("inf")]}, "finite"),
+    ],
+)
+def test_what_is_none_is_refused(written, words):
+    with pytest.raises(ParameterError, match=words):
+        Distribution.of("wind.speed", written)
+
+
+LIMITS = TrackingParameters(airspeed_min=2.0, airspeed_max=8.0, bank_max=0.6)
+CRITERIA = Criteria(beyond=30.0, settled_for=20.0)
+TIME = np.arange(0.0, 100.0, 0.5)
+
+
+def error(*pieces):
+    """Range error that is so large from each time on."""
+    values = np.zeros_like(TIME)
+    for begin, size in pieces:
+        values[begin <= TIME] = size
+    return values
+
+
+@pytest.mark.parametrize(
+    ("flown", "settled"),
+    [
+        (error(), 20.0),
+        (error((0.0, 90.0), (40.0, -12.0)), 60.0),
+        (error((0.0, 90.0), (10.0, 0.0), (20.0, 90.0), (50.0, 3.0)), 70.0),  # passing through
+        (error((0.0, 90.0)), None),
+        (error((0.0, 90.0), (95.0, 0.0)), None),
+        (np.full_like(TIME, np.nan), None),
+    ],
+)
+def test_settled_is_inside_for_long_enough(flown, settled):
+    assert CRITERIA.settled_at(TIME, flown) == settled
+
+
+@pytest.mark.parametrize(
+    ("flown", "found"),
+    [
+        (error(), []),
+        (error((0.0, 90.0)), ["never_settled"]),
+        (error((60.0, 29.0)), []),
+        (error((60.0, -31.0)), ["orbit_lost"]),
+        (error((60.0, np.nan)), ["orbit_lost"]),
+        (error((0.0, 90.0), (50.0, 0.0)), []),
+    ],
+)
+def test_an_orbit_is_lost_after_settling(flown, found):
+    log = orbiting(len(TIME), step=0.5)
+    assert CRITERIA.failures(log, flown, LIMITS) == found
+
+
+@pytest.mark.parametrize(
+    ("speed", "limits", "found"),
+    [
+        (8.3, ("airspeed",), []),
+        (8.5, ("airspeed",), ["limit_passed:airspeed"]),
+        (1.8, ("airspeed", "bank"), ["limit_passed:airspeed"]),
+        (8.5, ("path_angle",), []),
+    ],
+)
+def test_a_limit_may_be_passed_by_a_share(speed, limits, found):
+    log = orbiting(200, step=0.5)
+    vehicle = log.vehicle.copy()
+    vehicle[50, 5] = speed
+    log = replace(log, vehicle=vehicle)
+    criteria = Criteria(("limit_passed",), by=0.05, limits=limits)
+    assert criteria.failures(log, log.error[:, 0], LIMITS) == found
+
+
+def test_only_what_is_named_counts():
+    log, lost = orbiting(len(TIME), step=0.5), error((60.0, 90.0))
+    assert replace(CRITERIA, names=("never_settled",)).failures(log, lost, LIMITS) == []
+
+
+def sections():
+    return load_configuration("small_uav", ["target_publisher.position=[100, 50, 3]"]).sections
+
+
+def after(**values):
+    content = sections()
+    write(content, {key.replace("__", "."): value for key, value in values.items()})
+    return content
+
+
+def test_parameters_components_and_degrees():
+    content = sections()
+    write(
+        content,
+        {
+            "uav_simulator.heading_bias_deg": 90.0,
+            "uav_simulator.rate_lag[2]": 0.9,
+            "uav_simulator.command_gain": 1.2,
+            "target_publisher.motion": "line",
+        },
+    )
+    simulator = content["uav_simulator"]
+    assert simulator["heading_bias"] == pytest.approx(0.5 * math.pi)
+    assert simulator["rate_lag"] == [0.3, 0.13, 0.9]
+    assert simulator["command_gain"] == [1.2, 1.2, 1.2]
+    assert content["target_publisher"]["motion"] == "line"
+    assert read(content, "uav_simulator.heading_bias_deg") == pytest.approx(90.0)
+    assert read(content, "uav_simulator.rate_lag[2]") == 0.9
+
+
+def test_a_start_is_seen_from_the_target():
+    content = sections()
+    write(content, {"start.azimuth_deg": 90.0, "start.distance": 400.0, "start.height": 80.0})
+    assert content["uav_simulator"]["initial_position"] == pytest.approx([100.0, 450.0, 83.0])
+    assert read(content, "start.distance") == pytest.approx(400.0)
+
+
+def test_a_start_is_seen_from_where_a_circling_target_begins():
+    content = sections()
+    write(
+        content,
+        {
+            "target_publisher.motion": "circle",
+            "target_publisher.radius": 20.0,
+            "target_publisher.heading_deg": 180.0,
+            "start.azimuth_deg": 0.0,
+            "start.distance": 300.0,
+        },
+    )
+    assert content["uav_simulator"]["initial_position"][:2] == pytest.approx([380.0, 50.0])
+
+
+def test_wind_by_speed_and_direction():
+    content = after(wind__direction_deg=-90.0, wind__speed=7.0)
+    assert content["uav_simulator"]["wind"] == pytest.approx([0.0, -7.0, 0.0], abs=1e-12)
+    assert read(content, "wind.direction_deg") == pytest.approx(-90.0)
+
+
+def test_what_is_told_is_a_share_of_the_truth():
+    content = after(told__response=0.5, true__lag=2.0)
+    assert content["uav_simulator"]["rate_lag"] == pytest.approx([0.6, 0.26, 0.32])
+    assert content["nmpc_controller"]["rate_lag"] == pytest.approx([0.3, 0.13, 0.16])
+    assert content["nmpc_controller"]["dead_time"] == pytest.approx([0.085, 0.1, 0.05])
+
+
+@pytest.mark.parametrize("key", DERIVED)
+def test_what_is_derived_can_be_read_again(key):
+    content = sections()
+    value = 1.0 if key.startswith(("told", "true")) else 3.0
+    write(content, {"wind.speed": 2.0, "velocity_bias.speed": 2.0})
+    write(content, {key: value})
+    assert read(content, key) == pytest.approx(value)
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("wind.sped", "such as wind.speed"),
+        ("uav_simulator.gust", "no such parameter; near are gust_intensity"),
+        ("autopilot.gain", "SECTION one of nmpc_controller"),
+        ("uav_simulator.wind[3]", "no component 3"),
+        ("uav_simulator.gust_intensity[0]", "no component 0"),
+        ("uav_simulator.gust_intensity_deg", "is no angle"),
+    ],
+)
+def test_unknown_names_are_refused(key, words):
+    with pytest.raises(ParameterError) as refused:
+        read(sections(), key)
+    assert words in str(refused.value)
+
+
+def test_values_out_of_range_are_refused():
+    check_value(sections(), "uav_simulator.wind[0]", 100.0)
+    with pytest.raises(ParameterError, match=r"'uav_simulator.wind\[0\]' may become 120"):
+        check_value(sections(), "uav_simulator.wind[0]", 120.0)
+    with pytest.raises(ParameterError, match="must be a number"):
+        check_value(sections(), "wind.speed", "strong")
 
 
 def test_a_file_is_taken_as_it_stands(tmp_path):

@@ -12,29 +12,184 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The outcome does not depend on who flies it, nor on how often it was interrupted."""
 
 import os
 import signal
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from campaign_files import short_campaign
+from campaign_files import SHORT, short_campaign
 
 from uav_tracking_mpc.parameters.specification import ParameterError
-from uav_tracking_mpc.studies.campaign.campaign_run import run_campaign
-from uav_tracking_mpc.studies.campaign.executors import CampaignError, DaskExecutor, LocalExecutor
-from uav_tracking_mpc.studies.campaign.one_flight import fly_batch
+from uav_tracking_mpc.simulation import closed_loop
+from uav_tracking_mpc.studies.campaign import campaign_run
+from uav_tracking_mpc.studies.campaign.campaign_run import (
+    fly_batch,
+    fly_one,
+    run_campaign,
+    shared_formulation,
+)
+from uav_tracking_mpc.studies.campaign.flight_plan import planned
+from uav_tracking_mpc.studies.executors import DaskExecutor, LocalExecutor, WorkerError
+
+TRUTH = {
+    "told.response": 1.0,
+    "uav_simulator.velocity_noise": 0.0,
+    "target_publisher.motion": "stationary",
+}
+
+
+def plans(campaign):
+    return [planned(campaign, number) for number in range(campaign.total)]
+
+
+def test_groups_follow_one_another_and_errors_take_turns(tmp_path):
+    flights = plans(short_campaign(tmp_path))
+    assert [flight.group for flight in flights] == ["single"] * 3 + ["together"] * 3
+    single = [flight.error for flight in flights[:3]]
+    assert single == ["lag", "sensors", "driving"]
+    assert {flight.error for flight in flights[3:]} == {"lag+sensors+driving"}
+
+
+def test_one_error_leaves_all_else_right(tmp_path):
+    for flight in plans(short_campaign(tmp_path))[:2]:
+        others = {key: flight.values[key] for key in TRUTH}
+        others.pop("told.response" if flight.error == "lag" else "uav_simulator.velocity_noise")
+        assert others == {key: TRUTH[key] for key in others}
+
+
+def test_a_share_of_the_range_keeps_within_it(tmp_path):
+    flights = plans(short_campaign(tmp_path, flights=60))[30:]
+    told = [flight.values["told.response"] for flight in flights]
+    assert 0.5 <= min(told) < max(told) <= 2.0
+    assert max(flight.values["uav_simulator.velocity_noise"] for flight in flights) <= 0.15
+    motions = {flight.values["target_publisher.motion"] for flight in flights}
+    assert motions == {"stationary", "circle", "line"}
+
+
+def test_values_are_what_is_flown(tmp_path):
+    flight = plans(short_campaign(tmp_path))[0]
+    configuration = flight.configuration("l1")
+    told = [flight.values["told.response"] * lag for lag in configuration.simulator.rate_lag]
+    assert list(configuration.controller.rate_lag) == told
+    assert configuration.controller.law == "l1"
+    assert configuration.mission.duration == 8.0
+
+
+def test_a_key_is_drawn_from_a_stream_of_its_own(tmp_path):
+    """More flights, more keys or other laws leave what a flight meets as it was."""
+    before = planned(short_campaign(tmp_path), 2)
+    draw = {"uav_simulator.initial_speed": {"uniform": [20.0, 24.0]}, **SHORT["draw"]}
+    after = planned(short_campaign(tmp_path, draw=draw, laws=["vector_field"]), 2)
+    assert {key: after.values[key] for key in before.values} == before.values
+    assert after.sections["uav_simulator"]["seed"] == before.sections["uav_simulator"]["seed"]
+
+
+def test_seeds_differ(tmp_path):
+    flights = plans(short_campaign(tmp_path))
+    seeds = {flight.sections["uav_simulator"]["seed"] for flight in flights}
+    seeds |= {flight.sections["target_publisher"]["seed"] for flight in flights}
+    assert len(seeds) == 12
+    assert planned(short_campaign(tmp_path, seed=4), 0).values != flights[0].values
+
+
+def test_a_sweep_flies_all_combinations_of_the_same_draws(tmp_path):
+    draw = {
+        **SHORT["draw"],
+        "nmpc_controller.range": {"grid": [250.0, 350.0, 3]},
+        "target_publisher.rate": {"values": [5.0, 10.0]},
+    }
+    campaign = short_campaign(tmp_path, draw=draw, flights=2, errors=None, groups=None)
+    flights = plans(campaign)
+    assert len(flights) == 12
+    points = [
+        (flight.values["nmpc_controller.range"], flight.values["target_publisher.rate"])
+        for flight in flights
+    ]
+    assert len(set(points)) == 6
+    assert points[0] == points[1]
+    assert len({flight.values["wind.speed"] for flight in flights}) == 2
+
+
+TASKS = [(number, "nmpc") for number in (0, 1, 4)]
 
 
 @pytest.fixture(scope="module")
 def campaign(tmp_path_factory):
+    draw = {
+        "mission.duration": 4.0,
+        "start.distance": {"uniform": [290.0, 320.0]},
+        "nmpc_controller.range": {"uniform": [250.0, 350.0]},
+        "nmpc_controller.offset_weights[0]": {"uniform": [3.0, 5.0]},
+        "wind.speed": {"uniform": [0.0, 8.0]},
+    }
+    folder = tmp_path_factory.mktemp("campaign")
+    return short_campaign(folder, draw=draw, laws=["nmpc"], settled_after=2.0)
+
+
+@pytest.fixture(scope="module")
+def rows(campaign):
+    """Of flights that each have a solver of their own."""
+    flown = []
+    for task in TASKS:
+        campaign_run._of_thread.kept = None
+        flown.append(fly_one(campaign, *task))
+    return flown
+
+
+def test_flights_that_share_a_solver_are_bit_for_bit_those_that_do_not(campaign, rows):
+    assert not any(row["error"] for row in rows)
+    assert fly_batch(campaign, TASKS) == rows
+    assert fly_batch(campaign, TASKS[::-1])[::-1] == rows
+
+
+def test_one_formulation_serves_all_flights_of_a_thread(campaign):
+    one, other = (planned(campaign, number).configuration("nmpc").controller for number in (0, 1))
+    kept = shared_formulation(one)
+    assert shared_formulation(other) is kept
+    assert shared_formulation(planned(campaign, 0).configuration("l1").controller) is None
+    assert shared_formulation(one) is kept
+
+
+def test_two_flights_at_a_time(campaign, rows):
+    """Threads share the compiled method and nothing that a solve writes to."""
+    with ThreadPoolExecutor(2) as threads:
+        flown = list(threads.map(lambda task: fly_one(campaign, *task), TASKS))
+    assert flown == rows
+
+
+def test_a_flight_that_raises_is_a_failure(campaign, monkeypatch):
+    def broken(*arguments, **options):
+        raise closed_loop.SimulationError("the wing is off")
+
+    monkeypatch.setattr(campaign_run, "simulate", broken)
+    row = fly_one(campaign, 0, "nmpc")
+    assert (row["failed"], row["reasons"]) == (True, "raised")
+    assert row["error"] == "SimulationError: the wing is off"
+
+
+def test_a_row_says_what_came_of_the_flight(rows):
+    row = rows[0]
+    assert row["group"] == "single"
+    assert row["mistake"] == "lag"
+    assert row["settled_s"] >= 2.0
+    assert 0.0 <= row["range_rms_m"] <= row["worst_m"]
+    assert row["worst_settled_m"] > 0.0
+    assert row["uav_simulator.velocity_noise"] == 0.0
+    assert row["target_publisher.motion"] == "stationary"
+
+
+@pytest.fixture(scope="module")
+def campaign_campaign_run(tmp_path_factory):
     return short_campaign(tmp_path_factory.mktemp("file"), laws=["l1", "vector_field"])
 
 
 @pytest.fixture(scope="module")
-def alone(campaign, tmp_path_factory):
+def alone(campaign_campaign_run, tmp_path_factory):
     """Flown by one process, without a break."""
-    return run_campaign(campaign, LocalExecutor(1), tmp_path_factory.mktemp("alone"), show=False)
+    return run_campaign(
+        campaign_campaign_run, LocalExecutor(1), tmp_path_factory.mktemp("alone"), show=False
+    )
 
 
 class Broken(LocalExecutor):
@@ -44,44 +199,44 @@ class Broken(LocalExecutor):
         super().__init__(1)
         self.after = after
 
-    def run(self, work, campaign, batches):
-        for index, result in enumerate(super().run(work, campaign, batches)):
+    def run(self, work, campaign_campaign_run, batches):
+        for index, result in enumerate(super().run(work, campaign_campaign_run, batches)):
             if index == self.after:
-                raise CampaignError("lost")
+                raise WorkerError("lost")
             yield result
 
 
-def test_all_draws_are_flown_by_all_laws(campaign, alone):
+def test_all_draws_are_flown_by_all_laws(campaign_campaign_run, alone):
     assert [(row["flight"], row["law"]) for row in alone.rows] == [
         (number, law) for number in range(6) for law in ("l1", "vector_field")
     ]
     assert (alone.flown, alone.file.name) == (12, "flights.parquet")
     assert not any(row["error"] for row in alone.rows)
     for one, other in zip(alone.rows[::2], alone.rows[1::2], strict=True):
-        assert all(one[key] == other[key] for key in campaign.inputs)
+        assert all(one[key] == other[key] for key in campaign_campaign_run.inputs)
 
 
-def test_two_processes_fly_the_same(campaign, alone, tmp_path):
-    results = run_campaign(campaign, LocalExecutor(2), tmp_path, show=False)
+def test_two_processes_fly_the_same(campaign_campaign_run, alone, tmp_path):
+    results = run_campaign(campaign_campaign_run, LocalExecutor(2), tmp_path, show=False)
     assert results.file.read_bytes() == alone.file.read_bytes()
 
 
-def test_what_was_flown_is_not_flown_again(campaign, alone, tmp_path):
-    with pytest.raises(CampaignError, match="lost"):
-        run_campaign(campaign, Broken(2), tmp_path, show=False)
+def test_what_was_flown_is_not_flown_again(campaign_campaign_run, alone, tmp_path):
+    with pytest.raises(WorkerError, match="lost"):
+        run_campaign(campaign_campaign_run, Broken(2), tmp_path, show=False)
     kept = len(list((tmp_path / "batches").glob("*.parquet")))
     assert kept == 2
     (tmp_path / "batches" / ".half.parquet.tmp").write_bytes(b"PAR1")  # a write that was cut off
-    results = run_campaign(campaign, LocalExecutor(1), tmp_path, show=False)
+    results = run_campaign(campaign_campaign_run, LocalExecutor(1), tmp_path, show=False)
     assert results.flown == 12 - kept * 3
     assert results.file.read_bytes() == alone.file.read_bytes()
     assert not (tmp_path / "batches").exists()
-    again = run_campaign(campaign, LocalExecutor(1), tmp_path, show=False)
+    again = run_campaign(campaign_campaign_run, LocalExecutor(1), tmp_path, show=False)
     assert again.flown == 0
     assert again.rows == results.rows
 
 
-def test_another_campaign_does_not_mix_with_it(campaign, alone, tmp_path):
+def test_another_campaign_does_not_mix_with_it(campaign_campaign_run, alone, tmp_path):
     other = short_campaign(tmp_path, seed=9, laws=["l1", "vector_field"])
     with pytest.raises(ParameterError, match="holds flights of another campaign"):
         run_campaign(other, LocalExecutor(1), alone.file.parent, show=False)
@@ -89,7 +244,7 @@ def test_another_campaign_does_not_mix_with_it(campaign, alone, tmp_path):
     broken.mkdir()
     (broken / "flights.parquet").write_bytes(b"nothing")
     with pytest.raises(ParameterError, match="is no Parquet file of a campaign"):
-        run_campaign(campaign, LocalExecutor(1), broken, show=False)
+        run_campaign(campaign_campaign_run, LocalExecutor(1), broken, show=False)
 
 
 def test_pandas_and_duckdb_open_it(alone):
@@ -109,24 +264,24 @@ def test_two_laws_of_one_name_are_refused(tmp_path):
     law.write_text(
         "from uav_tracking_mpc.laws.l1 import L1Loiter\n\nclass Other(L1Loiter):\n    pass\n"
     )
-    campaign = short_campaign(tmp_path, laws=["l1", f"{law}:Other"])
+    campaign_campaign_run = short_campaign(tmp_path, laws=["l1", f"{law}:Other"])
     with pytest.raises(ParameterError, match="each must have a name of its own"):
-        run_campaign(campaign, LocalExecutor(1), tmp_path / "out", show=False)
+        run_campaign(campaign_campaign_run, LocalExecutor(1), tmp_path / "out", show=False)
 
 
 def test_a_law_that_nobody_knows_is_refused(tmp_path):
-    campaign = short_campaign(tmp_path, laws=["l1", "pid"])
+    campaign_campaign_run = short_campaign(tmp_path, laws=["l1", "pid"])
     with pytest.raises(ParameterError, match="'law' is 'pid', must be one of"):
-        run_campaign(campaign, LocalExecutor(1), tmp_path / "out", show=False)
+        run_campaign(campaign_campaign_run, LocalExecutor(1), tmp_path / "out", show=False)
 
 
-def end_abruptly(campaign, batch):
+def end_abruptly(campaign_campaign_run, batch):
     os.kill(os.getpid(), signal.SIGKILL)
 
 
-def test_a_worker_that_is_killed_is_told(campaign):
-    with pytest.raises(CampaignError, match="the same command goes on with what is left"):
-        list(LocalExecutor(2).run(end_abruptly, campaign, [[], []]))
+def test_a_worker_that_is_killed_is_told(campaign_campaign_run):
+    with pytest.raises(WorkerError, match="the same command goes on with what is left"):
+        list(LocalExecutor(2).run(end_abruptly, campaign_campaign_run, [[], []]))
 
 
 @pytest.fixture
@@ -138,7 +293,9 @@ def cluster():
         yield cluster
 
 
-def test_a_cluster_flies_the_same_though_its_workers_are_killed(campaign, alone, tmp_path, cluster):
+def test_a_cluster_flies_the_same_though_its_workers_are_killed(
+    campaign_campaign_run, alone, tmp_path, cluster
+):
     executor = DaskExecutor(cluster.scheduler_address)
     victims = [nanny.pid for nanny in cluster.workers.values()]
 
@@ -147,14 +304,14 @@ def test_a_cluster_flies_the_same_though_its_workers_are_killed(campaign, alone,
 
         workers, batch = executor.workers, 1
 
-        def run(self, work, campaign, batches):
-            for rows in executor.run(work, campaign, batches):
+        def run(self, work, campaign_campaign_run, batches):
+            for rows in executor.run(work, campaign_campaign_run, batches):
                 if victims:
                     os.kill(victims.pop(), signal.SIGKILL)
                 yield rows
 
     try:
-        results = run_campaign(campaign, Killed(), tmp_path, show=False)
+        results = run_campaign(campaign_campaign_run, Killed(), tmp_path, show=False)
     finally:
         executor.close()
     assert results.workers == 2
@@ -167,12 +324,12 @@ def test_a_cluster_that_is_not_there_is_told():
     words = "no Dask scheduler answers at tcp://127.0.0.1:9"
     with (
         dask.config.set({"distributed.comm.timeouts.connect": "1s"}),
-        pytest.raises(CampaignError, match=words),
+        pytest.raises(WorkerError, match=words),
     ):
         DaskExecutor("tcp://127.0.0.1:9")
 
 
-def test_batches_do_not_change_what_is_flown(campaign, alone):
+def test_batches_do_not_change_what_is_flown(campaign_campaign_run, alone):
     tasks = [(row["flight"], row["law"]) for row in alone.rows[3:6]]
-    flown = fly_batch(campaign, tasks)
+    flown = fly_batch(campaign_campaign_run, tasks)
     assert flown == [{key: row[key] for key in flown[0]} for row in alone.rows[3:6]]

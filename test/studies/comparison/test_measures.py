@@ -20,9 +20,10 @@ import numpy as np
 import pytest
 from example_flights import ORBIT, orbiting
 
-from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.dynamics.air import GRAVITY
+from uav_tracking_mpc.report.metrics import flown_bank
 from uav_tracking_mpc.settings.tracking import TrackingParameters
-from uav_tracking_mpc.studies.comparison.measures import flown_bank, measures, violations
+from uav_tracking_mpc.studies.comparison.measures import measures, violations
 
 LIMITS = TrackingParameters(airspeed_min=2.0, airspeed_max=8.0, bank_max=0.1, height_min=20.0)
 STEADY = orbiting(301, step=0.1)

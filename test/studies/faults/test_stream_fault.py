@@ -12,23 +12,51 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What holds for every fault that strikes messages."""
 
 import numpy as np
 import pytest
+from node_harness import vehicle_from_odometry
 
 pytest.importorskip("rclpy")
 
+from builtin_interfaces.msg import Time
 from fault_streams import FIRST, STREAM_FAULTS, arrivals, healthy
 
-from uav_tracking_mpc.nodes.conversions import (
-    plan_from_command,
-    position_from_point,
-    vehicle_from_odometry,
-)
-from uav_tracking_mpc.nodes.message_checks import MessageError
+from uav_tracking_mpc.launch.supervisor import NODES
+from uav_tracking_mpc.nodes.messages.conversions import plan_from_command, position_from_point
+from uav_tracking_mpc.nodes.messages.message_checks import MessageError
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, COMMAND, ODOMETRY, TARGET
-from uav_tracking_mpc.studies.faults.stream_fault import FAMILIES, MessageFault
+from uav_tracking_mpc.studies.faults.stream_fault import (
+    FAMILIES,
+    LATEST_STAMP,
+    STREAMS,
+    MessageFault,
+    numbers,
+    shift,
+)
+
+
+def test_stamps_move_as_far_as_stamps_go():
+    stamp = Time(sec=100, nanosec=500_000_000)
+    shift(stamp, -0.75)
+    assert (stamp.sec, stamp.nanosec) == (99, 750_000_000)
+    shift(stamp, 1e10)
+    assert stamp.sec == LATEST_STAMP
+
+
+@pytest.mark.parametrize(
+    ("topic", "count"), [(ODOMETRY, 7), (TARGET, 3), (AIR_VELOCITY, 3), (COMMAND, 9)]
+)
+def test_numbers_can_be_set(topic, count):
+    message = healthy(topic)
+    fields = numbers(topic, message)
+    assert len(fields) == count
+    for value, (holder, name) in enumerate(fields, 1):
+        setattr(holder, name, float(value))
+    assert [getattr(holder, name) for holder, name in numbers(topic, message)] == [
+        *range(1, count + 1)
+    ]
+
 
 READERS = {
     ODOMETRY.name: vehicle_from_odometry,
@@ -76,3 +104,8 @@ def test_what_nobody_may_fly_on_is_refused(topic, word):
 def test_variants_are_named_after_their_topics():
     assert STREAM_FAULTS["air_velocity_frame"].streams == (AIR_VELOCITY,)
     assert STREAM_FAULTS["air_velocity_frame"].family == "air_velocity"
+
+
+@pytest.mark.parametrize("topic", STREAMS, ids=lambda topic: topic.name)
+def test_one_node_of_a_flight_sends_it(topic):
+    assert sum(node in topic.sender for node in NODES) == 1

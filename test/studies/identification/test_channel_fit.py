@@ -12,15 +12,64 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Lag, dead time and gain are found again."""
+"""The response against the simulator's inner loop, which is exact."""
 
 import numpy as np
 import pytest
-from excited_channel import record
+from excited_channel import answer, excitation, record
 from scipy.signal import lfilter
 
-from uav_tracking_mpc.studies.identification.channel_fit import ChannelFit
-from uav_tracking_mpc.studies.identification.channel_record import ChannelRecord, Samples
+from uav_tracking_mpc.studies.identification.channel_fit import (
+    ChannelFit,
+    HeldDemand,
+    Limits,
+    limited_fit,
+    noise_of,
+)
+from uav_tracking_mpc.studies.identification.flight_record import ChannelRecord, Samples
+from uav_tracking_mpc.studies.identification.profile_intervals import estimates
+
+
+@pytest.mark.parametrize("lag", [0.0, 0.05, 0.3, 2.0])
+@pytest.mark.parametrize("dead_time", [0.0, 0.13, 0.2])
+def test_rate_and_integral_are_those_of_the_inner_loop(lag, dead_time):
+    time, demand = excitation(seed=3, duration=20.0)
+    demand[0] = 0.0  # the inner loop begins at rest
+    rates, integrals = answer(demand, lag, dead_time)
+    held = HeldDemand(Samples(time, demand))
+    rate, integral = held.response(time, lag, dead_time, held.rates_at_steps(lag))
+    later = time > dead_time + 1e-9  # a command that comes on at this very time counts already
+    if lag:
+        np.testing.assert_allclose(rate[later], rates[later], atol=1e-10)
+    shift = integral[-1] - integrals[-1]
+    np.testing.assert_allclose(integral[later], integrals[later] + shift, atol=1e-9)
+
+
+def test_between_the_steps_the_rate_decays_exponentially():
+    held = HeldDemand(Samples(np.array([0.0, 1.0]), np.array([0.0, 2.0])))
+    time = np.array([1.3, 1.75])
+    rate, _ = held.response(time, 0.5, 0.1, held.rates_at_steps(0.5))
+    np.testing.assert_allclose(rate, 2.0 * (1.0 - np.exp(-(time - 1.1) / 0.5)))
+
+
+def test_white_noise_stays_as_it_is():
+    noise = noise_of(0.3 * np.random.default_rng(0).standard_normal(2000), 1e-3)
+    np.testing.assert_array_equal(noise.polynomial, [1.0])
+    assert abs(noise.deviation - 0.3) < 0.02
+
+
+def test_coloured_noise_is_made_white():
+    drawn = 0.1 * np.random.default_rng(1).standard_normal(4000)
+    coloured = lfilter([1.0], [1.0, -1.5, 0.7], drawn)
+    noise = noise_of(coloured, 1e-3)
+    white = noise.whitened(coloured)
+    assert abs(noise.deviation - 0.1) < 0.01
+    assert abs(np.std(white) - 1.0) < 0.05
+    assert abs(white[1:] @ white[:-1]) / len(white) < 0.05
+
+
+def test_no_sensor_is_exact():
+    assert noise_of(np.zeros(100), 0.01).deviation == 0.01
 
 
 def fitted(channel):
@@ -84,3 +133,56 @@ def test_a_record_that_is_too_short_is_refused():
             None,
             channel.leverage,
         )
+
+
+def test_a_limit_is_found_and_does_not_disturb_the_rest():
+    fit, limits = limited_fit(record(0.3, 0.1, gain=0.8, noise=0.05, limit=0.8, slow=0.8))
+    assert 0.8 * limits.upper == pytest.approx(0.8, abs=0.04)
+    assert 0.8 * limits.lower == pytest.approx(-0.8, abs=0.04)
+    assert fit.lag == pytest.approx(0.3, abs=0.03)
+
+
+def test_without_a_limit_none_is_found():
+    _, limits = limited_fit(record(0.3, 0.1, slow=0.8))
+    assert limits == Limits()
+
+
+def found(channel):
+    return estimates(ChannelFit(channel, channel.demand.value).run())
+
+
+def test_an_interval_holds_its_value_and_ends_at_what_is_possible():
+    lag, dead_time, total, gain = found(record(0.0, 0.0))
+    for estimate in (lag, dead_time, total, gain):
+        assert estimate.lower <= estimate.value <= estimate.upper
+    assert lag.lower == dead_time.lower == 0.0
+    assert total.holds(0.0) or total.lower < 0.02
+
+
+def test_twice_the_noise_widens_the_interval_of_the_sum_as_much():
+    widths = []
+    for noise in (0.05, 0.1):
+        total = found(record(0.3, 0.15, noise=noise)).total
+        widths.append(total.upper - total.lower)
+    assert 1.5 < widths[1] / widths[0] < 2.5
+
+
+@pytest.mark.long
+def test_of_many_flights_as_many_are_covered_as_claimed():
+    """Of 60 at 95 %, fewer than 52 would be covered in 1 of 500 such tests."""
+    random, covered = np.random.default_rng(0), np.zeros(4, int)
+    for seed in range(60):
+        lag, dead_time = np.exp(random.uniform(np.log(0.05), 0.0)), random.uniform(0.0, 0.3)
+        estimate = found(record(lag, dead_time, 0.9, seed=seed))
+        truth = (lag, dead_time, lag + dead_time, 0.9)
+        covered += [one.holds(value) for one, value in zip(estimate, truth, strict=True)]
+    assert np.all(covered >= 52), covered
+
+
+def test_every_output_needs_its_noise():
+    channel = record(0.3, 0.1, rate_noise=0.02)
+    fit = ChannelFit(channel, channel.demand.value)
+    state, rate = fit.noise
+    for noise in ([state], [state, rate, rate]):
+        with pytest.raises(ValueError, match="argument 2 is (shorter|longer)"):
+            fit.describe(noise)

@@ -17,7 +17,7 @@
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.studies.identification.channel_record import CHANNELS
+from uav_tracking_mpc.studies.identification.flight_record import CHANNELS
 from uav_tracking_mpc.studies.identification.validation import (
     DEAD_TIME,
     GAIN,
@@ -27,7 +27,7 @@ from uav_tracking_mpc.studies.identification.validation import (
     Flight,
     drawn,
     validate,
-    validation_table,
+    validation,
 )
 
 QUICK = ("nmpc_controller.law=l1",)  # needs no solver
@@ -66,7 +66,7 @@ def test_flights_are_counted():
             assert channel["near"][figure] == near
             held = errors[figure]["lower"] <= truth <= errors[figure]["upper"]
             assert channel["covered"][figure] == held
-    assert len(validation_table(content).rows) == len(CHANNELS)
+    assert len(validation(content).tables["identification"].rows) == len(CHANNELS)
 
 
 @pytest.mark.long

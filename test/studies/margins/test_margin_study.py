@@ -12,23 +12,122 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The study of a configuration: numbers, table and figure; flights are those of the model."""
+"""What flies, beside the model; and flights on both sides of the margins."""
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.control.loop_margins import UNSTABLE
-from uav_tracking_mpc.control.orbit_loop import OrbitLoop
+from uav_tracking_mpc.margins.loop_margins import UNSTABLE, loop_margins
+from uav_tracking_mpc.margins.orbit_loop import OrbitLoop
 from uav_tracking_mpc.report.figure_style import png
 from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.studies.margins import margin_study as module
-from uav_tracking_mpc.studies.margins.flown_loop import FlownLoop
 from uav_tracking_mpc.studies.margins.margin_figure import margin_figure
-from uav_tracking_mpc.studies.margins.margin_study import as_json, margin_study
-from uav_tracking_mpc.studies.margins.margin_table import margin_table
+from uav_tracking_mpc.studies.margins.margin_study import (
+    FlownLoop,
+    Impulse,
+    as_json,
+    flown_loops,
+    in_still_air,
+    margin_study,
+    margin_table,
+    sensitivities,
+)
+
+
+@pytest.fixture(autouse=True)
+def short(monkeypatch):
+    """A still target in still air needs no time to settle."""
+    monkeypatch.setattr(module, "SETTLED", 10.0)
+    monkeypatch.setattr(module, "OBSERVED", 40.0)
+
+
+@pytest.fixture(scope="module")
+def configuration():
+    return load_configuration("small_uav", scenario="gusts")
+
+
+@pytest.fixture(scope="module")
+def near(configuration):
+    return OrbitLoop(configuration.controller)
+
+
+@pytest.fixture(scope="module")
+def margins(near):
+    return near.margins(near.orbit_in(np.zeros(3)))
+
+
+def test_an_impulse_lasts_for_one_period():
+    impulse = Impulse(np.array([0.1, 0.0, 0.0]), 0.05)
+    ticks = [tick / 20.0 for tick in range(190, 212)]
+    assert [time for time in ticks if np.any(impulse(time))] == [10.0]
+
+
+def test_still_air_takes_away_what_is_no_error_of_the_aircraft(configuration):
+    still = in_still_air(configuration)
+    assert still.simulator.gust_intensity == 0.0
+    assert not np.any(still.simulator.wind)
+    assert still.simulator.rate_lag == configuration.simulator.rate_lag
+    log = simulate(replace(still, mission=replace(still.mission, duration=2.0)))
+    assert np.abs(log.error[:, 0]).max() < 1.0  # it begins on the orbit
+
+
+@pytest.mark.parametrize(("estimators", "error", "share"), [(False, 0.01, 0.02), (True, 0.1, 0.1)])
+def test_model_and_flight_agree(configuration, near, estimators, error, share):
+    """Estimators of air and response, which the model does not know, hardly show on the orbit."""
+    controller = replace(
+        configuration.controller, air_estimation=estimators, response_estimation=estimators
+    )
+    by_model = near.loop(near.orbit_in(np.zeros(3)))
+    frequency = by_model.frequencies(200)
+    flights = replace(configuration, controller=controller)
+    (flown,) = flown_loops(flights, frequency, workers=1, show=False)
+    assert flown.settled
+    expected = sensitivities(by_model.response(frequency))
+    np.testing.assert_allclose(sensitivities(flown.loop), expected, atol=error)
+    found = loop_margins(frequency, flown.loop)
+    told = loop_margins(frequency, by_model.response(frequency))
+    assert found.disk == pytest.approx(told.disk, rel=share)
+    for name, channel in found.channels.items():
+        assert channel.delay_s == pytest.approx(told.channels[name].delay_s, rel=share)
+        assert channel.phase_deg == pytest.approx(told.channels[name].phase_deg, rel=share)
+
+
+def left_of_an_answer(configuration, axis, **simulator):
+    """Greatest command in the last 10 s over that in the 10 s after an impulse.
+
+    The controller does not learn of the response: that is another remedy than a margin.
+    """
+    still = in_still_air(configuration)
+    still = replace(
+        still,
+        simulator=replace(still.simulator, **simulator),
+        controller=replace(still.controller, response_estimation=False),
+    )
+    log = simulate(still, disturbance=Impulse(0.3 * np.diag(module.IMPULSES)[axis], 0.05))
+    answer = np.abs(log.inputs[:, axis] - np.median(log.inputs[:, axis]))
+    first = (log.command_time > 10.0) & (log.command_time < 20.0)
+    return answer[log.command_time > 40.0].max() / answer[first].max()
+
+
+@pytest.mark.parametrize(("share", "stable"), [(0.85, True), (1.15, False)])
+def test_a_flight_bears_the_delay_that_is_told_and_no_more(configuration, margins, share, stable):
+    dead_time = list(configuration.simulator.dead_time)
+    dead_time[1] += share * margins.channels["path"].delay_s
+    left = left_of_an_answer(configuration, 1, dead_time=tuple(dead_time))
+    assert left < 0.5 if stable else left > 1.5
+
+
+@pytest.mark.parametrize(("share", "stable"), [(0.85, True), (1.15, False)])
+def test_a_flight_bears_the_gain_that_is_told_and_no_more(configuration, margins, share, stable):
+    gain = 10.0 ** (share * margins.channels["turn"].gain_increase_db / 20.0)
+    left = left_of_an_answer(configuration, 0, command_gain=(gain, 1.0, 1.0))
+    assert left < 0.01 if stable else left > 0.5
 
 
 def modelled(settled=True):

@@ -21,11 +21,11 @@ from types import SimpleNamespace
 import pytest
 import yaml
 
-from uav_tracking_mpc.control.loop_margins import CHANNELS, ChannelMargins
+from uav_tracking_mpc.margins.loop_margins import CHANNELS, ChannelMargins
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.studies.comparison.measures import Measures
 from uav_tracking_mpc.studies.margins import weight_search as module
-from uav_tracking_mpc.studies.margins.weight_search import as_json, search_table, search_weights
+from uav_tracking_mpc.studies.margins.weight_search import as_study, search_weights
 
 
 class Loop:
@@ -93,8 +93,9 @@ def test_it_goes_where_the_cost_is_least(monkeypatch):
     assert search.best.cost == min(each.cost for each in search.candidates)
     pasted = yaml.safe_load(search.yaml)["/**/nmpc_controller"]["ros__parameters"]
     assert [weight for values in pasted.values() for weight in values] == list(search.best.weights)
-    assert as_json(search)["best"]["input_weights"] == pasted["input_weights"]
-    assert len(search_table(search).rows) == len(search.candidates)
+    study = as_study(search)
+    assert study.content["best"]["input_weights"] == pasted["input_weights"]
+    assert len(study.words[0].rows) == len(search.candidates)
 
 
 def test_weights_without_margins_are_not_flown(monkeypatch):

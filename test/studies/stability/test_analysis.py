@@ -12,16 +12,15 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The whole analysis, and the levels that it must reach."""
+"""The whole analysis, the levels that it must reach, and help with the design."""
 
 import pytest
 
-pytest.importorskip("flint")
-
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.studies.stability.analysis import analyse
-from uav_tracking_mpc.studies.stability.analysis_text import as_json, as_words
-from uav_tracking_mpc.terminal.stability_problem import paper_problem
+from uav_tracking_mpc.studies.stability.design import design
+from uav_tracking_mpc.studies.stability.stability_study import as_json, as_words
+from uav_tracking_mpc.terminal.ingredients import paper_problem
 
 
 @pytest.fixture(scope="module")
@@ -75,3 +74,19 @@ def test_a_search_that_stops_for_its_budget_says_so_and_what_to_do():
     assert "NOT CERTIFIED" in verdict
     assert "budget of 3 boxes is spent" in verdict
     assert "--boxes" in verdict
+
+
+def test_heavier_input_weight_enlarges_the_region_at_a_cost():
+    found = design(paper_problem(), scalings=(2.5,), input_factors=(3.0,))
+    assert found.best is not None
+    assert found.best.volume > 2.0
+    assert found.best.cost > 1.0
+    assert found.best.proved
+
+
+def test_impossible_orbit_is_explained():
+    problem = paper_problem(orbit=Orbit(range=51.0, altitude=50.0, speed=9.0))
+    found = design(problem, scalings=(2.5,), input_factors=(1.0,))
+    assert found.best is None
+    assert "no choice" in found.words
+    assert "u_psi" in found.words

@@ -12,13 +12,60 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The report on the paper: verdicts found by the program."""
+"""The report on the paper: verdicts found by the program; its pages are current."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
 
 import pytest
 
-from uav_tracking_mpc.studies.stability.distance_budget import distance_budget
-from uav_tracking_mpc.studies.stability.paper_report import paper_as_printed, paper_report
-from uav_tracking_mpc.terminal.stability_problem import PAPER_INITIAL_STATE, paper_problem
+from uav_tracking_mpc.studies.stability.paper_cases import distance_budget
+from uav_tracking_mpc.studies.stability.paper_report import (
+    as_markdown,
+    numbers_table,
+    paper_as_printed,
+    paper_report,
+    verdicts,
+)
+from uav_tracking_mpc.terminal.ingredients import PAPER_INITIAL_STATE, paper_problem
+
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
+
+
+def last_digit(number: str) -> float:
+    """What one step of the last digit of a printed number is worth."""
+    mantissa, _, exponent = number.partition("e")
+    return 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
+
+
+def assert_same(found: str, expected: str) -> None:
+    """Fail where words differ, or a decimal number by more than one step of its last digit.
+
+    The last digit that a table prints depends on how a library of linear algebra rounds.
+    """
+    assert NUMBER.split(found) == NUMBER.split(expected)
+    for one, other in zip(NUMBER.findall(found), NUMBER.findall(expected), strict=True):
+        step = max(last_digit(one), last_digit(other)) if "." in one + other else 0.0
+        assert abs(float(one) - float(other)) <= 1.001 * step, f"{one} is not {other}"
+
+
+TEXT = "| varrho | 3.1733 | -1.2e-05 | row 12 | L2 |"
+
+
+@pytest.mark.parametrize(("old", "new"), [("3.1733", "3.1734"), ("-1.2e-05", "-1.1e-05")])
+def test_the_last_digit_may_move(old, new):
+    assert_same(TEXT.replace(old, new), TEXT)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("3.1733", "3.1735"), ("-1.2e-05", "1.2e-05"), ("12", "13"), ("L2", "L3"), ("row", "line")],
+)
+def test_nothing_else_may(old, new):
+    with pytest.raises(AssertionError):
+        assert_same(TEXT.replace(old, new), TEXT)
 
 
 @pytest.fixture(scope="module")
@@ -60,5 +107,27 @@ def test_initial_state_is_infeasible_at_ten_steps():
     assert possible == pytest.approx(41.0, abs=0.5)
 
 
-def test_every_row_has_a_verdict(rows):
-    assert all(row.verdict for row in rows.values())
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "paper_errata.md"
+
+
+def test_every_row_has_a_verdict():
+    rows = paper_report()
+    assert all(row.verdict for row in rows)
+    assert [row[0] for row in numbers_table(rows).rows] == [str(n + 1) for n in range(len(rows))]
+    lines = verdicts(rows)
+    assert [int(line.split()[0]) for line in lines] == list(range(1, len(rows) + 1))
+    assert any("the printed certificate does not hold" in line for line in lines)
+
+
+def test_the_page_is_current():
+    assert_same(PAGE.read_text(), as_markdown(paper_report()))
+
+
+DOCS = Path(__file__).resolve().parents[3] / "docs"
+
+
+def test_pictures_of_the_page_exist_and_are_small():
+    names = re.findall(r"!\[.*?\]\((.*?)\)", (DOCS / "stability.md").read_text())
+    assert len(names) >= 3
+    for name in names:
+        assert 0 < (DOCS / name).stat().st_size < 300_000

@@ -12,14 +12,19 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""Numbers, times and plots of a flight."""
+
 import math
 
 import numpy as np
 import pytest
 from watched_flight_stand_in import sight
 
+from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.view.panel.readings import Readings, readings
+from uav_tracking_mpc.view.panel.readings import RESOLUTION, SPAN, Plots, Readings, Timing, readings
+from uav_tracking_mpc.view.panel.state import MOST
+from uav_tracking_mpc.view.watched_flight import TargetSight
 
 SMALL, PAPER = (load_configuration(name).controller for name in ("small_uav", "paper"))
 
@@ -44,12 +49,8 @@ def test_limits_are_those_of_the_controller():
 
 
 def test_the_floor_is_told_from_the_target():
-    assert reading("Altitude", target=replaced_target(up=25.0)).least == 5.0
-
-
-def replaced_target(up):
-    target = sight().target
-    return type(target)(np.array([0.0, 0.0, up]))
+    target = TargetSight(np.array([0.0, 0.0, 25.0]))
+    assert reading("Altitude", target=target).least == 5.0
 
 
 def test_a_limit_as_wide_as_is_allowed_is_none():
@@ -74,3 +75,87 @@ def test_what_is_not_known_is_a_dash(panel, flight):
     assert "nan" not in text
     assert "inf" not in text
     assert text.count("–") >= 7  # noqa: RUF001
+
+
+def cells(text, row):
+    """Numbers of a row of the table."""
+    line = next(line for line in text.split("<tr") if f">{row}<" in line)
+    return [cell.split("</td>")[0] for cell in line.split('tabular-nums">')[1:]]
+
+
+def test_now_median_and_p99_of_the_last_minute(panel, flight):
+    flight.seen = [sight(-100.0, solve_time=9.0)]  # longer ago than a minute
+    flight.seen += [sight(0.1 * k, solve_time=1e-3 * k, latency=5e-3) for k in range(101)]
+    shown = panel(Timing)
+    now, median, p99 = map(float, cells(shown.show(), "Solve time"))
+    assert (now, median) == pytest.approx((100.0, 50.0))
+    assert p99 == pytest.approx(99.0)
+    assert cells(shown.text, "Latency") == ["5.00"] * 3
+
+
+def test_what_is_not_measured_is_a_dash(panel, flight):
+    flight.seen = [sight(latency=math.nan)]
+    assert cells(panel(Timing).show(), "Latency") == ["–"] * 3  # noqa: RUF001
+
+
+def test_points_are_bounded(panel, flight):
+    flight.seen = [sight(0.001 * k) for k in range(2 * MOST)]
+    shown = panel(Timing)
+    shown.show()
+    assert len(shown.part._recent.rows) == MOST
+
+
+def plots(shown):
+    """Range error, bank, cost."""
+    return [handle for handle in shown._handles() if hasattr(handle._impl.props, "series")]
+
+
+def test_the_last_minutes_over_the_time_before_now(panel, flight):
+    flight.seen = [sight(k * 1.0, bank=math.radians(k), cost=1.0 + k) for k in range(31)]
+    shown = panel(Plots)
+    shown.show()
+    error, bank, cost = plots(shown)
+    assert (bank.data[0][0], bank.data[0][-1]) == (-30.0, 0.0)
+    assert bank.data[2] == pytest.approx(np.arange(31.0))
+    assert (bank.data[3][0], bank.data[4][0]) == pytest.approx((45.0, -45.0))
+    assert cost.data[2][-1] == 31.0
+    assert error.data[2][-1] == 0.4
+
+
+def test_points_are_bounded_plots(panel, flight):
+    shown = panel(Plots)
+    for begin in range(0, 800, 10):
+        flight.seen = [sight(begin + 0.1 * k) for k in range(100)]
+        shown.show()
+    for plot in plots(shown):
+        assert len(plot.data[0]) <= SPAN / RESOLUTION + 1
+        assert plot.data[0].min() >= -SPAN
+
+
+def test_a_plot_without_a_point_does_not_appear(panel, flight):
+    flight.seen = [sight(cost=math.nan)]
+    shown = panel(Plots)
+    shown.show()
+    assert [plot.visible for plot in plots(shown)] == [True, True, False]
+
+
+def test_what_is_not_finite_is_left_out(panel, flight):
+    flight.seen = [sight(1.0), sight(2.0, cost=math.nan), sight(3.0, cost=math.inf), sight(4.0)]
+    shown = panel(Plots)
+    shown.show()
+    assert plots(shown)[2].data[0].tolist() == [-3.0, 0.0]
+    assert all(np.isfinite(line).all() for plot in plots(shown) for line in plot.data)
+
+
+def test_fallback_is_shaded(panel, flight):
+    flight.seen = [sight(1.0), sight(2.0, mode=FallbackMode.LOITER), sight(3.0)]
+    shown = panel(Plots)
+    shown.show()
+    assert plots(shown)[0].data[1].tolist() == [0.0, 1.0, 0.0]
+
+
+def test_time_is_no_date_and_the_logarithmic_axis_alone_has_no_grid(panel):
+    for plot in plots(panel(Plots)):
+        assert plot.scales["x"]["time"] is False
+        logarithmic = plot.scales["y"].get("distr") == 3
+        assert plot.axes[1]["grid"]["show"] is not logarithmic

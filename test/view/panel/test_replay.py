@@ -25,7 +25,7 @@ from viser._messages import GuiUpdateMessage
 
 from uav_tracking_mpc.view.panel import replay
 from uav_tracking_mpc.view.panel.replay import Replay, clock_words
-from uav_tracking_mpc.view.play_clock import PlayClock
+from uav_tracking_mpc.view.watched_flight import PlayClock
 
 WAIT = 60.0  # s, for what other threads do on a loaded machine
 

@@ -12,11 +12,14 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-from watched_flight_stand_in import sight
+"""What is flown and why, and what the nodes say."""
+
+from watched_flight_stand_in import StandInFlight, StandInSource, sight
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.report.mode_colours import mode_colour
-from uav_tracking_mpc.view.panel.state import SHOWN, State
+from uav_tracking_mpc.view.panel.state import SHOWN, Diagnostics, State
+from uav_tracking_mpc.view.watched_flight import NodeStatus
 
 LOST = {"mode": FallbackMode.LOITER, "reason": "target position is lost"}
 
@@ -95,3 +98,31 @@ def test_words_of_others_are_no_html(panel, flight):
 def test_before_the_first_command(panel, flight):
     flight.seen = [sight(mode=None)]
     assert "no command yet" in panel(State).show()
+
+
+def test_each_node_has_its_level_and_words(panel, flight):
+    names = "ok", "warning", "error", "silent"
+    flight.seen = [
+        sight(statuses=tuple(NodeStatus(f"node_{k}", k, f"words {k}") for k in range(4)))
+    ]
+    text = panel(Diagnostics).show()
+    for k, level in enumerate(names):
+        line = next(line for line in text.split("<div") if f"node_{k}" in line)
+        assert level in line
+        assert f"words {k}" in line
+
+
+def test_figures_fold_out_and_follow(panel, flight):
+    shown = panel(Diagnostics)
+    assert "12" in shown.show()
+    assert shown.widget("nmpc_controller").expand_by_default is False
+    flight.seen = [sight(statuses=(NodeStatus("nmpc_controller", 0, "", {"solves": "13"}),))]
+    assert "13" in shown.show()
+
+
+def test_it_is_absent_where_nobody_says_anything():
+    flight = StandInFlight()
+    source = StandInSource(flight)
+    assert Diagnostics.fits(flight, source)
+    flight.seen = [sight(statuses=())]
+    assert not Diagnostics.fits(flight, source)

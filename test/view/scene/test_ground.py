@@ -12,16 +12,17 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The ground: cells that fit the flight, distances in words, one for all aircraft."""
+"""The grid under a flight, and its limits."""
 
 import numpy as np
 import pytest
 from watched_flight_stand_in import StandInFlight, sight
 
-from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
-from uav_tracking_mpc.view.scene.drop_line import DropLine
-from uav_tracking_mpc.view.scene.ground import Ground, cell_size, distance
-from uav_tracking_mpc.view.sight import TargetSight
+from uav_tracking_mpc.dynamics.orbit import FlownOrbit
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.view.scene.airframe import DropLine
+from uav_tracking_mpc.view.scene.ground import Ground, Limits, cell_size, distance
+from uav_tracking_mpc.view.watched_flight import TargetSight
 
 
 def about(east, north, radius=275.0):
@@ -81,3 +82,65 @@ def test_a_second_aircraft_draws_none(draw, sent):
     sent.clear()
     other.show(about(5000.0, 0.0))
     assert sent == []
+
+
+FENCED = ("fence_radius=800.0", "fence_centre=[100.0,-50.0]")
+
+
+@pytest.fixture
+def limit(scene):
+    """The node of a limit, or None."""
+
+    def find(name):
+        for k in range(9):
+            handle = scene.get_handle_by_name(f"/world/aircraft/limits/{name}_{k}")
+            if handle is not None:
+                return handle
+        return None
+
+    return find
+
+
+class FlightWithin(StandInFlight):
+    """Flies by parameters that a test chooses."""
+
+    def __init__(self, *overrides):
+        super().__init__()
+        self.within(*overrides)
+
+    def within(self, *overrides):
+        settings = [f"nmpc_controller.{override}" for override in overrides]
+        self._tracking = load_configuration("small_uav", settings).controller
+
+    @property
+    def tracking(self):
+        return self._tracking
+
+
+def test_fence_floor_and_least_distance(draw, scene, limit):
+    element = draw(Limits, FlightWithin(*FENCED))
+    element.show(sight(target=TargetSight(np.array([5.0, 6.0, 7.0]))))
+    np.testing.assert_allclose(limit("fence").position, [100.0, -50.0, 7.0])
+    wall = scene.get_handle_by_name(f"{limit('fence').name}/wall")
+    np.testing.assert_allclose(wall.scale[:2], 800.0)
+    np.testing.assert_allclose(limit("height").position[2], 30.0)
+    np.testing.assert_allclose(limit("distance").position, [5.0, 6.0, 7.0])
+    assert scene.get_handle_by_name(f"{limit('distance').name}/lines").scale == 60.0
+
+
+def test_a_limit_that_is_taken_away_goes(draw, limit):
+    flight = FlightWithin(*FENCED)
+    element = draw(Limits, flight)
+    element.show(sight())
+    assert limit("fence") is not None
+    flight.within("height_min=-1e5")
+    element.show(sight())
+    assert limit("fence") is None
+    assert limit("height") is None
+    assert limit("distance") is not None
+
+
+@pytest.mark.parametrize("target", [None, TargetSight(np.full(3, np.nan))])
+def test_the_least_distance_is_hidden_while_there_is_no_target(draw, limit, target):
+    draw(Limits, FlightWithin()).show(sight(target=target))
+    assert not limit("distance").visible

@@ -12,14 +12,14 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The wind: its words, and that calm air shows none."""
+"""The wind in words and as an arrow, and the triangle of velocities."""
 
 import numpy as np
 import pytest
 import viser.transforms as rigid
 from watched_flight_stand_in import StandInFlight, sight
 
-from uav_tracking_mpc.view.scene.wind import Wind, words
+from uav_tracking_mpc.view.scene.wind import Velocities, Wind, arrows, words
 
 
 @pytest.mark.parametrize(
@@ -51,3 +51,28 @@ def test_calm_or_unknown_air_shows_none(draw, node):
         assert node("wind").visible
         element.show(sight(wind=calm))
         assert not node("wind").visible
+
+
+def test_the_drift_leads_from_the_one_to_the_other():
+    seen = sight(
+        heading=0.0, path_angle=0.0, airspeed=20.0, ground_velocity=np.array([20.0, 5.0, 0.0])
+    )
+    ground, air, drift = arrows(seen)
+    np.testing.assert_allclose(ground, [[0.0, 0.0, 0.0], [1.0, 0.25, 0.0]])
+    np.testing.assert_allclose(air, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    np.testing.assert_allclose(drift, [air[1], ground[1]])
+
+
+def test_in_still_air_there_is_one():
+    seen = sight(
+        heading=0.0, path_angle=0.0, airspeed=20.0, ground_velocity=np.array([20.0, 0.0, 0.0])
+    )
+    assert len(arrows(seen)) == 1
+
+
+def test_they_are_hidden_where_the_airspeed_is_not_known(draw, node):
+    element = draw(Velocities, StandInFlight())
+    element.show(sight())
+    assert node("aircraft/velocities").visible
+    element.show(sight(airspeed=np.nan))
+    assert not node("aircraft/velocities").visible

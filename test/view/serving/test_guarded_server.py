@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The page's server as its port shows it: raw requests, websockets, slow and greedy clients."""
+"""The server answers to whom it should, at an address that says where."""
 
 import contextlib
 import gc
@@ -23,18 +23,18 @@ import subprocess
 import sys
 from types import SimpleNamespace
 
-import pytest
-from waiting import wait_for
-
-pytest.importorskip("viser")
-
 import msgspec
+import pytest
 import viser
+from processes import wait_for
 from websockets.exceptions import ConnectionClosedError, InvalidStatus
 from websockets.sync.client import connect
 
 from uav_tracking_mpc.view.serving import guarded_server
-from uav_tracking_mpc.view.serving.guarded_server import GuardedServer
+from uav_tracking_mpc.view.serving.guarded_server import GuardedServer, address_of, listen
+
+pytest.importorskip("viser")
+
 
 PATIENCE = 60.0  # s: a limit for broken servers, not a measure of good ones
 PROTOCOL = f"viser-v{viser.__version__}"
@@ -272,3 +272,54 @@ def test_nothing_is_printed():
         [sys.executable, "-c", script], capture_output=True, text=True, timeout=300, check=True
     )
     assert done.stdout == done.stderr == ""
+
+
+def test_a_port_that_is_taken_is_told():
+    with listen(port=0) as first:
+        port = first.getsockname()[1]
+        with pytest.raises(OSError, match=rf"port {port} of 127\.0\.0\.1 is taken"):
+            listen(port=port)
+
+
+def test_without_a_port_the_next_free_one_is_taken(monkeypatch):
+    with listen(port=0) as first:
+        taken = first.getsockname()[1]
+        monkeypatch.setattr(guarded_server, "PORT", taken)
+        with listen() as second:
+            assert taken < second.getsockname()[1] < taken + guarded_server.TRIES
+        monkeypatch.setattr(guarded_server, "TRIES", 1)
+        with pytest.raises(OSError, match="choose a --port"):
+            listen()
+
+
+def test_addresses_of_others_are_told():
+    with pytest.raises(OSError, match=r"cannot listen at 192\.0\.2\.1"):
+        listen("192.0.2.1", 0)
+    with pytest.raises(OSError, match=r"'no\.such\.host\.invalid' is neither"):
+        listen("no.such.host.invalid", 0)
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "localhost"])
+def test_the_address_reaches_it(host):
+    with listen(host, 0) as listener:
+        scheme, _, place = address_of(listener, host).partition("://")
+        name, _, port = place.rpartition(":")
+        assert (scheme, name) == ("http", host)
+        socket.create_connection((listener.getsockname()[0], int(port))).close()
+
+
+def test_for_every_address_one_is_told():
+    with listen("0.0.0.0", 0) as listener:
+        name, _, port = address_of(listener, "0.0.0.0").removeprefix("http://").rpartition(":")
+        assert name != "0.0.0.0"
+        socket.create_connection((name, int(port))).close()
+
+
+@pytest.mark.skipif(not socket.has_ipv6, reason="no IPv6 here")
+def test_an_address_of_ipv6_stands_in_brackets():
+    try:
+        listener = listen("::1", 0)
+    except OSError as error:
+        pytest.skip(str(error))
+    with listener:
+        assert address_of(listener, "::1").startswith("http://[::1]:")

@@ -12,12 +12,11 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Models of the motion relative to the target, state (r, theta, z, chi, v), one file each.
+"""Models of the motion relative to the target, state (r, theta, z, chi, v).
 
 =========== =======================================================================================
 ``exact``   the kinematics (3) in these coordinates, no approximation
-``paper``   (11) as printed: (9) with r^2 - z_p^2 replaced by r^2 cos^2(chi)
-``paper9``  (9) as printed
+``paper``   (11) as printed, (9) with r^2 - z_p^2 replaced by r^2 cos^2(chi); and (9), `paper9`
 =========== =======================================================================================
 
 theta = psi - phi - pi with phi = atan2(y, x), the azimuth of the UAV seen from the target; the
@@ -30,9 +29,27 @@ the true vehicle.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
-from uav_tracking_mpc.dynamics.relative import RelativeState
+from uav_tracking_mpc.parameters.registry import ExtensionPoint
+
+
+class RelativeState(NamedTuple):
+    """State (r, theta, z, chi, v) by name; an array of shape (5,) in this order is the same.
+
+    Attributes:
+        range: r, distance to the target [m].
+        bearing: theta = psi - phi - pi, wrapped to (-pi, pi] [rad].
+        altitude: z, height above the target [m].
+        path_angle: chi, positive when climbing [rad].
+        speed: v [m/s].
+    """
+
+    range: Any
+    bearing: Any
+    altitude: Any
+    path_angle: Any
+    speed: Any
 
 
 class RelativeModel(ABC):
@@ -55,3 +72,6 @@ class RelativeModel(ABC):
         Returns:
             Five expressions, in the order of the state.
         """
+
+
+RELATIVE_MODEL = ExtensionPoint("prediction model", RelativeModel)

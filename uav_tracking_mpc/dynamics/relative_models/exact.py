@@ -20,8 +20,7 @@ from typing import Any
 
 import casadi as ca
 
-from uav_tracking_mpc.dynamics.relative import RelativeState
-from uav_tracking_mpc.dynamics.relative_models import RelativeModel
+from uav_tracking_mpc.dynamics.relative_models import RelativeModel, RelativeState
 from uav_tracking_mpc.dynamics.vehicle import air_velocity
 
 

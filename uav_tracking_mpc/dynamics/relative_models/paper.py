@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""(11) as printed, for any bearing; it is printed at theta = pi/2 + x_2."""
+"""(11) as printed, for any bearing (it is printed at theta = pi/2 + x_2), and (9)."""
 
 from __future__ import annotations
 
@@ -20,8 +20,7 @@ from typing import Any
 
 import casadi as ca
 
-from uav_tracking_mpc.dynamics.relative import RelativeState
-from uav_tracking_mpc.dynamics.relative_models import RelativeModel
+from uav_tracking_mpc.dynamics.relative_models import RelativeModel, RelativeState
 
 
 class Paper(RelativeModel):
@@ -41,3 +40,16 @@ class Paper(RelativeModel):
             u_chi,  # (9d), (11d)
             u_v,  # (9e), (11e)
         ]
+
+
+class Paper9(Paper):
+    """(9) as printed: (11) but for the bearing."""
+
+    name = "paper9"
+
+    def rates(self, state: RelativeState, inputs: Any) -> list[Any]:
+        """See :meth:`RelativeModel.rates`."""
+        r, theta, z, chi, v = state
+        rates = super().rates(state, inputs)
+        rates[1] = v * r * ca.cos(chi) ** 2 * ca.sin(theta) / (r**2 - z**2) + inputs[0]  # (9b)
+        return rates

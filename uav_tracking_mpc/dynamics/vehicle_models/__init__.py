@@ -12,16 +12,16 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Models of the aircraft for the prediction of a real flight, one file each.
+"""Models of the aircraft for the prediction of a real flight.
 
-==================  ==================================================================
-``lagged``          the vehicle (3) behind inner loops that lag, in a drift
-``held``            the same, where the autopilot itself holds altitude and airspeed
-==================  ==================================================================
+===============  ===================================================================
+``lagged``       the vehicle (3) behind inner loops that lag, in a drift; the same
+                 where the autopilot itself holds altitude and airspeed
+``conformance``  whether a model keeps what the base asks for
+===============  ===================================================================
 
-A model is a subclass of :class:`VehicleModel` in a file of its own name. Its fields are parameters
-of the controller. :func:`uav_tracking_mpc.dynamics.vehicle_models._check.check_model` tells its
-author whether it keeps what the base asks for.
+A model is a subclass of :class:`VehicleModel` with a name. Its fields are parameters of the
+controller.
 """
 
 from __future__ import annotations
@@ -34,7 +34,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.dynamics.drifting_orbit import OrbitMotion
+from uav_tracking_mpc.dynamics.orbit import OrbitMotion
+from uav_tracking_mpc.parameters.registry import ExtensionPoint
 from uav_tracking_mpc.parameters.specification import Parameters
 
 
@@ -176,6 +177,9 @@ class VehicleModel(Parameters, ABC):
             orbit: Motion on the orbit where the aircraft is.
         """
         return [state.turn_rate - orbit.turn_rate, state.path_angle_rate, state.acceleration]
+
+
+VEHICLE_MODEL = ExtensionPoint("model of the vehicle", VehicleModel)
 
 
 def step_function(model: VehicleModel) -> ca.Function:

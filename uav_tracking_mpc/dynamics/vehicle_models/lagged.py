@@ -31,12 +31,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.dynamics.energy_hold import HoldConstants, HoldParameters, hold
 from uav_tracking_mpc.dynamics.vehicle import air_velocity
 from uav_tracking_mpc.dynamics.vehicle_models import Drift, VehicleModel, VehicleState
 from uav_tracking_mpc.parameters.specification import parameter
@@ -112,3 +113,35 @@ class Lagged(VehicleModel):
         )
         rates = (u_psi + e_psi * numbers[6], u_chi + e_chi * numbers[7], u_v + e_v * numbers[8])
         return VehicleState(x + dx, y + dy, z + dz, psi, chi, v, *rates)
+
+
+@dataclass(frozen=True)
+class Held(HoldParameters, Lagged):
+    """First-order lag of a turn rate that is commanded and of two rates that hold what is told."""
+
+    name = "held"
+    commanded: ClassVar[int] = 1
+
+    def numbers(self, duration: float) -> NDArray[np.float64]:
+        """See :meth:`VehicleModel.numbers`.
+
+        Returns:
+            Those of :meth:`Lagged.numbers`, then the constants of the autopilot, shape (15,).
+        """
+        return np.concatenate([super().numbers(duration), self.hold_constants])
+
+    def held(self, state: Any, altitude: Any, airspeed: Any, numbers: Any, drift: Any) -> list[Any]:
+        """See :meth:`VehicleModel.held`."""
+        xp = ca if isinstance(state.heading, ca.SX) else np
+        climb_rate = state.airspeed * xp.sin(state.path_angle) + drift[2]
+        constants = HoldConstants(*(numbers[k] for k in range(9, 15)))
+        u_chi, u_v = hold(
+            altitude - state.z,
+            climb_rate,
+            state.path_angle,
+            state.airspeed,
+            airspeed - state.airspeed,
+            constants,
+            xp,
+        )
+        return [u_chi, u_v]

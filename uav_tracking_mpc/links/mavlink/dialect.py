@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import os
+from types import SimpleNamespace
 from typing import Any
 
 from uav_tracking_mpc.links import LinkError
@@ -42,3 +43,13 @@ def name_of(enumeration: str, value: int) -> str:
     """
     entry = mavlink.enums.get(enumeration, {}).get(value)
     return str(value) if entry is None else str(entry.name).removeprefix(f"{enumeration}_")
+
+
+def values_of(enumeration: str) -> Any:
+    """Values of an enumeration by name without the enumeration's own, such as ``FIXED_WING``.
+
+    Args:
+        enumeration: Such as ``MAV_TYPE``.
+    """
+    entries = mavlink.enums[enumeration].items()
+    return SimpleNamespace(**{e.name.removeprefix(f"{enumeration}_"): v for v, e in entries})

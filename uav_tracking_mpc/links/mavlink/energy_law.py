@@ -49,7 +49,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.dynamics.air import GRAVITY
 
 PATH_LAG, SPEED_LAG = 0.2, 0.2  # s, tau_chi and tau_v of the reference
 LIFT_TIME = 0.25  # s, T_alpha: v / g times the angle of attack per load factor

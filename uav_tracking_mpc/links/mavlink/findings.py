@@ -12,20 +12,82 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What is looked at before a flight with any autopilot on MAVLink, in words."""
+"""What is looked at before a flight with any autopilot on MAVLink, in words; and its fence."""
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
-from typing import Any, Protocol
+from typing import Any, ClassVar, NamedTuple
 
+from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.links import Inspection
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
-from uav_tracking_mpc.links.mavlink.home_fence import HomeFence
 from uav_tracking_mpc.links.mavlink.listener import Listener
 from uav_tracking_mpc.links.mavlink.telemetry import LEAST_AIRSPEED, Telemetry
 
+
+class HomeFence(NamedTuple):
+    """A cylinder; what it does not bound is infinite.
+
+    Attributes:
+        lowest: Least height above home in [m].
+        highest: Greatest height above home in [m].
+        radius: About home in [m].
+    """
+
+    lowest: float
+    highest: float
+    radius: float
+
+    def values(self, telemetry: Telemetry) -> dict[str, Any]:
+        """The fence as parameters of the controller, by name, in [m]; empty while home is unknown.
+
+        Args:
+            telemetry: Of the autopilot.
+        """
+        home, frame = telemetry.home, telemetry.frame
+        if home is None or frame is None:
+            return {}
+        east, north, up = frame.position(home.latitude, home.longitude, home.altitude).tolist()
+        values: dict[str, Any] = {}
+        if math.isfinite(self.radius):
+            values.update(fence_radius=self.radius, fence_centre=(east, north))
+        if math.isfinite(self.lowest):
+            values["height_min"] = up + self.lowest
+        return values
+
+    def refusal(self, orbit: FlownOrbit, telemetry: Telemetry) -> str:
+        """Why an orbit is not inside, in words; empty if it is, or while home is unknown.
+
+        Args:
+            orbit: To be flown.
+            telemetry: Of the autopilot.
+        """
+        home, frame = telemetry.home, telemetry.frame
+        if home is None or frame is None:
+            return ""
+        centre = home.position(*frame.place(orbit.centre))
+        up = float(centre[2])
+        farthest = math.hypot(*centre[:2].tolist()) + abs(orbit.radius)
+        if not self.lowest <= up <= self.highest:
+            return (
+                f"the orbit's height of {up:.0f} m above home is not inside the autopilot's fence, "
+                f"{self.lowest:.0f} to {self.highest:.0f} m"
+            )
+        if farthest > self.radius:
+            return (
+                f"the orbit leaves the autopilot's fence: {farthest:.0f} m from home, "
+                f"{self.radius:.0f}"
+            )
+        return ""
+
+
+BANK_KEPT = math.radians(2.0)  # of the autopilot's limit, so that it is never reached
+LEAST_TURN_BANK = math.radians(25.0)  # at any airspeed: load factor 1.1
+RATE_SHARE = 0.9  # of a greatest rate
+FENCE_MARGIN = 10.0  # m
 UNKNOWN_AIRSPEED = 15.0  # m/s, for limits that depend on it where neither cruise nor flight tells
 FIRMWARE_TYPES = {0: "dev", 64: "alpha", 128: "beta", 192: "rc", 255: "official"}
 AIRSPEED_SENSOR = mavlink.MAV_SYS_STATUS_SENSOR_DIFFERENTIAL_PRESSURE
@@ -53,13 +115,25 @@ def firmware(version: Any) -> str:
     return f"{number >> 24}.{number >> 16 & 0xFF}.{number >> 8 & 0xFF} {kind}"
 
 
-class VehicleEnvelope(Protocol):
-    """What an autopilot's parameters allow."""
+class VehicleEnvelope(ABC):
+    """Limits of an autopilot, as the controller is to know them.
 
-    @property
-    def cruise(self) -> float | None:
-        """Cruise airspeed, true, in [m/s]; None where it is not told."""
+    Args:
+        vehicle: Its parameters by name, in their own units [SI or deg].
+        true_over_equivalent: True over equivalent airspeed where it flies [-].
 
+    Attributes:
+        names: Parameters that are asked for.
+        cruise: Cruise airspeed, true, in [m/s]; None where it is not told.
+    """
+
+    names: ClassVar[tuple[str, ...]]
+    cruise: float | None
+
+    def __init__(self, vehicle: Mapping[str, float], true_over_equivalent: float) -> None:
+        self.vehicle, self.ratio = vehicle, true_over_equivalent
+
+    @abstractmethod
     def values(self, airspeed: float) -> dict[str, Any]:
         """Parameters of the controller, by name, in [SI].
 
@@ -67,27 +141,57 @@ class VehicleEnvelope(Protocol):
             airspeed: At which it is to fly, true, in [m/s].
         """
 
+    @abstractmethod
+    def bank_max(self, airspeed: float) -> float | None:
+        """Greatest bank in [rad]; None where it is not told.
+
+        Args:
+            airspeed: True, in [m/s].
+        """
+
+    @abstractmethod
     def fence(self) -> HomeFence | None:
-        """The autopilot's fence; None without one."""
+        """The autopilot's fence, with a margin; None without one."""
+
+    @abstractmethod
+    def refusals(self) -> list[str]:
+        """Why it is not flown, in words."""
+
+    @abstractmethod
+    def warnings(self, telemetry_rate: float) -> list[str]:
+        """What the pilot should know.
+
+        Args:
+            telemetry_rate: Asked for, in [Hz].
+        """
+
+    def turning(self, limit: float, airspeed: float, slowest: float | None) -> float:
+        """Bank in [rad] that a limit and the load factor leave.
+
+        The least airspeed grows with the root of the load factor; a small bank is always left.
+
+        Args:
+            limit: In [deg].
+            airspeed: True, in [m/s].
+            slowest: Least equivalent airspeed of level flight in [m/s]; 0 or None for none.
+        """
+        if not slowest:
+            return math.radians(limit)
+        load = max((airspeed / self.ratio / slowest) ** 2, 1.0)
+        return min(math.radians(limit), max(math.acos(1.0 / load), LEAST_TURN_BANK))
 
 
 def inspection(
-    heard: Listener,
-    told: Mapping[str, str],
-    vehicle: Mapping[str, float],
-    envelope: VehicleEnvelope,
-    warnings: Iterable[str],
-    refusals: Iterable[str],
+    heard: Listener, title: str, mode: str, handed_over: Iterable[str], envelope: VehicleEnvelope
 ) -> Inspection:
-    """What was found at the other end, put together.
+    """What was found at the other end.
 
     Args:
         heard: Of the autopilot.
-        told: Its firmware and its mode, in words.
-        vehicle: Its parameters by name, in their own units [SI or deg].
-        envelope: That they leave.
-        warnings: What the pilot should know.
-        refusals: Why this autopilot cannot be flown; empty ones count for nothing.
+        title: What people call it.
+        mode: Name of its mode.
+        handed_over: Modes from which command may be taken.
+        envelope: Its limits.
     """
     flown = heard.telemetry.airspeed if heard.in_air else None
     values = envelope.values(envelope.cruise or flown or UNKNOWN_AIRSPEED)
@@ -95,19 +199,22 @@ def inspection(
         values.update(fence.values(heard.telemetry))
     found = {
         "system": str(heard.system),
-        **told,
+        "firmware": f"{title} {firmware(heard.version)}",
+        "mode": mode,
         "armed": "yes" if heard.armed else "no",
         "in the air": "yes" if heard.in_air else "no",
-        **{name: f"{value:g}" for name, value in vehicle.items()},
+        **{name: f"{value:g}" for name, value in envelope.vehicle.items()},
     }
     if envelope.cruise is not None:
         found["cruise airspeed, true"] = f"{envelope.cruise:.1f} m/s"
-    every = (
+    refusals = (
         position_refusal(heard.telemetry, heard.status),
         airspeed_refusal(heard.telemetry, heard.sensors, heard.in_air),
-        *refusals,
+        state_refusal(heard, mode, handed_over),
+        *envelope.refusals(),
     )
-    return Inspection(found, values, tuple(warnings), tuple(filter(None, every)))
+    warnings = envelope.warnings(heard.telemetry_rate)
+    return Inspection(found, values, tuple(warnings), tuple(filter(None, refusals)))
 
 
 def position_refusal(telemetry: Telemetry, status: Any) -> str:
@@ -161,16 +268,6 @@ def airspeed_refusal(telemetry: Telemetry, sensors: Any, flying: bool) -> str:
     if flying and (telemetry.airspeed or 0.0) < LEAST_AIRSPEED:
         return "no airspeed: VFR_HUD tells none"
     return ""
-
-
-def first_of(parameters: Mapping[str, float], *names: str) -> float | None:
-    """The first of some parameters that the autopilot has, in its own unit.
-
-    Args:
-        parameters: Of the autopilot, by name, in their own units [SI or deg].
-        names: One meaning, as different versions call it.
-    """
-    return next((parameters[name] for name in names if name in parameters), None)
 
 
 def climb_angle(climb: float, airspeed: float) -> float:

@@ -12,7 +12,10 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Everything that is heard of one autopilot, and what keeps it talking."""
+"""Everything that is heard of one autopilot, and what keeps it talking.
+
+A vehicle to circle may tell where it is on the same wire: GLOBAL_POSITION_INT or FOLLOW_TARGET.
+"""
 
 from __future__ import annotations
 
@@ -22,17 +25,64 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from typing import Any
 
+import numpy as np
+
 from uav_tracking_mpc.control.event import EventLog, Level
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.links import LinkError, LinkRefusedError
+from uav_tracking_mpc.links import LinkError, LinkRefusedError, Sighting
 from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
 from uav_tracking_mpc.links.mavlink.connection import Connection
 from uav_tracking_mpc.links.mavlink.dialect import mavlink, name_of
 from uav_tracking_mpc.links.mavlink.requests import Requests
-from uav_tracking_mpc.links.mavlink.telemetry import LEAST_AIRSPEED, Telemetry
-from uav_tracking_mpc.links.mavlink.vehicle_sighting import VehicleSighting
+from uav_tracking_mpc.links.mavlink.telemetry import DEGREE_SCALE, LEAST_AIRSPEED, Telemetry
 from uav_tracking_mpc.settings.link import LinkParameters
+
+HAS_VELOCITY = 0b10  # of FOLLOW_TARGET's est_capabilities
+
+
+class VehicleSighting:
+    """Follows one MAVLink system.
+
+    Its clock is not ours; the least delay of its messages aligns the two.
+    """
+
+    def __init__(self) -> None:
+        self._clock = AutopilotClock()
+        self._newest: Sighting | None = None
+
+    def take(self) -> Sighting | None:
+        """The newest sighting that nobody has taken yet."""
+        newest, self._newest = self._newest, None
+        return newest
+
+    def see(self, message: Any, arrival: float, frame: LocalFrame) -> None:
+        """Take in a message.
+
+        Args:
+            message: Of that system.
+            arrival: Our time in [s].
+            frame: Axes of ``map``.
+        """
+        kind = message.get_type()
+        if kind == "GLOBAL_POSITION_INT":
+            time, altitude = message.time_boot_ms * 1e-3, message.alt * 1e-3
+            velocity = [message.vy * 1e-2, message.vx * 1e-2, -message.vz * 1e-2]
+        elif kind == "FOLLOW_TARGET":
+            time, altitude = message.timestamp * 1e-3, message.alt
+            north, east, down = message.vel
+            velocity = [east, north, -down] if message.est_capabilities & HAS_VELOCITY else []
+        else:
+            return
+        if not math.isfinite(altitude + sum(velocity)) or message.lat == message.lon == 0:
+            return
+        self._clock.see_stamp(time, arrival)
+        if self._clock.offset is None:
+            return
+        position = frame.position(message.lat * DEGREE_SCALE, message.lon * DEGREE_SCALE, altitude)
+        stamp = min(self._clock.ours(time), arrival)
+        self._newest = Sighting(stamp, position, np.array(velocity) if velocity else None)
+
 
 FIXED_WING = {
     mavlink.MAV_TYPE_FIXED_WING,
@@ -124,6 +174,11 @@ class Listener:
         self._looked_at = math.inf
         self._counted, self._counted_at, self._usual_rate = 0, -math.inf, 0.0
         self._due: dict[str, float] = {}
+
+    @property
+    def telemetry_rate(self) -> float:
+        """Of the states that are asked for in [Hz]."""
+        return self._parameters.telemetry_rate
 
     @property
     def system(self) -> int:

@@ -20,23 +20,81 @@ import math
 import threading
 import time
 from abc import abstractmethod
+from collections import deque
 from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
+from uav_tracking_mpc.dynamics.air import true_over_equivalent
+from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import Inspection, LinkError, Sighting, VehicleLink
 from uav_tracking_mpc.links.mavlink.connection import Connection
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.links.mavlink.engagement import Engagement, State
-from uav_tracking_mpc.links.mavlink.latency import Latency
+from uav_tracking_mpc.links.mavlink.findings import VehicleEnvelope, inspection
 from uav_tracking_mpc.links.mavlink.listener import Listener
-from uav_tracking_mpc.links.mavlink.vehicle_parameters import read_parameters
+from uav_tracking_mpc.links.mavlink.requests import read_parameters
 from uav_tracking_mpc.settings.link import LinkParameters
 from uav_tracking_mpc.simulation.plan_follower import PlanFollower
+
+KEPT = 5000  # answers
+AWAITED = 200  # measurements
+SAME = 2e-3  # s by which the stamp of an answer may differ from its measurement's
+
+
+class Latency:
+    """Pairs answers with the arrival of what they answer."""
+
+    def __init__(self) -> None:
+        self._arrivals: deque[tuple[float, float]] = deque(maxlen=AWAITED)
+        self._taken: deque[float] = deque(maxlen=KEPT)
+        self._begin: float | None = None
+        self._count = 0
+
+    def arrived(self, stamp: float, arrival: float) -> None:
+        """A measurement came.
+
+        Args:
+            stamp: Of the measurement in [s].
+            arrival: When its last message came in [s].
+        """
+        self._arrivals.append((stamp, arrival))
+        self._begin = arrival if self._begin is None else self._begin
+        self._count += 1
+
+    def answered(self, stamp: float, now: float) -> None:
+        """A set-point was sent.
+
+        Args:
+            stamp: Of the measurement that it answers in [s].
+            now: In [s].
+        """
+        for seen, arrival in reversed(self._arrivals):
+            if abs(seen - stamp) <= SAME:
+                self._taken.append(now - arrival)
+                return
+
+    def rate(self, now: float) -> float:
+        """Measurements a second since the first, in [Hz].
+
+        Args:
+            now: In [s].
+        """
+        if self._begin is None or now <= self._begin:
+            return 0.0
+        return self._count / (now - self._begin)
+
+    def quantile(self, share: float) -> float:
+        """Latency that this share of the answers kept, in [s]; 0 without any.
+
+        Args:
+            share: From 0 to 1 [-].
+        """
+        return float(np.quantile(list(self._taken), share)) if self._taken else 0.0
+
 
 PERIOD = 0.02  # s between looks at what is due
 BACKLOG = 1000  # reads in a row, after which what is due is looked at
@@ -62,7 +120,8 @@ class MavlinkLink(VehicleLink):
 
     autopilot: ClassVar[int]  # of MAV_AUTOPILOT
     title: ClassVar[str]
-    asked_parameters: ClassVar[tuple[str, ...]]
+    handed_over: ClassVar[tuple[str, ...]]  # modes from which command may be taken
+    limits: ClassVar[type[VehicleEnvelope]]
     by_bits: ClassVar[bool] = False  # see value_of
     slow_messages: ClassVar[tuple[int, ...]] = ()
     quick_messages: ClassVar[tuple[int, ...]] = ()
@@ -112,18 +171,6 @@ class MavlinkLink(VehicleLink):
         """
 
     @abstractmethod
-    def describe(self) -> Inspection:
-        """What was found, and the envelope that follows, once everything was read."""
-
-    @abstractmethod
-    def refusal(self, orbit: FlownOrbit) -> str:
-        """Why an orbit cannot be flown here, in words; empty if it can.
-
-        Args:
-            orbit: To be flown.
-        """
-
-    @abstractmethod
     def ask_for_command(self, now: float) -> None:
         """Ask the autopilot for its mode of external commands, once a second until it is there.
 
@@ -162,6 +209,24 @@ class MavlinkLink(VehicleLink):
             now: In [s].
         """
 
+    def envelope(self) -> VehicleEnvelope:
+        """Its limits where it flies."""
+        return self.limits(self.vehicle, self.ratio)
+
+    @property
+    def ratio(self) -> float:
+        """True over equivalent airspeed where it flies [-]."""
+        return true_over_equivalent(self.heard.telemetry.altitude or 0.0)
+
+    def refusal(self, orbit: FlownOrbit) -> str:
+        """Why an orbit cannot be flown here, in words; empty if it can: what the fence says.
+
+        Args:
+            orbit: To be flown.
+        """
+        fence = self.envelope().fence()
+        return "" if fence is None else fence.refusal(orbit, self.heard.telemetry)
+
     @property
     def heard(self) -> Listener:
         """What is heard of the autopilot.
@@ -191,7 +256,7 @@ class MavlinkLink(VehicleLink):
         heard.on_restart = lambda: self.engagement.give_up("the autopilot has restarted")
         try:
             heard.find(self.autopilot, timeout)
-            names, bits = self.asked_parameters, self.by_bits
+            names, bits = self.limits.names, self.by_bits
             self.vehicle = read_parameters(
                 heard.connection, heard.system, names, bits, heard.receive
             )
@@ -216,8 +281,9 @@ class MavlinkLink(VehicleLink):
         return self.heard.connection.now() if self._heard is not None else time.monotonic()
 
     def inspect(self) -> Inspection:
-        """See :meth:`VehicleLink.inspect`."""
-        return self.describe()
+        """See :meth:`VehicleLink.inspect`: what was found, once everything was read."""
+        mode = self.mode_name(self.heard.heartbeat.custom_mode)
+        return inspection(self.heard, self.title, mode, self.handed_over, self.envelope())
 
     def measured(self, timeout: float) -> Measurement | None:
         """See :meth:`VehicleLink.measured`."""
@@ -270,7 +336,7 @@ class MavlinkLink(VehicleLink):
         if self._heard is None or self._heard.heartbeat is None:
             return "there is no autopilot to engage"
         with self._lock:
-            refusals = list(self.describe().refusals)
+            refusals = list(self.inspect().refusals)
             if self.orbit is None:
                 refusals.append("there is nothing to fly yet: no command has come")
             else:

@@ -20,12 +20,18 @@ ATTITUDE                    heading and its rate; carried on to the position's t
 VFR_HUD                     airspeed, which both autopilots tell as calibrated
 WIND, WIND_COV              the autopilot's estimate of the wind, ArduPilot's and PX4's
 HOME_POSITION               origin of ``map`` unless another is stated
-ESTIMATOR_STATUS, GPS raw   accuracies: :mod:`~uav_tracking_mpc.links.mavlink.accuracies`
+ESTIMATOR_STATUS, GPS raw   accuracies: see :class:`Accuracies`
 ==========================  ==========================================================
 
 Position comes from latitude and longitude, see :mod:`~uav_tracking_mpc.dynamics.geodesy`. The path
 angle is that of the flight through the air, w = v sin(chi), behind a filter, and not the nose's
 elevation, which an angle of attack lies above it.
+
+ESTIMATOR_STATUS is PX4's filter: standard deviations of the position, horizontal and vertical.
+GPS_RAW_INT has the receiver's of position and velocity, where that of the filter is missing.
+ArduPilot's EKF_STATUS_REPORT tells no variances, for all the names of its fields: they are
+innovations as a share of their gates. Neither autopilot tells how accurate heading and airspeed
+are.
 """
 
 from __future__ import annotations
@@ -36,17 +42,67 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.atmosphere import true_over_equivalent
+from uav_tracking_mpc.dynamics.air import true_over_equivalent
 from uav_tracking_mpc.dynamics.frames import (
     course_rates_from_euler,
     heading_from_yaw,
     turn_rate_from_bank,
 )
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
-from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.links.mavlink.accuracies import Accuracies
+from uav_tracking_mpc.estimation.measurement import SILENT, Measurement, SensorNoise
+from uav_tracking_mpc.estimation.told_noise import UNKNOWN, axes_noise
 from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
 from uav_tracking_mpc.links.mavlink.flight_direction import Climb, FlightDirection
+
+AGE = 5.0  # s that what is told counts
+MILLI = 1e-3  # m or m/s
+
+
+class Accuracies:
+    """The newest that were told."""
+
+    def __init__(self) -> None:
+        self._filtered = self._received = self._velocity = UNKNOWN
+        self._filtered_at = self._received_at = -math.inf
+
+    def see(self, message: Any, arrival: float) -> None:
+        """Take in a message.
+
+        Args:
+            message: Of the autopilot.
+            arrival: Our time in [s].
+        """
+        kind = message.get_type()
+        if kind == "ESTIMATOR_STATUS":
+            accuracies = message.pos_horiz_accuracy, message.pos_vert_accuracy
+            self._filtered, self._filtered_at = _axes("position", *accuracies), arrival
+        elif kind == "GPS_RAW_INT":
+            accuracies = MILLI * message.h_acc, MILLI * message.v_acc
+            self._received, self._received_at = _axes("position", *accuracies), arrival
+            speed = MILLI * message.vel_acc
+            self._velocity = _axes("velocity", speed, speed)
+
+    def noise(self, now: float) -> SensorNoise:
+        """What is told of the noise, in words that are not too old.
+
+        Args:
+            now: Our time in [s].
+        """
+        position = velocity = UNKNOWN
+        if now - self._received_at <= AGE:
+            position, velocity = self._received, self._velocity
+        if now - self._filtered_at <= AGE and self._filtered != UNKNOWN:
+            position = self._filtered
+        if position == velocity == UNKNOWN:
+            return SILENT
+        return SensorNoise(position, velocity)
+
+
+def _axes(name: str, level: float, vertical: float) -> tuple[float, float, float]:
+    """Of standard deviations, of which one may be negative or not finite; zeros for unknown."""
+    variances = [math.copysign(1.0, value) * value * value for value in (level, level, vertical)]
+    return axes_noise(name, variances)
+
 
 DEGREE_SCALE = math.radians(1e-7)  # of latitude and longitude on the wire
 ATTITUDE_AGE = 0.25  # s that attitude and position may lie apart

@@ -16,21 +16,14 @@
 
 The algorithm, one idea a file, in the order in which an iteration runs through them:
 
-=====================  =============================================================================
-``stage``              the problem: sizes, and the straight-line code of its equations (generated)
-``straight_line``      turns that code into machine code
-``workspace``          every array of the method, cut once from one buffer
-``multipliers``        augmented Lagrangian: constraints become part of the merit
-``backward_sweep``     costates and Riccati recursion: gradient, Newton step and gains, stage N to 0
-``input_box``          the small quadratic program over the inputs of one stage
-``rollout``            forward simulation under the step: the dynamics hold exactly at every iterate
-``warm_start``         the kept plan moved on in time
-``attempt``            from one guess: sweep, line search, multiplier update, stopping
-``openings``           the guesses of a cold start: held inputs, then feedback to the goal
-``minimise``           the entry: one attempt, or one from every opening
-``clock``              wall time inside compiled code
-``numba_options``      how each function is compiled
-=====================  =============================================================================
+==================  ================================================================================
+``stage``           the problem: sizes, and the straight-line code of its equations (generated)
+``compiling``       how functions are compiled, and what turns that code into machine code
+``workspace``       every array of the method, cut once from one buffer
+``lagrangian``      rollout, and the augmented Lagrangian: constraints become part of the merit
+``backward_sweep``  costates and Riccati recursion: gradient, Newton step and gains, stage N to 0
+``minimise``        the entry: warm start, openings, and an attempt: sweep, line search, multipliers
+==================  ================================================================================
 
 The files import each other relatively because they are compiled as a copy: a folder in the user's
 cache that holds them beside the ``stage.py`` of the problem at hand. The ``stage.py`` kept here is

@@ -12,33 +12,297 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The entry of compiled code: one attempt, or one from every opening.
+"""The entry of compiled code: a warm start, one attempt, or one from every opening.
 
-Openings are tried in the order of what they cost without any step. The best plan is kept, and an
-attempt that will not end below it is given up.
+An attempt is Newton's method on the augmented Lagrangian. The multipliers are updated when its
+gradient is small against the constraint residual, and also right after a full step that changed the
+merit as its quadratic model predicted, since such a step ends at the minimum. So near a solution
+every iteration updates both the plan and the multipliers.
+
+Openings hold inputs for a few stages, then follow the feedback to the goal. They are tried in the
+order of what they cost without any step. The best plan is kept, and an attempt that will not end
+below it is given up.
 """
 
 import math
 
-from .attempt import (  # noqa: F401 (codes for the caller)
-    CONVERGED,
-    HOPELESS,
-    INFEASIBLE,
-    ITERATION_LIMIT,
-    NO_START,
-    REFUSED,
-    STALLED,
-    TIME_LIMIT,
-    attempt,
-    better,
-    copy_multipliers,
-    copy_plan,
-)
-from .numba_options import compiled, entry
-from .openings import feedback_to_goal, open_all, prepare_cheapest
-from .stage import NP, NX, N
-from .warm_start import move_on
-from .workspace import ASIDE, KEPT, record_at
+from .backward_sweep import backward_sweep
+from .compiling import compiled, entry, placed
+from .compiling import now as clock
+from .lagrangian import constraint_residual, exact_cost, merit, rollout, update_multipliers
+from .stage import NA, NP, NS, NU, NX, N, continuation
+from .workspace import ASIDE, BEST, FIRST, KEPT, NC, OPENINGS, ROWS, SECOND, WORKING, record_at
+
+WEIGHT_KEPT = 1e3  # largest penalty weight to begin with
+
+
+@compiled
+def move_on(w, stages):
+    """Inputs, decisions and multipliers of row KEPT, ``stages`` later, into row SECOND.
+
+    Values between two stages are interpolated linearly; the input after the last stage is the
+    problem's continuation. The gains are 0, so that a rollout repeats the inputs. Penalty weights
+    above :data:`WEIGHT_KEPT` are reduced to it: larger ones would force the next plan to follow
+    the curved surface on which the constraints hold, and allow only short steps along it.
+
+    Args:
+        w: Workspace.
+        stages: Elapsed time over T_s, any number >= 0.
+    """
+    continuation((w.x[KEPT, N], w.u[KEPT, N - 1], w.a[KEPT], w.p[N]), (w.u_end,))
+    for i in range(N):
+        where = min(i + stages, float(N))
+        below = min(int(where), N - 1)
+        above = min(below + 1, N - 1)
+        share = where - below
+        for j in range(NU):
+            later = w.u[KEPT, above, j] if above > below else w.u_end[j]
+            u = (1.0 - share) * w.u[KEPT, below, j] + share * later
+            w.u[SECOND, i, j] = min(max(u, w.u_lower[j]), w.u_upper[j])
+            w.k[i, j] = 0.0
+            for r in range(NS):
+                w.K[i, j, r] = 0.0
+        for j in range(NC):
+            low, high = w.mu[KEPT, below, j], w.mu[KEPT, above, j]
+            w.mu[WORKING, i, j] = (1.0 - share) * low + share * high
+    for j in range(NA):
+        w.a[SECOND, j] = w.a[KEPT, j]
+        w.k_a[j] = 0.0
+    for j in range(NC):
+        w.mu[WORKING, N, j] = w.mu[KEPT, N, j]
+        for row in range(ROWS):
+            w.rho[WORKING, row, j] = min(w.rho[KEPT, row, j], WEIGHT_KEPT)
+            w.residual[row, j] = math.inf
+
+
+WEIGHT = 10.0  # rho to begin with
+INSIDE = -1e6  # of a constraint: so far inside that a sweep does not see it
+
+
+@compiled
+def prepare(w, opening):
+    """Reference of a rollout into row SECOND: an opening, then feedback to the goal.
+
+    Args:
+        w: Workspace.
+        opening: Which.
+    """
+    end, held = w.horizon[0], int(w.held[opening])
+    for i in range(end + 1):
+        for r in range(NX):
+            w.x[SECOND, i, r] = w.goal[r]
+        for j in range(NC):
+            w.mu[WORKING, i, j] = 0.0
+    for i in range(end):
+        for j in range(NU):
+            w.u[SECOND, i, j] = w.opening[opening, j] if i < held else w.opening[0, j]
+            w.k[i, j] = 0.0
+            for r in range(NS):
+                w.K[i, j, r] = 0.0 if i < held else w.policy[j, r]
+    for j in range(NA):
+        w.a[SECOND, j] = w.a_guess[j]
+        w.k_a[j] = 0.0
+    for j in range(NC):
+        for row in range(ROWS):
+            w.rho[WORKING, row, j] = WEIGHT
+            w.residual[row, j] = math.inf
+
+
+@compiled
+def feedback_to_goal(w):
+    """Gains at stage 0 of a Riccati recursion about rest at the goal, into the policy of ``w``."""
+    prepare(w, 0)
+    end = w.horizon[0]
+    for i in range(end + 1):
+        for j in range(NC):
+            w.c[SECOND, i, j] = 0.0 if i == end else INSIDE
+    backward_sweep(w, SECOND, 0.0, 0.0)
+    finite = True
+    for j in range(NU):
+        for r in range(NS):
+            finite = finite and math.isfinite(w.K[0, j, r])
+    for j in range(NU):
+        for r in range(NS):
+            w.policy[j, r] = w.K[0, j, r] if finite else 0.0
+
+
+@compiled
+def open_all(w):
+    """Roll out every opening of the workspace ``w``: its cost is the promise."""
+    for opening in range(OPENINGS):
+        prepare(w, opening)
+        rollout(w, SECOND, FIRST, 0.0)
+        w.promise[opening] = merit(w, FIRST)
+
+
+@compiled
+def prepare_cheapest(w):
+    """Prepare the cheapest opening not tried yet; False if there is none.
+
+    Args:
+        w: Workspace, with the promises.
+    """
+    cheapest = -1
+    for opening in range(OPENINGS):
+        promise = w.promise[opening]
+        if math.isfinite(promise) and (cheapest < 0 or promise < w.promise[cheapest]):
+            cheapest = opening
+    if cheapest < 0:
+        return False
+    w.promise[cheapest] = math.inf
+    prepare(w, cheapest)
+    return True
+
+
+# How it ends.
+CONVERGED, ITERATION_LIMIT, TIME_LIMIT, INFEASIBLE, STALLED, REFUSED, NO_START, HOPELESS = range(8)
+
+SUFFICIENT = 1e-4  # Armijo: share of the predicted change that a step must bring
+SHORTEST = 1e-4  # of the step lengths tried
+ROUNDING = 1e-13  # error of the merit, relative to 1 + its size
+INNER = 0.1  # gradient, against the constraint residual, at which multipliers move
+SHORT = 0.3
+AS_PREDICTED = 0.1  # relative error of the change up to which a full step ends at a minimum
+FORESEEN = 3.0  # changes like the one that a convex model predicts are at most still to come
+DAMPING_START, DAMPING_LIMIT, DAMPING_GROWTH = 0.1, 1e8, 10.0
+
+
+@placed
+def attempt(w, tolerance, iteration_limit, deadline, bound):
+    """Minimise from what stands in row SECOND and the gains; the plan is left in row KEPT.
+
+    Args:
+        w: Workspace.
+        tolerance: Of the relative KKT residual.
+        iteration_limit: Newton iterations.
+        deadline: On the monotonic clock, in [s].
+        bound: Cost that the plan must be likely to end below, else the attempt is given up.
+
+    Returns:
+        One of the codes above; ``outcome`` holds Newton iterations and the relative gradient, the
+        plan's value its cost and violation.
+    """
+    w.outcome[0] = 0.0
+    w.outcome[1] = math.nan
+    rollout(w, SECOND, FIRST, 0.0)
+    if not math.isfinite(w.value[FIRST, 0]):
+        return NO_START
+
+    now, trial = FIRST, SECOND
+    exact_cost(w, now)
+    copy_plan(w, now, BEST)
+    value = merit(w, now)
+    damping, curvature = 0.0, 1.0
+    relative = 1.0
+    status = ITERATION_LIMIT
+    iteration = 0
+    while iteration < iteration_limit:
+        stationarity, scale, residual, predicted = backward_sweep(w, now, curvature, damping)
+        relative = stationarity / scale
+        if relative <= tolerance and residual <= tolerance:
+            status = CONVERGED
+            break
+        convex = w.shifts[0] == 0.0
+        if convex and value + FORESEEN * predicted > bound:
+            w.outcome[0] = iteration
+            return HOPELESS
+        if clock(w.instant) > deadline:
+            status = TIME_LIMIT
+            break
+        iteration += 1
+        if residual > tolerance and relative <= max(tolerance, INNER * min(1.0, residual)):
+            if not update_multipliers(w, now):
+                status = INFEASIBLE
+                break
+            value = merit(w, now)
+            continue
+        length = 1.0
+        accepted = False
+        while length >= SHORTEST:
+            rollout(w, now, trial, length)
+            new = merit(w, trial)
+            if new <= value + SUFFICIENT * length * predicted + ROUNDING * (1.0 + abs(value)):
+                accepted = True
+                break
+            length *= 0.5
+        if accepted:
+            now, trial = trial, now
+            error = abs(new - value - predicted)
+            as_predicted = (
+                length == 1.0
+                and damping == 0.0
+                and w.shifts[0] == 0.0
+                and error <= AS_PREDICTED * abs(predicted) + ROUNDING * (1.0 + abs(value))
+            )
+            value = new
+            exact_cost(w, now)
+            if better(w, now, BEST, tolerance):
+                copy_plan(w, now, BEST)
+            curvature = 1.0
+            if length < SHORT:
+                damping = max(DAMPING_GROWTH * damping, DAMPING_START)
+            elif length == 1.0:
+                damping = damping / DAMPING_GROWTH if damping > DAMPING_START else 0.0
+            if as_predicted and constraint_residual(w, now) > tolerance:
+                if not update_multipliers(w, now):
+                    status = INFEASIBLE
+                    break
+                value = merit(w, now)
+        elif curvature > 0.0:
+            curvature = 0.0
+        else:
+            damping = max(DAMPING_GROWTH * damping, DAMPING_START)
+            if damping > DAMPING_LIMIT:
+                status = STALLED
+                break
+    copy_plan(w, now if status == CONVERGED else BEST, KEPT)
+    copy_multipliers(w, WORKING, KEPT)
+    w.outcome[0] = iteration
+    w.outcome[1] = relative
+    return status
+
+
+@compiled
+def better(w, new, old, tolerance):
+    """Whether a plan is feasible and cheaper than another, or less infeasible.
+
+    Args:
+        w: Workspace.
+        new: Row of the one plan.
+        old: Row of the other.
+        tolerance: Largest violation of a plan that counts as feasible.
+    """
+    if w.value[new, 2] <= tolerance:
+        return not w.value[old, 2] <= tolerance or w.value[new, 1] < w.value[old, 1]
+    return w.value[new, 2] < w.value[old, 2]
+
+
+@compiled
+def copy_plan(w, source, target):
+    """Copy a plan within the workspace ``w``, from row ``source`` to row ``target``."""
+    for i in range(w.horizon[0] + 1):
+        for r in range(NX):
+            w.x[target, i, r] = w.x[source, i, r]
+        for j in range(NC):
+            w.c[target, i, j] = w.c[source, i, j]
+    for i in range(w.horizon[0]):
+        for j in range(NU):
+            w.u[target, i, j] = w.u[source, i, j]
+    for j in range(NA):
+        w.a[target, j] = w.a[source, j]
+    for j in range(3):
+        w.value[target, j] = w.value[source, j]
+
+
+@compiled
+def copy_multipliers(w, source, target):
+    """Copy multipliers and weights within ``w``, from row ``source`` to row ``target``."""
+    for j in range(NC):
+        for i in range(w.horizon[0] + 1):
+            w.mu[target, i, j] = w.mu[source, i, j]
+        for row in range(ROWS):
+            w.rho[target, row, j] = w.rho[source, row, j]
+
 
 # How it begins: from the kept plan moved on; from what the caller put into row SECOND and the
 # gains; from every opening. Or only the gains of the feedback to the goal.

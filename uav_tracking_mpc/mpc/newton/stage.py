@@ -17,7 +17,7 @@
 This one is x+ = x + u with l = x^2 + u^2 and V_f = 2 x^2.
 """
 
-from .straight_line import straight_line
+from .compiling import straight_line
 
 N = 5  # stages
 NX = 1  # states x

@@ -12,22 +12,16 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How simulated targets move, one motion a file.
+"""How simulated targets move.
 
-=================  ==============================================================
-``stationary``     stands where it is
-``line``           runs straight on
-``circle``         runs round a circle
-``waypoints``      visits points in turn, again and again
-``stop_and_go``    runs straight on, with stops
-``zigzag``         runs on, and turns by 90 deg left and right by turns
-``jump``           runs straight on, and is somewhere else at once
-=================  ==============================================================
+===============  ==============================================================
+``straight``     stands, or runs straight on: always, with stops, turns, a jump
+``circuit``      comes round again: a circle, waypoints
+``conformance``  whether a motion keeps what the base asks for
+===============  ==============================================================
 
-A motion is a subclass of :class:`TargetMotion` in a file of its own name. It is found by that
-name, by an entry point in the group ``uav_tracking_mpc.simulation.motions``, or as
-``path.py:Class``; :func:`uav_tracking_mpc.simulation.motions._check.check_motion` tells its author
-whether it keeps what the base asks for.
+A motion is a subclass of :class:`TargetMotion` with a name. It is found by that name, by an entry
+point in the group ``uav_tracking_mpc.simulation.motions``, or as ``path.py:Class``.
 """
 
 from __future__ import annotations
@@ -39,9 +33,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.parameters.registry import TARGET_MOTION, ExtensionError
+from uav_tracking_mpc.parameters.registry import ExtensionError, ExtensionPoint
 from uav_tracking_mpc.parameters.specification import ParameterError
-from uav_tracking_mpc.settings.target import TargetParameters
+from uav_tracking_mpc.settings.simulator import TargetParameters
 
 
 class TargetMotion(ABC):
@@ -93,6 +87,9 @@ class TargetMotion(ABC):
         Args:
             time: Since the target's start in [s].
         """
+
+
+TARGET_MOTION = ExtensionPoint("target motion", TargetMotion)
 
 
 def motion_of(parameters: TargetParameters) -> TargetMotion:

@@ -12,19 +12,18 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What can be flown in simulation, one plant a file.
+"""What can be flown in simulation.
 
-=============  =====================================================================
-``vehicle``    the vehicle (3) in moving air, behind an autopilot that lags
-``held``       the same vehicle, whose autopilot itself holds altitude and airspeed
-``jsbsim``     an aircraft in six degrees of freedom with servos and inner loops, by JSBSim
-``euler``      the prediction model itself by Euler's method, as in Section 6
-=============  =====================================================================
+===============  ==========================================================================
+``vehicle``      the vehicle (3) in moving air, behind an autopilot that lags, or that
+                 itself holds altitude and airspeed
+``jsbsim``       six degrees of freedom with servos and inner loops, by JSBSim
+``euler``        the prediction model itself by Euler's method, as in Section 6
+``conformance``  whether a plant keeps what the base asks for
+===============  ==========================================================================
 
-A plant is a subclass of :class:`Plant` in a file of its own name. It is found by that name, by an
-entry point in the group ``uav_tracking_mpc.simulation.plants``, or as ``path.py:Class``;
-:func:`uav_tracking_mpc.simulation.plants._check.check_plant` tells its author whether it keeps
-what the base asks for.
+A plant is a subclass of :class:`Plant` with a name. It is found by that name, by an entry point in
+the group ``uav_tracking_mpc.simulation.plants``, or as ``path.py:Class``.
 """
 
 from __future__ import annotations
@@ -36,9 +35,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.dynamics.flown_orbit import FlownOrbit
+from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.parameters.registry import PLANT, ExtensionError
+from uav_tracking_mpc.parameters.registry import ExtensionError, ExtensionPoint
 from uav_tracking_mpc.parameters.specification import ParameterError, refuse_fixed
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
@@ -168,6 +167,9 @@ class Plant(ABC):
     def measured(self) -> Measurement:
         """The state now, as the sensors give it; every call draws their noise anew."""
         return self._sensors.measure(self.truth)
+
+
+PLANT = ExtensionPoint("plant", Plant)
 
 
 def plant_named(name: str) -> type[Plant]:

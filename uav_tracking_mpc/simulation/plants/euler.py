@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.dynamics.angles import wrap_angle
+from uav_tracking_mpc.dynamics.frames import wrap_angle
 from uav_tracking_mpc.dynamics.relative import rates_function, relative_state, vehicle_state
 from uav_tracking_mpc.dynamics.vehicle import velocity
 from uav_tracking_mpc.estimation.measurement import Measurement

@@ -39,7 +39,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.dynamics.air import GRAVITY
+from uav_tracking_mpc.dynamics.frames import turn_rate_from_bank
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.flight_control import FlightControl
@@ -104,7 +105,7 @@ class JSBSimPlant(Plant):
             ground_velocity=velocity,
             heading=math.remainder(airframe.yaw + _past_nose(flown), 2.0 * math.pi),
             path_angle=flown.path_angle,
-            turn_rate=-GRAVITY * math.tan(flown.bank) / flown.airspeed,
+            turn_rate=turn_rate_from_bank(flown.bank, flown.airspeed),
             path_angle_rate=(flown.lift * math.cos(flown.bank) - weight) / flown.airspeed,
             airspeed=flown.airspeed,
         )

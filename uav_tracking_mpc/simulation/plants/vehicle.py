@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The vehicle (3) in moving air, behind an autopilot that flies plans and lags."""
+"""The vehicle (3) in moving air, behind an autopilot that flies plans and lags, or holds."""
 
 from __future__ import annotations
 
@@ -22,11 +22,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics import vehicle
-from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.dynamics.energy_hold import hold
+from uav_tracking_mpc.dynamics.frames import turn_rate_from_bank
+from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
-from uav_tracking_mpc.simulation.inner_loop import Channel, InnerLoop
-from uav_tracking_mpc.simulation.lagged_flight import advance_lagged
+from uav_tracking_mpc.simulation.inner_loop import Channel, InnerLoop, advance_lagged
 from uav_tracking_mpc.simulation.plants import AIR, Plant
 from uav_tracking_mpc.simulation.wind import Wind
 
@@ -104,8 +105,7 @@ class VehiclePlant(Plant):
             turn, climb, acceleration = 0.0, -path_angle / LEVELLING_TIME, 0.0
         else:
             turn, climb, acceleration = (plan * limits.command_gain).tolist()
-        # Coordinated turn: tan(bank) = v u_psi / g.
-        turn_max = GRAVITY * math.tan(limits.bank_max) / max(airspeed, 1e-6)
+        turn_max = turn_rate_from_bank(-limits.bank_max, max(airspeed, 1e-6))
         turn_max = min(turn_max, limits.yaw_rate_max)
         climb_max = limits.pitch_rate_max
         return (
@@ -163,3 +163,57 @@ class VehiclePlant(Plant):
                 channel.rate = channel.wanted
         if acceleration is not engine:
             engine.rate = 0.0
+
+
+class HeldPlant(VehiclePlant):
+    """Flies the turn rate of the newest plan, else wings level, and holds what it is told.
+
+    Commanded path-angle rates and accelerations are ignored. Altitude and airspeed are held by
+    :func:`~uav_tracking_mpc.dynamics.energy_hold.hold`, those of the start until an orbit is told;
+    the altitude moves on with the centre of the orbit.
+
+    Args:
+        parameters: Start, limits, inner loop, constants of the hold, wind and sensors.
+
+    Attributes:
+        airspeed: That is held in [m/s].
+    """
+
+    name = "held"
+
+    def __init__(self, parameters: SimulatorParameters) -> None:
+        super().__init__(parameters)
+        _, _, self._height = parameters.initial_position
+        self._climb, self._told = 0.0, 0.0  # of the altitude that is held [m/s], and when told [s]
+        self.airspeed = parameters.initial_speed
+
+    @property
+    def altitude(self) -> float:
+        """Altitude in ``map`` that is held now in [m]."""
+        return self._height + self._climb * (self.time - self._told)
+
+    def see_orbit(self, orbit: FlownOrbit) -> None:
+        """See :meth:`Plant.see_orbit`."""
+        self._height, self._climb = float(orbit.centre[2]), float(orbit.velocity[2])
+        self._told, self.airspeed = self.time, orbit.airspeed
+
+    def inputs(self) -> tuple[float, float, float]:
+        """(u_psi, u_chi, u_v) that the autopilot flies now: the plan's turn, and what holds."""
+        turn, _, _ = super().inputs()
+        _, _, height, _, path_angle, airspeed = self.state.tolist()
+        climb_rate = airspeed * math.sin(path_angle) + float(self.wind[2]) - self._climb
+        climb, gain = hold(
+            self.altitude - height,
+            climb_rate,
+            path_angle,
+            airspeed,
+            self.airspeed - airspeed,
+            self.parameters.hold_constants,
+            math,
+        )
+        limits = self.parameters
+        return (
+            turn,
+            min(max(climb, -limits.pitch_rate_max), limits.pitch_rate_max),
+            min(max(gain, limits.acceleration_min), limits.acceleration_max),
+        )

@@ -14,21 +14,15 @@
 
 """The solver of this package beside others: same problems, same starts, one interleaved run.
 
-====================  ====================================================================
-``cases``             the problems, where they start, the random states of the cold starts
-``solver_timing``     run every solver on a case; times and shares
-``acados_peer``       acados, in a program of another interpreter
-``acados_program``    that program
-``benchmark_study``   all cases, a sweep over the horizon, missions a second
-``start_timing``      from the start of a process to its first optimal plan
-``benchmark_report``  table and figure
-``node_latency``      three real nodes, from a state to its command, beside an echo
-``timed_nodes``       nodes of one or several aircraft, and what is read of their processes
-``echo``              the echo: the same messages, answered by nothing but their stamp
-``timed_simulator``   the simulator's process, which sends it and keeps the times
-``watched_latency``   the same without and with a page that shows the flight
-``watched_page``      that page
-``page_reader``       who reads it and renders nothing
-``timed_controller``  the controller's process, which answers it
-====================  ====================================================================
+===================  ====================================================================
+``cases``            the problems and where they start
+``benchmark_study``  solvers timed on them, a sweep over the horizon, table and figure
+``optimality``       cost and KKT residual of a plan, whoever found it
+``acados_peer``      acados, in a program of another interpreter
+``acados_program``   that program
+``start_timing``     from the start of a process to its first optimal plan
+``node_latency``     three real nodes, from a state to its command
+``timed_processes``  controller and simulator of these, with an echo beside them
+``watched_page``     a page that shows them, and a client that reads it
+===================  ====================================================================
 """

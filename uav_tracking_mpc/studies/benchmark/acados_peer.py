@@ -39,12 +39,10 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.mpc.nonlinear_program import hard_and_soft
-from uav_tracking_mpc.mpc.optimality import OptimalityMeasure
-from uav_tracking_mpc.mpc.plan_guesses import PlanGuess, plan_guesses
+from uav_tracking_mpc.mpc.casadi_solver import PlanGuess, hard_and_soft, plan_guesses
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
-from uav_tracking_mpc.mpc.solution import Solution, Status
-from uav_tracking_mpc.mpc.solver import Guess
+from uav_tracking_mpc.mpc.solver import Guess, Solution, Status, solve_data
+from uav_tracking_mpc.studies.benchmark.optimality import OptimalityMeasure
 
 PROGRAM = Path(__file__).with_name("acados_program.py")
 KINDS = {"acados_sqp": "sqp", "acados_rti": "rti"}  # to convergence; one iteration a step
@@ -144,10 +142,7 @@ class AcadosPeer:
         Once the program is lost, ``lost`` says why and every solve fails.
         """
         problem = self.problem
-        state = np.asarray(initial_state, dtype=float).reshape(problem.nx)
-        p = np.zeros((problem.horizon + 1, problem.np))
-        usual = problem.usual_parameter
-        p[:] = usual if parameters is None else np.asarray(parameters, dtype=float)
+        state, p = solve_data(problem, initial_state, parameters)
         cold = elapsed is None or self._last is None
         if self.lost:
             return Solution.without_plan(problem, Status.FAILED, self.lost, 0.0)

@@ -27,12 +27,12 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.dynamics.relative import tracking_error
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
-from uav_tracking_mpc.formulation.paper_problem import problem_of
+from uav_tracking_mpc.formulation.paper_formulation import problem_of
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.studies.feasibility.random_flights import random_situations
+from uav_tracking_mpc.studies.feasibility_study import random_situations
 from uav_tracking_mpc.studies.flight_start import Start, flight_start
-from uav_tracking_mpc.terminal.stability_problem import PAPER_INITIAL_STATE
+from uav_tracking_mpc.terminal.ingredients import PAPER_INITIAL_STATE
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ def flight_case(horizon: int = 20) -> Case:
     """The flight problem of ``config/small_uav.yaml``, in the formulation that flies.
 
     The transient begins where the configuration's simulator does, in still air; the cold starts are
-    :func:`~uav_tracking_mpc.studies.feasibility.random_flights.random_situations`, most of them in
+    :func:`~uav_tracking_mpc.studies.feasibility_study.random_situations`, most of them in
     a drift.
 
     Args:

@@ -12,89 +12,289 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How long three real nodes take from a state to its command, beside an echo of the messages."""
+"""Three real nodes timed from a state to its command: beside an echo, or with a page open."""
 
 from __future__ import annotations
 
 import json
+import os
+import signal
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
 from rich.console import Console
 
-from uav_tracking_mpc.launch.supervisor import supervised
+from uav_tracking_mpc.control.guidance import compile_flight
+from uav_tracking_mpc.launch.supervisor import LaunchError, Supervisor, supervised
 from uav_tracking_mpc.settings.configuration import Configuration
-from uav_tracking_mpc.studies.benchmark.timed_nodes import (
-    controller_of,
-    processor_time,
-    start_timed_nodes,
-    summary,
-    wait,
-)
+from uav_tracking_mpc.studies.study import Study
+
+ROOM = "uav_tracking_mpc.studies.benchmark"
+START_LIMIT = 180.0  # s until the warm-up is flown, with the solver's compilation
+LOOK_PERIOD = 0.2  # s
+TURNS = 3  # with the page, and as many without
+SETTLING = 5.0  # s after a page was opened or closed that do not count
+CONTROLLER, PAGE, READER = "nmpc_controller", "page", "page_reader"
+
+Progress = Callable[[str], None]
 
 
-def node_latency(
-    configuration: Configuration, duration: float, progress: Callable[[str], None]
-) -> dict[str, Any]:
-    """Fly in wall time and measure.
+class _Span(NamedTuple):
+    """A time that passed, by the clock of the round trips in [s], and what a process used in it."""
 
-    Args:
-        configuration: What is flown, at its rates.
-        duration: In [s], after a warm-up.
-        progress: Told what goes on.
+    begin: float
+    end: float
+    cpu: float  # share of a core
+    memory: float  # MB at the end
+    growth: float  # MB
 
-    Returns:
-        ``state_to_command_us`` and ``echo_us`` {median, p99, max, count}: from before a state is
-        published in the simulator's process to the arrival of its command there; ``ratio`` of
-        their medians; ``controller_cpu_share`` of a core, the echo's answers included; the
-        configuration's name, and the rates in [Hz].
+
+class _TimedNodes:
+    """Nodes that have flown their warm-up."""
+
+    def __init__(
+        self, supervisor: Supervisor, folder: Path, configuration: Configuration, count: int
+    ) -> None:
+        self._supervisor, self._folder = supervisor, folder
+        compile_flight(configuration.controller)  # what is measured is not another solver
+        parameters = folder / "flight.yaml"
+        parameters.write_text(configuration.yaml(), encoding="utf-8")
+        spaces = [""] if count == 1 else [f"uav{k + 1}" for k in range(count)]
+        self._results = [folder / f"round_trips{space}.json" for space in spaces]
+        for space, result in zip(spaces, self._results, strict=True):
+            given = ["--ros-args", "--params-file", str(parameters), "--log-level", "WARN"]
+            given += ["-r", f"__ns:=/{space}"] if space else []
+            timed = [*given, "-p", f"round_trips:={result}", "-p", "start_on_command:=true"]
+            for name, module, arguments in (
+                (CONTROLLER, f"{ROOM}.timed_processes", [CONTROLLER, *given]),
+                ("target_publisher", "uav_tracking_mpc.nodes.target_publisher", given),
+                ("uav_simulator", f"{ROOM}.timed_processes", ["uav_simulator", *timed]),
+            ):
+                supervisor.start(f"{space} {name}".strip(), module, arguments)
+        for result in self._results:
+            self._appears(result, "the nodes have not flown")
+
+    def wait(self, limit: float, done: Callable[[], bool] = lambda: False) -> None:
+        """Wait, watching the processes, for a time in [s] or until something is done."""
+        end = time.monotonic() + limit
+        while time.monotonic() < end and not done():
+            self._supervisor.check()
+            time.sleep(min(LOOK_PERIOD, max(end - time.monotonic(), 0.0)))
+
+    def _appears(self, file: Path, words: str) -> None:
+        self.wait(START_LIMIT, file.exists)
+        if not file.exists():
+            raise LaunchError(f"{words} within {START_LIMIT:g} s")
+
+    def span(self, duration: float, process: str) -> _Span:
+        """Let time pass."""
+        identity = self._supervisor.processes[process].identity
+        used, held, begin = _processor_time(identity), _memory(identity), time.perf_counter()
+        self.wait(duration)
+        end, memory = time.perf_counter(), _memory(identity)
+        share = (_processor_time(identity) - used) / (end - begin)
+        return _Span(begin, end, share, memory, memory - held)
+
+    def watched_span(self, duration: float) -> tuple[_Span, float]:
+        """Let time pass with a page open; with how many messages a second its client read."""
+        address, count = self._folder / "address", self._folder / "messages"
+        for name, file, arguments, words in (
+            (PAGE, address, [PAGE, str(address)], "the page is not there"),
+            (READER, count, [READER, str(address), str(count)], "the page has sent nothing"),
+        ):
+            file.unlink(missing_ok=True)
+            self._supervisor.start(name, f"{ROOM}.watched_page", arguments)
+            self._appears(file, words)
+        self.wait(SETTLING)
+        read = int(count.read_text(encoding="utf-8"))
+        span = self.span(duration, PAGE)
+        rate = (int(count.read_text(encoding="utf-8")) - read) / (span.end - span.begin)
+        for name in (READER, PAGE):
+            self._supervisor.processes.pop(name).stop(signal.SIGTERM)
+        return span, rate
+
+    def end(self) -> list[dict[str, list[float]]]:
+        """End the nodes; what each simulator wrote."""
+        self._supervisor.end()
+        return [json.loads(result.read_text(encoding="utf-8")) for result in self._results]
+
+
+@contextmanager
+def _timed_nodes(configuration: Configuration, count: int) -> Iterator[_TimedNodes]:
+    """Aircraft with three nodes each.
 
     Raises:
         LaunchError: A node died, or nothing flew.
     """
     with tempfile.TemporaryDirectory() as folder, supervised(Console(stderr=True)) as supervisor:
-        progress("nodes: warm-up")
-        (result,) = start_timed_nodes(supervisor, Path(folder), configuration)
-        controller = supervisor.processes[controller_of("")].identity
-        begin, used = time.monotonic(), processor_time(controller)
-        progress(f"nodes: {duration:g} s of flight")
-        wait(supervisor, duration)
-        share = (processor_time(controller) - used) / (time.monotonic() - begin)
-        supervisor.end()
-        times = json.loads(result.read_text(encoding="utf-8"))
-    controller_times, echo_times = (summary(times[name]) for name in ("controller", "echo"))
+        yield _TimedNodes(supervisor, Path(folder), configuration, count)
+
+
+def _processor_time(process: int) -> float:
+    """What a process has used so far in [s]."""
+    fields = Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+    user, system = int(fields[11]), int(fields[12])
+    return (user + system) / os.sysconf("SC_CLK_TCK")
+
+
+def _memory(process: int) -> float:
+    """What a process holds in memory in [MB]."""
+    lines = Path(f"/proc/{process}/status").read_text(encoding="utf-8").splitlines()
+    (held,) = (line.split()[1] for line in lines if line.startswith("VmRSS:"))
+    return int(held) / 1024.0
+
+
+def _summary(times: Sequence[float]) -> dict[str, float]:
+    """Median, p99, max in [us] and count."""
+    if not len(times):
+        raise LaunchError("no state was answered")
+    micros = 1e6 * np.array(times)
     return {
-        "config": configuration.name,
-        "state_rate_hz": configuration.simulator.state_rate,
-        "control_rate_hz": configuration.controller.control_rate,
-        "state_to_command_us": controller_times,
-        "echo_us": echo_times,
-        "ratio": controller_times["median"] / echo_times["median"],
-        "controller_cpu_share": share,
+        "median": float(np.median(micros)),
+        "p99": float(np.percentile(micros, 99.0)),
+        "max": float(micros.max()),
+        "count": len(times),
     }
 
 
-def in_words(results: dict[str, Any]) -> list[str]:
-    """Lines of text.
+def _line(name: str, row: dict[str, float]) -> str:
+    return (
+        f"  {name:12s} median {row['median']:6.0f} us   p99 {row['p99']:6.0f} us   "
+        f"max {row['max']:6.0f} us   of {row['count']}"
+    )
+
+
+def node_latency(configuration: Configuration, duration: float, progress: Progress) -> Study:
+    """Fly in wall time and measure.
 
     Args:
-        results: Of :func:`node_latency`.
+        configuration: What is flown, at its rates.
+        duration: In [s], after a warm-up.
+        progress: Called with words about what begins.
+
+    Returns:
+        Its content: ``state_to_command_us`` and ``echo_us`` {median, p99, max, count}: from before
+        a state is published in the simulator's process to the arrival of its command there;
+        ``ratio`` of their medians; ``controller_cpu_share`` of a core, the echo's answers included;
+        the configuration's name, and the rates in [Hz].
+
+    Raises:
+        LaunchError: A node died, or nothing flew.
     """
-    lines = [
-        f"{results['config']}, three nodes, {results['control_rate_hz']:g} commands a second, "
-        "published state to received command:"
+    progress("nodes: warm-up")
+    with _timed_nodes(configuration, 1) as nodes:
+        progress(f"nodes: {duration:g} s of flight")
+        span = nodes.span(duration, CONTROLLER)
+        (trips,) = nodes.end()
+    controller, echo = (_summary(trips[name]) for name in ("controller", "echo"))
+    rate, ratio = configuration.controller.control_rate, controller["median"] / echo["median"]
+    content = {
+        "config": configuration.name,
+        "state_rate_hz": configuration.simulator.state_rate,
+        "control_rate_hz": rate,
+        "state_to_command_us": controller,
+        "echo_us": echo,
+        "ratio": ratio,
+        "controller_cpu_share": span.cpu,
+    }
+    words = [
+        f"{configuration.name}, three nodes, {rate:g} commands a second, published state to "
+        "received command:",
+        _line("controller", controller),
+        _line("echo", echo),
+        f"  ratio {ratio:.2f}; the controller's process takes {100.0 * span.cpu:.0f} % of a core",
     ]
-    for name, key in (("controller", "state_to_command_us"), ("echo", "echo_us")):
-        row = results[key]
-        lines.append(
-            f"  {name:10s} median {row['median']:6.0f} us   p99 {row['p99']:6.0f} us   "
-            f"max {row['max']:6.0f} us   of {row['count']}"
-        )
-    lines.append(
-        f"  ratio {results['ratio']:.2f}; the controller's process takes "
-        f"{100.0 * results['controller_cpu_share']:.0f} % of a core"
-    )
-    return lines
+    return Study("nodes", content, words, "saved in {}")
+
+
+def watched_latency(
+    configuration: Configuration,
+    aircraft: Sequence[int],
+    duration: float,
+    progress: Progress,
+    turns: int = TURNS,
+) -> Study:
+    """Fly in wall time, open and close a page, and measure.
+
+    The page draws twenty times a second all that is flown; a client of its own process reads what
+    it sends and renders nothing.
+
+    Args:
+        configuration: What each aircraft flies, at its rates.
+        aircraft: How many, one flight each.
+        duration: Of a turn in [s].
+        progress: Called with words about what begins.
+        turns: With the page, and as many without.
+
+    Returns:
+        Its content: ``view``, of each flight ``aircraft``; ``without_us`` and ``with_us`` {median,
+        p99, max, count}, from before a state is published to the arrival of its command;
+        ``median_ratio`` and ``p99_ratio`` of these; of the page's process ``page_cpu_share`` of a
+        core, ``page_memory_mb`` at the end and ``page_growth_mb`` over its last turn, ``turn_s``
+        long; ``messages_hz`` that its client read.
+
+    Raises:
+        LaunchError: A process died, nothing flew, or there is no page.
+    """
+    flights = [_watched(configuration, count, duration, progress, turns) for count in aircraft]
+    words = [line for flight in flights for line in _watched_words(flight)]
+    return Study("nodes", {"view": flights}, words, "saved in {}")
+
+
+def _watched_words(flight: dict[str, Any]) -> list[str]:
+    return [
+        f"{flight['aircraft']} aircraft, published state to received command:",
+        _line("without page", flight["without_us"]),
+        _line("with page", flight["with_us"]),
+        f"  ratio of medians {flight['median_ratio']:.3f}, of p99 {flight['p99_ratio']:.3f}",
+        f"  the page's process takes {100.0 * flight['page_cpu_share']:.0f} % of a core and "
+        f"{flight['page_memory_mb']:.0f} MB, {flight['page_growth_mb']:.1f} MB more than "
+        f"{flight['turn_s']:g} s before; its client read {flight['messages_hz']:.0f} messages "
+        "a second",
+    ]
+
+
+def _watched(
+    configuration: Configuration, count: int, duration: float, progress: Progress, turns: int
+) -> dict[str, Any]:
+    alone: list[_Span] = []
+    pages: list[tuple[_Span, float]] = []
+    progress(f"{count} aircraft: warm-up")
+    with _timed_nodes(configuration, count) as nodes:
+        controller = CONTROLLER if count == 1 else f"uav1 {CONTROLLER}"
+        for turn in range(turns):
+            progress(f"{count} aircraft: turn {turn + 1} of {turns}, without a page")
+            nodes.wait(SETTLING)
+            alone.append(nodes.span(duration, controller))
+            progress(f"{count} aircraft: turn {turn + 1} of {turns}, with a page")
+            pages.append(nodes.watched_span(duration))
+        trips = nodes.end()
+    spans = [span for span, _ in pages]
+    without, watched = (_summary(_inside(trips, windows)) for windows in (alone, spans))
+    return {
+        "aircraft": count,
+        "turn_s": duration,
+        "without_us": without,
+        "with_us": watched,
+        "median_ratio": watched["median"] / without["median"],
+        "p99_ratio": watched["p99"] / without["p99"],
+        "page_cpu_share": sum(span.cpu for span in spans) / turns,
+        "page_memory_mb": spans[-1].memory,
+        "page_growth_mb": spans[-1].growth,
+        "messages_hz": sum(rate for _, rate in pages) / turns,
+    }
+
+
+def _inside(trips: Sequence[dict[str, list[float]]], spans: Sequence[_Span]) -> list[float]:
+    """Round trips of all aircraft that began in one of the spans, in [s]."""
+    return [
+        duration
+        for trip in trips
+        for began, duration in zip(trip["controller_began"], trip["controller"], strict=True)
+        if any(span.begin <= began <= span.end for span in spans)
+    ]

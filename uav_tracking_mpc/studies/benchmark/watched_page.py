@@ -12,32 +12,65 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A page of what is flown now, in a process of its own, as ``uav_tracking view`` serves it."""
+"""Processes beside timed nodes: a page, and a client that reads it and renders nothing."""
 
 from __future__ import annotations
 
 import signal
 import sys
 import threading
+import time
 from pathlib import Path
 
 from uav_tracking_mpc.report.atomic_write import write_atomically
-from uav_tracking_mpc.view.live.live_source import LiveSource
-from uav_tracking_mpc.view.page import Page
+
+COUNT_PERIOD = 0.2  # s between writes of the count
 
 
-def main() -> int:
-    """Serve until SIGTERM; the page's address goes into the file that is named."""
+def serve(address: Path) -> None:
+    """Serve until SIGTERM.
+
+    Args:
+        address: File that the page's address is written to.
+    """
+    from uav_tracking_mpc.view.live_source import LiveSource
+    from uav_tracking_mpc.view.page import Page
+
     ended = threading.Event()
     signal.signal(signal.SIGTERM, lambda number, frame: ended.set())
     page = Page(LiveSource())
-    write_atomically(Path(sys.argv[1]), page.address.encode())
+    write_atomically(address, page.address.encode())
     try:
         page.serve(ended.is_set)
     finally:
         page.close()
-    return 0
+
+
+def read(address: Path, counted: Path) -> None:
+    """Read until SIGTERM.
+
+    Args:
+        address: File that holds the page's address.
+        counted: File that the number of messages is written to.
+    """
+    import viser
+    from websockets.sync.client import connect
+    from websockets.typing import Subprotocol
+
+    page = address.read_text(encoding="utf-8").replace("http", "ws", 1)
+    count, due = 0, 0.0
+    # viser takes clients of its own version alone.
+    spoken = [Subprotocol(f"viser-v{viser.__version__}")]
+    with connect(page, subprotocols=spoken, max_size=None, compression=None) as connection:
+        for _ in connection:
+            count += 1
+            if (now := time.monotonic()) >= due:
+                due = now + COUNT_PERIOD
+                write_atomically(counted, str(count).encode())
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    if sys.argv[1] == "page":
+        serve(Path(sys.argv[2]))
+    else:
+        read(Path(sys.argv[2]), Path(sys.argv[3]))

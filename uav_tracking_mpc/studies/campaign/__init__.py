@@ -12,22 +12,15 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Monte-Carlo over what is uncertain: many flights of one file, and what they have in common.
+"""Many flights of what is uncertain, and how many of them fail.
 
-======================  ==============================================================
-``distribution``        how a value is drawn
-``uncertain_inputs``    what can be uncertain: parameters, and what is derived from them
-``campaign_file``       the YAML that describes a campaign, checked
-``criteria``            when a flight has failed
-``flight_plan``         what each flight meets
-``one_flight``          a flight, from its number to a row of the results
-``executors``           processes of this machine, or a Dask cluster
-``flight_store``        results on disk: batches, then one Parquet file
-``campaign_run``        all of it, resumable
-``failure_statistics``  probabilities with exact bounds, and what failures have in common
-``campaign_results``    the campaign as one object for JSON
-``campaign_tables``     tables for the terminal and for pages
-``campaign_figure``     the picture of a campaign
-``campaign_page``       the folder with page, picture and the worst flights
-======================  ==============================================================
+====================  ==================================================================
+``campaign_file``     the YAML that describes a campaign, what it draws, and what fails
+``uncertain_inputs``  what can be uncertain: parameters, and what is derived from them
+``criteria``          when a flight has failed
+``flight_plan``       what each flight meets
+``campaign_run``      flights from their number to a row, kept on disk, resumable
+``campaign_results``  probabilities with exact bounds, what failures share, tables, JSON
+``campaign_page``     the campaign as a study: picture, page and the worst flights
+====================  ==================================================================
 """

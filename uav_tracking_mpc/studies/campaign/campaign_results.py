@@ -12,27 +12,207 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The campaign as one object: what ``campaign.json`` holds."""
+r"""How often flights fail, how sure that is, and what those that fail have in common.
+
+The bounds are those of C. J. Clopper, E. S. Pearson, "The use of confidence or fiducial limits
+illustrated in the case of the binomial", Biometrika 26 (1934): with k failures of n flights, each
+bound is passed with a probability of at most 1 - 95 %, whatever the true probability is,
+
+.. math:: p_{upper} = B^{-1}(0.95;\, k + 1,\, n - k),\qquad
+          p_{lower} = B^{-1}(0.05;\, k,\, n - k + 1)
+
+where :math:`B^{-1}` is the quantile of the beta distribution.
+"""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
-from uav_tracking_mpc.studies.campaign.campaign_run import CampaignResults
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from uav_tracking_mpc.report.pages import Table
+from uav_tracking_mpc.studies.campaign.campaign_run import CampaignResults, Row
 from uav_tracking_mpc.studies.campaign.criteria import RAISED
-from uav_tracking_mpc.studies.campaign.failure_statistics import (
-    QUANTILES,
-    Failures,
-    Trait,
-    by,
-    common_traits,
-    quantiles,
-    worst_first,
-)
 from uav_tracking_mpc.studies.campaign.flight_plan import flight_name
-from uav_tracking_mpc.studies.campaign.one_flight import Row
+
+CONFIDENCE = 0.95  # of each bound
+FEWEST = 3  # flights of either kind; with fewer everything looks telling
+TELLING = (
+    0.05  # p-value below which a difference counts, times the number of inputs that were tried
+)
+
+
+@dataclass(frozen=True)
+class Failures:
+    """How often flights failed.
+
+    Attributes:
+        flights: How many there were.
+        failures: How many of them failed.
+    """
+
+    flights: int
+    failures: int
+
+    @classmethod
+    def of(cls, rows: Sequence[Row]) -> Failures:
+        """Count.
+
+        Args:
+            rows: Of flights.
+        """
+        return cls(len(rows), sum(row["failed"] for row in rows))
+
+    @property
+    def probability(self) -> float:
+        """Share that failed [-]."""
+        return self.failures / self.flights
+
+    @property
+    def lower(self) -> float:
+        """Lower bound of the probability at 95 % [-]."""
+        if self.failures == 0:
+            return 0.0
+        good = self.flights - self.failures
+        return float(stats.beta.ppf(1.0 - CONFIDENCE, self.failures, good + 1))
+
+    @property
+    def upper(self) -> float:
+        """Upper bound of the probability at 95 % [-]."""
+        good = self.flights - self.failures
+        if good == 0:
+            return 1.0
+        return float(stats.beta.ppf(CONFIDENCE, self.failures + 1, good))
+
+
+def by(rows: Sequence[Row], column: str) -> dict[Any, list[Row]]:
+    """Rows by the value of a column, in the order of their first.
+
+    Args:
+        rows: Of flights.
+        column: Name of the column.
+    """
+    parts: dict[Any, list[Row]] = {}
+    for row in rows:
+        parts.setdefault(row[column], []).append(row)
+    return parts
+
+
+@dataclass(frozen=True)
+class Trait:
+    """What some flights have more often than others: a rule, and how well it tells them apart.
+
+    Attributes:
+        input: Key of the input.
+        rule: Such as ``> 7.1``, or ``= zigzag``.
+        share: Of the flights in question that it holds for [-].
+        others: Of the others [-].
+        p_value: Probability of such a difference by chance, times the inputs tried, at most 1 [-].
+    """
+
+    input: str
+    rule: str
+    share: float
+    others: float
+    p_value: float
+
+
+def common_traits(
+    rows: Sequence[Row], inputs: Sequence[str], chosen: Callable[[Row], bool]
+) -> list[Trait]:
+    """What the chosen flights have in common, the most telling first.
+
+    For numbers, the rule is where the two distributions differ most, which is what the two-sample
+    test of Kolmogorov and Smirnov looks at; for words, the value whose share differs most, with
+    Fisher's exact test.
+
+    Args:
+        rows: Of flights.
+        inputs: Columns that may tell.
+        chosen: Whether a flight is one of those in question.
+    """
+    picked = np.array([chosen(row) for row in rows], dtype=bool)
+    if min(picked.sum(), (~picked).sum()) < FEWEST:
+        return []
+    traits = []
+    for key in inputs:
+        values = [row[key] for row in rows]
+        if len(set(values)) < 2:
+            continue
+        words = isinstance(values[0], str)
+        trait = _of_words if words else _of_numbers
+        traits.append(trait(key, np.array(values, dtype=object if words else float), picked))
+    tried = len(traits)
+    corrected = [
+        Trait(t.input, t.rule, t.share, t.others, min(1.0, tried * t.p_value)) for t in traits
+    ]
+    telling = [trait for trait in corrected if trait.p_value < TELLING]
+    return sorted(telling, key=lambda trait: trait.others - trait.share)
+
+
+def _of_numbers(key: str, values: NDArray[Any], picked: NDArray[np.bool_]) -> Trait:
+    test = stats.ks_2samp(values[picked], values[~picked])
+    place = float(test.statistic_location)
+    above = values > place
+    # Where fewer of them lie below the place, more lie above it.
+    if test.statistic_sign < 0:
+        return _trait(key, f"> {place:.4g}", above, picked, float(test.pvalue))
+    return _trait(key, f"<= {place:.4g}", ~above, picked, float(test.pvalue))
+
+
+def _of_words(key: str, values: NDArray[Any], picked: NDArray[np.bool_]) -> Trait:
+    traits = []
+    for value in dict.fromkeys(values.tolist()):
+        has = values == value
+        counts = [[np.sum(has & side), np.sum(~has & side)] for side in (picked, ~picked)]
+        p_value = float(stats.fisher_exact(counts).pvalue)
+        traits.append(_trait(key, f"= {value}", has, picked, p_value))
+    return max(traits, key=lambda trait: trait.share - trait.others)
+
+
+def _trait(
+    key: str, rule: str, has: NDArray[np.bool_], picked: NDArray[np.bool_], p_value: float
+) -> Trait:
+    return Trait(key, rule, float(has[picked].mean()), float(has[~picked].mean()), p_value)
+
+
+QUANTILES = (0.5, 0.9, 0.99, 1.0)
+
+
+def quantiles(rows: Sequence[Row], column: str) -> list[float | None]:
+    """Values that shares of :data:`QUANTILES` of the flights do not exceed.
+
+    A flight without a value, such as one that never settled, is worse than all others: None.
+
+    Args:
+        rows: Of flights.
+        column: Name of the column.
+    """
+    values = [np.inf if row.get(column) is None else row[column] for row in rows]
+    # The smallest value that enough flights do not exceed: it is one that was flown.
+    found = np.quantile(values, QUANTILES, method="inverted_cdf")
+    return [float(value) if np.isfinite(value) else None for value in found]
+
+
+def worst_first(rows: Sequence[Row]) -> list[Row]:
+    """Flights by how bad they are: those that failed, then by range error.
+
+    Args:
+        rows: Of flights.
+    """
+
+    def badness(row: Row) -> tuple[bool, bool, float, int]:
+        worst = row.get("worst_settled_m")
+        return row["failed"], worst is None, worst or 0.0, -row["flight"]
+
+    return sorted(rows, key=badness, reverse=True)
+
 
 # Heading, column, decimals.
 FIGURES = (
@@ -91,14 +271,14 @@ def worst_flights(results: CampaignResults) -> list[Row]:
     return worst_first([row for row in results.rows if row["law"] == results.laws[0]])[:WORST]
 
 
-def replay_file(results: CampaignResults, row: Row) -> str:
+def replay_file(results: CampaignResults, row: Row) -> Path:
     """Configuration with which ``simulate`` flies a flight again.
 
     Args:
         results: Of the flights.
         row: Of the flight.
     """
-    return str(results.file.parent / "worst" / f"{flight_name(row['flight'], row['law'])}.yaml")
+    return results.file.parent / "worst" / f"{flight_name(row['flight'], row['law'])}.yaml"
 
 
 def _law(results: CampaignResults, rows: Sequence[Row]) -> dict[str, Any]:
@@ -195,3 +375,105 @@ def worst_traits(results: CampaignResults, rows: Sequence[Row]) -> list[Trait]:
 
 def _telling(results: CampaignResults) -> list[str]:
     return ["group", "mistake", *results.campaign.inputs]
+
+
+BOUNDS = "95 % bounds [%]"
+CAPTION = (
+    "Bounds: Clopper and Pearson, each passed with a probability of 5 % at most, whatever the true "
+    "probability is."
+)
+
+
+def failure_table(results: CampaignResults) -> Table:
+    """How often flights failed: all of a law, then its parts.
+
+    Args:
+        results: Of the flights.
+    """
+    rows = []
+    for law, flown in by(results.rows, "law").items():
+        rows.append([law, "all", *_failure_cells(flown)])
+        parts: dict[str, list[Row]] = dict(by(flown, "group"))
+        if len(parts) < 2:
+            parts = {}
+        parts |= {f"- {name}": part for name, part in single_mistakes(flown).items()}
+        for part in swept_parts(results, flown):
+            values = (f"{key} = {_short(part[0][key])}" for key in results.campaign.swept)
+            parts[", ".join(values)] = part
+        rows += [["", name, *_failure_cells(part)] for name, part in parts.items()]
+    headings = ("law", "flights", "number", "failed", "share [%]", BOUNDS, "reasons")
+    return Table(headings, rows, numeric=headings[2:6], caption=CAPTION)
+
+
+def _failure_cells(rows: Sequence[Row]) -> list[str]:
+    counts = Failures.of(rows)
+    lower, share, upper = (
+        f"{100.0 * p:.2f}" for p in (counts.lower, counts.probability, counts.upper)
+    )
+    words = ", ".join(f"{name} {count}" for name, count in reasons(rows).items())
+    return [str(counts.flights), str(counts.failures), share, f"{lower} to {upper}", words]
+
+
+def quantile_table(results: CampaignResults) -> Table:
+    """Quantiles of what counts, by law.
+
+    Args:
+        results: Of the flights.
+    """
+    names = ["median" if q == 0.5 else "worst" if q == 1.0 else f"{100 * q:g} %" for q in QUANTILES]
+    rows = []
+    for heading, column, decimals in FIGURES:
+        for place, (law, flown) in enumerate(by(results.rows, "law").items()):
+            cells = [
+                "never" if value is None else f"{value:.{decimals}f}"
+                for value in quantiles(flown, column)
+            ]
+            first = heading if place == 0 else ""
+            rows.append([first, law, *cells])
+    return Table(("", "law", *names), rows, numeric=names)
+
+
+def trait_table(results: CampaignResults) -> Table:
+    """What flights that failed have in common, and the tenth with the greatest range RMS.
+
+    Args:
+        results: Of the flights.
+    """
+    rows = []
+    for law, flown in by(results.rows, "law").items():
+        for words, traits in (
+            ("failed", failed_traits(results, flown)),
+            ("worst tenth in range RMS", worst_traits(results, flown)),
+        ):
+            rows += [[law, words, *_trait_cells(trait)] for trait in traits]
+    headings = ("law", "flights", "have in common", "of them [%]", "of the others [%]", "p")
+    return Table(headings, rows, numeric=headings[3:])
+
+
+def _trait_cells(trait: Trait) -> list[str]:
+    shares = (f"{100.0 * share:.0f}" for share in (trait.share, trait.others))
+    return [f"{trait.input} {trait.rule}", *shares, f"{trait.p_value:.1g}"]
+
+
+def worst_table(results: CampaignResults) -> Table:
+    """The worst flights of the first law.
+
+    Args:
+        results: Of the flights.
+    """
+    rows = [
+        [
+            str(row["flight"]),
+            row["mistake"] if "+" not in row["mistake"] else row["group"],
+            "never" if row.get("worst_settled_m") is None else f"{row['worst_settled_m']:.1f}",
+            row["error"] or row["reasons"] or "good",
+            replay_file(results, row).name,
+        ]
+        for row in worst_flights(results)
+    ]
+    headings = ("flight", "errors", "worst once settled [m]", "failed by", "configuration")
+    return Table(headings, rows, numeric=(headings[0], headings[2]))
+
+
+def _short(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:.4g}"

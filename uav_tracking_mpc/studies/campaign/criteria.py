@@ -12,16 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""When a flight has failed: conditions by name, each on the true trajectory.
-
-==================  =====================================================================
-``orbit_lost``      settled, then further from the range than it may be
-``never_settled``   never inside that range error for as long as it takes to count
-``limit_passed``    a limit passed by more than a share of its bound
-==================  =====================================================================
-
-A flight that raises an error has failed whatever the conditions are.
-"""
+"""When a flight has failed: conditions by name, each on the true trajectory."""
 
 from __future__ import annotations
 
@@ -33,7 +24,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.parameters.registry import LIMIT
+from uav_tracking_mpc.limits import LIMIT
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.flight_log import FlightLog

@@ -12,27 +12,24 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What each flight of a campaign meets: a function of the campaign and the flight's number.
-
-Every key is drawn from a stream of its own, seeded with the campaign's seed, the number of the draw
-and the key: neither the number of processes nor another key changes what a flight meets. All
-combinations of swept values meet the same draws, and so do all laws.
-"""
+"""What each flight of a campaign meets."""
 
 from __future__ import annotations
 
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from uav_tracking_mpc.parameters.specification import ParameterError
-from uav_tracking_mpc.settings.configuration import Configuration, configuration_of
-from uav_tracking_mpc.settings.parameter_file import Sections
+from uav_tracking_mpc.settings.configuration import Configuration, Sections, configuration_of
 from uav_tracking_mpc.studies.campaign.campaign_file import ALL, ONE, Campaign, Group
 from uav_tracking_mpc.studies.campaign.uncertain_inputs import read, write
+
+if TYPE_CHECKING:
+    pass
 
 
 @dataclass(frozen=True)

@@ -12,15 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What can be uncertain: any parameter, a component of it, or something handier.
-
-===================================  ==========================================================
-``uav_simulator.gust_intensity``     a parameter; a number fills all components of a list
-``uav_simulator.rate_lag[0]``        a component
-``uav_simulator.heading_bias_deg``   an angle or turn rate, in degrees
-``wind.speed``                       what :data:`DERIVED` lists
-===================================  ==========================================================
-"""
+"""What can be uncertain: any parameter, a component of it, or something handier."""
 
 from __future__ import annotations
 
@@ -39,9 +31,8 @@ from uav_tracking_mpc.parameters.specification import (
     resolved,
     specifications,
 )
-from uav_tracking_mpc.settings.configuration import SECTIONS
-from uav_tracking_mpc.settings.parameter_file import Sections
-from uav_tracking_mpc.settings.target import TargetParameters
+from uav_tracking_mpc.settings.configuration import SECTIONS, Sections
+from uav_tracking_mpc.settings.simulator import TargetParameters
 from uav_tracking_mpc.simulation.motions import motion_of
 
 _SIMULATOR, _CONTROLLER, _TARGET = "uav_simulator", "nmpc_controller", "target_publisher"

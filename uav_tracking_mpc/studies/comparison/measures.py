@@ -27,10 +27,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.angles import wrap_angle
-from uav_tracking_mpc.dynamics.gravity import GRAVITY
+from uav_tracking_mpc.dynamics.frames import wrap_angle
 from uav_tracking_mpc.limits import TOLERANCE, Motion
-from uav_tracking_mpc.report.metrics import settling_time
+from uav_tracking_mpc.report.metrics import flown_bank, settling_time
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
@@ -101,18 +100,6 @@ def measures(
         violations={name: int(found.sum()) for name, found in beyond.items() if found.any()},
         off_plan=off_plan,
     )
-
-
-def flown_bank(log: FlightLog) -> NDArray[np.float64]:
-    """Bank of a coordinated turn between each two samples, shape (n - 1,), in [rad].
-
-    Right wing down positive, as everywhere.
-
-    Args:
-        log: Record of the flight.
-    """
-    motion = _between_samples(log)
-    return np.asarray(np.arctan(-motion.airspeed * motion.turn_rate / GRAVITY))
 
 
 def violations(

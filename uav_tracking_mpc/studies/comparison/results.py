@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The comparison as one object: what ``compare.json`` holds."""
+"""Laws through scenarios or under mismatches: their flights as one object, as JSON, as a table."""
 
 from __future__ import annotations
 
@@ -24,22 +24,100 @@ from typing import Any
 
 import numpy as np
 
+from uav_tracking_mpc.control.guidance import nearest_direction
+from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.report.metrics import microseconds
+from uav_tracking_mpc.report.pages import Table
 from uav_tracking_mpc.settings.configuration import Configuration
-from uav_tracking_mpc.settings.tracking import PREDICTIVE
+from uav_tracking_mpc.settings.tracking import NEAREST, PREDICTIVE
+from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.flight_log import FlightLog
-from uav_tracking_mpc.studies.comparison.flights import fly_all
-from uav_tracking_mpc.studies.comparison.law_names import law_label
+from uav_tracking_mpc.simulation.motions import motion_of
+from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
+from uav_tracking_mpc.studies.comparison.asked import Asked, Target, asked_of
 from uav_tracking_mpc.studies.comparison.measures import Measures, measures
-from uav_tracking_mpc.studies.comparison.targets import Target, missed, target_of
+from uav_tracking_mpc.studies.comparison.scenarios import law_label
+from uav_tracking_mpc.studies.executors import StoppedError, parallel_map
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Whether laws fly through scenarios or under mismatches, and what is shown of the flights.
+
+    Attributes:
+        name: Of the files, without their ending.
+        title: Of the page.
+        flown: What each one is called.
+        key: Of the flights in the JSON.
+        asked: Of what is asked in the JSON.
+        columns: Heading, name of the measure and number format of each column of the table.
+        numeric: Headings of the columns of numbers.
+        caption: Of the table.
+    """
+
+    name: str
+    title: str
+    flown: str
+    key: str
+    asked: str
+    columns: tuple[tuple[str, str, str], ...]
+    numeric: tuple[str, ...]
+    caption: str
+
+
+RANGE_RMS = ("range RMS [m]", "range_rms_m", ".3f")
+BANK_RATE_RMS = ("bank rate RMS [deg/s]", "bank_rate_rms_dps", ".2f")
+VIOLATIONS = ("violations", "envelope_violations", "d")
+SCENARIOS = Kind(
+    name="compare",
+    title="Guidance laws compared",
+    flown="scenario",
+    key="scenarios",
+    asked="targets",
+    columns=(
+        RANGE_RMS,
+        ("within 10 m [s]", "settling_s", ".1f"),
+        ("altitude RMS [m]", "altitude_rms_m", ".3f"),
+        ("airspeed RMS [m/s]", "airspeed_rms_mps", ".3f"),
+        BANK_RATE_RMS,
+        VIOLATIONS,
+    ),
+    numeric=("asked",),
+    caption="RMS over the last third of the flight; within 10 m: of the range, from then on; "
+    "violations: samples at which airspeed, path angle, bank, specific force, height or "
+    "distance is beyond its limit by more than 1 %; asked: range RMS and settling of nmpc.",
+)
+MISTOLD = Kind(
+    name="mismatches",
+    title="Guidance laws told wrong",
+    flown="mismatch",
+    key="mismatches",
+    asked="asked",
+    columns=(
+        RANGE_RMS,
+        ("range mean [m]", "range_mean_m", ".3f"),
+        ("worst [m]", "worst_m", ".2f"),
+        BANK_RATE_RMS,
+        VIOLATIONS,
+        ("off plan", "off_plan", "d"),
+    ),
+    numeric=(),
+    caption="Range errors and bank rate from 90 s to the end; violations: samples of the whole "
+    "flight at which airspeed, path angle, bank, specific force, height or distance is beyond its "
+    "limit by more than 1 %; off plan: commands from 90 s on that are neither an optimal plan nor "
+    "the answer of the law; asked: range RMS and bank rate RMS of nmpc, in parentheses as shares "
+    "of those of the better classical law.",
+)
+MISSING = {"settling_s": "never"}  # words for what a flight has no number for
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """All flights through one scenario.
+    """All flights through one scenario, or under one mismatch.
 
     Attributes:
-        name: Of its file.
+        name: Of the scenario's file, or of the mismatch.
         configuration: What was flown.
         logs: Flight of each law, by its label.
         measures: Of these flights.
@@ -63,15 +141,15 @@ class Scenario:
         return "" if about is None else about.description
 
     @property
-    def target(self) -> Target | None:
+    def asked(self) -> Target | Asked | None:
         """What the predictive controller is to reach, if that is set."""
-        return target_of(self.configuration, self.name)
+        return asked_of(self.configuration, self.name)
 
     @property
     def missed(self) -> list[str]:
         """What it missed of that, in words."""
-        target = self.target
-        return [] if target is None else missed(target, self.configuration, self.measures)
+        asked = self.asked
+        return [] if asked is None else asked.missed(self.configuration, self.measures)
 
 
 def compare(
@@ -107,6 +185,68 @@ def compare(
     ]
 
 
+def fly_all(
+    configurations: Sequence[Configuration],
+    laws: Sequence[str],
+    workers: int | None = None,
+    show: bool = True,
+) -> list[list[FlightLog]]:
+    """Fly every law through every scenario; the outcome depends on nothing but the arguments.
+
+    Args:
+        configurations: One of each scenario.
+        laws: Names of laws, or ``path.py:Class``.
+        workers: Processes; all cores by default.
+        show: Progress bar on stderr.
+
+    Returns:
+        For each configuration a flight of each law; where the user interrupted, of those alone that
+        every law has flown by then.
+
+    Raises:
+        SimulationError: The target of a scenario was never seen.
+        KeyboardInterrupt: The user interrupted before anything was whole.
+    """
+    tasks = [prepared(each, law) for each in configurations for law in laws]
+    try:
+        logs = parallel_map(simulate, tasks, workers, "flights", show)
+    except StoppedError as stopped:
+        logs = stopped.done
+        if len(logs) < len(laws):
+            raise
+    whole = len(logs) // len(laws)
+    return [logs[k * len(laws) : (k + 1) * len(laws)] for k in range(whole)]
+
+
+def prepared(configuration: Configuration, law: str) -> Configuration:
+    """The configuration with a law, and what all laws share: the direction.
+
+    Args:
+        configuration: Of a scenario.
+        law: Name of a law, or ``path.py:Class``.
+    """
+    controller = dataclasses.replace(
+        configuration.controller, law=law, direction=start_direction(configuration)
+    )
+    # The aircraft, also where the mission is to fly the prediction model.
+    mission = dataclasses.replace(configuration.mission, plant=configuration.simulator.plant)
+    return dataclasses.replace(configuration, controller=controller, mission=mission)
+
+
+def start_direction(configuration: Configuration) -> str:
+    """Direction of the orbit; where the nearest is asked for, that of the true start.
+
+    Args:
+        configuration: Of a scenario.
+    """
+    if configuration.controller.direction != NEAREST:
+        return configuration.controller.direction
+    plant, still = VehiclePlant(configuration.simulator), np.zeros(3)
+    motion = motion_of(configuration.target)
+    drift, target = plant.wind - motion.velocity(0.0), motion.position(0.0)
+    return nearest_direction(Situation(plant.state, target, drift, still, still))
+
+
 def scenario_of(
     name: str,
     configuration: Configuration,
@@ -133,60 +273,92 @@ def scenario_of(
     )
 
 
-def as_json(scenarios: Sequence[Scenario]) -> dict[str, Any]:
+def as_json(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> dict[str, Any]:
     """The comparison as plain values, never NaN.
 
     Args:
         scenarios: At least one, all of one configuration.
+        kind: What they are.
 
     Returns:
         - ``config``
-        - ``scenarios.<scenario>.<law>``: as :class:`Measures`
+        - ``scenarios.<scenario>.<law>`` or ``mismatches.<mismatch>.<law>``: as :class:`Measures`
         - ``targets.<scenario>``: ``range_rms_m``, ``settling_s`` and what was ``missed``, where
           targets are set and the predictive controller flew
-        - ``solves.<scenario>``: of the predictive controller: ``count``, ``not_converged``,
-          ``median_us``, ``p99_us``, ``max_us``
+        - ``asked.<mismatch>``: at most ``range_rms_m``, ``range_mean_m``, ``bank_rate_rms_dps``,
+          ``envelope_violations`` and ``off_plan``, null where that is not asked; ``of_law``, the
+          law whose figures range and bank rate are ``range_rms_share`` and ``bank_rate_rms_share``
+          of, null where they are absolute; and what the predictive controller ``missed``
+        - ``solves.<scenario>`` or ``solves.<mismatch>``: of the predictive controller: ``count``,
+          ``not_converged``, ``median_us``, ``p99_us``, ``max_us``
     """
     flown = [each for each in scenarios if PREDICTIVE in each.logs]
     numbers = {
         "config": scenarios[0].configuration.name,
-        "scenarios": {
+        kind.key: {
             each.name: {law: dataclasses.asdict(flight) for law, flight in each.measures.items()}
             for each in scenarios
         },
-        "targets": {
-            each.name: {
-                "range_rms_m": each.target.range_rms,
-                "settling_s": each.target.settling,
-                "missed": each.missed,
-            }
+        kind.asked: {
+            each.name: {**each.asked.as_json(each.measures), "missed": each.missed}
             for each in flown
-            if each.target is not None
+            if each.asked is not None
         },
-        "solves": {each.name: solves(each.logs[PREDICTIVE]) for each in flown},
+        "solves": {each.name: _solves(each.logs[PREDICTIVE]) for each in flown},
     }
-    return finite(numbers)
+    # What is not finite becomes null.
+    return dict(json.loads(json.dumps(numbers), parse_constant=lambda _: None))
 
 
-def finite(numbers: dict[str, Any]) -> Any:
-    """Plain values for JSON, with None for what is not finite.
+def _solves(log: FlightLog) -> dict[str, Any]:
+    """How many solves a flight took, how many of them did not converge, and how long."""
+    finite = int(np.count_nonzero(np.isfinite(log.solve_time)))
+    times = microseconds(log.solve_time) if finite else {}
+    return {"count": finite, "not_converged": log.failures, **times}
+
+
+def comparison_table(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> Table:
+    """One row for every flight.
 
     Args:
-        numbers: Of any depth.
+        scenarios: What was flown.
+        kind: What they are.
     """
-    return json.loads(json.dumps(numbers), parse_constant=lambda _: None)
+    headings = [heading for heading, *_ in kind.columns]
+    rows = [
+        [
+            scenario.name if index == 0 else "",
+            law,
+            *(_cell(flight, name, form) for _, name, form in kind.columns),
+            *(_verdict(scenario) if law == PREDICTIVE else ("", "")),
+        ]
+        for scenario in scenarios
+        for index, (law, flight) in enumerate(scenario.measures.items())
+    ]
+    return Table(
+        headings=(kind.flown, "law", *headings, "asked", "verdict"),
+        rows=rows,
+        numeric=(*headings, *kind.numeric),
+        caption=kind.caption,
+    )
 
 
-def solves(log: FlightLog) -> dict[str, Any]:
-    """How many solves a flight took, how many of them did not converge, and how long.
+def _cell(flight: Measures, name: str, form: str) -> str:
+    value = getattr(flight, name)
+    return MISSING.get(name, "") if value is None else f"{value:{form}}"
+
+
+def _verdict(scenario: Scenario) -> tuple[str, str]:
+    """What is asked, and whether it is reached."""
+    if scenario.asked is None:
+        return "", ""
+    return scenario.asked.words(scenario.measures), "missed" if scenario.missed else "reached"
+
+
+def misses(scenarios: Sequence[Scenario]) -> list[str]:
+    """What the predictive controller missed, one line each.
 
     Args:
-        log: A flight of the predictive controller.
+        scenarios: What was flown.
     """
-    times = 1e6 * log.solve_time[np.isfinite(log.solve_time)]
-    numbers: dict[str, Any] = {"count": len(times), "not_converged": log.failures}
-    if len(times):
-        numbers["median_us"] = float(np.median(times))
-        numbers["p99_us"] = float(np.percentile(times, 99.0))
-        numbers["max_us"] = float(np.max(times))
-    return numbers
+    return [f"{scenario.name}: {words}" for scenario in scenarios for words in scenario.missed]

@@ -12,30 +12,27 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Faults injected into flying nodes from a seeded schedule, and what must hold all the while.
+"""Faults injected from a seeded schedule, and what must hold all the while.
 
-====================  =========================================================================
-``kinds``             the faults, one idea a file, and their base
-``stream_fault``      bases of faults that strike messages
-``message_fields``    fields of the messages that faults change
-``catalogue``         every fault by its label
-``schedule``          which faults come when, from a seed
-``injection``         one fault under way
-``injected_flight``   the flight that faults act on
-``streams``           the topics that faults strike, on both sides of the relay
-``fault_relay``       the node in the middle of every topic, which strikes the messages
-``parameter_client``  set_parameters, from a process of its own
-``invariants``        what must hold for every message
-``recovery``          when the aircraft is back on its orbit
-``resources``         memory, files and threads of the processes
-``observer``          the node that hears every message and checks the invariants
-``case_bag``          the messages of a case that failed
-``fault_findings``    what came of every case, and in total
-``timeline``          the campaign in one figure
-``fault_campaign``    cases one after the other
---------------------  -------------------------------------------------------------------------
-``soak``              hours of flight without faults: is the orbit held, does anything grow
-====================  =========================================================================
+===================  ==========================================================================
+``kinds``            the faults of nodes that fly, and their base
+``stream_fault``     bases of faults that strike messages; the topics and fields that they strike
+``schedule``         every fault by its label, and which come when, from a seed
+``fault_campaign``   one fault under way; cases one after the other, whatever flies
+``fault_findings``   what came of every case, and in total, as words and as a figure
+``injected_flight``  the flight of real nodes that faults act on
+``fault_relay``      the node in the middle of every topic, which strikes the messages
+``invariants``       what must hold for every message, and when the orbit is reached again
+``resources``        memory, files and threads of the processes
+``observer``         the node that hears every message and checks the invariants
+``node_campaign``    cases flown with real nodes
+-------------------  --------------------------------------------------------------------------
+``link_flight``      controller, link and simulated autopilot, step by step
+``link_campaign``    faults on the wire to that autopilot, one after the other
+-------------------  --------------------------------------------------------------------------
+``soak``             hours of flight without faults: is the orbit held, does anything grow
+===================  ==========================================================================
 
-Schedule, invariants, recovery, resources, findings and timeline know nothing of ROS.
+Schedule, invariants, resources, findings and all of the link know nothing of ROS. Link and
+controller fly the simulated autopilot in simulated time, so that hours of faults take minutes.
 """

@@ -12,15 +12,18 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What came of every case, and in total."""
+"""What came of every case, and in total: as keys and values, as words, as a figure."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from uav_tracking_mpc.report.figure_style import BLUE, GREEN, GREY, VERMILLION, drawing, png
 from uav_tracking_mpc.studies.faults.invariants import Violation
+
+COUNTS = {"faults": 6, "violations": 10, "loiters": 7}  # columns of the table and their widths
 
 
 @dataclass
@@ -30,9 +33,10 @@ class CaseFindings:
     Attributes:
         index: Its number in the schedule.
         kinds: Labels of its faults.
-        begin: Since the campaign began, wall time [s].
+        begin: Since the campaign began [s].
         end: Likewise [s].
         recovery: From the last fault's end to the orbit [s] of simulated time; None: never.
+        loiters: Whether it did not come back because the autopilot flies a circle of its own.
         violations: Of each invariant how often, and the first in words.
     """
 
@@ -41,6 +45,7 @@ class CaseFindings:
     begin: float
     end: float = 0.0
     recovery: float | None = None
+    loiters: bool = False
     violations: dict[str, tuple[int, str]] = field(default_factory=dict)
 
     def add(self, violation: Violation) -> None:
@@ -52,6 +57,11 @@ class CaseFindings:
         count, detail = self.violations.get(violation.invariant, (0, violation.detail))
         self.violations[violation.invariant] = (count + 1, detail)
 
+    @property
+    def lost(self) -> bool:
+        """Whether the aircraft neither came back nor was to."""
+        return self.recovery is None and not self.loiters
+
 
 @dataclass(frozen=True)
 class Campaign:
@@ -60,56 +70,54 @@ class Campaign:
     Attributes:
         config: Name of the configuration.
         seed: Of the schedule.
-        minutes: Length asked for [min].
-        speed: Simulated over wall time [-].
-        interrupted: Whether the user ended it before its time; the case under way does not count.
         cases: One after the other.
         families: Of every fault that may be injected, by label, in the order of tables.
-        deaths: Processes lost that nobody killed.
-        growth: Memory of each process [%/h]; None where it was watched too briefly.
-        range_errors: (wall time since the beginning [s], r - r_d [m]).
-        storms: Parameters asked for, answered, accepted.
+        range_errors: (time since the beginning [s], r - r_d [m]).
+        tolerance: Range error within which the aircraft counts as on its orbit [m].
+        limit: Time allowed for a recovery [s].
+        more: What else ``--json`` prints, by key.
     """
 
     config: str
     seed: int
-    minutes: float
-    speed: float
-    interrupted: bool
     cases: list[CaseFindings]
     families: Mapping[str, str]
-    deaths: int
-    growth: dict[str, float | None]
     range_errors: list[tuple[float, float]]
-    storms: dict[str, int]
+    tolerance: float
+    limit: float
+    more: Mapping[str, Any]
 
     def summary(self) -> dict[str, Any]:
         """Keys and values as ``--json`` prints them.
 
         ``violations`` counts pairs of case and invariant: a thousand messages that break one rule
         in one case are one violation. ``worst_recovery_s`` is None if the aircraft never came back
-        in some case.
+        in some case. Faults that came together share what came of their case.
         """
-        recoveries = [case.recovery for case in self.cases]
-        known = [recovery for recovery in recoveries if recovery is not None]
-        worst = max(known) if known and len(known) == len(recoveries) else None
-        growths = [value for value in self.growth.values() if value is not None]
+        found = {label: [c for c in self.cases if label in c.kinds] for label in self.families}
         return {
             "config": self.config,
             "seed": self.seed,
-            "minutes": self.minutes,
-            "speed": self.speed,
-            "interrupted": self.interrupted,
             "cases": len(self.cases),
-            "faults": sum(len(case.kinds) for case in self.cases),
-            "kinds": len({kind for case in self.cases for kind in case.kinds}),
+            "faults": sum(map(len, found.values())),
+            "kinds": sum(map(bool, found.values())),
             "violations": sum(len(case.violations) for case in self.cases),
-            "deaths": self.deaths,
-            "worst_recovery_s": worst,
-            "rss_growth_percent": max(growths, default=0.0),
-            "rss_growth_percent_by_node": self.growth,
-            "parameters": self.storms,
-            "per_kind": per_kind(self.cases, self.families),
+            "worst_recovery_s": _worst(self.cases),
+            **self.more,
+            "per_kind": {
+                label: {
+                    "faults": len(cases),
+                    "violations": sum(len(case.violations) for case in cases),
+                    "worst_recovery_s": _worst(cases),
+                    **(
+                        {"loiters": sum(c.loiters for c in cases)}
+                        if "outcomes" in self.more
+                        else {}
+                    ),
+                }
+                for label, cases in found.items()
+                if cases
+            },
             "failing_cases": [
                 {
                     "case": case.index,
@@ -126,28 +134,11 @@ class Campaign:
         }
 
 
-def per_kind(cases: Iterable[CaseFindings], order: Iterable[str]) -> dict[str, dict[str, Any]]:
-    """Of each fault that was injected: how often, violations and worst recovery of its cases.
-
-    Faults that came together share what came of them.
-
-    Args:
-        cases: What came of every case.
-        order: Labels of all faults.
-
-    Returns:
-        ``faults``, ``violations`` and ``worst_recovery_s`` [s] by label, in that order.
-    """
-    found: dict[str, dict[str, Any]] = {}
-    for case in cases:
-        for kind in case.kinds:
-            row = found.setdefault(kind, {"faults": 0, "violations": 0, "worst_recovery_s": 0.0})
-            row["faults"] += 1
-            row["violations"] += len(case.violations)
-            worst = row["worst_recovery_s"]
-            never = worst is None or case.recovery is None
-            row["worst_recovery_s"] = None if never else max(worst, case.recovery)
-    return {label: found[label] for label in order if label in found}
+def _worst(cases: list[CaseFindings]) -> float | None:
+    """The longest recovery [s], 0 where none was to be; None without cases, or if one is lost."""
+    if not cases or any(case.lost for case in cases):
+        return None
+    return max(case.recovery or 0.0 for case in cases)
 
 
 def table(summary: dict[str, Any]) -> str:
@@ -156,24 +147,74 @@ def table(summary: dict[str, Any]) -> str:
     Args:
         summary: Of :meth:`Campaign.summary`.
     """
-    lines = [f"{'kind':28} {'faults':>6} {'violations':>10} {'worst recovery':>14}"]
-    for name, row in summary["per_kind"].items():
-        worst = _time(row["worst_recovery_s"])
-        lines.append(f"{name:28} {row['faults']:6d} {row['violations']:10d} {worst:>14}")
-    lines.append(
-        f"{summary['faults']} faults of {summary['kinds']} kinds in {summary['cases']} cases: "
-        f"{summary['violations']} violations, {summary['deaths']} deaths, worst recovery "
-        f"{_time(summary['worst_recovery_s'])}, memory "
-        f"{summary['rss_growth_percent']:+.1f} % an hour"
-    )
+    rows = summary["per_kind"]
+    counts = {k: w for k, w in COUNTS.items() if any(k in row for row in rows.values())}
+    titles = "".join(f" {name:>{width}}" for name, width in counts.items())
+    lines = [f"{'kind':28}{titles} {'worst recovery':>14}"]
+    for name, row in rows.items():
+        numbers = "".join(f" {row[key]:{width}d}" for key, width in counts.items())
+        lines.append(f"{name:28}{numbers} {_time(row['worst_recovery_s']):>14}")
+    words = [f"{summary['violations']} violations"]
+    if "deaths" in summary:
+        words.append(f"{summary['deaths']} deaths")
+    words.append(f"worst recovery {_time(summary['worst_recovery_s'])}")
+    if "rss_growth_percent" in summary:
+        words.append(f"memory {summary['rss_growth_percent']:+.1f} % an hour")
+    words += [f"{count} times {name}" for name, count in summary.get("outcomes", {}).items()]
+    counted = "{faults} faults of {kinds} kinds in {cases} cases".format_map(summary)
+    lines.append(f"{counted}: {', '.join(words)}")
+    if "frames" in summary:
+        lines.append(
+            "{bad} bad frames: {taken} taken for messages, {good_lost} good ones lost; "
+            "{bad_us:.1f} us each, a good one {good_us:.1f} us".format_map(summary["frames"])
+        )
     for case in summary["failing_cases"]:
         for name, found in case["violations"].items():
-            lines.append(
-                f"case {case['case']} ({', '.join(case['kinds'])}): {name}, "
-                f"{found['count']} times: {found['first']}"
-            )
+            kinds = ", ".join(case["kinds"])
+            told = f"{found['count']} times: {found['first']}"
+            lines.append(f"case {case['case']} ({kinds}): {name}, {told}")
     return "\n".join(lines)
 
 
 def _time(seconds: float | None) -> str:
     return "never" if seconds is None else f"{seconds:.1f} s"
+
+
+def timeline(campaign: Campaign) -> bytes:
+    """The figure as PNG: how far from the orbit, what was injected, what came of it.
+
+    Args:
+        campaign: What to draw.
+    """
+    tolerance, limit = campaign.tolerance, campaign.limit
+    families = list(dict.fromkeys(campaign.families.values()))
+    with drawing(9.0, 6.5) as figure:
+        upper, middle, lower = figure.subplots(
+            3, 1, sharex=True, gridspec_kw={"height_ratios": (2, 2.4, 1.6)}
+        )
+        times = [time / 60.0 for time, _ in campaign.range_errors]
+        upper.plot(times, [error for _, error in campaign.range_errors], color=BLUE, linewidth=0.8)
+        upper.axhspan(-tolerance, tolerance, color=GREEN, alpha=0.15, linewidth=0)
+        upper.set_ylabel("r - r_d [m]")
+        upper.set_title(
+            f"{campaign.config}, seed {campaign.seed}: true range error; "
+            f"the band is {tolerance:g} m wide either way"
+        )
+        for case in campaign.cases:
+            color = VERMILLION if case.violations else GREY
+            width = max(case.end - case.begin, 0.2) / 60.0
+            for kind in case.kinds:
+                row = families.index(campaign.families[kind])
+                middle.broken_barh([(case.begin / 60.0, width)], (row - 0.4, 0.8), color=color)
+            height = limit if case.recovery is None else case.recovery
+            lower.plot(case.begin / 60.0, height, "o", markersize=3, color=color)
+        middle.set_yticks(range(len(families)), [name.replace("_", " ") for name in families])
+        middle.invert_yaxis()
+        middle.set_title("cases by what they strike; with violations in red")
+        lower.axhline(limit, color=VERMILLION, linewidth=0.8, linestyle="--")
+        lower.set_ylim(bottom=0.0)
+        lower.set_ylabel("recovery [s]")
+        lower.set_title(f"simulated time from the last fault to the orbit; allowed {limit:g} s")
+        lower.set_xlabel("time [min]")
+        figure.tight_layout()
+        return png(figure)

@@ -22,30 +22,19 @@ import json
 import random
 import sys
 import time
-from dataclasses import dataclass
 from typing import Any, cast
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
-from uav_tracking_mpc.nodes.overhearing import Overhearing
-from uav_tracking_mpc.nodes.run import run
+from uav_tracking_mpc.autopilot.deliveries import struck
+from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription
+from uav_tracking_mpc.nodes.ros.process import run
 from uav_tracking_mpc.nodes.topics import Topic
-from uav_tracking_mpc.studies.faults.catalogue import variants
-from uav_tracking_mpc.studies.faults.stream_fault import StreamFault
-from uav_tracking_mpc.studies.faults.streams import ORDERS, QUEUE, STREAMS, raw
+from uav_tracking_mpc.studies.faults.schedule import variants
+from uav_tracking_mpc.studies.faults.stream_fault import ORDERS, STREAMS, StreamFault, raw
 
 TICK = 0.005  # s of wall time
-
-
-@dataclass(frozen=True)
-class _UnderWay:
-    """A fault that lasts until ``end`` [s], a steady time, in a flight at ``speed`` [-]."""
-
-    fault: StreamFault
-    topics: frozenset[str]
-    end: float
-    speed: float
 
 
 class FaultRelay(Node):
@@ -57,16 +46,17 @@ class FaultRelay(Node):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("fault_relay", **options)
-        self._under_way: list[_UnderWay] = []
+        self._under_way: list[tuple[float, StreamFault]] = []  # its end, a steady time in s
         self._late: list[tuple[float, int, str, bytes]] = []  # due, order, topic, message
         self._order = 0
+        self._speed = 1.0  # simulated over wall time
         self._outputs = {
             topic.name: self.create_publisher(topic.type, topic.name, topic.qos)
             for topic in STREAMS
         }
         for topic in STREAMS:
             callback = functools.partial(self._on_message, topic)
-            Overhearing(self, raw(topic), callback, QUEUE.depth, raw=True)
+            FollowingSubscription(self, raw(topic), callback, ORDERS.quality.depth, raw=True)
         self.create_subscription(ORDERS.type, ORDERS.name, self._on_order, ORDERS.qos)
         self.create_timer(TICK, self._send_late, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
@@ -74,27 +64,21 @@ class FaultRelay(Node):
         order = json.loads(message.data)
         fault = cast(StreamFault, variants(order["reference"])[order["fault"]])
         fault.prepare(random.Random(order["seed"]), order["reach"])
-        topics = frozenset(topic.name for topic in fault.streams)
-        end = time.monotonic() + order["seconds"]
-        self._under_way.append(_UnderWay(fault, topics, end, order["speed"]))
+        self._under_way.append((time.monotonic() + order["seconds"], fault))
+        self._speed = order["speed"]
 
     def _on_message(self, topic: Topic, data: bytes) -> None:
         now = time.monotonic()
-        deliveries = [(0.0, data)]
-        self._under_way = [running for running in self._under_way if running.end > now]
-        for running in self._under_way:
-            if topic.name in running.topics:
-                deliveries = [
-                    (delay + more / running.speed, struck)
-                    for delay, whole in deliveries
-                    for more, struck in running.fault.deliver(topic, whole)
-                ]
-        for delay, message in deliveries:
+        self._under_way = [running for running in self._under_way if running[0] > now]
+        rules = [fault for _, fault in self._under_way if topic in fault.streams]
+        for delay, message in struck(rules, topic, data, now):
             if delay <= 0.0:
                 self._outputs[topic.name].publish(message)
             else:
                 self._order += 1
-                heapq.heappush(self._late, (now + delay, self._order, topic.name, message))
+                heapq.heappush(
+                    self._late, (now + delay / self._speed, self._order, topic.name, message)
+                )
 
     def _send_late(self) -> None:
         now = time.monotonic()

@@ -12,10 +12,10 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Node ``observer``: hears both sides of every topic and checks the invariants.
+"""Node ``observer``: hears both sides of every topic, checks the invariants, keeps the messages.
 
 It reads the messages itself: nothing of the controller's own code is between the wire and the
-judgement.
+judgement. Those of a case that failed are written as an MCAP bag.
 """
 
 from __future__ import annotations
@@ -23,18 +23,69 @@ from __future__ import annotations
 import functools
 import math
 import time
+from collections import deque
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
-from uav_tracking_mpc.nodes.overhearing import Overhearing
+from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
+from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription
 from uav_tracking_mpc.nodes.topics import COMMAND, DIAGNOSTICS, ODOMETRY, TARGET, Topic
-from uav_tracking_mpc.studies.faults.case_bag import TOPICS, CaseBag
-from uav_tracking_mpc.studies.faults.invariants import Invariants, Limits, Violation
-from uav_tracking_mpc.studies.faults.recovery import FlownTime, Recovery
-from uav_tracking_mpc.studies.faults.streams import raw
+from uav_tracking_mpc.studies.faults.invariants import (
+    FlownTime,
+    Invariants,
+    Limits,
+    Recovery,
+    Violation,
+)
+from uav_tracking_mpc.studies.faults.stream_fault import ORDERS, STREAMS, raw
+
+MOST = 100_000  # messages; a case has a tenth of it
+BEFORE = 1_000_000_000  # ns of what came before the case
+
+# Of every relayed topic both sides: as sent (under ``raw``) and as received.
+TOPICS = (*(raw(topic) for topic in STREAMS), *STREAMS, DIAGNOSTICS, ORDERS)
+
+
+class CaseBag:
+    """The latest messages of every topic."""
+
+    def __init__(self) -> None:
+        self._messages: deque[tuple[Topic, int, bytes]] = deque(maxlen=MOST)
+
+    def add(self, topic: Topic, time: int, data: bytes) -> None:
+        """Keep a message.
+
+        Args:
+            topic: On which it was heard.
+            time: When it was heard [ns].
+            data: The message, serialized.
+        """
+        self._messages.append((topic, time, data))
+
+    def begin(self, time: int) -> None:
+        """A case begins: forget what came more than a second before.
+
+        Args:
+            time: When it begins [ns].
+        """
+        while self._messages and self._messages[0][1] < time - BEFORE:
+            self._messages.popleft()
+
+    def write(self, path: Path) -> None:
+        """Write what is kept as an MCAP file.
+
+        Args:
+            path: Of the file.
+        """
+        bag = FlightBag(path, TOPICS)
+        for topic, heard, data in self._messages:
+            bag.write(topic, heard, data)
+        bag.close()
+
 
 QUEUE = 1000  # messages that may wait
 PATIENCE = 1.0  # s of simulated time without a command after which the aircraft is not commanded
@@ -81,7 +132,7 @@ class Observer(Node):
         }
         for topic in TOPICS:
             callback = functools.partial(self._on_message, topic, judges.get(topic.name))
-            Overhearing(self, topic, callback, QUEUE, raw=True)
+            FollowingSubscription(self, topic, callback, QUEUE, raw=True)
 
     def _on_message(self, topic: Topic, judge: Any, data: bytes) -> None:
         self.bag.add(topic, time.time_ns(), data)
@@ -89,8 +140,8 @@ class Observer(Node):
             judge(deserialize_message(data, topic.type))
 
     def _on_state(self, message: Any) -> None:
-        position = _vector(message.pose.pose.position)
-        stamp = _seconds(message.header.stamp)
+        position = vector(message.pose.pose.position)
+        stamp = seconds(message.header.stamp)
         self.violations += self._invariants.state(stamp, position)
         self.flown = self._flown.state(stamp)
         if self._target is None:
@@ -102,16 +153,16 @@ class Observer(Node):
         self._recovery.state(self.flown, self.range_error, altitude_error, commanded)
 
     def _on_delivered(self, message: Any) -> None:
-        self._invariants.delivered(time.monotonic(), _seconds(message.header.stamp))
+        self._invariants.delivered(time.monotonic(), seconds(message.header.stamp))
 
     def _on_target(self, message: Any) -> None:
-        self._target = _vector(message.point)
+        self._target = vector(message.point)
         self._invariants.target(self._target)
 
     def _on_command(self, message: Any) -> None:
         self._commanded = self.flown
         plan, starts = read_command(message)
-        stamp = _seconds(message.header.stamp)
+        stamp = seconds(message.header.stamp)
         self.violations += self._invariants.command(time.monotonic(), stamp, plan, starts)
 
     def _on_diagnostics(self, message: Any) -> None:
@@ -137,7 +188,7 @@ def read_command(message: Any) -> tuple[np.ndarray, np.ndarray]:
     plan = np.full((len(message.points), 3), np.nan)
     starts = np.zeros(len(message.points))
     for index, point in enumerate(message.points):
-        starts[index] = _seconds(point.time_from_start)
+        starts[index] = seconds(point.time_from_start)
         if point.velocities and point.accelerations:
             # FLU pitch is positive nose down: the path-angle rate is minus the pitch rate.
             rates, acceleration = point.velocities[0].angular, point.accelerations[0].linear
@@ -145,9 +196,19 @@ def read_command(message: Any) -> tuple[np.ndarray, np.ndarray]:
     return plan, starts
 
 
-def _seconds(stamp: Any) -> float:
+def seconds(stamp: Any) -> float:
+    """A stamp as one number [s].
+
+    Args:
+        stamp: Of a message.
+    """
     return float(stamp.sec + 1e-9 * stamp.nanosec)
 
 
-def _vector(message: Any) -> np.ndarray:
+def vector(message: Any) -> np.ndarray:
+    """A point or vector as an array, shape (3,), in the [unit] of the message.
+
+    Args:
+        message: With x, y and z.
+    """
     return np.array([message.x, message.y, message.z], dtype=float)

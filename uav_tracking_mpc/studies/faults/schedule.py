@@ -12,16 +12,64 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Which faults come when: a function of the seed alone, so that a failing case can be run again."""
+"""Every fault by its label, and which come when.
+
+The schedule is a function of the seed alone, so that a failing case can be run again.
+"""
 
 from __future__ import annotations
 
 import math
 import random
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from uav_tracking_mpc.studies.faults.kinds import Fault
+from uav_tracking_mpc.parameters.registry import ExtensionError
+from uav_tracking_mpc.studies.faults.kinds import FAULT, Fault
+
+
+def variants(reference: str) -> dict[str, Fault]:
+    """Variants of one class of faults.
+
+    Args:
+        reference: Name of the class in its room, or ``path.py:Class``.
+
+    Returns:
+        A new object of each, by its label.
+
+    Raises:
+        ExtensionError: There is no such class.
+    """
+    found = {}
+    for fault in FAULT.find(reference).variants():
+        fault.reference = reference
+        found[fault.label] = fault
+    return found
+
+
+def catalogue(references: Iterable[str] = ()) -> dict[str, Fault]:
+    """Variants of all faults that are installed, and of others.
+
+    Args:
+        references: Others, as ``path.py:Class``.
+
+    Returns:
+        Faults by label, those of a family side by side.
+
+    Raises:
+        ExtensionError: There is no such class, or it has the label of another one.
+    """
+    faults: dict[str, Fault] = {}
+    for reference in dict.fromkeys((*FAULT.names, *references)):
+        for label, fault in variants(reference).items():
+            if label in faults:
+                raise ExtensionError(
+                    f"fault {reference!r} has the label {label!r} of fault "
+                    f"{faults[label].reference!r}"
+                )
+            faults[label] = fault
+    return dict(sorted(faults.items(), key=lambda item: (item[1].family, item[0])))
+
 
 RESTARTING_FAULTS = 12  # per minute of campaign: among so many first faults nodes are restarted
 TOGETHER = (0.55, 0.85)  # one fault alone up to here, two up to here, else three
@@ -64,7 +112,11 @@ class Case:
 
 
 def schedule(
-    faults: Mapping[str, Fault], seed: int, minutes: float, first: Collection[str] = ()
+    faults: Mapping[str, Fault],
+    seed: int,
+    minutes: float = 0.0,
+    first: Collection[str] = (),
+    most: int = 3,
 ) -> Iterator[Case]:
     """Cases without end: every fault once, then every fault again in another order.
 
@@ -76,6 +128,7 @@ def schedule(
         seed: Of everything random.
         minutes: Length of the campaign, which decides how long nodes are killed [min].
         first: Labels of faults that come before all others.
+        most: Faults that come together at most.
 
     Yields:
         One case after the other.
@@ -86,7 +139,7 @@ def schedule(
     deck: list[str] = []
     while True:
         draw = rng.random()
-        wanted = 1 + sum(draw > share for share in TOGETHER)
+        wanted = min(1 + sum(draw > share for share in TOGETHER), most)
         chosen: list[Fault] = []
         while len(chosen) < wanted:
             if not deck:

@@ -27,11 +27,12 @@ from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rich.console import Console
 
-from uav_tracking_mpc.control.compiled_flight import compile_flight
+from uav_tracking_mpc.control.guidance import compile_flight
 from uav_tracking_mpc.launch.supervisor import LaunchError, Supervisor, supervised
-from uav_tracking_mpc.nodes.overhearing import Overhearing
+from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription
 from uav_tracking_mpc.nodes.topics import COMMAND, ODOMETRY, TARGET
 from uav_tracking_mpc.settings.configuration import Configuration
+from uav_tracking_mpc.studies.faults.observer import seconds, vector
 from uav_tracking_mpc.studies.faults.resources import Growth, ResourceWatch, Usage
 
 SPEED = 20.0  # simulated over wall time, as far as the machine keeps up
@@ -66,33 +67,28 @@ class SoakObserver(Node):
         self.time, self.range_error = 0.0, math.nan
         self.settled = (0.0, 0.0)
         self.commands, self.longest_gap = 0, 0.0
-        Overhearing(self, ODOMETRY, self._on_state, QUEUE)
-        Overhearing(self, TARGET, self._on_target, QUEUE)
-        Overhearing(self, COMMAND, self._on_command, QUEUE)
+        FollowingSubscription(self, ODOMETRY, self._on_state, QUEUE)
+        FollowingSubscription(self, TARGET, self._on_target, QUEUE)
+        FollowingSubscription(self, COMMAND, self._on_command, QUEUE)
 
     def _on_state(self, message: Any) -> None:
-        self.time = _seconds(message)
+        self.time = seconds(message.header.stamp)
         if self._target is None:
             return
-        point = message.pose.pose.position
-        offset = np.array([point.x, point.y, point.z]) - self._target
+        offset = vector(message.pose.pose.position) - self._target
         self.range_error = float(np.linalg.norm(offset)) - self._wanted
         if self.time > SETTLING and not abs(self.range_error) <= self.settled[0]:
             self.settled = abs(self.range_error), self.time
 
     def _on_target(self, message: Any) -> None:
-        self._target = np.array([message.point.x, message.point.y, message.point.z])
+        self._target = vector(message.point)
 
     def _on_command(self, message: Any) -> None:
-        stamp = _seconds(message)
+        stamp = seconds(message.header.stamp)
         self.commands += 1
         if stamp > SETTLING:
             self.longest_gap = max(self.longest_gap, stamp - self._commanded)
         self._commanded = stamp
-
-
-def _seconds(message: Any) -> float:
-    return float(message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec)
 
 
 def soak(

@@ -15,6 +15,7 @@
 """Bases of the faults that strike messages on their way from sender to receiver.
 
 They act in the process of the relay (``fault_relay``), which finds the fault there by its name.
+Beside them are the topics that they strike and the fields of the messages that they change.
 """
 
 from __future__ import annotations
@@ -23,16 +24,105 @@ import json
 import random
 from abc import abstractmethod
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from rclpy.serialization import deserialize_message, serialize_message
 
-from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, COMMAND, ODOMETRY, TARGET, Topic
+from uav_tracking_mpc.autopilot.deliveries import Delivery, StreamRule
+from uav_tracking_mpc.nodes.topics import (
+    AIR_VELOCITY,
+    CLOCK,
+    COMMAND,
+    ODOMETRY,
+    TARGET,
+    Quality,
+    Topic,
+)
 from uav_tracking_mpc.studies.faults.kinds import Fault
-from uav_tracking_mpc.studies.faults.streams import STREAMS
 
 if TYPE_CHECKING:
     from uav_tracking_mpc.studies.faults.injected_flight import Flight
+
+
+STREAMS = (ODOMETRY, AIR_VELOCITY, TARGET, COMMAND, CLOCK)
+ORDERS = Topic(
+    "torture/fault",
+    "std_msgs/msg/String",
+    Quality(depth=100),
+    "campaign",
+    "A fault as JSON: reference, fault, seed, seconds, speed, reach",
+)
+
+
+def raw(topic: Topic) -> Topic:
+    """The topic before the relay: what its sender truly sent.
+
+    Args:
+        topic: As it is after the relay.
+    """
+    return replace(topic, name=f"/raw{topic.name}" if topic is CLOCK else f"raw/{topic.name}")
+
+
+LATEST_STAMP = 2**31 - 1  # s, where builtin_interfaces/Time ends
+
+Field = tuple[Any, str]
+
+
+def numbers(topic: Topic, message: Any) -> list[Field]:
+    """Fields that hold what a controller or a vehicle computes with.
+
+    Args:
+        topic: Of the message.
+        message: With those fields.
+
+    Returns:
+        (object that holds the field, name of the field) of each.
+    """
+    return _NUMBERS[topic.name](message)
+
+
+def shift(stamp: Any, seconds: float) -> None:
+    """Move a stamp, as far as stamps go; those before 0 can be written, but not all can be read.
+
+    Args:
+        stamp: builtin_interfaces/Time, changed in place.
+        seconds: By how much [s].
+    """
+    total = stamp.sec * 10**9 + stamp.nanosec + round(seconds * 1e9)
+    total = min(max(total, -(2**31) * 10**9), LATEST_STAMP * 10**9)
+    stamp.sec, stamp.nanosec = divmod(total, 10**9)
+
+
+def _axes(vector: Any) -> list[Field]:
+    return [(vector, axis) for axis in "xyz"]
+
+
+def _odometry(message: Any) -> list[Field]:
+    pose = message.pose.pose
+    return [*_axes(pose.position), (pose.orientation, "w"), *_axes(message.twist.twist.linear)]
+
+
+def _command(message: Any) -> list[Field]:
+    return [
+        field
+        for point in message.points
+        if point.velocities and point.accelerations  # another fault may have emptied them
+        for field in (
+            (point.velocities[0].angular, "y"),
+            (point.velocities[0].angular, "z"),
+            (point.accelerations[0].linear, "x"),
+        )
+    ]
+
+
+_NUMBERS = {
+    ODOMETRY.name: _odometry,
+    AIR_VELOCITY.name: lambda message: _axes(message.twist.linear),
+    TARGET.name: lambda message: _axes(message.point),
+    COMMAND.name: _command,
+}
+
 
 FAMILIES = {  # of the faults that strike one topic alone, by its name
     ODOMETRY.name: "odometry",
@@ -40,21 +130,16 @@ FAMILIES = {  # of the faults that strike one topic alone, by its name
     COMMAND.name: "command",
     AIR_VELOCITY.name: "air_velocity",
 }
-CHANGED_SHARE = 0.5  # of the messages: good ones in between are harder to handle
-
-Delivery = tuple[float, bytes]  # delay in simulated time [s], serialized message
 
 
-class StreamFault(Fault):
+class StreamFault(StreamRule, Fault):
     """A fault that strikes messages: loses, delays, repeats or changes them.
 
     Attributes:
         streams: Topics that it strikes.
-        rng: For what is random in it; set by :meth:`prepare`.
     """
 
     streams: tuple[Topic, ...] = STREAMS
-    rng: random.Random
 
     def begin(self, flight: Flight, seconds: float, seed: int) -> None:
         """See :meth:`Fault.begin`. The relay ends the fault by itself."""
@@ -121,12 +206,14 @@ class TopicFault(StreamFault):
         return f"{self.family}_{self.name}"
 
 
-class MessageFault(TopicFault):
-    """A topic fault that changes every other message."""
+class ChangeFault(StreamFault):
+    """A stream fault that changes messages: all of them, or a share."""
+
+    share = 1.0
 
     def deliver(self, topic: Topic, data: bytes) -> Sequence[Delivery]:
         """See :meth:`StreamFault.deliver`."""
-        if self.rng.random() > CHANGED_SHARE:
+        if not self.strikes():
             return [(0.0, data)]
         message = deserialize_message(data, topic.type)
         self.change(topic, message)
@@ -140,3 +227,9 @@ class MessageFault(TopicFault):
             topic: Of the message.
             message: As it was sent.
         """
+
+
+class MessageFault(ChangeFault, TopicFault):
+    """A topic fault that changes every other message."""
+
+    share = 0.5

@@ -12,16 +12,39 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-r"""Lag, dead time and gain of one channel by maximum likelihood over a whole record.
+r"""Lag, dead time, gain and limits of one channel by maximum likelihood, with intervals.
+
+The response to a demand that is held from step to step is exact:
+
+.. math:: \tau \dot\omega(t) = u(t - D) - \omega(t), \qquad
+          \int \omega = \int u(t - D) - \tau \omega(t) + \mathrm{const}
+
+The second one follows from the first and needs no integration of its own. A dead time moves the
+response as a whole, so that the rates at the steps belong to the lag alone.
 
 Measured are the integral of the rate (heading, path angle, airspeed) and, perhaps, the rate:
 
 .. math:: y = y_0 + b t + G \int \omega + e_y, \qquad \dot y = b_\omega + G \omega + e_\omega
 
-with the response :math:`\omega` of :mod:`~uav_tracking_mpc.studies.identification.held_demand`
-and autoregressive noise e. For each lag and dead time the rest is linear and solved for at once;
-lag and dead time are found on a grid, for there may be several minima, and then refined
-(G. Golub, V. Pereyra, SIAM J. Numer. Anal. 10, 1973: variable projection).
+with autoregressive noise e. Sensor noise is white; gusts, and whatever else the model does not
+describe, are not. Least squares on residuals made white by :math:`A(q) e` is maximum likelihood for
+both, and its intervals hold (L. Ljung, System Identification, 2nd ed., 1999, sections 7.4 and
+10.3). Commands answer to measured noise; with the noise described, that does not bias the fit
+(section 13.4). For each lag and dead time the rest is linear and solved for at once; lag and dead
+time are found on a grid, for there may be several minima, and then refined (G. Golub, V. Pereyra,
+SIAM J. Numer. Anal. 10, 1973: variable projection).
+
+A turn is limited by the bank that it needs, the other channels by the rate itself. On each side the
+limit is sought that explains the record best; it counts where it explains it much better than none.
+
+A confidence interval holds every value with which the record is hardly less likely than with the
+best one, all other unknowns being fitted anew (W. Meeker, L. Escobar, The American Statistician 49,
+1995):
+
+.. math:: J(\theta) - J_{min} \le \chi^2_1(0.95) \, \max(1, J_{min} / (n - k))
+
+Lag and dead time are nearly interchangeable, neither is negative, and the misfit is not smooth in
+the dead time, so intervals from second derivatives would be wrong; these need none.
 """
 
 from __future__ import annotations
@@ -32,11 +55,118 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_toeplitz
 from scipy.optimize import minimize
+from scipy.signal import lfilter
 
-from uav_tracking_mpc.studies.identification.channel_record import SPEED, ChannelRecord, Samples
-from uav_tracking_mpc.studies.identification.held_demand import HeldDemand
-from uav_tracking_mpc.studies.identification.noise_model import NoiseModel, noise_of
+from uav_tracking_mpc.studies.identification.flight_record import SPEED, ChannelRecord, Samples
+
+
+class HeldDemand:
+    """A demand that is held from each of its steps to the next.
+
+    Args:
+        demand: Its steps.
+    """
+
+    def __init__(self, demand: Samples) -> None:
+        self._time, self._value = demand
+        durations = np.diff(self._time)
+        self._durations = durations
+        self._integral = np.concatenate([[0.0], np.cumsum(self._value[:-1] * durations)])
+
+    def rates_at_steps(self, lag: float) -> NDArray[np.float64]:
+        """Rate at each step without dead time, shape (m,); at the first it is what is demanded.
+
+        Args:
+            lag: tau in [s].
+        """
+        left = np.exp(-self._durations / lag) if lag > 0.0 else np.zeros(len(self._durations))
+        factors = np.concatenate([[0.0], left])
+        rates = np.concatenate([self._value[:1], self._value[:-1] * (1.0 - left)])
+        # x_k = a_k x_(k-1) + b_k for all k at once: the maps are composed over 1, 2, 4, ... steps.
+        reach = 1
+        while reach < len(rates):
+            rates[reach:] = rates[reach:] + factors[reach:] * rates[:-reach]
+            factors[reach:] = factors[reach:] * factors[:-reach]
+            reach *= 2
+        return rates
+
+    def response(
+        self, time: NDArray[np.float64], lag: float, dead_time: float, rates: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Rate and its integral, but for a constant, each of the shape of the times.
+
+        Args:
+            time: Not before the first demand, in [s], shape (n,).
+            lag: tau in [s].
+            dead_time: D in [s].
+            rates: As of :meth:`rates_at_steps` for this lag, shape (m,).
+        """
+        shifted = time - dead_time
+        step = np.searchsorted(self._time, shifted, side="right") - 1
+        step = np.maximum(step, 0)
+        since = np.maximum(shifted - self._time[step], 0.0)
+        demanded = self._value[step]
+        rate = demanded
+        if lag > 0.0:
+            rate = demanded + (rates[step] - demanded) * np.exp(-since / lag)
+        return rate, self._integral[step] + demanded * since - lag * rate
+
+
+ORDERS = (0, 1, 2, 4, 8, 16)  # tried; samples
+
+
+class NoiseModel(NamedTuple):
+    """Autoregressive noise.
+
+    Attributes:
+        polynomial: A(q), from 1 on, shape (p + 1,).
+        deviation: Of the white noise behind it, in [rad], [rad/s] or [m/s] as the residuals.
+    """
+
+    polynomial: NDArray[np.float64]
+    deviation: float
+
+    def whitened(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values filtered and scaled to noise of unit variance, without the first p ones.
+
+        Args:
+            values: Along the first axis, shape (n,) or (n, k).
+
+        Returns:
+            Shape (n - p,) or (n - p, k).
+        """
+        order = len(self.polynomial) - 1
+        return lfilter(self.polynomial, [1.0], values, axis=0)[order:] / self.deviation
+
+
+def noise_of(residuals: NDArray[np.float64], least: float) -> NoiseModel:
+    """The noise that explains residuals best, by the Bayesian information criterion.
+
+    Args:
+        residuals: Of zero mean, shape (n,).
+        least: Deviation that is assumed at least, in [rad], [rad/s] or [m/s]: no sensor is exact.
+    """
+    count = len(residuals)
+    covariance = np.array(
+        [residuals[lag:] @ residuals[: count - lag] / count for lag in range(ORDERS[-1] + 1)]
+    )
+    if covariance[0] <= least**2:
+        return NoiseModel(np.ones(1), least)
+    best, chosen = np.inf, NoiseModel(np.ones(1), 1.0)
+    for order in ORDERS:
+        polynomial, variance = np.ones(1), covariance[0]
+        if order:
+            weights = solve_toeplitz(covariance[:order], covariance[1 : order + 1])
+            polynomial = np.concatenate([[1.0], -weights])
+            variance = covariance[0] - weights @ covariance[1 : order + 1]
+        variance = max(variance, least**2)
+        criterion = count * np.log(variance) + order * np.log(count)
+        if criterion < best:
+            best, chosen = criterion, NoiseModel(polynomial, float(np.sqrt(variance)))
+    return chosen
+
 
 LAG_MAX, DEAD_TIME_MAX = 3.0, 2.0  # s
 LAGS = np.concatenate([[0.0], np.geomspace(0.02, LAG_MAX, 16)])  # of the grid in [s]
@@ -224,3 +354,82 @@ def _simplex(lag: float, dead_time: float) -> list[tuple[float, float]]:
     """Where the search begins: along the valley, in which the sum of both is the same."""
     other = 0.02 if lag < LAG_MAX - 0.02 else -0.02
     return [(lag, dead_time), (lag + other, max(dead_time - other, 0.0)), (lag, dead_time + 0.02)]
+
+
+SHARES = np.linspace(0.3, 0.98, 35)  # of the greatest demand, tried as its limit
+NEARBY = np.linspace(0.92, 1.08, 17)  # of a limit that was found, tried in its place
+ROUNDS_SATURATION = 3  # in which limits and the rest are made to agree
+CONVINCING = 30.0  # by which the misfit must fall [-]; by chance it falls by a few
+
+
+class Limits(NamedTuple):
+    """Limits of what is demanded, times its leverage; infinite where none shows.
+
+    Attributes:
+        lower: In [rad/s], [m/s^2] or, in a turn, tan(bank) [-].
+        upper: In the same unit, [rad/s], [m/s^2] or [-].
+    """
+
+    lower: float = -np.inf
+    upper: float = np.inf
+
+    def kept(self, record: ChannelRecord) -> NDArray[np.float64]:
+        """The demand inside the limits, shape (m,), in [rad/s] or [m/s^2].
+
+        Args:
+            record: With the demand.
+        """
+        lever = record.leverage
+        return np.clip(record.demand.value * lever, self.lower, self.upper) / lever
+
+
+def limited_fit(record: ChannelRecord) -> tuple[ChannelFit, Limits]:
+    """The fit of a channel, and the limits that it shows.
+
+    Args:
+        record: Of the channel.
+    """
+    limits = Limits()
+    fit = ChannelFit(record, record.demand.value).run()
+    for _ in range(ROUNDS_SATURATION):
+        found = _better(fit, limits)
+        if found == limits:
+            break
+        limits = found
+        fit = ChannelFit(record, limits.kept(record)).run()
+    return fit, limits
+
+
+def _better(fit: ChannelFit, limits: Limits) -> Limits:
+    """Limits that explain the record much better than those before, else these.
+
+    Both sides are tried together first: a test signal that is symmetric passes both.
+    """
+    levered = fit.record.demand.value * fit.record.leverage
+    least, most = min(float(np.min(levered)), 0.0), max(float(np.max(levered)), 0.0)
+    if limits == Limits():
+        limits = _best(fit, limits, [Limits(share * least, share * most) for share in SHARES])
+    for side, extreme in (("upper", most), ("lower", least)):
+        known = getattr(limits, side)
+        places = NEARBY * known if np.isfinite(known) else SHARES * extreme
+        limits = _best(fit, limits, [limits._replace(**{side: float(each)}) for each in places])
+        without = limits._replace(**{side: getattr(Limits(), side)})
+        if _misfit(fit, without) < _misfit(fit, limits) + CONVINCING:
+            limits = without
+    return limits
+
+
+def _best(fit: ChannelFit, limits: Limits, tried: list[Limits]) -> Limits:
+    """The best of some limits, if it is much better or moves one that is known."""
+    misfits = [_misfit(fit, candidate) for candidate in tried]
+    best = tried[int(np.argmin(misfits))]
+    more = np.isfinite(best).sum() > np.isfinite(limits).sum()
+    needed = CONVINCING if more else 0.0
+    return best if min(misfits) < _misfit(fit, limits) - needed else limits
+
+
+def _misfit(fit: ChannelFit, limits: Limits) -> float:
+    """Of the same lag, dead time and noise with other limits."""
+    other = ChannelFit(fit.record, limits.kept(fit.record))
+    other.describe(fit.noise)
+    return other.solve(fit.lag, fit.dead_time).misfit

@@ -19,23 +19,38 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from uav_tracking_mpc.parameters.specification import ParameterError
-from uav_tracking_mpc.studies.identification.bag_record import read_bag_record
-from uav_tracking_mpc.studies.identification.channel_fit import ChannelFit
-from uav_tracking_mpc.studies.identification.channel_record import TURN, ChannelRecord
-from uav_tracking_mpc.studies.identification.csv_record import read_csv_record
-from uav_tracking_mpc.studies.identification.flight_record import FlightRecord, RecordError
+from uav_tracking_mpc.report.figure_style import BLACK, BLUE, GREY, VERMILLION, drawing
+from uav_tracking_mpc.report.pages import Table
+from uav_tracking_mpc.settings.configuration import parameter_file
+from uav_tracking_mpc.studies.identification.channel_fit import ChannelFit, Limits, limited_fit
+from uav_tracking_mpc.studies.identification.flight_record import (
+    CHANNELS,
+    PATH,
+    SPEED,
+    TURN,
+    UNITS,
+    ChannelRecord,
+    FlightRecord,
+    RecordError,
+)
 from uav_tracking_mpc.studies.identification.profile_intervals import (
     CONFIDENCE,
+    Estimate,
     Estimates,
     estimates,
 )
-from uav_tracking_mpc.studies.identification.saturation import Limits, limited_fit
+from uav_tracking_mpc.studies.identification.record_files import read_bag_record, read_csv_record
+from uav_tracking_mpc.studies.study import Study
 
 # Half of the interval of lag plus dead time up to which a channel counts as identified.
 SURE, SURE_SHARE = 0.1, 0.25  # s, and share of the value
@@ -157,15 +172,200 @@ def identify_flight(path: Path) -> list[ChannelIdentification]:
     return identify(channels)
 
 
-def identification(path: Path, found: Sequence[ChannelIdentification]) -> dict[str, Any]:
-    """What was found as plain values.
+HEADINGS = ("channel", "lag [s]", "dead time [s]", "sum [s]", "gain [-]", "flown", "limits seen")
+# Parameters of a channel's limits, of controller and simulator; of a turn the bank.
+LIMIT_NAMES = {
+    TURN: ("bank_max",),
+    PATH: ("pitch_rate_max",),
+    SPEED: ("acceleration_min", "acceleration_max"),
+}
+
+
+def identification_table(found: Sequence[ChannelIdentification]) -> Table:
+    """One row a channel.
+
+    Args:
+        found: Of a flight.
+    """
+    return Table(
+        HEADINGS,
+        [_row(channel) for channel in found],
+        title="How the aircraft answers commands",
+        caption=f"In brackets: {CONFIDENCE:.0%} confidence intervals.",
+    )
+
+
+def _row(channel: ChannelIdentification) -> tuple[str, ...]:
+    lag, dead_time, total, gain = channel.estimates
+    least, greatest = channel.largest
+    flown = f"{least:.2f} to {greatest:.2f} {UNITS[channel.name]}"
+    bank = channel.largest_bank
+    if bank is not None:
+        flown += f", bank {math.degrees(bank):.0f} deg"
+    limits = [_limit(channel.name, value) for value in channel.observed_limits if value is not None]
+    name = channel.name if channel.sure else f"{channel.name} (not sure)"
+    figures = (_words(figure) for figure in (lag, dead_time, total, gain))
+    return name, *figures, flown, ", ".join(limits) or "none"
+
+
+def _words(estimate: Estimate) -> str:
+    value, lower, upper = estimate
+    return f"{value:.3f} [{lower:.3f}, {upper:.3f}]"
+
+
+def _limit(name: str, value: float) -> str:
+    if name == TURN:
+        return f"bank {math.degrees(value):.0f} deg"
+    return f"{value:.2f} {UNITS[name]}"
+
+
+def parameters_to_paste(found: Sequence[ChannelIdentification]) -> str:
+    """Sections of a configuration with what was identified, as YAML.
+
+    A channel that was not identified keeps a comment; its numbers are placeholders.
+
+    Args:
+        found: Of a flight.
+    """
+    known = {channel.name: channel for channel in found}
+    lag = [_rounded(known, name, "lag", 0.0) for name in CHANNELS]
+    dead_time = [_rounded(known, name, "dead_time", 0.0) for name in CHANNELS]
+    gain = [_rounded(known, name, "gain", 1.0) for name in CHANNELS]
+    limits = {key: value for one in found for key, value in _limits_to_paste(one).items()}
+    controller = {"rate_lag": lag, "dead_time": dead_time, **limits}
+    # Lists of its own: YAML would refer to one that stands above.
+    simulator = {"rate_lag": [*lag], "dead_time": [*dead_time], "command_gain": gain, **limits}
+    comments = [
+        f"# {name}: {'not sure, excite it more' if name in known else 'not measured'}\n"
+        for name in CHANNELS
+        if name not in known or not known[name].sure
+    ]
+    return "".join(comments) + parameter_file(
+        {"nmpc_controller": controller, "uav_simulator": simulator}
+    )
+
+
+def _rounded(
+    known: dict[str, ChannelIdentification], name: str, figure: str, otherwise: float
+) -> float:
+    if name not in known:
+        return otherwise
+    return round(getattr(known[name].estimates, figure).value, 3)
+
+
+def _limits_to_paste(channel: ChannelIdentification) -> dict[str, float]:
+    """Limits that showed, by parameter; of two sides of a symmetric one the smaller."""
+    lower, upper = channel.observed_limits
+    names = LIMIT_NAMES[channel.name]
+    if len(names) == 2:
+        pairs = zip(names, (lower, upper), strict=True)
+        return {name: round(value, 3) for name, value in pairs if value is not None}
+    sides = [abs(value) for value in (lower, upper) if value is not None]
+    return {names[0]: round(min(sides), 3)} if sides else {}
+
+
+WIDTH, ROW_HEIGHT, ROOM = 9.5, 2.5, 0.8  # [inch]
+SHOWN = 30.0  # s of the end of the flight
+ANGLE = 180.0 / np.pi
+# Title, unit of what was measured and of its rate, by what SI is multiplied for them.
+PANELS = {
+    TURN: ("Heading", "deg", "deg/s", ANGLE),
+    PATH: ("Path angle", "deg", "deg/s", ANGLE),
+    SPEED: ("Airspeed", "m/s", "m/s²", 1.0),
+}
+
+
+def response_figure(found: Sequence[ChannelIdentification]) -> Figure:
+    """Left rates demanded and flown, right what was measured; both over the last 30 s.
+
+    Args:
+        found: Channels of a flight, at least one.
+    """
+    with drawing(WIDTH, ROW_HEIGHT * len(found) + ROOM) as figure:
+        rows = figure.subplots(len(found), 2, sharex=True, squeeze=False)
+        for (left, right), channel in zip(rows, found, strict=True):
+            _rates(left, channel)
+            _measured(right, channel)
+        for axes in rows[-1]:
+            axes.set_xlabel("time [s]")
+        end = max(float(channel.fit.record.state.time[-1]) for channel in found)
+        rows[0][0].set_xlim(end - SHOWN, end)
+        handles, labels = rows[0][0].get_legend_handles_labels()
+        more = rows[0][1].get_legend_handles_labels()
+        figure.legend(handles + more[0], labels + more[1], loc="upper center", ncols=4)
+        top = 1.0 - 0.6 * ROOM / (ROW_HEIGHT * len(found) + ROOM)
+        figure.tight_layout(rect=(0.0, 0.0, 1.0, top))
+    return figure
+
+
+def identification(path: Path, found: Sequence[ChannelIdentification]) -> Study:
+    """The study: numbers, table, the YAML to paste and the figure.
 
     Args:
         path: Of the record.
-        found: In it.
+        found: Channels of the flight.
     """
-    return {
+    yaml = parameters_to_paste(found)
+    content = {
         "record": str(path),
         "confidence": CONFIDENCE,
         "channels": {channel.name: channel.as_json() for channel in found},
+        "yaml": yaml,
     }
+    return Study(
+        name="identification",
+        content=content,
+        words=[identification_table(found), yaml],
+        written="figure: {}/response.png",
+        figures={"response": partial(response_figure, found)},
+        files={"identified.yaml": yaml.encode()},
+    )
+
+
+def _shown(channel: ChannelIdentification) -> NDArray[np.bool_]:
+    time = channel.fit.record.state.time
+    return time >= time[-1] - SHOWN
+
+
+def _rates(axes: Axes, channel: ChannelIdentification) -> None:
+    """Demand and fitted rate; the measured one where there is any."""
+    title, _, unit, scale = PANELS[channel.name]
+    record, shown = channel.fit.record, _shown(channel)
+    begin = record.state.time[-1] - SHOWN
+    demand = record.demand
+    late = demand.time >= begin
+    axes.step(
+        demand.time[late], scale * demand.value[late], where="post", color=GREY, lw=0.8,
+        label="commanded",
+    )  # fmt: skip
+    if record.rate is not None:
+        late = record.rate.time >= begin
+        rate = record.rate.time[late], scale * record.rate.value[late]
+        axes.plot(*rate, ".", ms=2.5, color=BLUE, label="_measured")
+    axes.plot(
+        record.state.time[shown], scale * channel.fit.flown_rate()[shown], color=VERMILLION,
+        label="fitted rate",
+    )  # fmt: skip
+    axes.set_title(f"{title}: its rate")
+    axes.set_ylabel(f"[{unit}]")
+
+
+def _measured(axes: Axes, channel: ChannelIdentification) -> None:
+    """What was measured and what was fitted, less its mean slope."""
+    title, unit, _, scale = PANELS[channel.name]
+    record, shown = channel.fit.record, _shown(channel)
+    time = record.state.time[shown]
+    measured, fitted = record.state.value[shown], channel.fit.fitted()[shown]
+    slope, level = np.polyfit(time - time[0], fitted, 1)
+    trend = slope * (time - time[0]) + level
+    axes.plot(time, scale * (measured - trend), ".", ms=2.5, color=BLUE, label="measured")
+    axes.plot(time, scale * (fitted - trend), color=BLACK, lw=1.2, label="fitted")
+    lag, dead_time, _, gain = channel.estimates
+    axes.set_title(f"{title}, less its trend")
+    axes.set_title(
+        f"lag {lag.value:.2f} s, dead time {dead_time.value:.2f} s, gain {gain.value:.2f}",
+        loc="right",
+        fontsize=8,
+        color=GREY,
+    )
+    axes.set_ylabel(f"[{unit}]")

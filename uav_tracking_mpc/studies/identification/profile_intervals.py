@@ -12,16 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-r"""Confidence intervals by the profile of the likelihood.
-
-An interval holds every value with which the record is hardly less likely than with the best one,
-all other unknowns being fitted anew (W. Meeker, L. Escobar, The American Statistician 49, 1995):
-
-.. math:: J(\theta) - J_{min} \le \chi^2_1(0.95) \, \max(1, J_{min} / (n - k))
-
-Lag and dead time are nearly interchangeable, neither is negative, and the misfit is not smooth in
-the dead time, so intervals from second derivatives would be wrong; these need none.
-"""
+"""Confidence intervals by the profile of the likelihood."""
 
 from __future__ import annotations
 

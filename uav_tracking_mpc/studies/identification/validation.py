@@ -28,17 +28,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from uav_tracking_mpc.control.excitation import USUAL
 from uav_tracking_mpc.parameters.specification import changed
-from uav_tracking_mpc.report.table import Table
+from uav_tracking_mpc.report.pages import Table
 from uav_tracking_mpc.settings.configuration import Configuration, load_configuration
+from uav_tracking_mpc.settings.tracking import USUAL_EXCITATION
 from uav_tracking_mpc.simulation.closed_loop import simulate
-from uav_tracking_mpc.studies.identification.channel_record import CHANNELS, Samples
-from uav_tracking_mpc.studies.identification.csv_record import FlightWitness
-from uav_tracking_mpc.studies.identification.flight_record import FlightRecord
+from uav_tracking_mpc.studies.executors import parallel_map
+from uav_tracking_mpc.studies.identification.flight_record import CHANNELS, FlightRecord, Samples
 from uav_tracking_mpc.studies.identification.identification import identify
 from uav_tracking_mpc.studies.identification.profile_intervals import CONFIDENCE, Estimates
-from uav_tracking_mpc.studies.parallel import parallel_map
+from uav_tracking_mpc.studies.identification.record_files import FlightWitness
+from uav_tracking_mpc.studies.study import Study
 
 SCENARIO = "crosswind"
 DURATION, EXCITED = 120.0, 60.0  # s of a flight, and of its end that are used
@@ -124,7 +124,7 @@ def drawn(flight: Flight) -> tuple[Configuration, Truth]:
         **NOISE,
     }
     told_lag, told_dead_time = (told * (lag, dead_time)).tolist()
-    believed = {"rate_lag": told_lag, "dead_time": told_dead_time, "excitation": USUAL}
+    believed = {"rate_lag": told_lag, "dead_time": told_dead_time, "excitation": USUAL_EXCITATION}
     drawn_configuration = replace(
         configuration,
         simulator=changed(configuration.simulator, true),
@@ -226,8 +226,8 @@ def _share(hits: Iterable[bool]) -> float:
     return sum(counted) / len(counted)
 
 
-def validation_table(content: dict[str, Any]) -> Table:
-    """Shares of the flights, one row a channel.
+def validation(content: dict[str, Any]) -> Study:
+    """The study: the counts, and a table of their shares with one row a channel.
 
     Args:
         content: Of :func:`validate`.
@@ -241,9 +241,10 @@ def validation_table(content: dict[str, Any]) -> Table:
         [name, *(f"{share:.1%}" for share in (*c["near"].values(), *c["covered"].values()))]
         for name, c in content["channels"].items()
     ]
-    return Table(
+    table = Table(
         ["channel", *near, *covered],
         rows,
         numeric=(*near, *covered),
         title=f"{content['flights']} flights, {EXCITED:g} s of each",
     )
+    return Study("validation", content, [table], tables={"identification": table})

@@ -12,13 +12,11 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Stability margins of the closed loop about the orbit.
+"""Stability margins of the closed loop about the orbit, and weights that keep them.
 
-==================  ==============================================================
-``flown_loop``      the loop as it answers impulses in flight, with all estimators
-``margin_study``    margins in still air and in wind, and all of it for JSON
-``margin_table``    the table
-``margin_figure``   a Nichols chart, and the margins around the orbit
-``weight_search``   weights for performance that keep the margins
-==================  ==============================================================
+=================  ==================================================================
+``margin_study``   margins of the loop as it flies and of its model; table and JSON
+``margin_figure``  a Nichols chart, the margins around the orbit, and the study of both
+``weight_search``  weights for performance that keep the margins
+=================  ==================================================================
 """

@@ -21,6 +21,7 @@ A disk of size alpha about the critical point is left free by l where
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -29,7 +30,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.control.loop_margins import CHANNELS
+from uav_tracking_mpc.margins.loop_margins import CHANNELS
 from uav_tracking_mpc.report.figure_style import (
     BLACK,
     BLUE,
@@ -39,13 +40,31 @@ from uav_tracking_mpc.report.figure_style import (
     VERMILLION,
     drawing,
 )
-from uav_tracking_mpc.studies.margins.margin_study import MarginStudy
+from uav_tracking_mpc.studies.margins.margin_study import MarginStudy, as_json, margin_table
+from uav_tracking_mpc.studies.study import Study
 
 SIZE = (9.5, 4.4)  # [inch]
 COLOURS = dict(zip(CHANNELS, (BLUE, VERMILLION, GREEN), strict=True))
 DISKS = (0.5, 1.0)
 DELAYS, DELAY_TICKS = (0.1, 10.0), (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # [s]
 PHASES, GAINS = (-360.0, 0.0), (-40.0, 40.0)  # [deg], [dB] that are drawn
+
+
+def margins(study: MarginStudy) -> Study:
+    """The study: numbers, table and figure.
+
+    Args:
+        study: Of a configuration.
+    """
+    table = margin_table(study)
+    return Study(
+        name="margins",
+        content=as_json(study),
+        words=[table, *(f"too small, {line}" for line in study.shortfalls)],
+        written="figure: {}/margins.png",
+        figures={"margins": partial(margin_figure, study)},
+        tables={"margins": table},
+    )
 
 
 def margin_figure(study: MarginStudy) -> Figure:

@@ -36,20 +36,21 @@ from typing import Any
 
 import numpy as np
 
-from uav_tracking_mpc.control.margin_check import shortfalls
-from uav_tracking_mpc.control.orbit_loop import OrbitLoop
+from uav_tracking_mpc.margins.margin_check import shortfalls
+from uav_tracking_mpc.margins.orbit_loop import OrbitLoop
 from uav_tracking_mpc.parameters.specification import ParameterError, changed
-from uav_tracking_mpc.report.table import Table
+from uav_tracking_mpc.report.pages import Table
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, PREDICTIVE
 from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.plants import SimulationError
-from uav_tracking_mpc.studies.comparison.flights import prepared
+from uav_tracking_mpc.studies.comparison.asked import ASKED
 from uav_tracking_mpc.studies.comparison.measures import Measures, measures
-from uav_tracking_mpc.studies.comparison.mismatch_targets import ASKED
-from uav_tracking_mpc.studies.comparison.mismatches import SCENARIO, mismatched
+from uav_tracking_mpc.studies.comparison.results import prepared
+from uav_tracking_mpc.studies.comparison.scenarios import SCENARIO, mismatched
+from uav_tracking_mpc.studies.executors import parallel_map
 from uav_tracking_mpc.studies.margins.margin_study import drift_of
-from uav_tracking_mpc.studies.parallel import parallel_map
+from uav_tracking_mpc.studies.study import Study
 
 # Range RMS [m] and bank-rate RMS [deg/s] that are asked of each flight; in gusts they are shares of
 # those of another law, which would have to be flown as well: here what is asked of it is fixed.
@@ -286,8 +287,8 @@ def _rounded(weights: Iterable[float]) -> Weights:
     return tuple(float(f"{weight:.2g}") for weight in weights)
 
 
-def search_table(search: Search) -> Table:
-    """One row for each candidate.
+def as_study(search: Search) -> Study:
+    """The search as one object for JSON, a row for each candidate, and what to paste.
 
     Args:
         search: That has ended.
@@ -303,21 +304,14 @@ def search_table(search: Search) -> Table:
         ]
         for each in search.candidates
     ]
-    return Table((*SHOWN, *columns), rows, numeric=columns, caption=CAPTION)
-
-
-def as_json(search: Search) -> dict[str, Any]:
-    """The search as one object for JSON.
-
-    Args:
-        search: That has ended.
-    """
-    return {
+    table = Table((*SHOWN, *columns), rows, numeric=columns, caption=CAPTION)
+    content = {
         "config": search.config,
         "candidates": [_plain(each) for each in search.candidates],
         "best": _plain(search.best),
         "yaml": search.yaml,
     }
+    return Study("search", content, [table, search.yaml])
 
 
 def _plain(candidate: Candidate) -> dict[str, Any]:

@@ -24,30 +24,34 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
-import numpy as np
-
-from uav_tracking_mpc.terminal.admissible import Limit, domain_limits, input_limits, lowest
-from uav_tracking_mpc.terminal.ball import PRECISION, flint
-from uav_tracking_mpc.terminal.cover import BOXES, Proof, prove
-from uav_tracking_mpc.terminal.direct_condition import (
+from uav_tracking_mpc.studies.stability.proof import (
+    BOXES,
     DirectCondition,
+    Limit,
+    Proof,
     allowed_level,
     decrease,
+    limits,
+    lipschitz_bound,
+    prove,
     prove_direct_condition,
 )
-from uav_tracking_mpc.terminal.ingredients import TerminalIngredients
-from uav_tracking_mpc.terminal.quadratic_bound import is_violated, lipschitz_bound
-from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
-from uav_tracking_mpc.terminal.terminal_dynamics import ClosedLoopBalls
-from uav_tracking_mpc.terminal.theorems import (
+from uav_tracking_mpc.studies.stability.theorems import (
     TheoremQuantities,
+    Violation,
     largest_lipschitz,
-    q_star,
+    largest_ratio,
+    lipschitz_excess,
+    lowest_violation,
     theorem_quantities,
 )
-from uav_tracking_mpc.terminal.violation import Excess, Violation, largest_ratio, lowest_violation
+from uav_tracking_mpc.terminal.ingredients import (
+    StabilityProblem,
+    TerminalIngredients,
+    decrease_excess,
+)
+from uav_tracking_mpc.terminal.quadratic_bound import QuadraticBound
 
 Say = Callable[[str], None]
 _SHARES = (0.98, 0.95, 0.9, 0.8, 0.65, 0.45, 0.25)  # of the level at which a violation is known
@@ -102,7 +106,7 @@ class Analysis:
         inputs: The input limit that binds first.
         domain: The domain limit that binds first.
         direct: The direct condition at the terminal level, None where no level is possible.
-        refuted: The known counterexample to the decrease is confirmed in ball arithmetic.
+        refuted: The known counterexample to the decrease is confirmed in intervals.
     """
 
     problem: StabilityProblem
@@ -165,22 +169,18 @@ def analyse(problem: StabilityProblem, say: Say | None = None, boxes: int = BOXE
         boxes: Budget of each single proof.
     """
     say = say or (lambda text: None)
-    ingredients, dynamics = problem.ingredients(), problem.dynamics()
-    weight, gain = ingredients.weight, ingredients.gain
-    star = q_star(problem.state_weight, problem.input_weight, gain)
-    inputs = lowest(input_limits(problem, gain, weight))
-    domain = lowest(domain_limits(problem, weight))
-    loop = ClosedLoopBalls(problem.model, problem.scheme, problem.orbit, problem.step, gain)
+    ingredients = problem.ingredients()
+    inputs, domain = limits(problem, ingredients)
 
     say("decrease of V_f: searching for violations")
     ceiling = 0.9999 * domain.level
-    excess = Excess(dynamics, gain, weight, weight - star)
+    excess = decrease_excess(problem, ingredients)
     found = lowest_violation(excess, ceiling) if ceiling > 0.0 else None
     say("decrease of V_f: proving")
     reach = _reach(lambda level: decrease(problem, ingredients, level), found, ceiling, boxes)
-    refuted = found is not None and is_violated(
-        decrease(problem, ingredients, found.level * (1.0 + 1e-9)), found.state
-    )
+    refuted = found is not None and decrease(
+        problem, ingredients, found.level * (1.0 + 1e-9)
+    ).violated_at(found.state)
 
     direct = None
     top = min(allowed_level(inputs, domain), reach.proved)
@@ -194,15 +194,13 @@ def analyse(problem: StabilityProblem, say: Say | None = None, boxes: int = BOXE
     # The level at which L is wanted: the terminal set's, or whatever U would allow.
     level = direct.level if direct is not None else max(min(inputs.level, ceiling), 0.1)
     say(f"Lipschitz constant at level {level:.4g}")
-    lipschitz = lipschitz_constant(problem, ingredients, level, loop, boxes)
-    quantities = theorem_quantities(
-        ingredients, problem.state_weight, problem.input_weight, lipschitz.upper, problem.horizon
-    )
+    lipschitz = lipschitz_constant(problem, ingredients, level, boxes)
+    quantities = theorem_quantities(problem, ingredients, lipschitz.upper)
     theorems = []
     for name, allowance in (("2", quantities.theorem2.left), ("3", quantities.theorem3.left)):
         say(f"Theorem {name}: how far its condition reaches")
         constant = largest_lipschitz(quantities.contraction, allowance)
-        theorems.append(lipschitz_reach(problem, ingredients, constant, ceiling, loop, boxes))
+        theorems.append(lipschitz_reach(problem, ingredients, constant, ceiling, boxes))
     return Analysis(
         problem=problem,
         ingredients=ingredients,
@@ -219,11 +217,7 @@ def analyse(problem: StabilityProblem, say: Say | None = None, boxes: int = BOXE
 
 
 def lipschitz_constant(
-    problem: StabilityProblem,
-    ingredients: TerminalIngredients,
-    level: float,
-    loop: ClosedLoopBalls | None = None,
-    boxes: int = BOXES,
+    problem: StabilityProblem, ingredients: TerminalIngredients, level: float, boxes: int = BOXES
 ) -> LipschitzBound:
     """L(varrho) of (31): a maximum found from below, and a bound proved from above.
 
@@ -231,28 +225,15 @@ def lipschitz_constant(
         problem: The configuration.
         ingredients: A_K and P_rho.
         level: varrho [-].
-        loop: The closed loop in ball arithmetic, if it is at hand.
         boxes: Budget of each proof.
     """
-    weight, linear = ingredients.weight, ingredients.closed_loop
-    loop = loop or ClosedLoopBalls(
-        problem.model, problem.scheme, problem.orbit, problem.step, ingredients.gain
+    best = largest_ratio(lipschitz_excess(problem, ingredients, 0.0), level)
+    constants = [factor * best.level for factor in (1.01, 1.03, 1.05, 1.15, 1.5, 2.0)]
+    upper, _ = _first_proved(
+        constants, lambda constant: lipschitz_bound(problem, ingredients, constant, level), boxes
     )
-    zero = np.zeros_like(weight)
-    best = largest_ratio(Excess(problem.dynamics(), ingredients.gain, weight, zero, linear), level)
-    upper, left = float("inf"), 2 * boxes
-    for factor in (1.01, 1.03, 1.05, 1.15, 1.5, 2.0):
-        constant = factor * best.level
-        with flint().ctx.workprec(PRECISION):
-            bound = lipschitz_bound(loop, weight, linear, constant, level)
-        proof = prove(bound, min(boxes, left))
-        if proof.proved:
-            upper = constant
-            break
-        left -= proof.boxes
-        if left <= 0:
-            break
-    return LipschitzBound(level, best.level, upper, tuple(best.state.tolist()))
+    found = float("inf") if upper is None else upper
+    return LipschitzBound(level, best.level, found, tuple(best.state.tolist()))
 
 
 def lipschitz_reach(
@@ -260,7 +241,6 @@ def lipschitz_reach(
     ingredients: TerminalIngredients,
     constant: float,
     ceiling: float,
-    loop: ClosedLoopBalls,
     boxes: int = BOXES,
 ) -> LevelBound:
     """The largest varrho with L(varrho) <= constant, proved and refuted.
@@ -270,33 +250,38 @@ def lipschitz_reach(
         ingredients: A_K and P_rho.
         constant: What (29) or (41) leaves for L [-].
         ceiling: Levels above [-] are not looked at.
-        loop: The closed loop in ball arithmetic.
         boxes: Budget of each proof.
     """
-    weight, linear = ingredients.weight, ingredients.closed_loop
-    excess = Excess(problem.dynamics(), ingredients.gain, weight, constant**2 * weight, linear)
-    found = lowest_violation(excess, ceiling) if ceiling > 0.0 and constant > 0.0 else None
-
-    def bound(level: float) -> Any:
-        with flint().ctx.workprec(PRECISION):
-            return lipschitz_bound(loop, weight, linear, constant, level)
-
-    return _reach(bound, found, ceiling if constant > 0.0 else 0.0, boxes)
+    ceiling = ceiling if constant > 0.0 else 0.0
+    excess = lipschitz_excess(problem, ingredients, constant)
+    found = lowest_violation(excess, ceiling) if ceiling > 0.0 else None
+    return _reach(
+        lambda level: lipschitz_bound(problem, ingredients, constant, level), found, ceiling, boxes
+    )
 
 
 def _reach(
-    bound: Callable[[float], Any], found: Violation | None, ceiling: float, boxes: int
+    bound: Callable[[float], QuadraticBound], found: Violation | None, ceiling: float, boxes: int
 ) -> LevelBound:
     """Prove a bound as near to its known violation as the budget allows."""
     limit = ceiling if found is None else min(found.level, ceiling)
     violation = None if found is None else found.level
     state = None if found is None else tuple(found.state.tolist())
+    levels = [share * limit for share in _SHARES] if limit > 0.0 else []
+    proved, proof = _first_proved(levels, bound, boxes)
+    return LevelBound(proved or 0.0, violation, state, proof)
+
+
+def _first_proved(
+    numbers: list[float], bound: Callable[[float], QuadraticBound], boxes: int
+) -> tuple[float | None, Proof | None]:
+    """The first of some numbers whose bound is proved within twice a budget; the last attempt."""
     proof, left = None, 2 * boxes
-    for share in _SHARES if limit > 0.0 else ():
-        proof = prove(bound(share * limit), min(boxes, left))
+    for number in numbers:
+        proof = prove(bound(number), min(boxes, left))
         if proof.proved:
-            return LevelBound(share * limit, violation, state, proof)
+            return number, proof
         left -= proof.boxes
         if left <= 0:
             break
-    return LevelBound(0.0, violation, state, proof)
+    return None, proof

@@ -27,14 +27,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from uav_tracking_mpc.report.table import Table
+from uav_tracking_mpc.report.pages import Table
 from uav_tracking_mpc.studies.stability.analysis import obstacle
-from uav_tracking_mpc.terminal.admissible import domain_limits, input_limits, lowest
-from uav_tracking_mpc.terminal.cover import BOXES
-from uav_tracking_mpc.terminal.direct_condition import allowed_level, prove_direct_condition
-from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
-from uav_tracking_mpc.terminal.theorems import q_star
-from uav_tracking_mpc.terminal.violation import Excess, directions, lowest_violation
+from uav_tracking_mpc.studies.stability.proof import (
+    BOXES,
+    allowed_level,
+    limits,
+    prove_direct_condition,
+)
+from uav_tracking_mpc.studies.stability.theorems import lowest_violation
+from uav_tracking_mpc.terminal.ingredients import StabilityProblem, decrease_excess, directions
 
 SCALINGS = (1.5, 2.5, 4.0, 8.0)
 INPUT_FACTORS = (0.3, 1.0, 3.0, 10.0, 30.0)
@@ -143,17 +145,14 @@ def _candidate(
     changed = changed_problem(problem, scaling, input_factor)
     parts = changed.ingredients()
     weight = parts.weight
-    inputs = lowest(input_limits(changed, parts.gain, weight))
-    domain = lowest(domain_limits(changed, weight))
+    inputs, domain = limits(changed, parts)
     ceiling = allowed_level(inputs, domain)
     cost = _cost(asked, parts.gain)
     nothing = (0.0,) * 5
     if ceiling <= 0.0:
         words = obstacle(inputs, domain)
         return Candidate(scaling, input_factor, 0.0, 0.0, nothing, cost, words)
-    star = q_star(changed.state_weight, changed.input_weight, parts.gain)
-    excess = Excess(changed.dynamics(), parts.gain, weight, weight - star)
-    found = lowest_violation(excess, ceiling, rays=3000, starts=6)
+    found = lowest_violation(decrease_excess(changed, parts), ceiling, rays=3000, starts=6)
     level, binding = ceiling, (inputs if inputs.level <= domain.level else domain).name
     if found is not None and found.level < ceiling:
         level, binding = 0.97 * found.level, "the decrease of V_f"

@@ -17,30 +17,280 @@
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
 from uav_tracking_mpc.report.atomic_write import write_atomically, write_json
-from uav_tracking_mpc.report.figure_style import save_figure
-from uav_tracking_mpc.studies.stability import analysis_text, paper_report, paper_report_text
-from uav_tracking_mpc.studies.stability.analysis import Analysis, analyse
-from uav_tracking_mpc.studies.stability.attraction import (
+from uav_tracking_mpc.report.figure_style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    OTHERS,
+    VERMILLION,
+    drawing,
+    save_figure,
+)
+from uav_tracking_mpc.studies.stability import paper_report
+from uav_tracking_mpc.studies.stability.analysis import Analysis, LevelBound, analyse
+from uav_tracking_mpc.studies.stability.proof import BOXES, certificate
+from uav_tracking_mpc.studies.stability.stability_campaign import (
+    COORDINATES,
+    UNITS,
     AttractionMap,
     attraction_map,
     default_slices,
+    fly_local,
+    fly_nmpc,
+    random_states,
     save_maps,
 )
-from uav_tracking_mpc.studies.stability.ellipsoid_campaign import fly_local, fly_nmpc, random_states
-from uav_tracking_mpc.studies.stability.stability_figures import (
-    decrease_figure,
-    ellipsoid_figure,
-    maps_figure,
-)
-from uav_tracking_mpc.terminal.certificate import certificate
-from uav_tracking_mpc.terminal.cover import BOXES
-from uav_tracking_mpc.terminal.stability_problem import StabilityProblem
+from uav_tracking_mpc.terminal.certificate import problem_parameters
+from uav_tracking_mpc.terminal.ingredients import StabilityProblem, decrease_excess, directions
+
+
+def as_json(analysis: Analysis) -> dict[str, Any]:
+    """The analysis as JSON values; infinities and nan become null.
+
+    Keys that programs may rely on: ``conditions.theorem2``, ``conditions.theorem3`` ({holds, left,
+    right}, with the proved L at the terminal level), ``varrho.{theorem3, decrease, inputs,
+    certified}`` (all proved), ``lipschitz.{upper, lower}``, ``certified``.
+
+    Args:
+        analysis: Of a configuration.
+    """
+    quantities, direct = analysis.quantities, analysis.direct
+    content = {
+        "config": analysis.problem.name,
+        "problem": problem_parameters(analysis.problem),
+        "horizon": analysis.problem.horizon,
+        "certified": analysis.certified,
+        "conditions": {
+            "level": analysis.lipschitz.level,
+            "theorem2": quantities.theorem2.as_dict(),
+            "theorem3": quantities.theorem3.as_dict(),
+        },
+        "varrho": {
+            "theorem2": analysis.theorem2.proved,
+            "theorem3": analysis.theorem3.proved,
+            "decrease": analysis.decrease.proved,
+            "inputs": analysis.inputs.level,
+            "domain": analysis.domain.level,
+            "certified": analysis.level,
+        },
+        "violated_at": {
+            "theorem2": analysis.theorem2.violation,
+            "theorem3": analysis.theorem3.violation,
+            "decrease": analysis.decrease.violation,
+            "decrease_state": analysis.decrease.state,
+            "decrease_confirmed": analysis.refuted,
+        },
+        "binding": analysis.binding,
+        "lipschitz": asdict(analysis.lipschitz),
+        "quantities": asdict(quantities),
+        "gain": analysis.ingredients.gain.tolist(),
+        "weight": analysis.ingredients.weight.tolist(),
+        "proofs": {
+            name: _proof(bound)
+            for name, bound in (
+                ("theorem2", analysis.theorem2),
+                ("theorem3", analysis.theorem3),
+                ("decrease", analysis.decrease),
+            )
+        },
+        "verdict": "no terminal set" if direct is None else direct.reason,
+    }
+    return _finite(content)
+
+
+def _proof(bound: LevelBound) -> dict[str, Any] | None:
+    if bound.proof is None:
+        return None
+    proof = bound.proof
+    return {
+        "boxes": proof.boxes,
+        "leaves": proof.leaves,
+        "depth": proof.depth,
+        "stopped": None if proof.stuck is None else proof.stuck.reason,
+    }
+
+
+def _finite(value: Any) -> Any:
+    """JSON knows no infinity."""
+    if isinstance(value, dict):
+        return {key: _finite(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(entry) for entry in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value
+
+
+def as_words(analysis: Analysis) -> str:
+    """What was found, in a few lines.
+
+    Args:
+        analysis: Of a configuration.
+    """
+    problem, orbit = analysis.problem, analysis.problem.orbit
+    lines = [
+        f"{problem.name}: {problem.model} model, {problem.scheme}, T_s = {problem.step:g} s, "
+        f"orbit r = {orbit.range:g} m, z = {orbit.altitude:g} m, v = {orbit.speed:g} m/s",
+        f"  L(varrho = {analysis.lipschitz.level:.4g}) between {analysis.lipschitz.lower:.4f} "
+        f"(attained) and {analysis.lipschitz.upper:.4f} "
+        f"({'proved' if math.isfinite(analysis.lipschitz.upper) else 'not proved: see --boxes'})",
+    ]
+    for number, condition in ((2, analysis.quantities.theorem2), (3, analysis.quantities.theorem3)):
+        holds = "holds" if condition.holds else "does not hold"
+        lines.append(
+            f"  Theorem {number} there: {condition.left:.4f} against {condition.right:.4f}: {holds}"
+        )
+    lines += [
+        _reach("(29) of Theorem 2", analysis.theorem2),
+        _reach("(41) of Theorem 3", analysis.theorem3),
+        _reach("the decrease itself", analysis.decrease),
+        f"  U allows varrho = {analysis.inputs.level:.4g} ({analysis.inputs.name})",
+    ]
+    if analysis.certified:
+        lines.append(
+            f"  CERTIFIED: x'P_rho x <= {analysis.level:.6g} is a terminal set; "
+            f"larger is prevented by {analysis.binding}"
+        )
+    else:
+        lines.append(f"  NOT CERTIFIED: in the way is {analysis.binding}")
+        if analysis.direct is not None:
+            lines.append(f"  {analysis.direct.reason}")
+    return "\n".join(lines)
+
+
+def _reach(name: str, bound: LevelBound) -> str:
+    known = (
+        "no violation known" if bound.violation is None else f"violated at {bound.violation:.4g}"
+    )
+    words = f"  {name}: proved up to varrho = {bound.proved:.4g}, {known}"
+    if bound.proof is None or bound.proof.stuck is None:
+        return words
+    return f"{words}; not proved beyond: {bound.proof.stuck.reason}"
+
+
+PAIRS = (("range", "bearing"), ("altitude", "path_angle"), ("range", "speed"))
+
+
+def ellipsoid_figure(problem: StabilityProblem, level: float) -> Figure:
+    """Shadows of X_f on pairs of states, with flights of kappa_l that start on its edge.
+
+    Args:
+        problem: The configuration.
+        level: varrho [-].
+    """
+    parts, dynamics = problem.ingredients(), problem.dynamics()
+    inverse = np.linalg.inv(parts.weight)
+    states = np.sqrt(level) * directions(parts.weight, 12, np.random.default_rng(3))
+    flights = [states]
+    for _ in range(60):
+        states = np.array(dynamics(states.T, (states @ parts.gain.T).T)).T
+        flights.append(states)
+    paths = np.array(flights)
+    turn = np.linspace(0.0, 2.0 * np.pi, 200)
+    circle = np.stack([np.cos(turn), np.sin(turn)])
+    with drawing(11.0, 3.8) as figure:
+        for axes, (first, second) in zip(figure.subplots(1, 3), PAIRS, strict=True):
+            i, j = COORDINATES[first], COORDINATES[second]
+            # The shadow on (i, j) of x'Px <= level has the matrix (P^-1)_ij,ij.
+            block = inverse[np.ix_([i, j], [i, j])]
+            edge = np.sqrt(level) * np.linalg.cholesky(block) @ circle
+            axes.fill(*edge, alpha=0.15, color=BLUE)
+            axes.plot(*edge, color=BLUE)
+            axes.plot(paths[:, :, i], paths[:, :, j], lw=0.7, color=VERMILLION)
+            axes.plot(paths[0, :, i], paths[0, :, j], "o", ms=3, color=VERMILLION)
+            axes.set_xlabel(f"error of {_label(first)}")
+            axes.set_ylabel(f"error of {_label(second)}")
+        figure.suptitle(f"Terminal set at level {level:.4g}, and flights of the local controller")
+        figure.tight_layout()
+    return figure
+
+
+def decrease_figure(problem: StabilityProblem, marks: dict[str, float], ceiling: float) -> Figure:
+    """Worst decrease over the sphere of each level, and the levels that matter.
+
+    Args:
+        problem: The configuration.
+        marks: Levels to mark [-], by name.
+        ceiling: Largest level shown [-].
+    """
+    parts = problem.ingredients()
+    weight = parts.weight
+    excess = decrease_excess(problem, parts)
+    rays = directions(weight, 6_000, np.random.default_rng(0))
+    levels = np.linspace(0.01, 1.0, 45) * ceiling
+    relative = np.array([excess(np.sqrt(level) * rays) / level for level in levels])
+    with drawing(8.0, 4.2) as figure:
+        axes = figure.add_subplot()
+        axes.plot(levels, np.nanmax(relative, axis=1), color=BLUE, label="worst of 6000 directions")
+        axes.plot(levels, np.nanmedian(relative, axis=1), color=BLUE, ls="--", label="median")
+        axes.axhline(0.0, color=BLACK, lw=0.8)
+        for colour, (name, level) in zip((VERMILLION, GREEN, *OTHERS), marks.items(), strict=False):
+            axes.axvline(level, color=colour, lw=1.2, label=f"{name}: {level:.3g}")
+        axes.set_xlabel("level of the ellipsoid")
+        axes.set_ylabel("(change of V_f + stage cost) / V_f")
+        axes.legend()
+        figure.tight_layout()
+    return figure
+
+
+def maps_figure(maps: list[AttractionMap]) -> Figure:
+    """Maps of X_N: rows of slices, columns of horizons; feasible states are coloured.
+
+    Args:
+        maps: Any number of them; those of one slice stand in one row.
+    """
+    rows: dict[tuple[str, str], list[AttractionMap]] = {}
+    for entry in maps:
+        rows.setdefault((entry.slice.first, entry.slice.second), []).append(entry)
+    columns = max(map(len, rows.values()))
+    with drawing(3.7 * columns, 3.4 * len(rows)) as figure:
+        panels = figure.subplots(len(rows), columns, squeeze=False)
+        for row, members in zip(panels, rows.values(), strict=True):
+            for axes, member in zip(row, members, strict=False):
+                _draw_map(axes, member)
+            for axes in row[len(members) :]:
+                axes.set_axis_off()
+        figure.tight_layout()
+    return figure
+
+
+def _draw_map(axes: Axes, entry: AttractionMap) -> None:
+    where = entry.slice
+    axes.pcolormesh(
+        where.second_values,
+        where.first_values,
+        entry.feasible.astype(float),
+        cmap="Blues",
+        vmin=0.0,
+        vmax=1.6,
+        shading="nearest",
+        rasterized=True,
+    )
+    first, second = COORDINATES[where.first], COORDINATES[where.second]
+    colour, word = (GREEN, "feasible") if entry.marked_feasible else (VERMILLION, "infeasible")
+    axes.plot(
+        entry.marked[second], entry.marked[first], "*", ms=14, color=colour, mec="white", mew=0.8,
+        clip_on=False, zorder=3,
+    )  # fmt: skip
+    axes.set_title(f"N = {entry.horizon}: marked start {word}")
+    axes.set_xlabel(_label(where.second))
+    axes.set_ylabel(_label(where.first))
+
+
+def _label(coordinate: str) -> str:
+    return f"{coordinate.replace('_', ' ')} [{UNITS[coordinate]}]"
+
 
 HORIZONS = (10, 20, 30)  # of the maps
 
@@ -117,7 +367,7 @@ def stability_study(
     say("the paper, quantity by quantity")
     rows = paper_report.paper_report()
     content = {
-        **analysis_text.as_json(analysis),
+        **as_json(analysis),
         "paper_as_printed": paper_report.paper_as_printed(),
         "paper_report": [asdict(row) for row in rows],
     }
@@ -162,9 +412,9 @@ def in_words(study: StabilityStudy) -> list[Any]:
         study: What was found.
     """
     return [
-        paper_report_text.numbers_table(study.rows).as_rich(),
-        *paper_report_text.verdicts(study.rows),
-        analysis_text.as_words(study.analysis),
+        paper_report.numbers_table(study.rows),
+        *paper_report.verdicts(study.rows),
+        as_words(study.analysis),
         *(f"  campaign {entry}" for entry in study.content.get("campaign", [])),
         *(f"  map {entry}" for entry in study.content.get("maps", [])),
     ]

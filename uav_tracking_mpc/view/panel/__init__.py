@@ -12,38 +12,29 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What is read and steered beside the scene, one file each.
+"""What is read and steered beside the scene.
 
-==================  ================================================================================
-``replay``          time of a recorded flight: a slider, play, pause and speed
-``state``           what mode is flown, why, how long, and what was flown before
-``readings``        the numbers of the flight: value, error and limits
-``orbit``           the orbit to fly: range, altitude, airspeed and direction
-``target``          how the target moves
-``plots``           range error, bank and cost over the last minutes
-``timing``          how long solves take, and how old a state is when its command is sent
-``engagement``      whether the controller commands the aircraft
-``simulated_time``  simulated time: pause, speed and reset
-``wind``            wind and gusts of the simulator
-``faults``          faults that can be injected, what they do, and how the flight recovered
-``diagnostics``     what the nodes say of themselves
-==================  ================================================================================
+=============  =====================================================================================
+``replay``     time of a recorded flight: a slider, play, pause and speed
+``state``      what mode is flown, why, how long, and what was flown before; what the nodes say
+``readings``   the numbers of the flight: value, error and limits; range error, bank and cost over
+               the last minutes; how long solves take
+``steered``    orbit, target, wind and simulated time, whether the controller commands, faults
+=============  =====================================================================================
 
-A part is a subclass of :class:`PanelPart` in a file of its own name. It is found by that name, or
-by an entry point in the group ``uav_tracking_mpc.view.panel``.
+A part is a subclass of :class:`PanelPart`. It is found by its ``name``, or by an entry point in the
+group ``uav_tracking_mpc.view.panel``.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
-from uav_tracking_mpc.view.sight import Sight
+import viser
 
-if TYPE_CHECKING:
-    import viser
-
-    from uav_tracking_mpc.view.watched_flight import FlightSource, WatchedFlight
+from uav_tracking_mpc.parameters.registry import ExtensionPoint
+from uav_tracking_mpc.view.watched_flight import FlightSource, Sight, WatchedFlight
 
 
 class PanelPart(ABC):
@@ -89,3 +80,6 @@ class PanelPart(ABC):
         Args:
             sight: Of this aircraft.
         """
+
+
+PANEL_PART = ExtensionPoint("part of the panel", PanelPart)

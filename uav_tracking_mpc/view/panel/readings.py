@@ -12,23 +12,32 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The numbers of the flight: value, error and limits."""
+"""The numbers of the flight with errors and limits, times of solves, plots of the last minutes."""
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from uav_tracking_mpc.parameters.specification import specifications
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.view.panel import PanelPart
 from uav_tracking_mpc.view.panel._html import ALARM, ATTENTION, badge, block, faint, number, table
-from uav_tracking_mpc.view.sight import Sight
+from uav_tracking_mpc.view.panel.state import Recent
+from uav_tracking_mpc.view.watched_flight import Sight
 
 AT_LIMIT = 0.02  # of what lies between the limits
 DEGREES = math.degrees(1.0)
+MINUTE = 60.0  # s
+SPAN = 180.0  # s of the plots
+RESOLUTION = 0.5  # s between their points
+HEIGHT = 120  # pixels
+BLUE, ORANGE, FALLBACK = "rgb(0,130,200)", "rgb(213,94,0)", "rgba(230,159,0,0.3)"
+COST = "Cost"
+LEAST_COST = 1e-6  # [-]; the axis of the cost is logarithmic
 KNOWN = {known.name: known for known in specifications(TrackingParameters)}
 
 
@@ -42,7 +51,6 @@ class Reading(NamedTuple):
         error: In that unit [-], nan where there is none.
         least: Limit in that unit [-], -inf where there is none.
         most: Limit in that unit [-], inf where there is none.
-        digits: Behind the point.
     """
 
     name: str
@@ -51,7 +59,6 @@ class Reading(NamedTuple):
     error: float = math.nan
     least: float = -math.inf
     most: float = math.inf
-    digits: int = 1
 
     @property
     def mark(self) -> str:
@@ -128,10 +135,10 @@ class Readings(PanelPart):
 
 
 def _row(reading: Reading) -> list[str]:
-    value = f"{number(reading.value, reading.digits)} {reading.unit}"
+    value = f"{number(reading.value)} {reading.unit}"
     if reading.mark:
         value = badge(value, ALARM if reading.mark.startswith("beyond") else ATTENTION)
-    error = number(reading.error, reading.digits, signed=True)
+    error = number(reading.error, signed=True)
     return [reading.name, f"<b>{value}</b>", error, faint(_limits(reading))]
 
 
@@ -143,3 +150,111 @@ def _limits(reading: Reading) -> str:
     else:
         words = f"from {least}" if low else f"to {most}" if high else ""
     return f"{reading.mark} {words}" if reading.mark else words
+
+
+class Timing(PanelPart):
+    """A table: now, median and 99th percentile of the last minute."""
+
+    name = "timing"
+    order = 35.0
+    period = 0.5
+
+    def add(self) -> None:
+        """Begin with an empty one."""
+        self._recent = Recent(self.flight, MINUTE, lambda seen: (seen.solve_time, seen.latency))
+        with self.gui.add_folder("Timing"):
+            self._table = self.gui.add_html("")
+
+    def show(self, sight: Sight) -> None:
+        """Write the times of now and of the last minute.
+
+        Args:
+            sight: Of this aircraft.
+        """
+        _, *past = self._recent.columns(sight)
+        now = {"Solve time": sight.solve_time, "Latency": sight.latency}
+        rows = [_times(name, now[name], each) for name, each in zip(now, past, strict=True)]
+        self._table.content = block(table(rows, ("in ms, last minute", "now", "median", "p99")))
+
+
+def _times(name: str, now: float, past: NDArray[np.float64]) -> list[str]:
+    known = past[np.isfinite(past)]
+    median, p99 = np.percentile(known, [50.0, 99.0]) if len(known) else (math.nan, math.nan)
+    return [name, *(number(1e3 * float(value), 2) for value in (now, median, p99))]
+
+
+class Plots(PanelPart):
+    """Three plots over the time before now; what is shaded was flown by a fallback mode."""
+
+    name = "plots"
+    order = 30.0
+    period = 0.5
+
+    def add(self) -> None:
+        """Add them; each appears with its first point."""
+        self._recent = Recent(self.flight, SPAN, _figures, RESOLUTION)
+        with self.gui.add_folder(f"Last {SPAN:.0f} s"):
+            self._range = self._plot("Range error [m]", [("range error", BLUE)])
+            self._bank = self._plot(
+                "Bank, right wing down [deg]",
+                [("bank", BLUE), ("limit", ORANGE), ("limit", ORANGE)],
+            )
+            self._cost = self._plot(COST, [("cost", BLUE)], distr=3)
+
+    def _plot(self, title: str, lines: list[tuple[str, str]], **scale: Any) -> Any:
+        series: list[Any] = [{"label": "s"}]
+        series += [{"label": "fallback", "scale": "mode", "fill": FALLBACK, "width": 0}]
+        series += [
+            {"label": label, "stroke": colour, "width": 1.5, "points": {"show": False}}
+            for label, colour in lines
+        ]
+        scales: Any = {
+            "x": {"time": False, "range": (-SPAN, 0.0)},
+            "y": scale,
+            "mode": {"range": (0.0, 1.0)},
+        }
+        return self.gui.add_uplot(
+            tuple(np.zeros(1) for _ in series),
+            tuple(series),
+            title=title,
+            scales=scales,
+            legend={"show": False},
+            axes=(
+                {"size": 30, "ticks": {"show": False}},
+                {"size": 55, "ticks": {"show": False}, "grid": {"show": title != COST}},
+            ),
+            height=HEIGHT,
+            padding=(8, 12, 0, 0),
+            visible=False,
+        )
+
+    def show(self, sight: Sight) -> None:
+        """Draw what was seen.
+
+        Args:
+            sight: Of this aircraft.
+        """
+        time, fallback, error, bank, cost = self._recent.columns(sight)
+        time = time - sight.time
+        tracking = self.flight.tracking
+        limit = math.nan if tracking is None else math.degrees(tracking.bank_max)
+        limits = np.full_like(bank, limit), np.full_like(bank, -limit)
+        _draw(self._range, time, fallback, error)
+        _draw(self._bank, time, fallback, bank, *limits)
+        _draw(self._cost, time, fallback, np.maximum(cost, LEAST_COST))
+
+
+def _figures(seen: Sight) -> tuple[float, ...]:
+    fallback = float(seen.mode is not None and not seen.mode.nominal)
+    error = seen.errors.get("range_error", math.nan)
+    return fallback, error, math.degrees(seen.bank), seen.cost
+
+
+def _draw(
+    plot: Any, time: NDArray[np.float64], fallback: NDArray[np.float64], *lines: NDArray[np.float64]
+) -> None:
+    """Points at which the first line is known; a plot without any does not appear."""
+    known = np.isfinite(lines[0])
+    plot.visible = bool(known.any())
+    if plot.visible:
+        plot.data = tuple(line[known] for line in (time, fallback, *lines))

@@ -18,16 +18,12 @@ from __future__ import annotations
 
 import math
 import time
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import viser
 
 from uav_tracking_mpc.view.panel import PanelPart
-from uav_tracking_mpc.view.play_clock import RATES, PlayClock
-from uav_tracking_mpc.view.sight import Sight
-
-if TYPE_CHECKING:
-    import viser
-
-    from uav_tracking_mpc.view.watched_flight import FlightSource, WatchedFlight
+from uav_tracking_mpc.view.watched_flight import RATES, FlightSource, Sight, WatchedFlight
 
 STEP = 0.1  # s of the slider
 SAME = 1e-6  # of it: what rounding leaves
@@ -52,15 +48,10 @@ class Replay(PanelPart):
         """
         return source.clock is not None and source.flights()[0] is flight
 
-    @property
-    def clock(self) -> PlayClock:
-        """Of the record."""
-        assert self.source.clock is not None
-        return self.source.clock
-
     def add(self) -> None:
         """Add slider and buttons."""
-        clock = self.clock
+        assert self.source.clock is not None, "there is no such part without it"
+        self.clock = clock = self.source.clock
         self._moved = -HAND  # when somebody moved the slider, steady [s]
         self._words = self.gui.add_markdown(self._time_in_words())
         # mypy takes a handle's value for one that cannot be set.

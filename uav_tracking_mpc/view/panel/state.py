@@ -12,20 +12,100 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What mode is flown, why, how long, and what was flown before."""
+"""What is flown, why, how long, and what was flown before; what the nodes say of themselves."""
 
 from __future__ import annotations
 
 import html
+import math
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
 from uav_tracking_mpc.control.fallback import FallbackMode
-from uav_tracking_mpc.report.mode_colours import mode_colour
+from uav_tracking_mpc.report.mode_colours import Colour, mode_colour
 from uav_tracking_mpc.view.panel import PanelPart
-from uav_tracking_mpc.view.panel._html import badge, block, clock, duration, faint, table
-from uav_tracking_mpc.view.panel._recent import Recent
-from uav_tracking_mpc.view.sight import Sight
+from uav_tracking_mpc.view.panel._html import (
+    ALARM,
+    ATTENTION,
+    CALM,
+    badge,
+    block,
+    clock,
+    duration,
+    faint,
+    table,
+)
+from uav_tracking_mpc.view.watched_flight import FlightSource, NodeStatus, Sight, WatchedFlight
+
+MARGIN = 1.0  # s; the flight may have gone on since
+MOST = 3000  # rows that are kept
+
+
+class Recent:
+    """What a part reads of the last sights of a flight, each of which it reads once.
+
+    Where time has gone back, or on by more than is kept, as the slider of a record does it, it
+    begins anew.
+
+    Args:
+        flight: What is followed.
+        span: How far back it goes in [s].
+        read: Figures of a sight.
+        step: Least time between two rows in [s].
+
+    Attributes:
+        anew: Whether the last sights begin anew.
+        rows: Time and figures of each sight that was read in the last span, oldest first.
+    """
+
+    def __init__(
+        self,
+        flight: WatchedFlight,
+        span: float,
+        read: Callable[[Sight], tuple[float, ...]] = lambda seen: (),
+        step: float = 0.0,
+    ) -> None:
+        self._flight, self._span, self._last = flight, span, -math.inf
+        self._read, self._step = read, step
+        self.anew = True
+        self.rows: deque[tuple[float, ...]] = deque(maxlen=MOST)
+
+    def take(self, sight: Sight) -> list[Sight]:
+        """Those that are not handed out yet, oldest first.
+
+        Args:
+            sight: Of now; it is the last one if time has gone on.
+        """
+        gone = sight.time - self._last
+        self.anew = not 0.0 <= gone <= self._span
+        if gone == 0.0:
+            return []
+        since = sight.time - self._span if self.anew else self._last
+        past = self._flight.past(sight.time - since + MARGIN)
+        self._last = sight.time
+        return [*(seen for seen in past if since < seen.time < sight.time), sight]
+
+    def columns(self, sight: Sight) -> NDArray[np.float64]:
+        """Times and figures of the last span, each a row of shape (n,), oldest first.
+
+        Args:
+            sight: Of now.
+        """
+        news = self.take(sight)
+        if self.anew:
+            self.rows.clear()
+        for seen in news:
+            if not self.rows or seen.time - self.rows[-1][0] >= 0.99 * self._step:
+                self.rows.append((seen.time, *self._read(seen)))
+        while self.rows and self.rows[0][0] < sight.time - self._span:
+            self.rows.popleft()
+        return np.array(self.rows).T
+
 
 SPAN = 300.0  # s
 SHOWN = 5  # fallbacks
@@ -138,3 +218,54 @@ def _name(mode: FallbackMode | None) -> str:
 
 def _mode(mode: FallbackMode | None) -> str:
     return badge(_name(mode), mode_colour(mode))
+
+
+SILENT: Colour = (128, 128, 128)
+LEVELS = (("ok", CALM), ("warning", ATTENTION), ("error", ALARM), ("silent", SILENT))
+
+
+class Diagnostics(PanelPart):
+    """A line for each node; their figures fold out."""
+
+    name = "diagnostics"
+    order = 70.0
+    period = 1.0
+
+    @classmethod
+    def fits(cls, flight: WatchedFlight, source: FlightSource) -> bool:
+        """Whether a node has said something.
+
+        Args:
+            flight: What is read.
+            source: Where it comes from.
+        """
+        sight = flight.sight
+        return sight is not None and bool(sight.statuses)
+
+    def add(self) -> None:
+        """Add an empty list, and a folder for each node as it appears."""
+        self._figures: dict[str, viser.GuiHtmlHandle] = {}
+        self._folder = self.gui.add_folder("Diagnostics")
+        with self._folder:
+            self._lines = self.gui.add_html("", order=0.0)
+
+    def show(self, sight: Sight) -> None:
+        """Write what the nodes say now.
+
+        Args:
+            sight: Of this aircraft.
+        """
+        self._lines.content = block(*(_line(status) for status in sight.statuses))
+        for status in sight.statuses:
+            if not status.values:
+                continue
+            if status.node not in self._figures:
+                with self._folder, self.gui.add_folder(status.node, expand_by_default=False):
+                    self._figures[status.node] = self.gui.add_html("")
+            rows = [(faint(key), html.escape(words)) for key, words in status.values.items()]
+            self._figures[status.node].content = block(table(rows))
+
+
+def _line(status: NodeStatus) -> str:
+    level, colour = LEVELS[min(max(status.level, 0), len(LEVELS) - 1)]
+    return f"<b>{html.escape(status.node)}</b> {badge(level, colour)} {html.escape(status.words)}"

@@ -12,25 +12,23 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a page draws of an aircraft, one file each.
+"""What a page draws of an aircraft.
 
-================  ==================================================================================
-``airframe``      the aircraft itself, as it banks and pitches, in the colour of what is flown
-``drop_line``     the line from the aircraft down to its place on the ground
-``ground``        a grid with distances and north, one for all aircraft
-``limits``        fence, floor, least distance and no-fly shapes
-``orbits``        the orbit that is asked for, and the one that the plan ends on
-``plan``          the plan with its stages
-``target``        the target: where it is taken to be, how surely, and where it was measured
-``target_drag``   lets the mouse drag the target over the ground
-``target_track``  where the target was in the last minute
-``track``         where the aircraft was in the last minute
-``velocities``    velocity through the air, over ground, and the drift between them
-``wind``          the wind, with its speed in words
-================  ==================================================================================
+==============  ====================================================================================
+``airframe``    the aircraft as it banks and pitches, in the colour of what is flown; the line from
+                it down to its place on the ground
+``ground``      a grid with distances and north, one for all aircraft; fence, floor, least distance
+                and no-fly shapes
+``orbits``      the orbit that is asked for, the one that the plan ends on, the plan with its
+                stages; where aircraft and target were in the last minute
+``target``      the target: where it is estimated, how surely, and where it was measured; lets the
+                mouse drag it over the ground
+``wind``        the wind, with its speed in words; velocity through the air, over ground, and the
+                drift between them
+==============  ====================================================================================
 
-An element is a subclass of :class:`SceneElement` in a file of its own name. It is found by that
-name, or by an entry point in the group ``uav_tracking_mpc.view.scene``. What cannot be drawn,
+An element is a subclass of :class:`SceneElement`. It is found by its ``name``, or by an entry point
+in the group ``uav_tracking_mpc.view.scene``. What cannot be drawn,
 because it is not known or not finite, is hidden. Sizes follow the wanted orbit, so that an aircraft
 is seen from where its whole orbit is.
 """
@@ -38,15 +36,13 @@ is seen from where its whole orbit is.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+import viser
+
+from uav_tracking_mpc.parameters.registry import ExtensionPoint
 from uav_tracking_mpc.report.mode_colours import Colour
-from uav_tracking_mpc.view.sight import Sight
-
-if TYPE_CHECKING:
-    import viser
-
-    from uav_tracking_mpc.view.watched_flight import WatchedFlight
+from uav_tracking_mpc.view.watched_flight import Sight, WatchedFlight
 
 
 class SceneElement(ABC):
@@ -84,3 +80,6 @@ class SceneElement(ABC):
         Args:
             sight: Of this aircraft.
         """
+
+
+SCENE_ELEMENT = ExtensionPoint("element of the scene", SceneElement)

@@ -12,20 +12,30 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The aircraft itself, as it banks and pitches, in the colour of what is flown."""
+"""The aircraft as it banks and pitches, in the colour of its mode, and its place on the ground."""
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
 import viser.transforms as rigid
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.report.mode_colours import mode_colour
 from uav_tracking_mpc.view.scene import SceneElement
-from uav_tracking_mpc.view.scene._extent import extent, finite
-from uav_tracking_mpc.view.scene._lathe import Mesh, joined, plate, turned
-from uav_tracking_mpc.view.sight import Sight
+from uav_tracking_mpc.view.scene._drawing import (
+    GREY,
+    Mesh,
+    extent,
+    finite,
+    ground_height,
+    joined,
+    plate,
+    ring,
+    turned,
+)
+from uav_tracking_mpc.view.watched_flight import Sight
 
 SHARE = 0.1  # length of the aircraft by the radius of its orbit: seen from where all of that is
 
@@ -115,3 +125,37 @@ class Airframe(SceneElement):
         self._wings.color = mode_colour(sight.mode)
         self._label.position = (0.0, 0.0, 0.5 * size)
         self._label.text = caption(self.flight.name, sight.mode)
+
+
+RING = 0.03  # radius of the ring by that of the orbit
+STEP = 0.002  # least change of the height, by the radius of the orbit, that is drawn
+
+
+class DropLine(SceneElement):
+    """Hangs under the aircraft, so that only a change of height is sent."""
+
+    name = "drop_line"
+
+    def add(self) -> None:
+        """Send the line, 1 long."""
+        line = np.array([[[0.0, 0.0, 0.0], [0.0, 0.0, -1.0]]])
+        self._drawn = math.nan
+        self._line = self.scene.add_line_segments(
+            f"{self.at_aircraft}/drop_line",
+            np.concatenate([line, ring() - [0.0, 0.0, 1.0]]),
+            GREY,
+            thickness=1.5,
+            thickness_units="screen",
+        )
+
+    def show(self, sight: Sight) -> None:
+        """Give it the length of now.
+
+        Args:
+            sight: Of this aircraft.
+        """
+        size, height = extent(self.flight, sight), float(sight.position[2]) - ground_height(sight)
+        if not finite(height) or abs(height - self._drawn) < STEP * size:
+            return
+        self._drawn = height
+        self._line.scale = (RING * size, RING * size, height)

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The wind, with its speed in words."""
+"""The wind with its speed in words; velocities through the air, over ground, and the drift."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.dynamics.vehicle import air_velocity
 from uav_tracking_mpc.view.scene import SceneElement
-from uav_tracking_mpc.view.scene._extent import centre, extent, finite
-from uav_tracking_mpc.view.scene._palette import WIND
-from uav_tracking_mpc.view.sight import Sight
+from uav_tracking_mpc.view.scene._drawing import GREY, WIND, centre, extent, finite, paint
+from uav_tracking_mpc.view.watched_flight import Sight
 
 CALM = 0.2  # m/s; less is not drawn
 CHANGE = 0.1  # m/s; less of a change is not sent
@@ -82,3 +82,66 @@ class Wind(SceneElement):
         self._arrow.wxyz = (math.cos(half), 0.0, 0.0, math.sin(half))
         self._arrow.scale = SHARE * extent(self.flight, sight) * float(np.hypot(*wind[:2]))
         self._label.text = words(wind)
+
+
+LENGTH = 0.35  # length of the airspeed's arrow by the radius of the orbit
+LEAST_CHANGE = 0.01  # least change of an arrow, by its length, that is sent
+DRIFT_LEAST = 0.02  # by the airspeed; less is not drawn
+
+
+def arrows(sight: Sight) -> NDArray[np.float64]:
+    """The arrows in airspeeds, from the aircraft on.
+
+    Args:
+        sight: Of the aircraft, finite.
+
+    Returns:
+        Shape (n, 2, 3): over ground, and where there is a drift, through the air and the drift from
+        the tip of that to the tip of the first.
+    """
+    speed = max(sight.airspeed, 1.0)
+    ground = sight.ground_velocity / speed
+    air = np.array(air_velocity(sight.heading, sight.path_angle, sight.airspeed, math)) / speed
+    origin = np.zeros(3)
+    if float(np.linalg.norm(ground - air)) < DRIFT_LEAST:
+        return np.array([[origin, ground]])
+    return np.array([[origin, ground], [origin, air], [air, ground]])
+
+
+class Velocities(SceneElement):
+    """Three arrows that close a triangle; one where the air stands still."""
+
+    name = "velocities"
+
+    def add(self) -> None:
+        """Begin with none."""
+        self._drawn = np.zeros((1, 2, 3))
+        self._colours = np.array([self.colour, GREY, WIND], dtype=np.uint8)
+        self._arrows = self.scene.add_arrows(
+            f"{self.at_aircraft}/velocities",
+            self._drawn,
+            paint(self.colour),
+            shaft_radius=0.012,
+            head_radius=0.035,
+            head_length=0.1,
+            visible=False,
+        )
+
+    def show(self, sight: Sight) -> None:
+        """Draw them as they are now.
+
+        Args:
+            sight: Of this aircraft.
+        """
+        self._arrows.visible = finite(
+            sight.ground_velocity, sight.heading, sight.path_angle, sight.airspeed
+        )
+        if not self._arrows.visible:
+            return
+        self._arrows.scale = LENGTH * extent(self.flight, sight)
+        now = arrows(sight)
+        if now.shape == self._drawn.shape and np.abs(now - self._drawn).max() < LEAST_CHANGE:
+            return
+        if now.shape != self._drawn.shape:
+            self._arrows.colors = self._colours[: len(now)]
+        self._drawn, self._arrows.points = now, now.astype(np.float32)

@@ -15,9 +15,8 @@
 """Who may open a page, and where it listens.
 
 ==================  ================================================================================
-``guarded_server``  viser's server, which answers to whom it should
+``guarded_server``  viser's server, which answers to whom it should, and its address
 ``access``          who may open a page
-``listening``       the socket at which a page listens, and its address
 ``browser``         opens a page where there is a screen
 ==================  ================================================================================
 """

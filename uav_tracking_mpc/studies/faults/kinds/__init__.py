@@ -12,35 +12,22 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Faults that a campaign injects, one idea a file.
+"""Faults that a campaign injects.
 
-====================  =========================================================================
-``kill``              SIGKILL to a node, then a new start
-``stop``              SIGSTOP to a node, then SIGCONT
-``cpu_starvation``    busy processes on every core
-``loss``              messages of every topic lost
-``jitter``            messages of every topic late
-``gap``               one stream silent
-``bad_number``        a number that is no number, infinite or huge
-``frame``             another frame
-``old_stamp``         stamps of the past
-``future_stamp``      stamps of the future
-``duplicated``        messages that come several times
-``reordered``         messages that lose their turn
-``quaternion``        an attitude that is none
-``negative_speed``    forward speed with the wrong sign
-``absurd``            finite values that no flight has
-``empty``             commands without a plan
-``target_teleport``   a target that leaps away and back
-``target_lost``       no target for longer than the controller's patience
-``clock_jump``        a clock that is ahead or behind
-``clock_pause``       a clock that stands still
-``parameter_storm``   parameters set many times a second
-``solver_budget``     a time budget that no solve can keep
-====================  =========================================================================
+============  =================================================================================
+``delivery``  messages lost, late, repeated, out of their turn: loss, jitter, gap, target_lost,
+              clock_pause, duplicated, reordered
+``stamps``    stamps of the past or the future, another frame, a clock that jumps: old_stamp,
+              future_stamp, frame, clock_jump
+``numbers``   numbers that are none or that no flight has: bad_number, quaternion,
+              negative_speed, absurd, empty, target_teleport
+``process``   a node killed or frozen, busy processes on every core: kill, stop,
+              cpu_starvation
+``requests``  parameters of the controller: parameter_storm, solver_budget
+============  =================================================================================
 
-A fault is a subclass of :class:`Fault` in a file of its own name. It is found by that name, by an
-entry point in the group ``uav_tracking_mpc.studies.faults.kinds``, or as ``path.py:Class``
+A fault is a subclass of :class:`Fault`. It is found by its ``name``, by an entry point in the group
+``uav_tracking_mpc.studies.faults.kinds``, or as ``path.py:Class``
 (``uav_tracking torture --fault path.py:Class``). What strikes messages derives from one of the
 bases in :mod:`uav_tracking_mpc.studies.faults.stream_fault`.
 """
@@ -51,6 +38,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, ClassVar
 
+from uav_tracking_mpc.parameters.registry import ExtensionPoint
 from uav_tracking_mpc.studies.faults.invariants import Violation
 
 if TYPE_CHECKING:
@@ -76,8 +64,8 @@ class Fault(ABC):
         reference: By which the class can be found again in another process.
     """
 
-    name: ClassVar[str]
-    duration: ClassVar[tuple[float, float]]
+    name: str
+    duration: tuple[float, float]
     wall_time: ClassVar[bool] = False
     restarts: ClassVar[bool] = False
     family: str
@@ -136,3 +124,6 @@ class Fault(ABC):
             What is violated now; empty while all is well.
         """
         return []
+
+
+FAULT = ExtensionPoint("fault", Fault)

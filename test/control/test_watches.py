@@ -1,0 +1,196 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A limit cycle is noticed with its period and amplitude; swings in gusts are none."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.control.event import EventLog, Level
+from uav_tracking_mpc.control.watches import (
+    LONGEST,
+    LimitCycleWatch,
+    OrbitShortfall,
+    OscillationReport,
+)
+from uav_tracking_mpc.dynamics.air import GRAVITY
+from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.estimation.channel_response import ChannelResponse
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.simulation.closed_loop import simulate
+
+TICK = 0.05
+
+
+def watched(values):
+    """What the watch says of each sample."""
+    watch, found = LimitCycleWatch(), []
+    for tick, value in enumerate(values):
+        watch.see(tick * TICK, float(value))
+        found.append(watch.swing)
+    return found
+
+
+def times(seconds):
+    return np.arange(0.0, seconds, TICK)
+
+
+@pytest.mark.parametrize("period", [0.5, 1.7, 6.0, 12.0])
+@pytest.mark.parametrize("shape", [np.sin, lambda angle: np.sign(np.sin(angle))])
+def test_a_regular_swing_is_found_with_period_and_amplitude(period, shape):
+    time = times(max(20.0, 9.0 * period))
+    *_, swing = watched(0.2 + 0.3 * shape(2.0 * math.pi * time / period))
+    assert swing.period == pytest.approx(period, rel=0.1)
+    assert 0.2 < swing.amplitude < 0.45
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        0.03 * np.sin(4.0 * times(60.0)),  # small
+        0.3 * np.sin(2.0 * math.pi * times(200.0) / (2.0 * LONGEST)),  # an orbit in wind
+        0.3 * np.exp(-0.3 * times(60.0)) * np.sin(4.0 * times(60.0)),  # dies away
+        np.sign(np.sin(0.5 * times(60.0) ** 1.5)) * (times(60.0) < 5.0),  # a manoeuvre
+    ],
+)
+def test_other_swings_are_none(values):
+    assert watched(values)[-1] is None
+
+
+def test_noise_with_the_correlation_of_gusts_is_hardly_ever_taken_for_one():
+    alarms = 0
+    for seed in range(10):
+        rng, value, values = np.random.default_rng(seed), 0.0, []
+        for _ in range(round(60.0 / TICK)):
+            value += TICK / 0.7 * -value + 0.15 * math.sqrt(2.0 * TICK / 0.7) * rng.normal()
+            values.append(value)
+        alarms += any(found is not None for found in watched(values))
+    assert alarms <= 1
+
+
+def test_it_ends_when_it_ends_and_says_so_once():
+    time = times(40.0)
+    values = np.where(time < 20.0, 0.3 * np.sin(4.0 * time), 0.0)
+    watch = LimitCycleWatch()
+    changes = [now for now, value in zip(time, values, strict=True) if watch.see(now, value)]
+    begun, ended = changes
+    assert 5.0 < begun < 15.0
+    assert 20.0 < ended < 25.0
+    assert watch.swing is None
+
+
+def test_a_gap_or_another_time_begins_anew():
+    watch = LimitCycleWatch()
+    for now in times(20.0):
+        watch.see(now, 0.3 * math.sin(4.0 * now))
+    assert watch.swing is not None
+    watch.see(5.0, 0.3)
+    assert watch.swing is None
+
+
+AIRSPEED = 22.0
+UNKNOWN = [ChannelResponse()] * 3
+KNOWN = [ChannelResponse(lag=0.3, dead_time=0.2, trusted=True)] * 3
+
+
+def told(channels, delays, axis=0, quiet=10.0):
+    """Events of a swing by 20 deg of bank, or as much across the path, in 2 s."""
+    events = EventLog()
+    report = OscillationReport(events)
+    rate = GRAVITY / AIRSPEED * math.tan(math.radians(20.0))
+    during = ""
+    for tick in range(round((20.0 + quiet) / 0.05)):
+        time = 0.05 * tick
+        inputs = [0.0, 0.0]
+        inputs[axis] = rate * math.sin(math.pi * time) if time < 20.0 else 0.0
+        report.see(time, tuple(inputs), AIRSPEED, channels, delays)
+        during = report.words(axis) if time < 20.0 else during
+    return events.take(), during, report
+
+
+def test_period_amplitude_and_end_are_told():
+    (begin, end), during, report = told(UNKNOWN, [0.5] * 3)
+    assert begin.level is Level.WARNING
+    assert begin.words.startswith(
+        "limit cycle of the turn rate: +-20 deg of bank with a period of 2.0 s"
+    )
+    assert "+-20 deg of bank" in during
+    assert end == (Level.INFO, "the limit cycle of the turn rate has ended")
+    assert report.words(0) == report.words(1) == "none"
+
+
+@pytest.mark.parametrize(
+    ("channels", "delays", "cause"),
+    [
+        (UNKNOWN, [0.1] * 3, "is not what was told"),
+        (KNOWN, [0.1] * 3, "together 0.50 s, not 0.10 s"),
+        (KNOWN, [0.5] * 3, "weights of the inputs are too small"),
+    ],
+)
+def test_the_cause_is_what_is_known_of_the_response(channels, delays, cause):
+    (begin, *_), during, _ = told(channels, delays, quiet=0.0)
+    assert cause in begin.words
+    assert cause in during
+
+
+def test_the_path_is_watched_as_well():
+    (begin, *_), _, _ = told(UNKNOWN, [0.1] * 3, axis=1)
+    assert begin.words.startswith("limit cycle of the path-angle rate: +-0.36 g")
+
+
+WANTED = Orbit(300.0, 120.0, 22.0, "clockwise")
+
+
+def told_orbit_shortfall(orbits):
+    """Words about orbits, (range, altitude, airspeed), flown for 5 s each."""
+    events = EventLog()
+    shortfall = OrbitShortfall(events)
+    for k, orbit in enumerate(np.repeat(np.array(orbits), 50, axis=0)):
+        shortfall.see(0.1 * k, SimpleNamespace(orbit=orbit), WANTED)
+    return [event.words for event in events.take()]
+
+
+def test_an_orbit_that_stays_is_told_once_and_its_end_too():
+    words = told_orbit_shortfall([(310.0, 125.0, 20.0)] * 6 + [(300.2, 120.3, 22.1)] * 3)
+    assert words == [
+        "limits and drift leave no orbit of 300.0 m at 120.0 m and 22.0 m/s: "
+        "flying 310.0 m at 125.0 m and 20.0 m/s",
+        "the orbit that was asked for is flown again",
+    ]
+
+
+@pytest.mark.parametrize(
+    "orbits",
+    [
+        [(300.5, 121.0, 22.3)] * 6,
+        [(500.0 - 50.0 * k, 120.0, 22.0) for k in range(5)],
+        [(310.0, 120.0, 22.0)],
+    ],
+    ids=["next to it", "on the way", "for a moment"],
+)
+def test_the_orbit_asked_for_and_the_way_to_it_are_not_worth_a_word(orbits):
+    assert told_orbit_shortfall(orbits) == []
+
+
+def test_a_gale_that_the_bank_cannot_hold_is_told_in_flight(monkeypatch):
+    overrides = ["nmpc_controller.range=180", "uav_simulator.wind=[-12, 0, 0]",
+                 "mission.duration=60", "target_publisher.motion=line",
+                 "target_publisher.speed=5"]  # fmt: skip
+    words = []
+    monkeypatch.setattr(EventLog, "add", lambda self, level, text: words.append(text))
+    simulate(load_configuration("small_uav", overrides))
+    assert sum(text.startswith("limits and drift leave no orbit of 180.0 m") for text in words) == 1

@@ -1,0 +1,210 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Stamps of zero: a target's message is of now, a driver's is refused; nothing drops in silence."""
+
+from __future__ import annotations
+
+import logging
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import rclpy
+from rclpy.serialization import serialize_message
+
+from uav_tracking_mpc.nodes.controller.message_times import DRAIN, MessageTimes, StallGuard
+from uav_tracking_mpc.nodes.messages.conversions import (
+    set_air_velocity,
+    set_odometry,
+    set_point,
+    set_stamp,
+)
+from uav_tracking_mpc.nodes.messages.message_checks import MessageError
+from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
+from uav_tracking_mpc.nodes.ros import diagnostics
+from uav_tracking_mpc.nodes.ros.diagnostics import PERIOD, ThrottledWarnings
+from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, ODOMETRY, TARGET, TARGET_ODOMETRY
+
+STATE = np.array([180.0, 0.0, 40.0, 2.0, 0.0, 4.0])
+SECOND = 1_000_000_000
+
+
+class Logger:
+    def __init__(self):
+        self.lines = []
+
+    def info(self, words, **options):
+        self.lines.append((logging.INFO, words))
+
+    def warning(self, words, **options):
+        self.lines.append((logging.WARNING, words))
+
+
+class Clocked:
+    """A node of which only clock and logger are asked."""
+
+    def __init__(self, now=1000 * SECOND):
+        self.now, self.logger = now, Logger()
+
+    def get_clock(self):
+        return SimpleNamespace(now=lambda: SimpleNamespace(nanoseconds=self.now))
+
+    def get_logger(self):
+        return self.logger
+
+
+def stamped(topic, stamp):
+    message = topic.type()
+    set_stamp(message.header.stamp, stamp)
+    return message
+
+
+def test_times_count_from_the_first_stamp():
+    node = Clocked()
+    times = MessageTimes(node)
+    assert times.now() == 0.0
+    assert times.measured(ODOMETRY, stamped(ODOMETRY, 999 * SECOND)) == 0.0
+    assert times.measured_or_now(TARGET, stamped(TARGET, 1001 * SECOND)) == 2.0
+    assert times.now() == 1.0
+
+
+def test_a_target_without_stamp_is_of_now_which_is_said_once_a_topic():
+    node = Clocked()
+    times = MessageTimes(node)
+    times.measured(ODOMETRY, stamped(ODOMETRY, 1000 * SECOND))
+    for _ in range(3):
+        node.now += SECOND // 2
+        for topic in (TARGET, TARGET_ODOMETRY):
+            assert times.measured_or_now(topic, stamped(topic, 0)) == times.now()
+    lines = [words for _, words in node.logger.lines]
+    assert len(lines) == 2
+    assert lines[0].startswith("target/position: header.stamp is 0")
+    assert lines[1].startswith("target/odometry: header.stamp is 0")
+
+
+@pytest.mark.parametrize("topic", [ODOMETRY, AIR_VELOCITY], ids=lambda topic: topic.name)
+def test_a_state_without_stamp_is_refused_by_name_and_is_no_origin(topic):
+    times = MessageTimes(Clocked())
+    with pytest.raises(MessageError, match=f"{topic.name}: header.stamp is 0, must be when"):
+        times.measured(topic, stamped(topic, 0))
+    assert times.measured(topic, stamped(topic, 5 * SECOND)) == 0.0
+
+
+def test_zero_is_a_time_where_a_simulation_begins():
+    times = MessageTimes(Clocked(now=SECOND // 2))
+    assert times.measured(ODOMETRY, stamped(ODOMETRY, 0)) == 0.0
+    assert times.measured_or_now(TARGET, stamped(TARGET, 0)) == 0.0
+
+
+def test_one_subject_does_not_silence_another(monkeypatch):
+    node, clock = Clocked(), SimpleNamespace(time=100.0)
+    monkeypatch.setattr(diagnostics.time, "monotonic", lambda: clock.time)
+    warnings = ThrottledWarnings(node)
+    for _ in range(3):
+        warnings.warn("one", "first")
+        warnings.warn("other", "second")
+    assert [words for _, words in node.logger.lines] == ["first", "second"]
+    clock.time += PERIOD
+    warnings.warn("one", "again")
+    assert node.logger.lines[-1] == (logging.WARNING, "again")
+
+
+@pytest.fixture
+def controller():
+    context = rclpy.Context()
+    context.init(args=[])
+    logger = Logger()
+
+    class Logged(NmpcController):
+        def get_logger(self):
+            return logger if self.controller is not None else super().get_logger()
+
+    node = Logged(context=context)
+    yield node, logger
+    node.destroy_node()
+    context.try_shutdown()
+
+
+def hear(node, topic, message):
+    """As the middleware hands it over."""
+    (subscription,) = [s for s in node.subscriptions if s.topic_name == f"/{topic.name}"]
+    subscription.callback(serialize_message(message) if subscription.raw else message)
+
+
+def now(node):
+    return node.get_clock().now().nanoseconds
+
+
+@pytest.mark.nodes
+def test_a_flight_goes_on_points_that_are_published_by_hand(controller):
+    """As of `ros2 topic pub target/position ...`, without a stamp."""
+    node, logger = controller
+    odometry, point = ODOMETRY.type(), TARGET.type()
+    point.header.frame_id = "map"
+    set_odometry(odometry, now(node), STATE, np.zeros(3))
+    hear(node, ODOMETRY, odometry)
+    hear(node, TARGET, point)
+    air = AIR_VELOCITY.type()
+    set_air_velocity(air, now(node), 10.0)
+    hear(node, AIR_VELOCITY, air)
+    set_odometry(odometry, now(node), STATE, np.zeros(3))
+    hear(node, ODOMETRY, odometry)
+    assert node.controller.flying
+    assert any("target/position: header.stamp is 0" in words for _, words in logger.lines)
+
+
+@pytest.mark.nodes
+def test_every_message_that_is_left_out_leaves_a_line(controller):
+    node, logger = controller
+    odometry, air, point, track = (
+        topic.type() for topic in (ODOMETRY, AIR_VELOCITY, TARGET, TARGET_ODOMETRY)
+    )
+    begin = now(node)
+
+    def line(topic, message, words):
+        logger.lines.clear()
+        hear(node, topic, message)
+        assert any(words in each for _, each in logger.lines), logger.lines
+        logger.lines.clear()
+        hear(node, topic, message)
+        assert logger.lines == []  # throttled
+
+    set_odometry(odometry, begin, STATE, np.zeros(3))
+    hear(node, ODOMETRY, odometry)
+    line(ODOMETRY, odometry, "uav/odometry: message left out: it is no newer")
+    set_odometry(odometry, 0, STATE, np.zeros(3))
+    line(ODOMETRY, odometry, "message refused: uav/odometry: header.stamp is 0")
+    set_air_velocity(air, 0, 4.0)
+    line(AIR_VELOCITY, air, "message refused: uav/air_velocity: header.stamp is 0")
+    set_point(point, begin, np.zeros(3))
+    hear(node, TARGET, point)
+    line(TARGET, point, "target/position: message left out: it is no newer")
+    set_point(point, begin + SECOND, np.full(3, 1e4))
+    hear(node, TARGET, point)
+    track.header.frame_id = "odom"
+    line(TARGET_ODOMETRY, track, "target/odometry: header.frame_id is 'odom', must be 'map'")
+
+
+def test_what_is_heard_first_after_a_stall_is_old():
+    guard = StallGuard(0.4)
+    assert guard.alive(10.0)
+    assert guard.alive(10.39)
+    assert not guard.alive(12.0)  # stopped for 1.6 s
+    assert not guard.alive(12.0 + 0.9 * DRAIN)
+    assert guard.alive(12.0 + 1.1 * DRAIN)
+
+
+def test_a_first_message_is_no_stall():
+    assert StallGuard(0.4).alive(1e6)

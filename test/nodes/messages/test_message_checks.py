@@ -1,0 +1,205 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Frames are parameters: written, expected, checked; two aircraft do not share one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rclpy
+from rclpy.parameter import Parameter
+
+from uav_tracking_mpc.nodes.autopilot_link import AutopilotLink
+from uav_tracking_mpc.nodes.messages.conversions import (
+    air_velocity_from_twist,
+    measurement_from_odometry,
+    plan_from_command,
+    position_from_point,
+    set_air_velocity,
+    set_command,
+    set_odometry,
+    set_point,
+)
+from uav_tracking_mpc.nodes.messages.message_checks import (
+    ANY_FRAMES,
+    FRAMES,
+    FrameNames,
+    MessageError,
+    frame_names,
+)
+from uav_tracking_mpc.nodes.messages.named_figures import orbit_from_message, orbit_message
+from uav_tracking_mpc.nodes.messages.target_messages import target_from_odometry
+from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
+from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
+from uav_tracking_mpc.nodes.topics import (
+    AIR_VELOCITY,
+    COMMAND,
+    MARKERS,
+    ODOMETRY,
+    ORBIT,
+    PREDICTED_PATH,
+    TARGET,
+    TARGET_ODOMETRY,
+)
+from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.frame_parameters import FrameParameters
+
+OTHER = FrameNames("world", "uav1/base_link")
+STATE = np.array([180.0, 0.0, 40.0, 2.0, 0.0, 4.0])
+
+
+class Namespaced:
+    def __init__(self, namespace):
+        self.namespace = namespace
+
+    def get_namespace(self):
+        return self.namespace
+
+
+@pytest.mark.parametrize(
+    ("namespace", "values", "expected"),
+    [
+        ("/", {}, ("map", "base_link")),
+        ("/uav1", {}, ("map", "uav1/base_link")),
+        ("/fleet/uav1", {}, ("map", "fleet/uav1/base_link")),
+        ("/uav1", {"frame_prefix": ""}, ("map", "base_link")),
+        ("/", {"frame_prefix": "a_"}, ("map", "a_base_link")),
+        ("/", {"map_frame": "world", "base_frame": "body"}, ("world", "body")),
+    ],
+)
+def test_the_prefix_is_the_namespace_unless_it_is_told(namespace, values, expected):
+    assert frame_names(Namespaced(namespace), FrameParameters(**values)) == expected
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"map_frame": ""}, "'map_frame' is '', must be a frame"),
+        ({"map_frame": "/map"}, "'map_frame' is '/map'.*without a leading slash"),
+        ({"base_frame": "base link"}, "'base_frame' is 'base link'.*without blanks"),
+        ({"base_frame": "map"}, "'base_frame' is 'map', must be another frame than 'map_frame'"),
+        ({"frame_prefix": "/uav"}, "'frame_prefix' is '/uav'"),
+    ],
+)
+def test_names_that_tf2_does_not_take_are_refused(values, words):
+    with pytest.raises(ParameterError, match=words):
+        frame_names(Namespaced("/"), FrameParameters(**values))
+
+
+def messages(frames):
+    odometry, air, point, command = (
+        topic.type() for topic in (ODOMETRY, AIR_VELOCITY, TARGET, COMMAND)
+    )
+    set_odometry(odometry, 1, STATE, np.zeros(3), frames=frames)
+    set_air_velocity(air, 1, 4.0, frames)
+    set_point(point, 1, np.zeros(3), frames)
+    set_command(command, 1, np.zeros((2, 3)), 0.2, frames)
+    return odometry, air, point, command, orbit_message(frames), odometry
+
+
+READERS = (
+    lambda message, frames: measurement_from_odometry(message, frames=frames),
+    air_velocity_from_twist,
+    position_from_point,
+    plan_from_command,
+    orbit_from_message,
+    target_from_odometry,
+)
+
+
+@pytest.mark.parametrize("index", range(len(READERS)))
+def test_what_is_written_is_read_and_other_frames_are_refused_in_words(index):
+    read, ours, other = READERS[index], messages(FRAMES)[index], messages(OTHER)[index]
+    read(ours, FRAMES)
+    read(other, OTHER)
+    read(ours, ANY_FRAMES)
+    read(other, ANY_FRAMES)
+    with pytest.raises(MessageError, match=r"(world|uav1/base_link).*must be.*(map|base_link)"):
+        read(other, FRAMES)
+
+
+def tapped(context, node_class, sent, namespace="/uav1", **parameters):
+    """A node whose messages are kept, and that thinks somebody listens."""
+
+    class Tapped(node_class):
+        def create_publisher(self, kind, topic, *rest, **options):
+            publisher = super().create_publisher(kind, topic, *rest, **options)
+            publish = publisher.publish
+
+            def keep(message):
+                publish(message)
+                if isinstance(message, bytes):
+                    message = rclpy.serialization.deserialize_message(message, kind)
+                sent.setdefault(topic, []).append(message)
+
+            publisher.publish, publisher.get_subscription_count = keep, lambda: 1
+            return publisher
+
+    overrides = [Parameter(name, value=value) for name, value in parameters.items()]
+    return Tapped(context=context, namespace=namespace, parameter_overrides=overrides)
+
+
+@pytest.mark.nodes
+def test_every_message_of_a_namespaced_aircraft_bears_its_frames(context):
+    sent, frames = {}, {"map_frame": "world"}
+    simulator = tapped(context, UavSimulator, sent, **frames)
+    target = tapped(context, TargetPublisher, sent, **frames)
+    controller = tapped(context, NmpcController, sent, **frames)
+    target._measure()
+    controller._on_target(sent[TARGET.name][-1], controller.controller)
+    for _ in range(3):
+        for timer in simulator.timers:
+            timer.callback()
+        controller._on_air(sent[AIR_VELOCITY.name][-1], controller.controller)
+        controller._on_odometry(sent[ODOMETRY.name][-1], controller.controller)
+    simulator._on_command(rclpy.serialization.serialize_message(sent[COMMAND.name][-1]))
+    simulator._on_orbit(sent[ORBIT.name][-1])
+    assert simulator._received == 1
+    assert controller.report.refused == simulator._rejected == 0
+    odometry, command = sent[ODOMETRY.name][-1], sent[COMMAND.name][-1]
+    assert odometry.child_frame_id == sent[AIR_VELOCITY.name][-1].header.frame_id
+    assert odometry.child_frame_id == "uav1/base_link"
+    assert command.joint_names == ["uav1/base_link"]
+    path, markers = sent[PREDICTED_PATH.name][-1], sent[MARKERS.name][-1].markers
+    stamped = [odometry, command, sent[TARGET.name][-1], sent[ORBIT.name][-1], path]
+    stamped += [*path.poses, *markers]
+    assert {message.header.frame_id for message in stamped} == {"world"}
+    for node in (simulator, target, controller):
+        node.destroy_node()
+
+
+@pytest.mark.nodes
+@pytest.mark.parametrize("node_class", [UavSimulator, NmpcController, TargetPublisher])
+def test_a_frame_that_is_none_ends_the_node(context, node_class):
+    with pytest.raises(ParameterError, match="'map_frame' is '/map', must be a frame"):
+        node_class(context=context, parameter_overrides=[Parameter("map_frame", value="/map")])
+
+
+@pytest.mark.nodes
+def test_a_link_takes_frames(context):
+    link = f"{Path(__file__).parents[2] / 'paced_link.py'}:PacedLink"
+    sent = {}
+    node = tapped(
+        context, AutopilotLink, sent, link=link, connection="nobody", target_system=2,
+        frame_prefix="a/", map_frame="odom",
+    )  # fmt: skip
+    assert node._frames == ("odom", "a/base_link")
+    assert node._sightings._track.header.frame_id == "odom"
+    assert TARGET_ODOMETRY.name not in sent
+    node.finish()
+    node.destroy_node()

@@ -1,0 +1,290 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Commands and odometry as bytes are the messages that the middleware makes of them."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from nav_msgs.msg import Odometry
+from rclpy.serialization import deserialize_message, serialize_message
+
+from uav_tracking_mpc.control.commanded_path import PlannedPath
+from uav_tracking_mpc.dynamics.frames import quaternion_from_course
+from uav_tracking_mpc.nodes.messages import wires
+from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, plan_from_command, set_command
+from uav_tracking_mpc.nodes.messages.message_checks import (
+    ANY_FRAMES,
+    FRAMES,
+    FrameNames,
+    MessageError,
+)
+from uav_tracking_mpc.nodes.messages.wires import CommandWire, OdometryWire
+from uav_tracking_mpc.nodes.topics import COMMAND
+
+
+@given(
+    st.lists(st.tuples(*[st.floats(-10.0, 10.0)] * 3), min_size=1, max_size=30),
+    st.integers(0, 2**62 // 4),
+    st.sampled_from([0.02, 0.4, 1.0]),
+)
+def test_bytes_read_as_the_message(plan, stamp, step):
+    """Not byte by byte: CDR leaves what stands between aligned fields undefined."""
+    wire = CommandWire()
+    for shift in (0.0, 0.25):  # written anew, then in place
+        inputs = np.array(plan) + shift
+        message = COMMAND.type()
+        set_command(message, stamp, inputs, step)
+        written = wire.write(stamp, inputs, step)
+        assert len(written) == len(serialize_message(message))
+        assert deserialize_message(written, COMMAND.type) == message
+
+
+def path_of(plan):
+    """A path for a plan, all of whose numbers differ."""
+    random = np.random.default_rng(len(plan))
+    states = random.normal(size=(len(plan) + 1, 6))
+    return PlannedPath(states, random.normal(size=(len(plan) + 1, 3)))
+
+
+@pytest.mark.parametrize("placed", [False, True])
+def test_one_wire_takes_plans_of_any_form(placed):
+    wire = CommandWire()
+    generator = np.random.default_rng(0)
+    for count, step in ((20, 0.5), (1, 1.0), (7, 0.5), (20, 0.5)):
+        plan = generator.normal(size=(count, 3))
+        path = path_of(plan) if placed else None
+        message = deserialize_message(wire.write(5_000_000_007, plan, step, path), COMMAND.type)
+        assert nanoseconds(message.header.stamp) == 5_000_000_007
+        heard, starts = plan_from_command(message)
+        np.testing.assert_array_equal(heard, plan)
+        assert starts == pytest.approx(step * np.arange(count))
+
+
+def test_each_point_carries_its_place_its_attitude_and_its_velocity():
+    wire, generator = CommandWire(), np.random.default_rng(3)
+    for _ in range(2):  # written anew, then in place
+        plan = generator.normal(size=(4, 3))
+        path = path_of(plan)
+        message = deserialize_message(wire.write(1, plan, 0.5, path), COMMAND.type)
+        for point, state, ground in zip(
+            message.points, path.states, path.ground_velocities, strict=False
+        ):
+            (transform,), (velocity,) = point.transforms, point.velocities
+            place, q, linear = transform.translation, transform.rotation, velocity.linear
+            np.testing.assert_array_equal([place.x, place.y, place.z], state[:3])
+            expected = quaternion_from_course(state[3], state[4])
+            assert (q.x, q.y, q.z, q.w) == pytest.approx(expected, abs=1e-15)
+            np.testing.assert_array_equal([linear.x, linear.y, linear.z], ground)
+        heard, _ = plan_from_command(message)
+        np.testing.assert_array_equal(heard, plan)
+
+
+def test_commands_with_a_path_and_without_are_read_in_turns():
+    """A controller of somebody else need not send any."""
+    wire, sender = CommandWire(), CommandWire()
+    for count in range(12):
+        plan = np.full((5, 3), 0.1 * count)
+        path = path_of(plan) if count % 4 < 2 else None
+        stamp, read, step = wire.read(sender.write(count, plan, 0.4, path))
+        assert (stamp, step) == (count, 0.4)
+        np.testing.assert_array_equal(read, plan)
+
+
+def test_as_many_bytes_with_other_parts_are_read_right():
+    """Point 0 has two transforms, point 1 none: the numbers stand elsewhere."""
+    wire, sender, plans = (
+        CommandWire(),
+        CommandWire(),
+        np.random.default_rng(2).normal(size=(3, 2, 3)),
+    )
+    for plan in plans:
+        message = deserialize_message(sender.write(1, plan, 0.4, path_of(plan)), COMMAND.type)
+        first, second = message.points
+        first.transforms, second.transforms = [*first.transforms, *second.transforms], []
+        np.testing.assert_array_equal(wire.read(serialize_message(message))[1], plan)
+
+
+def test_segments_need_not_be_of_one_length():
+    wire, plan = CommandWire(), np.ones((3, 3))
+    uneven = serialized(7, plan, 0.4, lambda m: setattr(m.points[2].time_from_start, "sec", 5))
+    for _ in range(2):
+        stamp, read, starts = wire.segments(uneven)
+        assert stamp == 7
+        np.testing.assert_array_equal(read, plan)
+        assert starts == pytest.approx([0.0, 0.4, 5.8])
+
+
+def serialized(stamp, plan, step, change=lambda message: None):
+    message = COMMAND.type()
+    set_command(message, stamp, plan, step)
+    change(message)
+    return serialize_message(message)
+
+
+def test_commands_are_read_as_they_were_written():
+    wire, rng = CommandWire(), np.random.default_rng(1)
+    for count, step in ((22, 0.4), (22, 0.4), (22, 0.1), (1, 1.0), (1, 1.0), (22, 0.4)):
+        plan, stamp = rng.normal(size=(count, 3)), int(rng.integers(0, 2**60))
+        for data in (serialized(stamp, plan, step), CommandWire().write(stamp, plan, step)):
+            got, read, seconds = wire.read(data)
+            assert got == stamp
+            np.testing.assert_array_equal(read, plan)
+            assert seconds == pytest.approx(step)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda m: setattr(m.header, "frame_id", "odo"), "header.frame_id is 'odo'"),
+        (lambda m: setattr(m.header.stamp, "nanosec", 2_000_000_000), "nanosec is 2000000000"),
+        (lambda m: setattr(m, "joint_names", ["link_base"]), "joint_names is"),
+        (lambda m: setattr(m.points[2].velocities[0].angular, "z", np.nan), "must be finite"),
+        (lambda m: setattr(m.points[2].time_from_start, "sec", 7), "not of one length"),
+        (lambda m: m.points[1].velocities.clear(), "lacks velocities"),
+        (lambda m: m.points.clear(), "points is empty"),
+    ],
+)
+def test_what_is_no_command_is_refused_before_and_after_a_good_one(change, words):
+    wire, plan = CommandWire(), np.ones((4, 3))
+    bad = serialized(1, plan, 0.4, change)
+    for _ in range(2):
+        with pytest.raises(MessageError, match=words):
+            wire.read(bad)
+        assert wire.read(serialized(2, plan, 0.4))[0] == 2
+
+
+def test_a_command_with_more_in_it_is_read_all_the_same():
+    wire, plan = CommandWire(), np.ones((4, 3))
+    wire.read(serialized(1, plan, 0.4))
+
+    def add(message):
+        message.points[0].velocities[0].linear.x = 9.0
+
+    more = serialized(2, 2.0 * plan, 0.4, add)
+    np.testing.assert_array_equal(wire.read(more)[1], 2.0 * plan)
+
+
+@pytest.mark.parametrize("data", [b"", b"banana", serialized(1, np.ones((4, 3)), 0.4)[:-40]])
+def test_bytes_that_are_no_message_are_refused(data):
+    wire = CommandWire()
+    wire.read(serialized(1, np.ones((4, 3)), 0.4))
+    with pytest.raises(MessageError):
+        wire.read(data)
+
+
+def test_what_differs_in_numbers_alone_is_not_turned_into_objects(monkeypatch):
+    wire, sender = CommandWire(), CommandWire()
+    plan = np.ones((22, 3))
+    wire.read(sender.write(1, plan, 0.4, path_of(plan)))
+    other = PlannedPath(*(1.0 + numbers for numbers in path_of(plan)))
+    monkeypatch.setattr(wires, "deserialize_message", None)
+    stamp, plan, step = wire.read(sender.write(2, np.full((22, 3), 0.5), 0.4, other))
+    assert (stamp, step) == (2, 0.4)
+    np.testing.assert_array_equal(plan, np.full((22, 3), 0.5))
+
+
+@pytest.mark.parametrize("named", [FRAMES, FrameNames("world", "red/base_link")])
+def test_the_planned_places_are_read_whatever_the_frames(named):
+    writing, reading = CommandWire(named), CommandWire(ANY_FRAMES)
+    for count in (5, 5, 1):
+        path = path_of(np.zeros((count, 3)))
+        data = writing.write(3_000_000_001, np.zeros((count, 3)), 0.5, path)
+        stamp, positions, times = reading.places(data)
+        assert stamp == 3_000_000_001
+        np.testing.assert_array_equal(positions, path.states[:-1, :3])
+        assert times == pytest.approx(0.5 * np.arange(count))
+    _, positions, times = reading.places(writing.write(1, np.zeros((5, 3)), 0.5))
+    assert positions.shape == (0, 3) and times.shape == (0,)
+
+
+def test_a_planned_place_that_is_none_is_refused():
+    path = path_of(np.zeros((5, 3)))
+    path.states[2, 1] = np.nan
+    with pytest.raises(MessageError, match="transforms are at"):
+        CommandWire().places(CommandWire().write(1, np.zeros((5, 3)), 0.5, path))
+
+
+numbers = st.floats(allow_nan=True, allow_infinity=True)
+names = st.sampled_from(["", "map", "odom", "base_link", "uav1/base_link", "x" * 37])
+
+
+def odometry(frame, child, sec, nanosec, values):
+    message = Odometry(child_frame_id=child)
+    message.header.frame_id = frame
+    message.header.stamp.sec, message.header.stamp.nanosec = sec, nanosec
+    pose, twist = message.pose, message.twist
+    p, q = pose.pose.position, pose.pose.orientation
+    v, w = twist.twist.linear, twist.twist.angular
+    p.x, p.y, p.z, q.x, q.y, q.z, q.w, v.x, v.y, v.z, w.x, w.y, w.z = values[:13]
+    pose.covariance[:], twist.covariance[:] = values[13:49], values[49:85]
+    return message
+
+
+def content(message):
+    """What a message says; its numbers as bytes, for nan is not itself."""
+    stamp, pose, twist = message.header.stamp, message.pose, message.twist
+    p, q = pose.pose.position, pose.pose.orientation
+    v, w = twist.twist.linear, twist.twist.angular
+    values = [p.x, p.y, p.z, q.x, q.y, q.z, q.w, v.x, v.y, v.z, w.x, w.y, w.z]
+    values += [*pose.covariance, *twist.covariance]
+    names = message.header.frame_id, message.child_frame_id
+    return names, stamp.sec, stamp.nanosec, np.array(values).tobytes()
+
+
+messages = st.builds(
+    odometry,
+    names,
+    names,
+    st.integers(-(2**31), 2**31 - 1),
+    st.integers(0, 2**32 - 1),
+    st.lists(numbers, min_size=85, max_size=85),
+)
+
+
+@given(st.lists(messages, min_size=1, max_size=4))
+def test_every_message_reads_as_the_middleware_reads_it(sent):
+    wire = OdometryWire()
+    for message in [each for each in sent for _ in range(2)]:  # the second time by its places
+        data = serialize_message(message)
+        assert content(wire.read(data)) == content(deserialize_message(data, Odometry))
+
+
+def test_after_the_first_message_numbers_are_read_in_place():
+    wire, message = OdometryWire(), odometry("map", "base_link", 1, 2, [0.5] * 85)
+    data = bytearray(serialize_message(message))
+    first = wire.read(bytes(data))
+    data[-85 * 8 : -84 * 8], data[-8:] = np.float64(7.0).tobytes(), np.float64(9.0).tobytes()
+    data[12 + 4 + 4 + 4 + 10] ^= 0xFF  # behind "base_link": CDR leaves it undefined
+    again = wire.read(bytes(data))
+    assert again is first
+    assert again.pose.pose.position.x == 7.0
+    assert again.twist.covariance[35] == 9.0
+    message.child_frame_id = "other_link"  # one letter more: the numbers stand elsewhere
+    assert wire.read(serialize_message(message)).child_frame_id == "other_link"
+    message.child_frame_id = "third_link"  # of the same length: the bytes of the name differ
+    assert wire.read(serialize_message(message)).child_frame_id == "third_link"
+
+
+@pytest.mark.parametrize("data", [b"", b"\x00\x01\x00\x00", b"\x00\x01\x00\x00" + b"\xff" * 60])
+def test_what_is_no_message_is_refused_in_words(data):
+    wire = OdometryWire()
+    with pytest.raises(MessageError, match="uav/odometry: no message"):
+        wire.read(data)
+    values = list(np.arange(85.0))
+    kept = odometry("map", "base_link", 1, 2, values)
+    assert wire.read(serialize_message(kept)).pose.pose.position.y == 1.0
+    with pytest.raises(MessageError):
+        wire.read(data)

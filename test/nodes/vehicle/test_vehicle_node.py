@@ -1,0 +1,176 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The transform for /tf is the pose of the odometry."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from types import ModuleType
+from unittest import mock
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import TransformStamped
+from nav_msgs.msg import Odometry
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+
+from uav_tracking_mpc.dynamics.frames import rotation_from_course, rotation_from_quaternion
+from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, set_odometry
+from uav_tracking_mpc.nodes.messages.message_checks import FrameNames
+from uav_tracking_mpc.nodes.topics import ODOMETRY
+from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
+from uav_tracking_mpc.nodes.vehicle.vehicle_node import static_transforms, vehicle_transform
+
+
+def odometry(stamp=5_000_000_007):
+    message = Odometry()
+    set_odometry(message, stamp, np.array([10.0, -20.0, 30.0, 2.0, 0.3, 15.0]), np.zeros(3))
+    return message
+
+
+def test_it_has_pose_stamp_and_frames_of_the_odometry():
+    message = odometry()
+    message.header.frame_id, message.child_frame_id = "world", "uav1/base_link"
+    transform = vehicle_transform(message)
+    assert isinstance(transform, TransformStamped)
+    assert transform.header.frame_id == "world"
+    assert transform.child_frame_id == "uav1/base_link"
+    assert nanoseconds(transform.header.stamp) == 5_000_000_007
+    place, q = transform.transform.translation, transform.transform.rotation
+    assert (place.x, place.y, place.z) == (10.0, -20.0, 30.0)
+    np.testing.assert_allclose(
+        rotation_from_quaternion(q.x, q.y, q.z, q.w), rotation_from_course(2.0, 0.3), atol=1e-12
+    )
+
+
+def test_a_message_is_filled_again_in_place():
+    transform = vehicle_transform(odometry())
+    assert vehicle_transform(odometry(9_000_000_000), transform) is transform
+    assert nanoseconds(transform.header.stamp) == 9_000_000_000
+
+
+class TFMessage:
+    """As of tf2_msgs."""
+
+    def __init__(self, transforms=()):
+        self.transforms = list(transforms)
+
+
+class Publisher:
+    """Keeps what is published on a topic."""
+
+    def __init__(self, qos):
+        self.qos, self.sent, self.listeners = qos, [], 1
+
+    def get_subscription_count(self):
+        return self.listeners
+
+    def publish(self, message):
+        assert isinstance(message, TFMessage)
+        for each in message.transforms:
+            place, q = each.transform.translation, each.transform.rotation
+            self.sent.append(
+                (each.header.frame_id, each.child_frame_id, nanoseconds(each.header.stamp),
+                 (place.x, place.y, place.z), (q.x, q.y, q.z, q.w))
+            )  # fmt: skip
+
+
+class Simulator(UavSimulator):
+    """The node, with the topics of tf2 in memory."""
+
+    def create_publisher(self, kind, topic, qos, **options):
+        if kind is not TFMessage:
+            return super().create_publisher(kind, topic, qos, **options)
+        self.tf = {**getattr(self, "tf", {}), topic: Publisher(qos)}
+        return self.tf[topic]
+
+
+@pytest.fixture
+def tf2(monkeypatch):
+    package, messages = ModuleType("tf2_msgs"), ModuleType("tf2_msgs.msg")
+    messages.TFMessage = TFMessage
+    monkeypatch.setitem(sys.modules, "tf2_msgs", package)
+    monkeypatch.setitem(sys.modules, "tf2_msgs.msg", messages)
+
+
+@pytest.mark.nodes
+def test_each_state_is_a_transform_in_the_aircrafts_own_frame(context, tf2):
+    node = Simulator(context=context, namespace="/uav1")
+    states = []
+    node._odometry_publisher.publish = states.append
+    node._step()
+    moving, static = node.tf["/tf"], node.tf["/tf_static"]
+    (state,), (transform,) = states, moving.sent
+    parent, child, stamp, place, rotation = transform
+    assert (parent, child) == ("map", "uav1/base_link")
+    assert stamp == nanoseconds(state.header.stamp)
+    position, q = state.pose.pose.position, state.pose.pose.orientation
+    assert place == (position.x, position.y, position.z)
+    assert rotation == (q.x, q.y, q.z, q.w)
+    assert [each[:2] for each in static.sent] == [
+        ("map", "map_ned"),
+        ("uav1/base_link", "uav1/base_link_frd"),
+    ]
+    assert static.qos.durability == DurabilityPolicy.TRANSIENT_LOCAL
+    assert moving.qos.durability != DurabilityPolicy.TRANSIENT_LOCAL
+    assert {moving.qos.reliability, static.qos.reliability} == {ReliabilityPolicy.RELIABLE}
+    moving.listeners = 0
+    node._step()
+    assert len(states) == 2
+    assert len(moving.sent) == 1  # nobody listens
+    node.destroy_node()
+
+
+@pytest.mark.nodes
+def test_tf_can_be_moved_as_with_tf2_itself(context, tf2):
+    arguments = ["--ros-args", "-r", "/tf:=tf", "-r", "/tf_static:=tf_static"]
+    node = Simulator(context=context, namespace="/uav1", cli_args=arguments)
+    assert node.resolve_topic_name("/tf") == "/uav1/tf"
+    node.destroy_node()
+
+
+@pytest.mark.nodes
+@pytest.mark.skipif(importlib.util.find_spec("tf2_msgs") is not None, reason="ROS has tf2_msgs")
+def test_without_tf2_msgs_that_is_said_once_and_states_are_published(context):
+    logger = mock.MagicMock()
+
+    class Logged(UavSimulator):
+        def get_logger(self):
+            return logger
+
+    node = Logged(context=context)
+    states = []
+    node._odometry_publisher.publish = states.append
+    node._step()
+    node._step()
+    node.destroy_node()
+    assert len(states) == 2
+    said = [call.args[0] for call in logger.info.call_args_list]
+    assert said.count("tf2_msgs is not installed: /tf is not published") == 1
+    assert isinstance(states[0], ODOMETRY.type)
+
+
+def test_static_frames_turn_vectors_as_autopilots_have_them():
+    ned, frd = static_transforms(7, FrameNames())
+    vector = np.array([1.0, 2.0, 3.0])
+
+    def in_child(message):
+        q = message.transform.rotation
+        return rotation_from_quaternion(q.x, q.y, q.z, q.w).T @ vector
+
+    np.testing.assert_allclose(in_child(ned), [2.0, 1.0, -3.0], atol=1e-12)
+    np.testing.assert_allclose(in_child(frd), [1.0, -2.0, -3.0], atol=1e-12)
+    assert nanoseconds(ned.header.stamp) == 7

@@ -1,0 +1,164 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The problems of the benchmark are those that are flown."""
+
+import json
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from solver_problems import paper_solver
+
+from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.studies.benchmark import benchmark_study
+from uav_tracking_mpc.studies.benchmark.benchmark_study import (
+    OURS,
+    TRANSIENT_STEPS,
+    FatropSolver,
+    benchmark_results,
+    benchmark_table,
+    converged,
+    measure,
+    summary,
+)
+from uav_tracking_mpc.studies.benchmark.cases import cases, flight_case, paper_case
+
+NAMES = ["paper_n10", "paper_n10_ellipsoid", "paper_n30", "paper_n30_ellipsoid", "flight_n20"]
+
+
+@pytest.fixture(scope="module")
+def all_cases():
+    return {case.name: case for case in cases()}
+
+
+def test_names_are_those_that_readers_of_the_json_expect(all_cases):
+    assert list(all_cases) == NAMES
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_random_starts_are_repeatable_and_fit_the_problem(name, all_cases):
+    case = all_cases[name]
+    starts, again = case.cold_starts(20, 4), case.cold_starts(20, 4)
+    for one, other in zip(starts, again, strict=True):
+        np.testing.assert_array_equal(one.state, other.state)
+        assert one.state.shape == (case.problem.nx,)
+        assert np.all(np.isfinite(one.state))
+    assert len({tuple(start.state) for start in starts}) == 20
+
+
+def test_flight_starts_have_their_own_drift(all_cases):
+    starts = all_cases["flight_n20"].cold_starts(20, 4)
+    assert len({start.parameters.tobytes() for start in starts}) > 10
+
+
+def test_the_flight_case_is_the_problem_of_small_uav():
+    """Same expressions as in flight, but for the horizon: a flight of N = 22 tells them apart."""
+    flown = FlightFormulation(load_configuration("small_uav").controller).solver.problem
+    timed = flight_case(flown.horizon).problem
+    for part in ("stage_cost", "next_state", "terminal_cost", "terminal_equality"):
+        assert str(getattr(timed, part)) == str(getattr(flown, part))
+    np.testing.assert_array_equal(timed.input_lower, flown.input_lower)
+    assert flight_case().problem.horizon == 20
+
+
+def test_summary_has_the_figures_of_every_solver():
+    case = paper_case(10)
+    solvers = {OURS: paper_solver(), "fatrop": FatropSolver(case.problem)}
+    records = measure(case, solvers, repetitions=2, cold=4, peers_cold=2, seed=0)
+    for record in records.values():
+        assert len(record.warm) == len(record.alternating) == 2 * (TRANSIENT_STEPS - 1)
+    figures = summary(records)
+    assert figures[OURS]["cold_solves"] == 4
+    assert figures["fatrop"]["cold_solves"] == 2
+    assert figures[OURS]["converged_share"] == figures[OURS]["warm_converged_share"] == 1.0
+    assert figures[OURS]["best_cost_states"] == 2
+    for row in figures.values():
+        assert row["p99_us"] >= row["transient_median_us"] > 0.0
+        assert row["alternating_p99_us"] >= row["alternating_median_us"] > 0.0
+
+
+def test_without_cold_starts_there_are_no_shares():
+    case = paper_case(10)
+    records = measure(case, {OURS: paper_solver()}, repetitions=1, cold=0, peers_cold=0, seed=0)
+    row = summary(records)[OURS]
+    assert row["converged_share"] is row["best_cost_share"] is row["cold_median_us"] is None
+
+
+ROW = {
+    "transient_median_us": 10.0,
+    "p99_us": 20.0,
+    "max_us": 30.0,
+    "alternating_median_us": 15.0,
+    "alternating_p99_us": 40.0,
+    "iterations_median": 2.0,
+    "kkt_median": 2e-8,
+    "kkt_p99": 3e-7,
+    "closed_loop_cost": 50.0,
+    "cold_median_us": None,
+    "cold_solves": 0,
+    "converged_share": None,
+    "best_cost_share": None,
+}
+
+
+def results(share):
+    other = {**ROW, "transient_median_us": 100.0, "alternating_median_us": 105.0}
+    other = {**other, "kkt_median": 1e-3, "closed_loop_cost": 55.0}
+    return {
+        "cases": {"paper_n10": {"ours": {**ROW, "converged_share": share}, "ipopt": other}},
+        "ratios": {"paper_n10": {"ipopt": 10.0}},
+        "ratios_alternating": {"paper_n10": {"ipopt": 7.0}},
+        "horizons": [5, 10],
+        "horizon_median_us": {"ours": [5.0, 10.0], "ipopt": [50.0, 100.0]},
+    }
+
+
+def test_both_alternations_stand_beside_each_other():
+    ours, other = benchmark_table(results(1.0)).rows
+    assert ours[:2] == ["paper_n10", "ours"]
+    assert other[:2] == ["", "ipopt"]
+    assert [other[7], other[8], other[9]] == ["10.0", "105.0", "7.0"]
+
+
+def test_how_optimal_the_plans_are_stands_beside_the_times():
+    ours, other = benchmark_table(results(1.0)).rows
+    assert [ours[5], ours[10]] == ["2e-08", "100.000"]
+    assert [other[5], other[10]] == ["1e-03", "110.000"]
+
+
+@pytest.mark.parametrize(("share", "enough"), [(1.0, True), (0.98, False), (None, True)])
+def test_whether_ours_converged_decides(share, enough):
+    assert converged(results(share)) is enough
+
+
+def test_files(tmp_path):
+    found = {**results(1.0), "mission_steps": 1, "missions_per_second": 1.0, "duration_s": 1.0}
+    benchmark_results(found).publish(tmp_path / "new")
+    assert json.loads((tmp_path / "new" / "benchmark.json").read_text()) == found
+    assert (tmp_path / "new" / "solve_time.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_missions_after_the_first_are_timed(monkeypatch):
+    """By a clock that missions alone move: the first takes 100 s, each other one 0.25 s."""
+    flown = []
+    elapsed = lambda: 100.0 * (len(flown) > 0) + 0.25 * max(len(flown) - 1, 0)  # noqa: E731
+    monkeypatch.setattr(benchmark_study, "time", SimpleNamespace(perf_counter=elapsed))
+    monkeypatch.setattr(benchmark_study, "closed_loop", lambda *mission: flown.append(mission))
+    case = paper_case(10)
+    assert benchmark_study.missions_per_second(case, 7, count=12) == pytest.approx(4.0)
+    assert len(flown) == 13
+    for _, state, steps, parameters in flown:
+        assert (state, steps, parameters) == (case.start.state, 7, case.start.parameters)

@@ -1,0 +1,59 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+import math
+
+import numpy as np
+import pytest
+from node_harness import vehicle_from_odometry
+
+pytest.importorskip("rclpy")
+
+from fault_streams import REACH, arrivals, healthy
+
+from uav_tracking_mpc.nodes.messages.conversions import plan_from_command, position_from_point
+from uav_tracking_mpc.nodes.messages.message_checks import MessageError
+from uav_tracking_mpc.nodes.topics import COMMAND, ODOMETRY, TARGET
+
+
+@pytest.mark.parametrize(
+    ("label", "topic", "read"),
+    [
+        ("odometry_absurd", ODOMETRY, vehicle_from_odometry),
+        ("target_absurd", TARGET, position_from_point),
+    ],
+)
+def test_absurd_places_pass_every_check_of_a_single_message(label, topic, read):
+    values = np.array([read(message) for _, message in arrivals(label, topic)])
+    assert np.all(np.isfinite(values))
+    assert np.max(np.abs(values)) > 1e6
+
+
+def test_a_target_leaps_to_one_place_and_stays_there():
+    places = {
+        (message.point.x, message.point.y) for _, message in arrivals("target_teleport", TARGET)
+    }
+    ((x, y),) = places
+    assert math.hypot(x - 1.0, y - 2.0) == pytest.approx(REACH)
+
+
+def test_commands_lose_all_points_or_the_velocities_of_all_and_are_refused():
+    points = len(healthy(COMMAND).points)
+    seen = set()
+    for _, message in arrivals("command_empty", COMMAND, 50):
+        seen.add((len(message.points), sum(len(point.velocities) for point in message.points)))
+        if not all(point.velocities for point in message.points) or not message.points:
+            with pytest.raises(MessageError):
+                plan_from_command(message)
+    assert seen == {(points, points), (points, 0), (0, 0)}

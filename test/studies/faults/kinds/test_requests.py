@@ -1,0 +1,82 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+import random
+from types import SimpleNamespace
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from uav_tracking_mpc.parameters.specification import specifications
+from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.studies.faults.kinds import requests
+from uav_tracking_mpc.studies.faults.kinds.requests import (
+    LIMITS,
+    ParameterStorm,
+    SolverBudget,
+    sane,
+)
+
+KNOWN = specifications(TrackingParameters)
+CONFIGURED = {known.name: known.default for known in KNOWN}
+
+
+def test_a_storm_asks_for_sane_and_absurd_values_and_puts_back(monkeypatch):
+    monkeypatch.setattr(requests, "PERIOD", 0.0)
+    asked, put_back = [], []
+    client = SimpleNamespace(
+        known=list(KNOWN),
+        configured=CONFIGURED,
+        ask=asked.append,
+        put_back=lambda: put_back.append(True),
+        settled=True,
+    )
+    flight = SimpleNamespace(parameters=client)
+    fault = ParameterStorm()
+    fault.begin(flight, 1.0, 3)
+    for _ in range(200):
+        fault.during(flight)
+    names = {name for values in asked for name in values}
+    assert names >= {*CONFIGURED, "use_sim_time", "no_such_parameter"}
+    fault.end(flight)
+    assert put_back
+    assert fault.settled(flight)
+
+
+def test_sane_values_do_not_widen_what_commands_are_held_to():
+    rng = random.Random(0)
+    for known in KNOWN:
+        own = CONFIGURED[known.name]
+        for _ in range(50):
+            value = sane(known, own, rng)
+            assert type(value) is type(own)
+            if known.choices:
+                assert value in known.choices
+            elif isinstance(own, float):
+                assert abs(value) <= abs(own) * (1.0 if known.name in LIMITS else 1.1)
+
+
+def test_the_least_budget_is_asked_for_last_and_put_back():
+    asked = []
+    client = SimpleNamespace(
+        ask=lambda values: asked.append(values["solve_time_max"]),
+        put_back=lambda: asked.append("put back"),
+        settled=False,
+    )
+    flight, fault = SimpleNamespace(parameters=client), SolverBudget()
+    fault.begin(flight, 1.0, 0)
+    fault.end(flight)
+    assert asked == [*sorted(asked[:-1], reverse=True), "put back"]
+    assert not fault.settled(flight)

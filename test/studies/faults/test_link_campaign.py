@@ -1,0 +1,128 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Faults on the wire: nothing breaks, and what is broken on purpose is seen."""
+
+import json
+from itertools import islice
+
+import pytest
+from rich.console import Console
+
+from uav_tracking_mpc.cli.main import main
+from uav_tracking_mpc.links.mavlink.dialect import mavlink
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.studies.faults.link_campaign import LINK_FAULTS, LinkCampaign, TakeOver
+from uav_tracking_mpc.studies.faults.link_flight import LinkFlight
+from uav_tracking_mpc.studies.faults.schedule import schedule
+
+CROSSWIND = load_configuration("small_uav", (), "crosswind")
+SHORT = ("loss", "silence", "take_over", "bit_flips", "companion_dead")
+
+
+def flown(dialect, count, seed, kinds=tuple(LINK_FAULTS)):
+    campaign = LinkCampaign(dialect, CROSSWIND, Console(quiet=True))
+    cases = schedule({kind: LINK_FAULTS[kind] for kind in kinds}, seed, most=1)
+    assert not campaign.fly_cases(islice(cases, count))
+    return campaign.found
+
+
+@pytest.mark.parametrize("dialect", ["ardupilot", "px4"])
+def test_a_short_campaign_breaks_nothing(dialect):
+    cases = flown(dialect, len(SHORT), 3, SHORT)
+    assert sorted(kind for case in cases for kind in case.kinds) == sorted(SHORT)
+    assert [case.violations for case in cases] == [{}] * len(SHORT)
+    assert not any(case.lost for case in cases)
+
+
+@pytest.mark.long
+@pytest.mark.timeout(900)
+@pytest.mark.parametrize("dialect", ["ardupilot", "px4"])
+def test_three_of_every_kind_break_nothing(dialect):
+    assert not any(case.violations for case in flown(dialect, 3 * len(LINK_FAULTS), 0))
+
+
+def test_there_are_kinds_enough():
+    assert len(LINK_FAULTS) >= 12
+
+
+def test_a_seed_makes_it_the_same_again():
+    assert flown("ardupilot", 2, 7, ("jitter", "loss")) == flown(
+        "ardupilot", 2, 7, ("jitter", "loss")
+    )
+
+
+def test_what_fails_is_told_and_the_next_flight_begins_anew(monkeypatch):
+    campaign = LinkCampaign("ardupilot", CROSSWIND, Console(quiet=True))
+    first = campaign.flight
+    monkeypatch.setattr(first.link, "measured", lambda timeout: 1 / 0)
+    campaign.fly_cases(islice(schedule(LINK_FAULTS, 0, most=1), 1))
+    assert campaign.found[0].violations["exception"] == (1, "ZeroDivisionError: division by zero")
+    assert campaign.found[0].lost
+    assert campaign.flight is not first
+
+
+@pytest.fixture
+def flight():
+    return LinkFlight("ardupilot", CROSSWIND)
+
+
+def set_point(bank=0.0, mask=0b11111110):
+    from uav_tracking_mpc.dynamics.frames import quaternion_from_euler
+
+    q = quaternion_from_euler(bank, 0.0, 0.0)
+    return mavlink.MAVLink_set_attitude_target_message(0, 1, 1, mask, q, 0.0, 0.0, 0.0, 0.0)
+
+
+def test_rules_that_are_broken_are_seen(flight):
+    send = flight.link.heard.connection.send
+    send(set_point())
+    assert set(flight.sent.take()) == {"engaged"}
+    flight.link.engagement.ask(flight.time)
+    send(set_point(bank=1.2))
+    send(set_point(bank=float("nan")))
+    command = mavlink.MAV_CMD_COMPONENT_ARM_DISARM
+    send(mavlink.MAVLink_command_long_message(1, 1, command, 0, 1, 0, 0, 0, 0, 0, 0))
+    send(mavlink.MAVLink_param_set_message(1, 1, b"ROLL_LIMIT_DEG", 70.0, 9))
+    broken = flight.sent.take()
+    assert set(broken) == {"bank", "finite", "harmless"}
+    assert broken["harmless"][0] == 2
+    assert flight.sent.take() == {}
+
+
+def test_a_link_that_clings_to_command_is_seen(flight):
+    flight.link.takes_commands = lambda custom_mode: True
+    for _ in range(200):
+        flight.step()
+    flight.link.engage()
+    for _ in range(100):
+        flight.step()
+    assert flight.link.engaged
+    flight.link.takes_commands = lambda custom_mode: custom_mode == 15
+    flight.link.engagement.see_mode = lambda *arguments: None
+    fault = TakeOver()
+    fault.begin(flight, 3.0, 1)
+    for _ in range(150):
+        flight.step()
+    fault.end(flight)
+    assert "take-over" in flight.sent.take()
+
+
+def test_the_command_writes_and_prints_what_came_of_it(tmp_path, capsys):
+    arguments = ["torture", "--link", "ardupilot", "--cases", "1", "--seed", "4", "--json"]
+    assert main([*arguments, "--output", str(tmp_path)]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed == json.loads((tmp_path / "torture.json").read_text(encoding="utf-8"))
+    assert (tmp_path / "timeline.png").read_bytes().startswith(b"\x89PNG")
+    assert (printed["dialect"], printed["faults"], printed["violations"]) == ("ardupilot", 1, 0)

@@ -1,0 +1,272 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Certificates: the checker accepts what is proved and nothing else; what may be claimed."""
+
+import copy
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.control.certification import certificate_status
+from uav_tracking_mpc.dynamics.relative_models.exact import Exact
+from uav_tracking_mpc.studies.stability.proof import certificate, prove_direct_condition
+from uav_tracking_mpc.terminal import certificate as certificate_module
+from uav_tracking_mpc.terminal import interval, quadratic_bound
+from uav_tracking_mpc.terminal.certificate import digest, read_certificate, verify
+from uav_tracking_mpc.terminal.ingredients import paper_problem
+
+
+def write(problem, level):
+    parts = problem.ingredients()
+    proved = prove_direct_condition(problem, parts, level)
+    return json.loads(json.dumps(certificate(problem, parts, proved)))
+
+
+@pytest.fixture(scope="module")
+def written():
+    return write(paper_problem(), 2.87)
+
+
+def ample(model, factor):
+    base = paper_problem(model)
+    return replace(
+        base, input_lower=factor * base.input_lower, input_upper=factor * base.input_upper
+    )
+
+
+def test_accepts_what_the_prover_writes(written):
+    assert verify(written) is None
+
+
+@pytest.mark.parametrize(
+    ("problem", "level"),
+    [
+        (paper_problem(), 0.01),
+        (paper_problem(), 1.3),
+        (paper_problem("paper"), 2.8),
+        (paper_problem("paper9"), 2.0),
+        (ample("exact", 2.0), 11.4),  # all three bounds doubled: U allows 11.51
+        (ample("paper", 4.0), 4.6),
+        (paper_problem(scaling=5.0), 2.0),
+        (paper_problem(step=0.5), 1.0),
+        (paper_problem(scheme="rk4"), 0.8),
+    ],
+)
+def test_accepts_every_kind(problem, level):
+    assert verify(write(problem, level)) is None
+
+
+def change(path, value):
+    def apply(content):
+        place = content
+        for key in path[:-1]:
+            place = place[key]
+        place[path[-1]] = value(place[path[-1]]) if callable(value) else value
+
+    return apply
+
+
+CORRUPTIONS = {
+    "level raised": change(["level"], lambda v: 1.01 * v),
+    "level not a number": change(["level"], "much"),
+    "level negative": change(["level"], -1.0),
+    "gain changed": change(["gain", 0, 1], lambda v: -v),
+    "weight changed": change(["weight", 0, 0], lambda v: 1.5 * v),
+    "weight not symmetric": change(["weight", 0, 1], lambda v: v + 1e-3),
+    "weight not definite": change(["weight", 0, 0], -1.0),
+    "tree cut short": change(["tree"], lambda v: v[:-1]),
+    "tree too long": change(["tree"], lambda v: v + "."),
+    "tree pruned to its root": lambda c: (
+        change(["tree"], ".")(c),
+        change(["multipliers"], [0.0])(c),
+        change(["statistics", "leaves"], 1)(c),
+    ),
+    "tree with an unknown mark": change(["tree"], lambda v: "7" + v[1:]),
+    "a multiplier is missing": change(["multipliers"], lambda v: v[:-1]),
+    "a multiplier is negative": change(["multipliers"], lambda v: [*v[:-1], -1.0]),
+    "root box smaller": change(["root"], lambda v: [0.9 * e for e in v]),
+    "inputs narrower than proved": change(["problem", "input_upper", 1], 0.5),
+    "another speed": change(["problem", "orbit", "speed"], 5.0),
+    "another range": change(["problem", "orbit", "range"], 60.0),
+    "another direction": change(["problem", "orbit", "direction"], "counter_clockwise"),
+    "another model": change(["problem", "model"], "paper"),
+    "another scheme": change(["problem", "scheme"], "rk4"),
+    "another step": change(["problem", "step_s"], 1.2),
+    "another rho": change(["problem", "scaling"], 2.0),
+    "heavier state weight": change(["problem", "state_weight", 4, 4], 3.0),
+    "heavier input weight": change(["problem", "input_weight", 0, 0], 3.0),
+    "unknown format": change(["format"], "certificate 0"),
+    "no tree": lambda c: c.pop("tree"),
+    "leaves miscounted": change(["statistics", "leaves"], 3),
+}
+
+
+@pytest.mark.parametrize("name", CORRUPTIONS)
+def test_rejects_a_corrupted_certificate_even_with_a_fresh_digest(written, name):
+    content = copy.deepcopy(written)
+    CORRUPTIONS[name](content)
+    assert verify(content) is not None
+    content["digest"] = digest(content)
+    assert verify(content) is not None
+
+
+def test_rejects_a_wrong_digest(written):
+    assert "digest" in verify({**written, "digest": "0" * 64})
+
+
+def test_knows_nothing_of_the_search():
+    modules = (certificate_module, quadratic_bound, interval)
+    source = "".join(Path(module.__file__).read_text() for module in modules)
+    imported = {line.split()[1] for line in source.splitlines() if line.startswith("from uav_")}
+    own = {module.__name__ for module in modules}
+    own.add("uav_tracking_mpc.terminal.ingredients")  # what is flown
+    below = ("uav_tracking_mpc.dynamics.", "uav_tracking_mpc.symbolic")
+    assert all(name in own or name.startswith(below) for name in imported)
+
+
+def test_rejects_content_that_is_no_certificate():
+    assert verify({}) is not None
+
+
+def test_no_file_that_a_certificate_names_is_run(written, tmp_path):
+    file = tmp_path / "model.py"
+    file.write_text(f"open({str(tmp_path / 'was_run')!r}, 'w')\n")
+    content = copy.deepcopy(written)
+    content["problem"]["model"] = f"{file}:Exact"
+    content["digest"] = digest(content)
+    assert "model" in verify(content)
+    assert not (tmp_path / "was_run").exists()
+
+
+def test_rejects_a_model_whose_rates_on_the_orbit_are_only_small(written, monkeypatch):
+    right = Exact.rates
+
+    def drifting(self, state, inputs):
+        rates = right(self, state, inputs)
+        rates[2] = rates[2] + 5e-10
+        return rates
+
+    monkeypatch.setattr(Exact, "rates", drifting)
+    assert "does not vanish" in verify(written)
+    with pytest.raises(ArithmeticError, match="altitude"):
+        write(paper_problem(), 1.0)
+
+
+def test_rejects_a_level_that_keeps_no_margin_below_the_bound_of_an_input():
+    problem = paper_problem()
+    parts = problem.ingredients()
+    bound = prove_direct_condition(problem, parts, 1.0).inputs
+    level = bound.level * (1.0 - 1e-12)
+    proved = prove_direct_condition(problem, parts, level)
+    assert not proved.holds
+    assert bound.name in proved.reason
+    claimed = replace(proved, inputs=replace(bound, level=1.01 * level))
+    content = json.loads(json.dumps(certificate(problem, parts, claimed)))
+    assert "input 0 exceeds" in verify(content) or "input 1 exceeds" in verify(content)
+    assert verify(write(problem, bound.level * (1.0 - 1e-6))) is None
+
+
+def test_rejects_when_the_model_has_a_sign_error(written, monkeypatch):
+    right = Exact.rates
+
+    def wrong(self, state, inputs):
+        rates = right(self, state, inputs)
+        rates[2] = -rates[2]
+        return rates
+
+    monkeypatch.setattr(Exact, "rates", wrong)
+    assert verify(written) is not None
+
+
+PROBLEM = paper_problem()
+PARTS = PROBLEM.ingredients()
+
+
+def status(problem, parts, level, content):
+    return certificate_status(problem, parts, level, content, samples=2000)
+
+
+def test_certified_at_and_below_the_proved_level(written):
+    for level in (2.5, 1.0):
+        assert status(PROBLEM, PARTS, level, written).status == "certified"
+
+
+def test_another_horizon_is_still_certified(written):
+    assert status(replace(PROBLEM, horizon=20), PARTS, 2.5, written).status == "certified"
+
+
+def test_larger_level_is_only_sampled(written):
+    answer = status(PROBLEM, PARTS, 2.875, written)
+    assert answer.status == "sampled"
+    assert "level" in answer.reason
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"step": 0.9},
+        {"scaling": 2.4},
+        {"model": "paper"},
+        {"scheme": "rk4"},
+        {"orbit": replace(PROBLEM.orbit, speed=4.1)},
+        {"state_weight": 1.1 * PROBLEM.state_weight},
+        {"input_weight": 1.1 * PROBLEM.input_weight},
+        {"input_upper": 1.1 * PROBLEM.input_upper},
+    ],
+)
+def test_any_changed_parameter_voids_it(written, changes):
+    problem = replace(PROBLEM, **changes)
+    answer = status(problem, problem.ingredients(), 2.4, written)
+    assert answer.status != "certified"
+    assert "void" in answer.reason
+
+
+def test_changed_gain_voids_it(written):
+    parts = replace(PARTS, gain=PARTS.gain * (1.0 + 1e-6))
+    assert status(PROBLEM, parts, 2.4, written).status == "sampled"
+
+
+def test_neither_where_a_sample_breaks_the_decrease():
+    wide = replace(PROBLEM, input_lower=np.full(3, -99.0), input_upper=np.full(3, 99.0))
+    assert status(wide, PARTS, 18.5, None).status == "neither"
+
+
+def test_neither_beyond_the_inputs_and_without_a_set():
+    assert status(PROBLEM, PARTS, 4.0, None).status == "neither"
+    assert status(PROBLEM, PARTS, None, None).status == "neither"
+
+
+def test_a_failed_proof_writes_no_certificate():
+    with pytest.raises(ValueError, match="not proved"):
+        certificate(PROBLEM, PARTS, prove_direct_condition(PROBLEM, PARTS, 3.5))
+
+
+def test_file_round_trip(written, tmp_path):
+    (tmp_path / "c.json").write_text(json.dumps(written))
+    assert read_certificate(tmp_path / "c.json") == written
+    (tmp_path / "list.json").write_text("[]")
+    with pytest.raises(ValueError, match="no certificate"):
+        read_certificate(tmp_path / "list.json")
+
+
+def test_shipped_certificate_covers_the_papers_configuration():
+    path = Path(__file__).resolve().parents[2] / "config" / "certificates" / "paper.json"
+    content = read_certificate(path)
+    answer = certificate_status(PROBLEM, PARTS, content["level"], content)
+    assert answer.status == "certified"
+    assert content["level"] > 2.85

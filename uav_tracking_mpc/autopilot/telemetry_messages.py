@@ -1,0 +1,295 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Telemetry: messages of the dialect from the state of an autopilot, by name, each at its rate.
+
+Units and frames are those of the MAVLink common message set.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from uav_tracking_mpc.autopilot.autopilot_core import AutopilotCore
+from uav_tracking_mpc.dynamics.geodesy import LocalFrame
+from uav_tracking_mpc.links.mavlink.dialect import CURRENT_MODE, mavlink
+
+ROUNDING = 1e-6  # s
+
+
+class MessageRates:
+    """Intervals of messages by name.
+
+    Args:
+        rates: How often each is sent where nobody asks otherwise, in [Hz].
+    """
+
+    def __init__(self, rates: Mapping[str, float]) -> None:
+        self._usual = {name: 1.0 / rate for name, rate in rates.items()}
+        self._intervals = dict(self._usual)
+        self._due: dict[str, float] = dict.fromkeys(self._intervals, 0.0)
+
+    def ask(self, name: str, interval: float) -> None:
+        """MAV_CMD_SET_MESSAGE_INTERVAL.
+
+        Args:
+            name: Of the message.
+            interval: In [s]; 0 for the usual one, negative for never.
+        """
+        if interval == 0.0:
+            interval = self._usual.get(name, -1.0)
+        if interval < 0.0:
+            self._intervals.pop(name, None)
+            return
+        self._intervals[name] = interval
+        self._due[name] = 0.0
+
+    def due(self, now: float) -> list[str]:
+        """Names of the messages that are due, which then count as sent.
+
+        Args:
+            now: Time since the start in [s].
+        """
+        found = []
+        for name, interval in self._intervals.items():
+            if now + ROUNDING < self._due[name]:
+                continue
+            found.append(name)
+            late = now - self._due[name]
+            # On a grid of the interval, so that the mean rate is what was asked for.
+            self._due[name] = now + interval - (late if late < interval else 0.0)
+        return found
+
+
+Builder = Callable[[AutopilotCore], Any]
+
+# gyro, accelerometer, magnetometer, absolute and differential pressure, GPS, AHRS, logging
+ONLY_PLACE = 0xFFF8  # type_mask
+SENSORS = 0b11111 | 1 << 5 | 1 << 21
+GOOD_FLAGS = 0b111111  # attitude, velocities, horizontal positions, vertical position
+GOOD_RATIO = 0.1  # of an innovation to its gate
+GPS_FIX_3D, SATELLITES = 3, 12
+GPS_ACCURACY = 900, 1500, 200  # mm, mm, mm/s: horizontal, vertical, of the velocity
+UNKNOWN = 65535  # of an unsigned field of 16 bits
+IN_AIR, ON_GROUND = 2, 1  # MAV_LANDED_STATE
+
+
+def milliseconds(core: AutopilotCore) -> int:
+    """Time since boot of the state in [ms], as it fits 32 bits.
+
+    Args:
+        core: Of the vehicle.
+    """
+    return round((core.airframe.measured.time + core.clock_offset) * 1e3) % 2**32
+
+
+def microseconds(core: AutopilotCore) -> int:
+    """Time since boot of the state in [us].
+
+    Args:
+        core: Of the vehicle.
+    """
+    return max(round((core.airframe.measured.time + core.clock_offset) * 1e6), 0)
+
+
+def on_the_wire(frame: LocalFrame, point: ArrayLike) -> tuple[int, int, float]:
+    """Latitude and longitude in [1e-7 deg] and altitude in [m] of a place.
+
+    Args:
+        frame: Axes of ``map``.
+        point: In ``map``, shape (3,), in [m].
+    """
+    latitude, longitude, altitude = frame.place(point)
+    degrees = math.degrees(latitude), math.degrees(longitude)
+    return round(degrees[0] * 1e7), round(degrees[1] * 1e7), altitude
+
+
+def _here(core: AutopilotCore) -> tuple[int, int, int]:
+    """Latitude and longitude in [1e-7 deg] and altitude in [mm]."""
+    state = core.airframe.measured
+    latitude, longitude, altitude = on_the_wire(core.origin, [state.east, state.north, state.up])
+    return latitude, longitude, round(altitude * 1e3)
+
+
+def _heartbeat(core: AutopilotCore) -> Any:
+    return mavlink.MAVLink_heartbeat_message(
+        mavlink.MAV_TYPE_FIXED_WING,
+        core.traits.maker,
+        core.base_mode,
+        core.custom_mode,
+        core.system_state,
+        3,
+    )
+
+
+def _attitude(core: AutopilotCore) -> Any:
+    state = core.airframe.measured
+    return mavlink.MAVLink_attitude_message(
+        milliseconds(core),
+        state.roll,
+        state.pitch,
+        state.yaw,
+        state.roll_rate,
+        state.pitch_rate,
+        state.yaw_rate,
+    )
+
+
+def _position(core: AutopilotCore) -> Any:
+    state = core.airframe.measured
+    latitude, longitude, altitude = _here(core)
+    heading = round(math.degrees(state.yaw) % 360.0 * 100.0) % 36000
+    return mavlink.MAVLink_global_position_int_message(
+        milliseconds(core),
+        latitude,
+        longitude,
+        altitude,
+        altitude - round(core.origin.altitude * 1e3),
+        round(state.north_rate * 100.0),
+        round(state.east_rate * 100.0),
+        round(-state.up_rate * 100.0),
+        heading,
+    )
+
+
+def _hud(core: AutopilotCore) -> Any:
+    state = core.airframe.measured
+    return mavlink.MAVLink_vfr_hud_message(
+        core.calibrated,
+        state.groundspeed,
+        round(math.degrees(state.yaw)) % 360,
+        round(100.0 * core.loops.throttle),
+        core.origin.altitude + state.up,
+        state.up_rate,
+    )
+
+
+def _destination(core: AutopilotCore) -> Any:
+    """P/GCS_MAVLink_Plane.cpp, ``send_position_target_global_int``: only the place counts."""
+    loiter = core.loiter
+    return mavlink.MAVLink_position_target_global_int_message(
+        milliseconds(core),
+        mavlink.MAV_FRAME_GLOBAL,
+        ONLY_PLACE,
+        *on_the_wire(core.origin, [loiter.east, loiter.north, loiter.up]),
+        *[0.0] * 8,
+    )
+
+
+def _gps(core: AutopilotCore) -> Any:
+    state = core.airframe.measured
+    latitude, longitude, altitude = _here(core)
+    course = math.degrees(math.atan2(state.east_rate, state.north_rate)) % 360.0
+    return mavlink.MAVLink_gps_raw_int_message(
+        microseconds(core),
+        GPS_FIX_3D,
+        latitude,
+        longitude,
+        altitude,
+        80,
+        120,
+        min(round(state.groundspeed * 100.0), UNKNOWN),
+        round(course * 100.0) % 36000,
+        SATELLITES,
+        h_acc=GPS_ACCURACY[0],
+        v_acc=GPS_ACCURACY[1],
+        vel_acc=GPS_ACCURACY[2],
+    )
+
+
+def _home(core: AutopilotCore) -> Any:
+    latitude, longitude, altitude = on_the_wire(core.origin, [0.0, 0.0, 0.0])
+    zero = (0.0, 0.0, 0.0)
+    return mavlink.MAVLink_home_position_message(
+        latitude,
+        longitude,
+        round(altitude * 1e3),
+        *zero,
+        [1.0, 0.0, 0.0, 0.0],
+        *zero,
+        microseconds(core),
+    )
+
+
+def _version(core: AutopilotCore) -> Any:
+    major, minor, patch = core.traits.version
+    return mavlink.MAVLink_autopilot_version_message(
+        core.traits.capabilities,
+        major << 24 | minor << 16 | patch << 8 | mavlink.FIRMWARE_VERSION_TYPE_OFFICIAL,
+        0,
+        0,
+        0,
+        list(b"simulate"),
+        [0] * 8,
+        [0] * 8,
+        0,
+        0,
+        0,
+    )
+
+
+def _wind(core: AutopilotCore) -> Any:
+    """P/GCS_MAVLink_Plane.cpp, ``send_wind``: where it comes from, its length in space."""
+    east, north, up = core.airframe.wind
+    return mavlink.MAVLink_wind_message(
+        math.degrees(math.atan2(-east, -north)), math.hypot(east, north, up), -up
+    )
+
+
+def _wind_covariance(core: AutopilotCore) -> Any:
+    """PX4, ``streams/WIND_COV.hpp``: where it blows to, without a vertical part."""
+    east, north, _ = core.airframe.wind
+    altitude = core.origin.altitude + core.airframe.measured.up
+    return mavlink.MAVLink_wind_cov_message(
+        microseconds(core), north, east, 0.0, 0.02, 0.0, altitude, 0.0, 0.0
+    )
+
+
+BUILDERS: dict[str, Builder] = {
+    "HEARTBEAT": _heartbeat,
+    "ATTITUDE": _attitude,
+    "AUTOPILOT_VERSION": _version,
+    # streams/CURRENT_MODE.hpp: the mode, and that which the pilot wants
+    "CURRENT_MODE": lambda core: mavlink.mavlink_map[CURRENT_MODE](
+        0, core.custom_mode, core.intended_custom_mode
+    ),
+    "EKF_STATUS_REPORT": lambda core: mavlink.MAVLink_ekf_status_report_message(
+        GOOD_FLAGS, *[GOOD_RATIO] * 6
+    ),
+    "ESTIMATOR_STATUS": lambda core: mavlink.MAVLink_estimator_status_message(
+        microseconds(core), GOOD_FLAGS, *[GOOD_RATIO] * 6, 0.5, 0.5
+    ),
+    "EXTENDED_SYS_STATE": lambda core: mavlink.MAVLink_extended_sys_state_message(
+        mavlink.MAV_VTOL_STATE_UNDEFINED, IN_AIR if core.airframe.flying else ON_GROUND
+    ),
+    "GLOBAL_POSITION_INT": _position,
+    "GPS_RAW_INT": _gps,
+    "HOME_POSITION": _home,
+    "POSITION_TARGET_GLOBAL_INT": _destination,
+    "SYS_STATUS": lambda core: mavlink.MAVLink_sys_status_message(
+        SENSORS, SENSORS, SENSORS, 200, 16000, -1, 100, 0, 0, 0, 0, 0, 0
+    ),
+    "VFR_HUD": _hud,
+    "WIND": _wind,
+    "WIND_COV": _wind_covariance,
+}
+IDS: dict[int, str] = {CURRENT_MODE: "CURRENT_MODE"} | {
+    int(getattr(mavlink, f"MAVLINK_MSG_ID_{name}")): name
+    for name in BUILDERS
+    if name != "CURRENT_MODE"  # ArduPilot's dialect of pymavlink has no number of it
+}

@@ -1,0 +1,274 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What goes wrong without failing, in words: limit cycles, and another orbit than asked for.
+
+A command in gusts or after noise swings as well as a loop at its limit of stability, but neither at
+one period nor with one amplitude.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.control.event import EventLog, Level
+from uav_tracking_mpc.dynamics.air import GRAVITY
+from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.estimation.channel_response import CHANNELS, ChannelResponse
+from uav_tracking_mpc.formulation.formulation import Plan
+
+LEAST_AMPLITUDE = 0.05  # g across the path: 3 deg of bank
+HALF_CYCLES = 9  # that must be alike: four periods and a half
+SHORTEST, LONGEST = 0.3, 15.0  # s, of a period
+PERIOD_SPREAD, AMPLITUDE_SPREAD = 0.12, 0.3  # standard deviation over mean, when it begins
+ENDING = 2.0  # times these, or periods without a swing, when it ends
+AVERAGING = 8.0  # s, time constant of the mean about which it swings
+CROSSING = 0.3  # of the least amplitude, by which a swing must pass the mean
+
+
+class Swing(NamedTuple):
+    """A sustained oscillation.
+
+    Attributes:
+        period: In [s].
+        amplitude: From the mean in [g].
+    """
+
+    period: float
+    amplitude: float
+
+
+class LimitCycleWatch:
+    """Watches one signal, an acceleration across the path in [g].
+
+    Attributes:
+        swing: The oscillation; None while there is none.
+    """
+
+    def __init__(self) -> None:
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget what was seen."""
+        self.swing: Swing | None = None
+        self._time: float | None = None
+        self._mean, self._peak, self._side, self._turned = 0.0, 0.0, 0, 0.0
+        self._halves: deque[tuple[float, float]] = deque(maxlen=HALF_CYCLES)
+
+    def see(self, time: float, value: float) -> bool:
+        """Take in a sample.
+
+        Args:
+            time: In [s].
+            value: In [g].
+
+        Returns:
+            Whether an oscillation has begun or ended.
+        """
+        if self._time is None or not 0.0 <= time - self._time <= LONGEST:
+            self.reset()
+            self._time, self._mean = time, value
+            return False
+        share = -math.expm1(-(time - self._time) / AVERAGING)
+        self._time = time
+        self._mean += share * (value - self._mean)
+        off = value - self._mean
+        before = self.swing
+        if off * self._side <= 0.0 and abs(off) > CROSSING * LEAST_AMPLITUDE:
+            self._halves.append((time - self._turned, self._peak))
+            self._side, self._turned, self._peak = (1 if off > 0.0 else -1), time, 0.0
+            self.swing = self._judged()
+        elif before is not None and time - self._turned > ENDING * before.period:
+            self.swing = None
+        self._peak = max(self._peak, abs(off))
+        return (before is None) is not (self.swing is None)
+
+    def _judged(self) -> Swing | None:
+        """The oscillation that the last swings are, if they are one."""
+        if len(self._halves) < HALF_CYCLES:
+            return None
+        halves, peaks = np.array(self._halves).T
+        periods = halves[:-1] + halves[1:]
+        period, amplitude = float(np.mean(periods)), float(np.mean(peaks))
+        slack = 1.0 if self.swing is None else ENDING
+        alike = (
+            np.std(periods) <= slack * PERIOD_SPREAD * period
+            and np.std(peaks) <= slack * AMPLITUDE_SPREAD * amplitude
+        )
+        strong = amplitude * slack >= LEAST_AMPLITUDE
+        if alike and strong and SHORTEST <= period <= LONGEST:
+            return Swing(period, amplitude)
+        return None
+
+
+NOTABLE_DELAY = 0.05  # s of lag and dead time between what is known and what is flown by
+
+
+class OscillationReport:
+    """Watches turn rate and path-angle rate as they are commanded.
+
+    Args:
+        events: Where to tell.
+
+    Attributes:
+        causes: What is likely to cause each oscillation, in words.
+    """
+
+    def __init__(self, events: EventLog) -> None:
+        self._events = events
+        self._watches = LimitCycleWatch(), LimitCycleWatch()
+        self.causes = ["", ""]
+
+    @property
+    def swings(self) -> tuple[Swing | None, Swing | None]:
+        """Oscillations of turn rate and path-angle rate, amplitudes in [g]."""
+        turn, climb = self._watches
+        return turn.swing, climb.swing
+
+    def reset(self) -> None:
+        """Forget what was seen."""
+        for watch in self._watches:
+            watch.reset()
+        self.causes = ["", ""]
+
+    def see(
+        self,
+        time: float,
+        inputs: Sequence[float],
+        airspeed: float,
+        channels: Sequence[ChannelResponse],
+        delays: Sequence[float],
+    ) -> None:
+        """Take in a command.
+
+        Args:
+            time: In [s].
+            inputs: (u_psi, u_chi), or the first where that alone is commanded, in [rad/s].
+            airspeed: v in [m/s].
+            channels: What is known of the response of each channel.
+            delays: Lag plus dead time that each channel is flown by, in [s].
+        """
+        for axis, (watch, rate) in enumerate(zip(self._watches, inputs, strict=False)):
+            if not watch.see(time, airspeed * rate / GRAVITY):
+                continue
+            if watch.swing is None:
+                self._events.add(Level.INFO, f"the limit cycle of the {CHANNELS[axis]} has ended")
+                continue
+            self.causes[axis] = _cause(channels[axis], delays[axis])
+            words = f"limit cycle of the {CHANNELS[axis]}: {described(axis, watch.swing)}"
+            self._events.add(Level.WARNING, f"{words}; likely {self.causes[axis]}")
+
+    def words(self, axis: int) -> str:
+        """The oscillation of a channel; "none" without one.
+
+        Args:
+            axis: 0 for turn rate, 1 for path-angle rate.
+        """
+        swing = self.swings[axis]
+        return "none" if swing is None else f"{described(axis, swing)}; likely {self.causes[axis]}"
+
+
+def described(axis: int, swing: Swing) -> str:
+    """An oscillation in words.
+
+    Args:
+        axis: 0 for turn rate, 1 for path-angle rate.
+        swing: What it is, amplitude in [g].
+    """
+    if axis == 0:
+        size = f"{math.degrees(math.atan(swing.amplitude)):.0f} deg of bank"
+    else:
+        size = f"{swing.amplitude:.2f} g"
+    return f"+-{size} with a period of {swing.period:.1f} s"
+
+
+def _cause(channel: ChannelResponse, delay: float) -> str:
+    """What is likely behind an oscillation."""
+    if channel.trusted and abs(channel.delay - delay) > NOTABLE_DELAY:
+        return (
+            f"because lag and dead time are together {channel.delay:.2f} s, not {delay:.2f} s as "
+            "they are flown by"
+        )
+    if not channel.trusted:
+        return "because lag, dead time or the age of the state is not what was told"
+    return "because the weights of the inputs are too small, or the aircraft's limits not told"
+
+
+# Differences in range [m], altitude [m] and airspeed [m/s] that are worth a word, and by how much
+# an orbit that stays may still change.
+NOTABLE_ORBIT = 1.0, 2.0, 0.5
+LASTING = 10.0  # s for which it must have been different, and the same
+
+
+class OrbitShortfall:
+    """Compares the artificial orbit of each plan with what is wanted.
+
+    A flight on its way to the orbit passes through others: only one that stays is told.
+
+    Args:
+        events: Where to tell.
+
+    Attributes:
+        flown: Range, altitude and airspeed of the orbit flown instead, shape (3,); None where that
+            asked for is flown, or on the way to it.
+    """
+
+    def __init__(self, events: EventLog) -> None:
+        self._events = events
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget what was flown."""
+        self.flown: NDArray[np.float64] | None = None
+        self._candidate, self._begin = [math.inf] * 3, 0.0
+
+    def see(self, time: float, plan: Plan | None, wanted: Orbit) -> None:
+        """Take in a plan.
+
+        Args:
+            time: Now in [s].
+            plan: That is flown; None where none is.
+            wanted: What was asked for.
+        """
+        if plan is None or plan.orbit is None:
+            return
+        asked, flown = [wanted.range, wanted.altitude, wanted.speed], plan.orbit.tolist()
+        if _alike(flown, asked):
+            if self.flown is not None:
+                self._events.add(Level.INFO, "the orbit that was asked for is flown again")
+            self.reset()
+        elif not _alike(flown, self._candidate):
+            self._candidate, self._begin = flown, time
+        elif self.flown is None and time - self._begin >= LASTING:
+            self.flown = plan.orbit
+            self._events.add(
+                Level.WARNING,
+                f"limits and drift leave no orbit of {_words(asked)}: flying {_words(flown)}",
+            )
+
+
+def _alike(one: list[float], other: list[float]) -> bool:
+    """Whether the difference of two orbits is worth no word."""
+    return all(abs(a - b) < least for a, b, least in zip(one, other, NOTABLE_ORBIT, strict=True))
+
+
+def _words(orbit: list[float]) -> str:
+    distance, altitude, speed = orbit
+    return f"{distance:.1f} m at {altitude:.1f} m and {speed:.1f} m/s"

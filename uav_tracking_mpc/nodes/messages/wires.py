@@ -1,0 +1,350 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Commands and odometry as bytes: written and read in place.
+
+Two messages of one form differ in stamp and numbers alone: where these stand is learnt once, from
+the middleware's own bytes. That takes a tenth of the time that it takes by objects, and an eighth
+off what the nodes take from a state to its command.
+"""
+
+from __future__ import annotations
+
+import struct
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import Transform
+from nav_msgs.msg import Odometry
+from numpy.typing import NDArray
+from rclpy.serialization import deserialize_message, serialize_message
+from trajectory_msgs.msg import MultiDOFJointTrajectoryPoint
+
+from uav_tracking_mpc.control.commanded_path import PlannedPath
+from uav_tracking_mpc.dynamics.frames import pitch_rate_from_path_angle_rate, quaternion_from_course
+from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, plan_from_command, set_command
+from uav_tracking_mpc.nodes.messages.message_checks import (
+    FRAMES,
+    POSITION_LIMIT,
+    FrameNames,
+    MessageError,
+)
+from uav_tracking_mpc.nodes.topics import COMMAND, ODOMETRY, Topic
+
+ENCAPSULATION = 4  # bytes before the first field: how the rest is encoded
+LITTLE_ENDIAN = 1  # in the second of them
+STAMP = struct.Struct("<iI")  # header.stamp is the first field
+BEHIND_STAMP = ENCAPSULATION + STAMP.size
+SECOND = 1_000_000_000  # ns
+MARKS = 1.25e99, -3.5e-77  # numbers that no other bytes are twice
+# Numbers of a point of a command: transform, if it has one, then twist and acceleration.
+PLACE, ATTITUDE, VELOCITY = slice(0, 3), slice(3, 7), slice(7, 10)
+TRANSFORM, RATES = 7, 12  # how many
+INPUTS = [-7, -8, -6]  # of (u_psi, u_chi, u_v), from the end
+PITCH_SIGN = pitch_rate_from_path_angle_rate(1.0)
+SINGLE_SEGMENT = 1.0  # s that a plan of one segment lasts
+UNEVEN = 1e-6  # s by which segments of a plan may differ
+COVARIANCE = 36  # numbers of an odometry's, behind the 7 of its pose and the 6 of its twist
+LENGTH = 4  # bytes that tell how long a name is; each begins at a multiple of them
+
+
+class Form:
+    """Where the numbers of a message stand in its bytes, whatever they are.
+
+    Args:
+        message: Whose first field is its header, with all parts of the form; all its numbers are
+            overwritten.
+
+    Attributes:
+        count: How many numbers it has.
+    """
+
+    def __init__(self, message: Any) -> None:
+        written = [bytearray(serialize_message(_filled(message, mark))) for mark in MARKS]
+        self._buffer = written[0]
+        if self._buffer[1] != LITTLE_ENDIAN:
+            raise RuntimeError("messages are not encoded in little-endian CDR")
+        self._size = (len(self._buffer) - ENCAPSULATION) // 8
+        first, second = map(self._all, written)
+        self._numbers = first
+        self._places = np.flatnonzero((first == MARKS[0]) & (second == MARKS[1]))
+        self.count = len(self._places)
+        self._compared, self._same = np.zeros(0, dtype=int), b""
+
+    def _all(self, data: bytes | bytearray) -> NDArray[np.float64]:
+        return np.ndarray(self._size, "<f8", data, ENCAPSULATION)
+
+    def learn(self, data: bytes, compared: NDArray[np.int_] | None = None) -> None:
+        """Take note of a message, unless it is encoded in another way.
+
+        Args:
+            data: Serialized.
+            compared: Places of the bytes in which others are to be as this one, shape (n,); by
+                default of all that are neither stamp nor number.
+        """
+        if len(data) != len(self._buffer) or data[:2] != self._buffer[:2]:
+            return
+        if compared is None:
+            fixed = np.ones(len(data), dtype=bool)
+            fixed[ENCAPSULATION:BEHIND_STAMP] = False
+            fixed[ENCAPSULATION:][: 8 * self._size].reshape(-1, 8)[self._places] = False
+            compared = np.flatnonzero(fixed)
+        self._compared, self._same = compared, self._shared(data, compared)
+
+    @staticmethod
+    def _shared(data: bytes, compared: NDArray[np.int_]) -> bytes:
+        return np.frombuffer(data, np.uint8)[compared].tobytes()
+
+    def fits(self, data: bytes) -> bool:
+        """Whether a message differs from the one that was learnt in stamp and numbers alone.
+
+        Args:
+            data: Serialized.
+        """
+        alike = len(data) == len(self._buffer) and bool(self._same)
+        return alike and self._shared(data, self._compared) == self._same
+
+    def numbers(self, data: bytes) -> NDArray[np.float64]:
+        """The numbers of a message in order, shape (count,).
+
+        Args:
+            data: Serialized; it fits.
+        """
+        return self._all(data)[self._places]
+
+    def write(self, stamp: int, numbers: NDArray[np.float64]) -> bytes:
+        """Serialized message.
+
+        Args:
+            stamp: In [ns].
+            numbers: In order, shape (count,) or of as many rows as there are points.
+        """
+        self._numbers[self._places] = numbers.ravel()
+        STAMP.pack_into(self._buffer, ENCAPSULATION, *divmod(stamp, SECOND))
+        return bytes(self._buffer)
+
+
+def _filled(message: Any, value: float) -> Any:
+    """The message with this value in place of every number."""
+    for name in message.get_fields_and_field_types():
+        part = getattr(message, name)
+        if isinstance(part, float):
+            setattr(message, name, value)
+        elif isinstance(part, np.ndarray):
+            part[:] = value
+        for inner in part if isinstance(part, list) else [part]:
+            if hasattr(inner, "get_fields_and_field_types"):
+                _filled(inner, value)
+    return message
+
+
+def _deserialized(topic: Topic, data: bytes) -> Any:
+    try:
+        return deserialize_message(data, topic.type)
+    except Exception as error:  # whatever the middleware says of bytes that are no message
+        raise MessageError(f"{topic.name}: no message: {error}") from error
+
+
+def command_stamp(data: bytes) -> int:
+    """Stamp of a serialized command in [ns].
+
+    Args:
+        data: In little-endian CDR, as :class:`CommandWire` writes it.
+    """
+    seconds, rest = STAMP.unpack_from(data, ENCAPSULATION)
+    return int(seconds * SECOND + rest)
+
+
+class CommandWire:
+    """Writes commands as serialized messages, and reads them.
+
+    Args:
+        frames: Of the messages, and in which they must be.
+    """
+
+    def __init__(self, frames: FrameNames = FRAMES) -> None:
+        self._frames = frames
+        self._known: tuple[FrameNames, int, float, bool] | None = None
+        # Of the command that was read last
+        self._step: float | None = None
+        self._starts = np.zeros(0)
+
+    def write(
+        self, stamp: int, plan: NDArray[np.float64], step: float, path: PlannedPath | None = None
+    ) -> bytes:
+        """Serialized command, read as the one of :func:`set_command`.
+
+        Args:
+            stamp: Time at which the plan begins in [ns].
+            plan: (u_psi, u_chi, u_v) at 0, step, 2 step, ..., shape (n, 3), n >= 1.
+            step: T_s in [s].
+            path: On which the plan leads the aircraft; its end is left out, no input belongs to
+                it. None leaves out the whole.
+        """
+        self._take_form(self._frames, len(plan), step, path is not None)
+        values = self._values
+        values[:, INPUTS] = plan
+        values[:, INPUTS[1]] *= PITCH_SIGN
+        if path is not None:
+            states = path.states[:-1]
+            values[:, PLACE] = states[:, :3]
+            quaternions = quaternion_from_course(states[:, 3], states[:, 4], np)
+            values[:, ATTITUDE] = np.column_stack(quaternions)
+            values[:, VELOCITY] = path.ground_velocities[:-1]
+        return self._form.write(stamp, values)
+
+    def read(self, data: bytes) -> tuple[int, NDArray[np.float64], float]:
+        """Stamp in [ns], plan (u_psi, u_chi, u_v), shape (n, 3), and step in [s] of a command.
+
+        Args:
+            data: Serialized.
+
+        Raises:
+            MessageError: As of :meth:`segments`, or segments that are not of one length.
+        """
+        stamp, plan, _ = self.segments(data)
+        if self._step is None:
+            raise MessageError(f"{COMMAND.name}: its segments are not of one length")
+        return stamp, plan, self._step
+
+    def segments(self, data: bytes) -> tuple[int, NDArray[np.float64], NDArray[np.float64]]:
+        """Stamp in [ns], plan (u_psi, u_chi, u_v), shape (n, 3), and starts in [s] of a command.
+
+        The starts, shape (n,), are since the stamp. What differs from the command before in numbers
+        alone is not turned into objects.
+
+        Args:
+            data: Serialized.
+
+        Raises:
+            MessageError: As of :func:`plan_from_command`.
+        """
+        if (points := self._points(data)) is not None:
+            seconds, rest = STAMP.unpack_from(data, ENCAPSULATION)
+            plan = points[:, INPUTS]
+            plan[:, 1] *= PITCH_SIGN
+            if rest < SECOND and np.isfinite(plan).all():
+                return seconds * SECOND + rest, plan, self._starts
+        message = _deserialized(COMMAND, data)
+        plan, self._starts = plan_from_command(message, self._frames)
+        self._step = _step(self._starts)
+        placed = bool(message.points[0].transforms)
+        ours = len(message.joint_names) == 1 and all(_ours(p, placed) for p in message.points)
+        self._known = None
+        if self._step is not None and ours:
+            named = FrameNames(message.header.frame_id, message.joint_names[0])
+            self._take_form(named, len(plan), self._step, placed)
+            self._form.learn(data)
+        return nanoseconds(message.header.stamp), plan, self._starts
+
+    def places(self, data: bytes) -> tuple[int, NDArray[np.float64], NDArray[np.float64]]:
+        """Stamp in [ns], planned positions, shape (n, 3), in [m] and times in [s] of a command.
+
+        The times, shape (n,), are since the stamp. In a command without places, or with segments
+        that are not of one length, n is 0.
+
+        Args:
+            data: Serialized.
+
+        Raises:
+            MessageError: As of :meth:`segments`, or a place that is none.
+        """
+        stamp, _, starts = self.segments(data)
+        points = self._points(data)
+        if points is None or points.shape[1] == RATES:
+            return stamp, np.empty((0, 3)), np.empty(0)
+        positions = points[:, PLACE]
+        if not (np.abs(positions) <= POSITION_LIMIT).all():
+            raise MessageError(
+                f"{COMMAND.name}: transforms are at {positions.tolist()}, must be finite and "
+                f"within {POSITION_LIMIT:g}"
+            )
+        return stamp, positions, starts
+
+    def _points(self, data: bytes) -> NDArray[np.float64] | None:
+        """Numbers of each point of a command that is as the one that was read last, else None."""
+        if self._known is None or not self._form.fits(data):
+            return None
+        return self._form.numbers(data).reshape(self._values.shape)
+
+    def _take_form(self, frames: FrameNames, count: int, step: float, placed: bool) -> None:
+        """Learn where the numbers of a plan of another form stand, with its path or without."""
+        if self._known == (frames, count, step, placed):
+            return
+        message = COMMAND.type()
+        set_command(message, 0, np.zeros((count, 3)), step, frames)
+        for point in message.points if placed else ():
+            point.transforms = [Transform()]
+        self._form = Form(message)
+        self._values = np.zeros((count, RATES + TRANSFORM * placed))
+        self._known = frames, count, step, placed
+
+
+def _ours(point: MultiDOFJointTrajectoryPoint, placed: bool) -> bool:
+    """Whether a point has as many parts as ours with their path, or without."""
+    parts = len(point.transforms), len(point.velocities), len(point.accelerations)
+    return parts == (placed, 1, 1)
+
+
+def _step(starts: NDArray[np.float64]) -> float | None:
+    """Length of the segments in [s]; None where they are not of one length."""
+    steps = np.diff(starts)
+    step = float(steps[0]) if len(steps) else SINGLE_SEGMENT
+    even = step > 0.0 and (len(steps) == 0 or float(np.ptp(steps)) <= UNEVEN)
+    return step if even else None
+
+
+class OdometryWire:
+    """Reads serialized Odometry messages."""
+
+    def __init__(self) -> None:
+        self._message, self._form = Odometry(), Form(Odometry())
+
+    def read(self, data: bytes) -> Odometry:
+        """The message that bytes are; overwritten by the next call.
+
+        Args:
+            data: Serialized.
+
+        Raises:
+            MessageError: They are no such message.
+        """
+        if not self._form.fits(data):
+            self._message = _deserialized(ODOMETRY, data)
+            self._learn(data, self._message.header.frame_id, self._message.child_frame_id)
+            return self._message
+        stamp, pose, twist = self._message.header.stamp, self._message.pose, self._message.twist
+        stamp.sec, stamp.nanosec = STAMP.unpack_from(data, ENCAPSULATION)
+        numbers = self._form.numbers(data)
+        place, q = pose.pose.position, pose.pose.orientation
+        place.x, place.y, place.z, q.x, q.y, q.z, q.w = numbers[:TRANSFORM].tolist()
+        pose.covariance[:], numbers = numbers[TRANSFORM:][:COVARIANCE], numbers[-6 - COVARIANCE :]
+        linear, angular = twist.twist.linear, twist.twist.angular
+        linear.x, linear.y, linear.z, angular.x, angular.y, angular.z = numbers[:6].tolist()
+        twist.covariance[:] = numbers[6:]
+        return self._message
+
+    def _learn(self, data: bytes, frame: str, child: str) -> None:
+        """Where the numbers stand in messages with these names of frames.
+
+        The names alone are compared: CDR leaves undefined what stands in the gaps behind them.
+        """
+        alike = Odometry(child_frame_id=child)
+        alike.header.frame_id = frame
+        self._form, names, end = Form(alike), [np.arange(2)], BEHIND_STAMP
+        for name in (frame, child):  # its length in four bytes, its letters and a zero
+            begin = -(-end // LENGTH) * LENGTH
+            end = begin + LENGTH + len(name.encode()) + 1
+            names.append(np.arange(begin, end))
+        self._form.learn(data, np.concatenate(names))

@@ -1,0 +1,242 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""/diagnostics of a node, and warnings that may come with every message.
+
+A worse status is shown at once. A better one, or another as bad, is shown when the present one has
+not been reported for some seconds, or had itself stood that long: what alternates twenty times a
+second is shown as its worse half, and a state of affairs that lasted ends at once.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+
+from uav_tracking_mpc.nodes.ros.endpoints import publish
+from uav_tracking_mpc.nodes.topics import DIAGNOSTICS
+
+OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
+STALE = DiagnosticStatus.STALE  # of a node that has ended
+LASTING = 2.0  # s
+
+
+class SteadyStatus:
+    """The status of a node.
+
+    Until it was fine or erroneous for the first time every change is shown at once.
+
+    Args:
+        level: At the start, as of diagnostic_msgs.
+        message: For people.
+
+    Attributes:
+        level: That is shown.
+        message: That is shown.
+        starting: Whether it has been neither fine nor erroneous yet.
+    """
+
+    def __init__(self, level: bytes, message: str) -> None:
+        self.begin(level, message)
+
+    def begin(self, level: bytes, message: str) -> None:
+        """Show a status at once and begin anew.
+
+        Args:
+            level: As of diagnostic_msgs.
+            message: For people.
+        """
+        self.level, self.message = level, message
+        self.starting = level == WARN
+        self._since = self._seen = -float("inf")
+        self._alone = True  # whether nothing else was reported since it is shown
+
+    def see(self, level: bytes, message: str, now: float) -> bool:
+        """Take in how the node is.
+
+        Args:
+            level: As of diagnostic_msgs.
+            message: For people.
+            now: Time of a steady clock in [s].
+
+        Returns:
+            Whether another status is shown than before.
+        """
+        if (level, message) == (self.level, self.message):
+            if not self._alone:
+                self._alone, self._since = True, now
+            self._seen = now
+            return False
+        ended = now - self._seen >= LASTING or (self._alone and now - self._since >= LASTING)
+        self._alone = False
+        if not (self.starting or level > self.level or level == self.level == OK or ended):
+            return False
+        self.level, self.message = level, message
+        self._since, self._seen, self._alone = now, now, True
+        self.starting = self.starting and level == WARN
+        return True
+
+
+STARTING = 3.0  # s for which it is ordinary at the start that something is not there yet
+AIRCRAFT = "uav"  # the aircraft of nodes without a namespace
+
+
+class Diagnostics:
+    """Diagnostics of one node.
+
+    The timer runs on a steady clock: a stopped simulation must not silence it. A status that
+    changes with every message is shown as :class:`SteadyStatus` says. Until it was fine or
+    erroneous for the first time, a warning is logged as information, and as a warning only if it
+    stands for some seconds.
+
+    Args:
+        node: Whose they are.
+        values: Called at each report for keys (with units) and values.
+        now: Stamp of a report, by the node's clock unless the node itself makes the time.
+
+    Attributes:
+        hardware_id: Which aircraft it is: the namespace, or what its autopilot says of itself.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        values: Callable[[], Mapping[str, object]],
+        now: Callable[[], Time] | None = None,
+    ) -> None:
+        self._node, self._values = node, values
+        self._now = now or (lambda: node.get_clock().now().to_msg())
+        self._name = f"{node.get_fully_qualified_name().lstrip('/')}: status"
+        self.hardware_id = node.get_namespace().strip("/") or AIRCRAFT
+        self._status = SteadyStatus(WARN, "starting")
+        self._alarm = ""
+        self._unlogged, self._since = "", 0.0  # a warning logged as information, and when [s]
+        self._publisher = publish(node, DIAGNOSTICS)
+        self._timer = node.create_timer(
+            1.0, self._repeat, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
+
+    @property
+    def level(self) -> bytes:
+        """That is shown: OK, WARN or ERROR."""
+        return self._status.level
+
+    @property
+    def message(self) -> str:
+        """That is shown."""
+        return self._status.message
+
+    def report(self, level: bytes, message: str, reason: str = "") -> None:
+        """Say how the node is; published and logged when another status is shown.
+
+        Args:
+            level: OK, WARN or ERROR.
+            message: For people.
+            reason: Added to the line in the log: why, with figures that may change.
+        """
+        if self._status.see(level, message, time.monotonic()):
+            self._log(f"{message}: {reason}" if reason else message)
+            self.publish()
+
+    def announce(self, level: bytes, message: str) -> None:
+        """Say how the node is from now on, because somebody asked for it; not logged.
+
+        Args:
+            level: OK, WARN or ERROR.
+            message: For people.
+        """
+        self._status.begin(level, message)
+        self._unlogged = ""
+        self.publish()
+
+    def end(self) -> None:
+        """Publish the last values, and that nothing comes after them."""
+        self._alarm = ""
+        self.announce(STALE, "ended")
+
+    def alarm(self, words: str) -> None:
+        """Show an error in place of what is reported, as long as it lasts.
+
+        Args:
+            words: What is wrong; empty when it is over.
+        """
+        if words:
+            self._node.get_logger().error(words)
+        elif self._alarm:
+            self._node.get_logger().info(f"over: {self._alarm}")
+        self._alarm = words
+        self.publish()
+
+    def publish(self) -> None:
+        """Publish the present state."""
+        level, words = (ERROR, self._alarm) if self._alarm else (self.level, self.message)
+        status = DiagnosticStatus(level=level, name=self._name, message=words)
+        status.hardware_id = self.hardware_id
+        status.values = [
+            KeyValue(key=key, value=f"{value:.6g}" if isinstance(value, float) else str(value))
+            for key, value in self._values().items()
+        ]
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = self._now()
+        self._publisher.publish(message)
+
+    def _log(self, words: str) -> None:
+        # rclpy ties each call site to one severity, hence one line each.
+        logger, self._unlogged = self._node.get_logger(), ""
+        if self.level == WARN and self._status.starting:
+            self._unlogged, self._since = words, time.monotonic()
+        if self.level == OK or self._unlogged:
+            logger.info(words)
+        elif self.level == WARN:
+            logger.warning(words)
+        else:
+            logger.error(words)
+
+    def _repeat(self) -> None:
+        if self._unlogged and time.monotonic() - self._since >= STARTING:
+            self._node.get_logger().warning(self._unlogged)
+            self._unlogged = ""
+        self.publish()
+
+
+PERIOD = 5.0  # s between warnings of one subject
+
+
+class ThrottledWarnings:
+    """The logger's own throttle is one for all topics: a stream of refusals would hide another's.
+
+    Args:
+        node: Whose log they are in.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._last: dict[str, float] = {}
+
+    def warn(self, subject: str, words: str) -> None:
+        """Log a warning unless one of its subject was logged just before.
+
+        Args:
+            subject: One of a few, such as the name of a topic.
+            words: What there is to say.
+        """
+        now = time.monotonic()
+        if now - self._last.get(subject, -PERIOD) >= PERIOD:
+            self._last[subject] = now
+            self._node.get_logger().warning(words)

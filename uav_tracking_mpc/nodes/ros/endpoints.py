@@ -1,0 +1,344 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Publishers and subscriptions of topics: made, checked, counted, and such as only look.
+
+rclpy ends in a traceback on a value of ``qos_overrides.TOPIC.publisher|subscription.POLICY`` that
+it does not know, and ignores an override that no endpoint asks for: both are told in words here.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+from rclpy.clock import Clock, ClockType
+from rclpy.duration import Duration
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.subscription import Subscription
+
+from uav_tracking_mpc.estimation.measurement import MeasurementError
+from uav_tracking_mpc.nodes.ros.rclpy_internals import declared_parameters, parameter_overrides
+from uav_tracking_mpc.nodes.topics import SENSED, Topic
+from uav_tracking_mpc.parameters.specification import ParameterError
+
+T = TypeVar("T")
+PREFIX = "qos_overrides."
+PUBLISHER, SUBSCRIPTION = "publisher", "subscription"
+POLICIES = {"history": HistoryPolicy, "reliability": ReliabilityPolicy}  # and depth
+DEPTH_MAX = 10_000  # messages
+
+
+def overriding_options(node: Node, topic: str, kind: str) -> QoSOverridingOptions:
+    """What rclpy takes, once the overrides of an endpoint have been checked.
+
+    Args:
+        node: Whose endpoint it is.
+        topic: Name of the topic as the node knows it.
+        kind: PUBLISHER or SUBSCRIPTION.
+
+    Raises:
+        ParameterError: An override is not allowed.
+    """
+    overrides = parameter_overrides(node)
+    begin = f"{PREFIX}{node.resolve_topic_name(topic)}.{kind}."
+    for policy, values in POLICIES.items():
+        name = f"{begin}{policy}"
+        allowed = [each.name.lower() for each in values if each.name != "UNKNOWN"]
+        if name in overrides and str(overrides[name]).lower() not in allowed:
+            raise _error(name, overrides[name], f"one of {', '.join(allowed)}")
+    name = f"{begin}depth"
+    depth = overrides.get(name, 1)
+    if isinstance(depth, bool) or not (isinstance(depth, int) and 1 <= depth <= DEPTH_MAX):
+        raise _error(name, depth, f"an integer from 1 to {DEPTH_MAX}")
+    return QoSOverridingOptions.with_default_policies()
+
+
+def warn_of_vain_overrides(node: Node) -> None:
+    """Warn of overrides that no endpoint of a node has taken.
+
+    Args:
+        node: With all its publishers and subscriptions.
+    """
+    for name in parameter_overrides(node):
+        if name.startswith(PREFIX) and not node.has_parameter(name):
+            known = [each for each in declared_parameters(node) if each.startswith(PREFIX)]
+            node.get_logger().warning(
+                f"parameter '{name}' is unknown and has no effect; known are: {', '.join(known)}"
+            )
+
+
+def _error(name: str, value: Any, allowed: str) -> ParameterError:
+    return ParameterError(f"parameter '{name}' is {value!r}, must be {allowed}")
+
+
+def publish(
+    node: Node,
+    topic: Topic,
+    qos: QoSProfile | None = None,
+    event_callbacks: PublisherEventCallbacks | None = None,
+) -> Publisher[Any]:
+    """A publisher of a topic.
+
+    Args:
+        node: That publishes.
+        topic: What is published.
+        qos: Instead of the topic's own, where the node promises more.
+        event_callbacks: As rclpy takes them.
+
+    Raises:
+        ParameterError: An override is not allowed.
+    """
+    return node.create_publisher(
+        topic.type,
+        topic.name,
+        _copy(qos or topic.qos),
+        event_callbacks=event_callbacks,
+        qos_overriding_options=overriding_options(node, topic.name, PUBLISHER),
+    )
+
+
+def listen(
+    node: Node,
+    topic: Topic,
+    callback: Callable[[Any], None],
+    event_callbacks: SubscriptionEventCallbacks | None = None,
+    raw: bool = False,
+) -> Subscription[Any]:
+    """A subscription of a topic.
+
+    Args:
+        node: That listens.
+        topic: What is listened to.
+        callback: Called with each message.
+        event_callbacks: As rclpy takes them.
+        raw: Whether it is called with the message as bytes.
+
+    Raises:
+        ParameterError: An override is not allowed.
+    """
+    return node.create_subscription(
+        topic.type,
+        topic.name,
+        callback,
+        _copy(topic.heard),
+        event_callbacks=event_callbacks,
+        qos_overriding_options=overriding_options(node, topic.name, SUBSCRIPTION),
+        raw=raw,
+    )
+
+
+def _copy(qos: QoSProfile) -> QoSProfile:
+    """A profile of its own: rclpy writes the overrides into the one that it is given."""
+    return QoSProfile(**{name.lstrip("_"): getattr(qos, name) for name in qos.__slots__})
+
+
+LEASE = 1.0  # s in which a publisher says that it is alive, for those who ask for it
+LATE = 2.0  # periods from message to message, beyond which the deadline is missed
+
+
+@dataclass(frozen=True)
+class _Matched:
+    """What rclpy says of a match: how many there are now, and what that changed."""
+
+    current_count: int
+    current_count_change: int
+
+
+class PublisherWatch:
+    """Publishers that a node listens to.
+
+    Args:
+        lost: Called with words when the last publisher of a topic is gone.
+    """
+
+    def __init__(self, lost: Callable[[str], None]) -> None:
+        self._lost = lost
+        self._counts: dict[str, int] = {}
+
+    def listening(self, topic: Topic) -> SubscriptionEventCallbacks:
+        """Callbacks for the subscription of a topic.
+
+        Args:
+            topic: That is listened to.
+        """
+        self._counts[topic.name] = 0
+
+        def matched(event: _Matched) -> None:
+            self._counts[topic.name] = event.current_count
+            if event.current_count == 0 and event.current_count_change < 0:
+                self._lost(f"nobody publishes {topic.name} any more")
+
+        return SubscriptionEventCallbacks(matched=matched)
+
+    def values(self) -> dict[str, object]:
+        """For /diagnostics."""
+        return {f"publishers of {name}": count for name, count in self._counts.items()}
+
+
+class PublishDeadline:
+    """A rate that a publisher promises, in wall time.
+
+    Args:
+        rate: Messages a second in [Hz]; None in simulated time, of which the wall clock says
+            nothing.
+
+    Attributes:
+        rate: Messages a second that are meant to be sent in [Hz]; a lower one than offered is no
+            message too late.
+        missed: How often the next message was too late.
+    """
+
+    def __init__(self, rate: float | None) -> None:
+        self._rate = self.rate = rate
+        self.missed = 0
+
+    def qos(self, qos: QoSProfile) -> QoSProfile:
+        """The profile of a topic, with deadline and liveliness.
+
+        Args:
+            qos: Of the topic.
+        """
+        deadline = Duration() if self._rate is None else Duration(seconds=LATE / self._rate)
+        return QoSProfile(
+            depth=qos.depth,
+            reliability=qos.reliability,
+            liveliness=LivelinessPolicy.AUTOMATIC,
+            liveliness_lease_duration=Duration(seconds=LEASE),
+            deadline=deadline,
+        )
+
+    def callbacks(self, missed: Callable[[], None]) -> PublisherEventCallbacks:
+        """Callbacks for the publisher.
+
+        Args:
+            missed: Called when the next message is too late.
+        """
+        if (offered := self._rate) is None:
+            return PublisherEventCallbacks()
+
+        def on_missed(event: object) -> None:
+            if self.rate is None or self.rate < offered:
+                return
+            self.missed += 1
+            missed()
+
+        return PublisherEventCallbacks(deadline=on_missed)
+
+
+class FollowingSubscription:
+    """A subscription that follows the senders.
+
+    Args:
+        node: That listens.
+        topic: What is listened to.
+        callback: Called with each message.
+        depth: How many messages may wait.
+        raw: Whether it is called with the message as bytes.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        topic: Topic,
+        callback: Callable[[Any], None],
+        depth: int,
+        raw: bool = False,
+    ) -> None:
+        self._node, self._topic, self._callback = node, topic, callback
+        self._depth, self._raw = depth, raw
+        self._change: Any = None  # timer of a change that is due
+        self._subscription = self._listen(ReliabilityPolicy.RELIABLE)
+
+    @property
+    def senders(self) -> int:
+        """How many are connected."""
+        return int(self._subscription.get_publisher_count())
+
+    def _listen(self, reliability: ReliabilityPolicy) -> Any:
+        reliable = reliability is ReliabilityPolicy.RELIABLE
+        # Where a topic keeps what was sent before anybody listened, that is heard, too.
+        durability = self._topic.qos.durability
+        return self._node.create_subscription(
+            self._topic.type,
+            self._topic.name,
+            self._callback,
+            QoSProfile(depth=self._depth, reliability=reliability, durability=durability),
+            event_callbacks=SubscriptionEventCallbacks(
+                incompatible_qos=self._on_incompatible if reliable else None
+            ),
+            raw=self._raw,
+        )
+
+    def _on_incompatible(self, event: object) -> None:
+        # The subscription cannot be destroyed while its own event is handled.
+        if self._change is None:
+            steady = Clock(clock_type=ClockType.STEADY_TIME)
+            self._change = self._node.create_timer(0.0, self._follow, clock=steady)
+
+    def _follow(self) -> None:
+        self._change.cancel()
+        before = self._subscription
+        self._subscription = self._listen(ReliabilityPolicy.BEST_EFFORT)
+        self._node.destroy_subscription(before)
+
+
+class NewestMessage(Generic[T]):
+    """What came last on a topic.
+
+    Looked at by one thread, which need not be the one that spins the node.
+
+    Args:
+        node: That listens.
+        topic: What is listened to.
+        read: From the serialized message to what it says.
+
+    Attributes:
+        trouble: Why the newest message cannot be used, in words; empty if it can.
+    """
+
+    def __init__(self, node: Node, topic: Topic, read: Callable[[bytes], T]) -> None:
+        self._read = read
+        self._heard: tuple[bytes, float] | None = None  # and when it came, steady [s]
+        self._looked_at: bytes | None = None
+        self._value: T | None = None
+        self.trouble = ""
+        node.create_subscription(topic.type, topic.name, self._on_message, SENSED.profile, raw=True)
+
+    def _on_message(self, data: bytes) -> None:
+        self._heard = data, time.monotonic()
+
+    @property
+    def arrival(self) -> float:
+        """When it came, steady, in [s]; minus infinity before the first."""
+        return -math.inf if self._heard is None else self._heard[1]
+
+    @property
+    def value(self) -> T | None:
+        """What it says; None before the first, and where it cannot be used."""
+        heard = self._heard
+        if heard is not None and heard[0] is not self._looked_at:
+            self._looked_at, self.trouble, self._value = heard[0], "", None
+            try:
+                self._value = self._read(heard[0])
+            except MeasurementError as error:
+                self.trouble = str(error)
+        return self._value

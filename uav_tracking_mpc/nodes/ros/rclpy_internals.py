@@ -1,0 +1,94 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What rclpy keeps to itself and nodes need all the same: the one place that reaches into it.
+
+It was written against rclpy of Jazzy; another version may name these things otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.lifecycle import LifecycleNode
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+
+NAMELESS = "_NODE_NAME_UNKNOWN_"  # a node that was discovered a moment ago
+
+
+def parameter_overrides(node: Node) -> dict[str, Any]:
+    """Parameters that a node was given at its start, by name, whether it knows them or not.
+
+    Args:
+        node: That was given them.
+    """
+    overrides: dict[str, Any] = getattr(node, "_parameter_overrides", {})
+    return {name: parameter.value for name, parameter in overrides.items()}
+
+
+def declared_parameters(node: Node) -> list[str]:
+    """Names of all parameters of a node, in order.
+
+    Args:
+        node: That declared them.
+    """
+    return sorted(node._parameters)
+
+
+def wrap_transitions(node: LifecycleNode, wrap: Callable[[Callable[..., Any]], Any]) -> None:
+    """Put a function around the service that asks a managed node for a transition.
+
+    Args:
+        node: Managed.
+        wrap: From the service's callback to the one that is called instead.
+    """
+    service = node._service_change_state
+    service.callback = wrap(service.callback)
+
+
+class NumberedSubscription:
+    """The sequence numbers of a topic's messages: executors call nobody with them.
+
+    Args:
+        node: That listens.
+        kind: Type of the messages.
+        name: Of the topic.
+        qos: That is asked for.
+
+    Raises:
+        PermissionError: A security policy forbids it.
+    """
+
+    def __init__(self, node: Node, kind: type, name: str, qos: QoSProfile) -> None:
+        self._type = kind
+        try:
+            with node.handle:
+                self._subscription = rclpy_implementation.Subscription(
+                    node.handle, kind, name, qos.get_c_qos_profile()
+                )
+        except rclpy_implementation.RCLError as error:
+            raise PermissionError(str(error)) from error
+
+    def numbers(self) -> Iterator[int | None]:
+        """Those of the messages since the last call; None from a middleware that has none."""
+        with self._subscription:
+            while (taken := self._subscription.take_message(self._type, True)) is not None:
+                yield taken[1]["publication_sequence_number"]
+
+    def close(self) -> None:
+        """Listen no longer."""
+        self._subscription.destroy_when_not_in_use()

@@ -1,0 +1,129 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What is compared, by name: laws, scenarios, and mismatches as overrides of a scenario.
+
+Their names are in the help of commands: nothing is imported here that takes long.
+"""
+
+from __future__ import annotations
+
+import math
+
+from uav_tracking_mpc.parameters.registry import names_of
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.configuration import (
+    Configuration,
+    load_configuration,
+    scenario_names,
+)
+from uav_tracking_mpc.settings.tracking import PREDICTIVE
+
+# From easy to hard; scenarios that are not named come after these.
+ORDER = (
+    "still", "wind", "crosswind", "headwind", "tight_headwind", "circling_target", "gusts",
+    "noisy_target",
+)  # fmt: skip
+
+
+def law_names() -> list[str]:
+    """The predictive controller and every law that is installed."""
+    return [PREDICTIVE, *names_of("uav_tracking_mpc.laws")]
+
+
+def law_label(law: str) -> str:
+    """What tables and figures call a law.
+
+    Args:
+        law: A name, or ``path.py:Class``.
+
+    Raises:
+        ExtensionError: There is no such law.
+    """
+    if ":" not in law:
+        return law
+    from uav_tracking_mpc.laws import GUIDANCE_LAW
+
+    return str(GUIDANCE_LAW.find(law).name)
+
+
+SCENARIO = "crosswind"
+DURATION, SETTLED_AFTER = 300.0, 90.0  # s, of a flight and until it counts
+LAG_SHARES = (0.0, 0.25, 0.5, 0.75, 1.5, 2.0, 3.0)  # of the true lag and dead time that are told
+GUSTS = {"light": 7.7, "moderate": 15.4, "severe": 23.2}  # W20 in [m/s]
+NOISES = (0.5, 2.0, 5.0)  # m
+
+_SIMULATOR, _TARGET, _CONTROLLER = "uav_simulator", "target_publisher", "nmpc_controller"
+_MISTAKEN: dict[str, dict[str, object]] = {
+    "late_0.1": {f"{_SIMULATOR}.state_delay": 0.1, f"{_SIMULATOR}.state_stamp_true": False},
+    "late_0.3": {f"{_SIMULATOR}.state_delay": 0.3, f"{_SIMULATOR}.state_stamp_true": False},
+    "stamped_0.3": {f"{_SIMULATOR}.state_delay": 0.3},
+    **{f"noise_{noise:g}": {f"{_TARGET}.noise": noise, f"{_TARGET}.rate": 5.0} for noise in NOISES},
+    "wind_bias_2": {f"{_SIMULATOR}.velocity_bias": [2.0, 0.0, 0.0]},
+    "heading_bias_5": {f"{_SIMULATOR}.heading_bias": math.radians(5.0)},
+    "airspeed_bias_2": {f"{_SIMULATOR}.airspeed_bias": 2.0},
+    "turn_rate_bias_2": {f"{_SIMULATOR}.turn_rate_bias": math.radians(2.0)},
+    **{f"gust_{name}": {f"{_SIMULATOR}.gust_intensity": w20} for name, w20 in GUSTS.items()},
+    "tight_gale": {f"{_CONTROLLER}.range": 180.0, f"{_SIMULATOR}.wind": [-12.0, 0.0, 0.0]},
+    "zigzag": {f"{_TARGET}.motion": "zigzag", f"{_TARGET}.drive_time": 20.0},
+    "sensor_noise": {
+        f"{_SIMULATOR}.velocity_noise": 0.3,
+        f"{_SIMULATOR}.attitude_noise": math.radians(0.5),
+        f"{_SIMULATOR}.airspeed_noise": 0.3,
+    },
+}
+_LAGS = {f"lag_{share:g}": share for share in LAG_SHARES}
+MISMATCHES = (*_LAGS, *_MISTAKEN)
+
+
+def mismatched(config: str, name: str, overrides: tuple[str, ...] = ()) -> Configuration:
+    """The flight of a mismatch.
+
+    Args:
+        config: Name or file of the configuration.
+        name: One of :data:`MISMATCHES`.
+        overrides: ``SECTION.PARAMETER=VALUE`` each, also of the duration; the mismatch comes on
+            top.
+
+    Raises:
+        ParameterError: There is no such mismatch, or as of :func:`load_configuration`.
+    """
+    if name not in MISMATCHES:
+        raise ParameterError(f"mismatch is {name!r}, must be one of {', '.join(MISMATCHES)}")
+    overrides = (f"mission.duration={DURATION:g}", *overrides)
+    if name in _LAGS:
+        truth = load_configuration(config, overrides, SCENARIO).simulator
+        mistaken: dict[str, object] = {
+            f"{_CONTROLLER}.{channel}": [_LAGS[name] * time for time in getattr(truth, channel)]
+            for channel in ("rate_lag", "dead_time")
+        }
+    else:
+        mistaken = _MISTAKEN[name]
+    told = [f"{parameter}={value}" for parameter, value in mistaken.items()]
+    return load_configuration(config, [*overrides, *told], SCENARIO)
+
+
+def settled_after(configuration: Configuration) -> float:
+    """Time in [s] from which on a flight counts; of a shorter flight than usual, its share.
+
+    Args:
+        configuration: What is flown.
+    """
+    return SETTLED_AFTER / DURATION * min(configuration.mission.duration, DURATION)
+
+
+def scenarios_in_order() -> list[str]:
+    """Names of all scenarios that come with the package, from easy to hard."""
+    names = scenario_names()
+    return [*(name for name in ORDER if name in names), *(n for n in names if n not in ORDER)]

@@ -1,0 +1,244 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Work in processes: those of this machine, or workers of a Dask cluster."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing
+from functools import partial
+from typing import Any, Protocol, TypeVar
+
+S = TypeVar("S")
+P = TypeVar("P")
+R = TypeVar("R")
+
+LOCAL_BATCH = 4  # flights: no more is lost when this process is killed
+CLUSTER_BATCH = 25  # flights: a minute of work, beside which a message is nothing
+
+WORKERS_WITHIN = 60  # s, for a cluster that has just been started
+
+
+class WorkerError(RuntimeError):
+    """Workers were lost or never there, so that not all was done."""
+
+
+class StoppedError(KeyboardInterrupt):
+    """The user interrupted the work.
+
+    Args:
+        done: Results that came before, in the order of the pieces.
+
+    Attributes:
+        done: The same.
+    """
+
+    def __init__(self, done: list[Any]) -> None:
+        super().__init__()
+        self.done = done
+
+
+class Executor(Protocol):
+    """Works through batches.
+
+    Attributes:
+        workers: How many work at a time.
+        batch: Pieces of a batch.
+    """
+
+    workers: int
+    batch: int
+
+    def run(self, work: Callable[[S, P], R], shared: S, batches: Sequence[P]) -> Iterator[R]:
+        """What came of each batch, as they finish.
+
+        Args:
+            work: At module level, so that processes can find it.
+            shared: Its first argument.
+            batches: Its second.
+
+        Raises:
+            WorkerError: A worker was lost.
+        """
+        ...
+
+    def close(self) -> None:
+        """Let go of whatever works."""
+        ...
+
+
+class LocalExecutor:
+    """Processes of this machine; a single one is this process.
+
+    Args:
+        workers: How many; one for each core by default.
+    """
+
+    batch = LOCAL_BATCH
+
+    def __init__(self, workers: int | None = None) -> None:
+        self.workers = workers or len(os.sched_getaffinity(0))
+
+    def run(self, work: Callable[[S, P], R], shared: S, batches: Sequence[P]) -> Iterator[R]:
+        """See :meth:`Executor.run`."""
+        return self._results(partial(work, shared), batches, as_completed)
+
+    def map(self, work: Callable[[P], R], pieces: Sequence[P]) -> Generator[R, None, None]:
+        """What came of each piece, in their order.
+
+        Args:
+            work: At module level, so that processes can find it.
+            pieces: Its arguments; they must pickle.
+
+        Raises:
+            WorkerError: A worker was lost.
+        """
+        return self._results(work, pieces, iter)
+
+    def _results(
+        self,
+        work: Callable[[P], R],
+        pieces: Sequence[P],
+        order: Callable[[list[Future[R]]], Iterable[Future[R]]],
+    ) -> Generator[R, None, None]:
+        workers = min(self.workers, len(pieces))
+        if workers < 2:
+            yield from map(work, pieces)
+            return
+        # spawn: a fork would copy whatever threads the caller has running.
+        context = multiprocessing.get_context("spawn")
+        pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_end_with_parent)
+        try:
+            for future in order([pool.submit(work, piece) for piece in pieces]):
+                yield future.result()
+        except BrokenProcessPool as error:
+            raise WorkerError(
+                "a worker process ended abruptly (was there too little memory?); of a campaign "
+                "the same command goes on with what is left"
+            ) from error
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+    def close(self) -> None:
+        """See :meth:`Executor.close`; processes end with each run."""
+
+
+def _end_with_parent() -> None:
+    """In a worker: leave Ctrl-C to the parent, and end when it is killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+def parallel_map(
+    function: Callable[[P], R],
+    pieces: Sequence[P],
+    workers: int | None = None,
+    label: str = "",
+    show: bool = True,
+) -> list[R]:
+    """Apply a function to every piece in processes of this machine.
+
+    Args:
+        function: At module level, so that processes can find it.
+        pieces: Its arguments; they must pickle.
+        workers: Processes; one for each core by default; 1 stays in this process.
+        label: What the progress bar on stderr says.
+        show: Whether to show it.
+
+    Returns:
+        Results in the order of the pieces.
+
+    Raises:
+        StoppedError: The user interrupted; it holds the results that came before.
+        WorkerError: A worker was lost.
+    """
+    from rich.console import Console
+    from rich.progress import track
+
+    console, done = Console(stderr=True), []
+    with closing(LocalExecutor(workers).map(function, pieces)) as results:
+        try:
+            for result in track(
+                results, label, total=len(pieces), console=console, disable=not show
+            ):
+                done.append(result)
+        except KeyboardInterrupt as error:
+            raise StoppedError(done) from error
+    return done
+
+
+class DaskExecutor:
+    """Workers of a Dask cluster, on which this package is installed.
+
+    Args:
+        address: Of the scheduler, such as ``tcp://host:8786``.
+
+    Raises:
+        WorkerError: Nobody answers there.
+    """
+
+    batch = CLUSTER_BATCH
+
+    def __init__(self, address: str) -> None:
+        from distributed import Client
+
+        try:
+            self._client = Client(address, set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise WorkerError(f"no Dask scheduler answers at {address}: {error}") from error
+        try:
+            self._client.wait_for_workers(1, timeout=WORKERS_WITHIN)
+        except TimeoutError as error:
+            self.close()
+            raise WorkerError(f"the Dask scheduler at {address} has no workers") from error
+        self.workers = sum(self._client.nthreads().values())
+
+    def run(self, work: Callable[[S, P], R], shared: S, batches: Sequence[P]) -> Iterator[R]:
+        """See :meth:`Executor.run`."""
+        from distributed import as_completed as completed
+        from distributed.scheduler import KilledWorker
+
+        client = self._client
+        # A task and not scattered data, which would be lost with the workers that hold it.
+        task = client.submit(_itself, shared, pure=False)
+        # A batch whose worker dies is done again by another: nothing of it has come back.
+        pending = [client.submit(work, task, batch, pure=False) for batch in batches]
+        try:
+            for future in completed(pending, loop=client.loop):
+                yield future.result()
+                future.release()
+        except KilledWorker as error:
+            raise WorkerError(f"{error}; the same command goes on with the rest") from error
+
+    def close(self) -> None:
+        """See :meth:`Executor.close`; the cluster stays."""
+        self._client.close()
+
+
+def _itself(shared: S) -> S:
+    return shared

@@ -1,0 +1,92 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What a study found: plain values for programs, words for people, and the files of both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from uav_tracking_mpc.report.atomic_write import write_atomically, write_json
+from uav_tracking_mpc.report.pages import Table, embedded
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class Study:
+    """What a study found, to be printed and written.
+
+    Attributes:
+        name: Of its JSON file and its HTML page, without their endings.
+        content: Of the JSON file: plain values, never NaN.
+        words: Lines of text and tables for people.
+        written: Line that says where the files are, with ``{}`` for their folder; empty for none.
+        figures: Functions that draw the PNG files, by the files' names without the ending.
+        files: Contents of further files, by their names.
+        page: Makes the HTML page from the figures as addresses that hold them; None without one.
+        tables: Tables for a page of the documentation, by the names of their places.
+    """
+
+    name: str
+    content: Mapping[str, Any]
+    words: Sequence[str | Table]
+    written: str = ""
+    figures: Mapping[str, Callable[[], Figure]] = field(default_factory=dict)
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    page: Callable[[Mapping[str, str]], str] | None = None
+    tables: Mapping[str, Table] = field(default_factory=dict)
+
+    def publish(self, output: Path | None, documentation: Path | None = None) -> list[str | Table]:
+        """Write everything.
+
+        Args:
+            output: Folder of the files, made if it is not there; None writes none.
+            documentation: Page of the documentation that has places for the tables; None for none.
+
+        Returns:
+            Words for people, with the place of the files.
+
+        Raises:
+            OSError: The folder cannot be made or written to.
+            ValueError: The page of the documentation has no place for a table.
+        """
+        words = [*self.words]
+        if output is not None:
+            self._write(output)
+            words += [self.written.format(output)] if self.written else []
+        if documentation is not None:
+            for name, table in self.tables.items():
+                table.write_into(documentation, name)
+        return words
+
+    def _write(self, output: Path) -> None:
+        # Only now: processes that fly a study's flights import its modules, and draw nothing.
+        from uav_tracking_mpc.report.figure_style import save_figure
+
+        output.mkdir(parents=True, exist_ok=True)
+        write_json(output / f"{self.name}.json", self.content)
+        for name, content in self.files.items():
+            (output / name).parent.mkdir(exist_ok=True)
+            write_atomically(output / name, content)
+        pictures = {
+            name: embedded(save_figure(draw(), output / f"{name}.png"))
+            for name, draw in self.figures.items()
+        }
+        if self.page is not None:
+            write_atomically(output / f"{self.name}.html", self.page(pictures).encode())

@@ -1,0 +1,286 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What is steered: orbit, target, wind, simulated time, engagement and faults."""
+
+from __future__ import annotations
+
+import html
+import math
+import time
+from collections.abc import Mapping
+from typing import Any
+
+from uav_tracking_mpc.report.mode_colours import mode_colour
+from uav_tracking_mpc.settings.simulator import SimulatorParameters, TargetParameters
+from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.simulation.motions import TARGET_MOTION
+from uav_tracking_mpc.view.panel._html import CALM, badge, block, duration, faint
+from uav_tracking_mpc.view.panel._steering_part import ParameterPart, SteeringPart, set_slider
+from uav_tracking_mpc.view.watched_flight import (
+    CONTROLLER,
+    SIMULATOR,
+    TARGET,
+    FlightSource,
+    Sight,
+    WatchedFlight,
+)
+
+DEEP = -1e4  # m; a least height below that is none
+FAST = 15.0  # m/s, of a car in town
+STRONG, SEVERE = 15.0, 25.0  # m/s of wind, and of gusts (23.2 is severe)
+STILL = 0.01  # m/s; slower wind comes from nowhere
+SPEEDS = (0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
+STANDS = 1.0  # s of wall time without a new state after which time is said to stand
+
+
+class Orbit(ParameterPart):
+    """The orbit to fly, as parameters of the controller: three sliders and a list."""
+
+    name = "orbit"
+    title, node, section = "Orbit", CONTROLLER, TrackingParameters
+    order = 20.0
+
+    def build(self, known: Mapping[str, Any]) -> None:
+        """See :meth:`ParameterPart.build`: also unflyable values, for the controller to refuse."""
+        range_, altitude, speed = (float(known[key]) for key in ("range", "altitude", "airspeed"))
+        floor = float(known.get("height_min", DEEP))
+        low = min(0.0 if floor <= DEEP else floor, altitude)
+        slowest = float(known.get("airspeed_min", 0.5 * speed))
+        fastest = min(float(known.get("airspeed_max", math.inf)), 3.0 * speed)
+        self.add_slider("range", known, 0.1 * range_, 3.0 * range_)
+        self.add_slider("altitude", known, low, max(2.0 * altitude, range_))
+        self.add_slider("airspeed", known, slowest, fastest)
+        self.add_choice("direction", known, self.described["direction"].choices)
+
+
+class Target(ParameterPart):
+    """How the target moves: a list of motions and a slider."""
+
+    name = "target"
+    title, node, section = "Target", TARGET, TargetParameters
+    order = 25.0
+
+    def build(self, known: Mapping[str, Any]) -> None:
+        """See :meth:`ParameterPart.build`."""
+        hint = "A new motion begins where the target is. One that needs a speed needs it below."
+        self.add_choice("motion", known, TARGET_MOTION.names, hint)
+        self.add_slider("speed", known, 0.0, FAST)
+
+
+class Wind(ParameterPart):
+    """Wind and gusts of the simulator: how fast, from where, how gusty."""
+
+    name = "wind"
+    title, node, section = "Wind", SIMULATOR, SimulatorParameters
+    order = 60.0
+
+    def build(self, known: Mapping[str, Any]) -> None:
+        """See :meth:`ParameterPart.build`."""
+        speed, azimuth = from_where(known["wind"])
+        self._speed = self.gui.add_slider(
+            "wind [m/s]",
+            0.0,
+            max(STRONG, speed),
+            0.5,
+            speed,
+            hint=self.described["wind"].description,
+        )
+        self._from: Any = self.gui.add_slider(
+            "from [deg]",
+            0.0,
+            360.0,
+            5.0,
+            azimuth,
+            marks=((0.0, "N"), (90.0, "E"), (180.0, "S"), (270.0, "W"), (360.0, "N")),
+            hint="Where the wind comes from: 0 is north, 90 is east.",
+        )
+        self._up = float(known["wind"][2])
+        self.steer(self._speed, self._follow, self._wind)
+        self.steer(self._from, self._follow, self._wind)
+        self.add_slider("gust_intensity", known, 0.0, SEVERE, "gusts")
+
+    def _follow(self, known: Mapping[str, Any]) -> None:
+        speed, azimuth = from_where(known["wind"])
+        self._up = float(known["wind"][2])
+        set_slider(self._speed, speed)
+        if speed > STILL:
+            self._from.value = azimuth
+
+    def _wind(self) -> dict[str, Any]:
+        azimuth = math.radians(self._from.value)
+        east, north = (-self._speed.value * f(azimuth) for f in (math.sin, math.cos))
+        return {"wind": (round(east, 6) + 0.0, round(north, 6) + 0.0, self._up)}
+
+
+def from_where(wind: tuple[float, ...]) -> tuple[float, float]:
+    """Speed of the wind in [m/s] and the azimuth that it comes from in [deg], from north over east.
+
+    Still air comes from the north.
+
+    Args:
+        wind: Where it blows to in ``map``, east, north and up in [m/s].
+    """
+    east, north = float(wind[0]), float(wind[1])
+    speed = math.hypot(east, north)
+    azimuth = math.degrees(math.atan2(-east, -north)) if speed > STILL else 0.0
+    return round(speed, 3), round(azimuth % 360.0, 1) % 360.0
+
+
+class SimulatedTime(ParameterPart):
+    """Simulated time: a row of buttons and a list of speeds."""
+
+    name = "simulated_time"
+    title, node, section = "Simulated time", SIMULATOR, SimulatorParameters
+    order = 50.0
+
+    def add(self) -> None:
+        """Add the folder and wait for the parameters."""
+        super().add()
+        self._time, self._since = math.nan, time.monotonic()
+
+    def build(self, known: Mapping[str, Any]) -> None:
+        """See :meth:`ParameterPart.build`."""
+        self.add_choice("speed", known, SPEEDS, "Simulated over wall time.", "{:g} x")
+        self.add_buttons(
+            "time",
+            {
+                "Pause": lambda: self.steering.pause(True),
+                "Go on": lambda: self.steering.pause(False),
+                "Reset": self.steering.reset,
+            },
+            "Reset puts the aircraft back to where it started.",
+        )
+
+    def show(self, sight: Sight) -> None:
+        """Say also whether time stands still.
+
+        Args:
+            sight: Of this aircraft.
+        """
+        super().show(sight)
+        now = time.monotonic()
+        if sight.time != self._time:
+            self._time, self._since = sight.time, now
+        stands = now - self._since > STANDS
+        self.folder.label = f"{self.title}: stands still" if stands else self.title
+
+
+class Engagement(SteeringPart):
+    """Whether the controller commands the aircraft: a row of two buttons."""
+
+    name = "engagement"
+    title, node = "Controller", CONTROLLER
+    order = 45.0
+
+    def add(self) -> None:
+        """Add the buttons."""
+        super().add()
+        with self.folder:
+            self.add_buttons(
+                "commands",
+                {
+                    "Engage": lambda: self.steering.engage(True),
+                    "Disengage": lambda: self.steering.engage(False),
+                },
+                "Let the controller command, or keep it silent.",
+            )
+
+    def show(self, sight: Sight) -> None:
+        """Nothing changes by itself: the state of the flight tells what is flown.
+
+        Args:
+            sight: Of this aircraft.
+        """
+
+
+PATIENCE = 30.0  # s of the flight's clock in which a fault shows, or does not
+
+
+class Faults(SteeringPart):
+    """A button for each, and the story of the last one."""
+
+    name = "faults"
+    title = "Faults"
+    order = 65.0
+
+    @classmethod
+    def fits(cls, flight: WatchedFlight, source: FlightSource) -> bool:
+        """Whether there are faults to inject.
+
+        Args:
+            flight: What is steered.
+            source: Where it comes from.
+        """
+        return flight.steering is not None and bool(flight.steering.faults)
+
+    def add(self) -> None:
+        """Add the buttons."""
+        super().add()
+        self._fault = ""
+        # Times of the flight: a fault was asked for, and begun; a fallback was flown last; now.
+        self._asked = self._since = self._left = self._now = float("nan")
+        with self.folder:
+            self._told = self.gui.add_html("", order=0.0, visible=False)
+        self._offered: set[str] = set()
+        self._add_offered()
+
+    def _add_offered(self) -> None:
+        """Add buttons for faults that are offered only now: nodes come one by one."""
+        for fault, words in self.steering.faults.items():
+            if fault not in self._offered:
+                self._offered.add(fault)
+                with self.folder:
+                    self._add(fault, words)
+
+    def _add(self, fault: str, words: str) -> None:
+        def inject() -> str:
+            self._asked = self._now  # the fallback may be over when a late answer comes
+            return self.steering.inject(fault)
+
+        def begun() -> None:
+            self._since, self._fault = self._asked, fault
+
+        self.add_button(fault, inject, words, begun)
+        self.gui.add_html(block(faint(words)))
+
+    def show(self, sight: Sight) -> None:
+        """Tell what the last fault does to the flight.
+
+        Args:
+            sight: Of this aircraft.
+        """
+        if sight.time < self._now:  # put back to its start
+            self._left = float("nan")
+        self._now = sight.time
+        self._add_offered()
+        mode, since = sight.mode, sight.time - self._since
+        lost = mode is None or not mode.nominal
+        if lost:
+            self._left = sight.time
+        if not self._fault:
+            return
+        heading = f"<b>{html.escape(self._fault)}</b> {faint(duration(since) + ' ago')}"
+        if lost:
+            words = "no command yet" if mode is None else mode.value
+            now = badge(words, mode_colour(mode))
+            story = f"now flying {now} {html.escape(sight.reason)}"
+        elif self._left > self._since:
+            lasted = duration(self._left - self._since)
+            story = f"{badge('recovered', CALM)} after {lasted}"
+        elif since > PATIENCE:
+            story = "no fallback was needed"
+        else:
+            story = "no fallback so far"
+        self._told.content, self._told.visible = block(heading, story), True
