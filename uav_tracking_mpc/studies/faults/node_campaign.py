@@ -27,6 +27,7 @@ from rclpy.node import Node
 from rich.console import Console
 
 from uav_tracking_mpc.control.guidance import compile_flight
+from uav_tracking_mpc.launch.flight import signals
 from uav_tracking_mpc.launch.supervisor import NODES, LaunchError, supervised
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.studies.faults import fault_relay
@@ -129,6 +130,7 @@ class NodeCampaign(FaultCampaign):
         """
         compile_flight(self.configuration.controller)  # no other solver is tried
         with contextlib.ExitStack() as stack:
+            self._received = stack.enter_context(signals())
             log = stack.enter_context((self._output / LOG).open("w", encoding="utf-8"))
             self._supervisor = stack.enter_context(supervised(Console(file=log), domain))
             self._connect(stack)
@@ -205,9 +207,14 @@ class NodeCampaign(FaultCampaign):
                 return
 
     def _spin(self) -> Iterator[None]:
-        """Hear messages; yield every CHECK_PERIOD."""
+        """Hear messages; yield every CHECK_PERIOD. A signal raises KeyboardInterrupt here alone.
+
+        Within a callback, rclpy may turn that exception into others.
+        """
         while True:
             self._executor.spin_once(timeout_sec=CHECK_PERIOD)
+            if self._received:
+                raise KeyboardInterrupt
             now = time.monotonic()
             if now - self._checked < CHECK_PERIOD:
                 continue

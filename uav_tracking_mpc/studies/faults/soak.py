@@ -28,6 +28,7 @@ from rclpy.node import Node
 from rich.console import Console
 
 from uav_tracking_mpc.control.guidance import compile_flight
+from uav_tracking_mpc.launch.flight import signals
 from uav_tracking_mpc.launch.supervisor import LaunchError, Supervisor, supervised
 from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription
 from uav_tracking_mpc.nodes.topics import COMMAND, ODOMETRY, TARGET
@@ -112,10 +113,12 @@ def soak(
 
     Raises:
         LaunchError: A node died, or time stood still.
+        KeyboardInterrupt: A signal came.
     """
     compile_flight(configuration.controller)  # what is measured is not another solver
     resources = ResourceWatch()
     with contextlib.ExitStack() as stack:
+        received = stack.enter_context(signals())
         log = stack.enter_context((output / "nodes.log").open("w", encoding="utf-8"))
         supervisor = stack.enter_context(supervised(Console(file=log), domain))
         observer, executor = SoakObserver(configuration.controller.range), EventsExecutor()
@@ -123,7 +126,9 @@ def soak(
         stack.callback(observer.destroy_node)
         stack.callback(executor.shutdown)
         supervisor.start_flight(configuration, configuration.mission.speed)
-        begin, flown = _watch(observer, executor, supervisor, resources, 3600.0 * hours, console)
+        begin, flown = _watch(
+            observer, executor, supervisor, resources, 3600.0 * hours, received, console
+        )
         wall = time.monotonic() - begin
     worst, when = observer.settled
     nodes = {name: _told(growth) for name, growth in resources.latest().items()}
@@ -149,6 +154,7 @@ def _watch(
     supervisor: Supervisor,
     resources: ResourceWatch,
     duration: float,
+    received: list[int],
     console: Console,
 ) -> tuple[float, float]:
     """Fly to the end; when time began to pass, by a steady clock, and for how long it did [s]."""
@@ -156,6 +162,8 @@ def _watch(
     before = 0.0
     while observer.time < duration:
         executor.spin_once(timeout_sec=0.1)
+        if received:
+            raise KeyboardInterrupt
         now = time.monotonic()
         if before == 0.0 and observer.time > 0.0:
             began = moved = now
