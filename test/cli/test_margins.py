@@ -69,7 +69,7 @@ def test_a_search_prints_what_to_paste(monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(
         weight_search,
         "search_weights",
-        lambda config, overrides: weight_search.Search(config, [best], best),
+        lambda config, overrides: weight_search.search_study(config, [best], best),
     )
     assert main(["margins", "--search", "--output", str(tmp_path)]) == 0
     out = capsys.readouterr().out

@@ -26,15 +26,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    pass
-
-
-if TYPE_CHECKING:
     from uav_tracking_mpc.launch.preflight import Preflight
-    from uav_tracking_mpc.settings.configuration import Configuration
-
-
-if TYPE_CHECKING:
     from uav_tracking_mpc.parameters.specification import Specification
     from uav_tracking_mpc.settings.configuration import Configuration
 
@@ -150,25 +142,30 @@ def add_domain_argument(parser: argparse.ArgumentParser, words: str) -> None:
 
 
 def add_output_arguments(
-    parser: argparse.ArgumentParser, content: str, default: str | None = None
+    parser: argparse.ArgumentParser, content: str, default: str | None = None, page: str = ""
 ) -> None:
-    """The options ``--output`` and ``--json``.
+    """The options ``--output`` and ``--json``, and ``--page`` where there are tables for one.
 
     Args:
         parser: Gets the options.
-        content: What the folder will hold.
+        content: What the folder will hold, and which it is where that depends on something.
         default: Folder; without one nothing is written unless it is asked for.
+        page: What can be put into a page of the documentation.
     """
+    told = default or "default" in content
     parser.add_argument(
         "--output",
         type=Path,
         default=None if default is None else Path(default),
         metavar="DIR",
-        help=f"folder for {content}{'' if default else ' (default: nothing is written)'}",
+        help=f"folder for {content}{'' if told else ' (default: nothing is written)'}",
     )
     parser.add_argument(
         "--json", action="store_true", help="print one JSON object and nothing else"
     )
+    if page:
+        words = f"put {page} into a page of the documentation"
+        parser.add_argument("--page", type=existing_file, metavar="FILE", help=words)
 
 
 def existing_file(text: str) -> Path:
