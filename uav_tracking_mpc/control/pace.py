@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections import deque
 
-FORGIVEN = 0.01  # of the period by which a state may be early: rounding must not cost a whole state
+FORGIVEN = 0.01  # -, of the period by which a state may be early: rounding must not cost a state
 
 
 class Pace:
@@ -51,10 +51,10 @@ class Pace:
 
 
 WINDOW = 2.0  # s of the stamps
-KEPT = 0.9  # share of the rate, below which it is missed
-KEPT_AGAIN = 0.95  # share of the rate, from which on it is kept again
+KEPT = 0.9  # -, share of the rate, below which it is missed
+KEPT_AGAIN = 0.95  # -, share of the rate, from which on it is kept again
 LASTING = 3.0  # s for which the other opinion must hold: longer than one lapse is in the window
-LATE = 1.5  # periods from command to command, beyond which one came late
+LATE = 1.5  # -, periods from command to command, beyond which one came late
 
 
 class RateKeeper:
