@@ -34,7 +34,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from constants import TRIED, WAYS, Constant, constants
+from constants import TRIED, UNTRIED, WAYS, Constant, constants
 from mutant_trial import KINDS, Copy
 from mutants import PACKAGE, ROOT, Mutant, git
 
@@ -76,7 +76,7 @@ def tried(rooms: list[str], known: dict) -> Iterator[tuple[str, dict[str, str]]]
     wanted = [c for c in constants() if c.path.split("/")[0] in rooms and c.key not in known]
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         copy, limits = Copy(Path(folder), "HEAD"), {}
-        for constant in (c for c in wanted if c.kind != "display"):
+        for constant in (c for c in wanted if c.kind not in UNTRIED):
             tests = [*KINDS["unit"], "-x", tests_of(constant.path)]
             if tests[-1] not in limits:
                 begin = time.monotonic()
