@@ -69,12 +69,12 @@ from uav_tracking_mpc.settings.tracking import NEAREST, TrackingParameters
 Inputs = tuple[NDArray[np.float64], float]  # inputs, shape (n, 3), and how long each lasts [s]
 LEVELLING_TIME = 1.0  # s, in which wings-level flight takes the path angle out
 
-FORGIVEN = 0.01  # of the period by which a state may be early: rounding must not cost a whole state
+FORGIVEN = 0.01  # -, of the period by which a state may be early: rounding must not cost a state
 WINDOW = 2.0  # s of the stamps
-KEPT = 0.9  # share of the rate, below which it is missed
-KEPT_AGAIN = 0.95  # share of the rate, from which on it is kept again
+KEPT = 0.9  # -, share of the rate, below which it is missed
+KEPT_AGAIN = 0.95  # -, share of the rate, from which on it is kept again
 LASTING = 3.0  # s for which the other opinion must hold: longer than one lapse is in the window
-LATE = 1.5  # periods from command to command, beyond which one came late
+LATE = 1.5  # -, periods from command to command, beyond which one came late
 
 
 class Pace:

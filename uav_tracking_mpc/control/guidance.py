@@ -38,8 +38,8 @@ from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, PREDICTIVE, TrackingParameters
 from uav_tracking_mpc.symbolic.functions import one_at_a_time
 
-# The other direction is the nearer one beyond 90 deg from the tangent. The direction changes only
-# when it is nearer by more than 45 deg (hysteresis).
+# rad. The other direction is the nearer one beyond 90 deg from the tangent. The direction changes
+# only when it is nearer by more than 45 deg (hysteresis).
 HYSTERESIS = math.radians(45.0)
 
 
