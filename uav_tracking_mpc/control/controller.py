@@ -436,7 +436,7 @@ class Controller:
             except (ArithmeticError, RuntimeError, ValueError) as error:
                 trouble = f"the controller failed: {error}"
             if plan is not None and not np.isfinite(plan.inputs).all():
-                plan, trouble = None, f"the plan is not finite: {plan.solution.message}"
+                trouble, plan = f"the plan is not finite: {plan.solution.message}", None
         left = self._plan.remaining(stamp, self.parameters.plan_age_max)
         solution = None if plan is None else plan.solution
         there = left is not None, by_law is not None
