@@ -227,10 +227,7 @@ class FlownOrbit(NamedTuple):
 
 
 def orbit_about(
-    target: ArrayLike,
-    velocity: ArrayLike,
-    orbit: Orbit,
-    shape: tuple[float, float, float] | None = None,
+    target: ArrayLike, velocity: ArrayLike, orbit: Orbit, shape: NDArray[np.float64] | None = None
 ) -> FlownOrbit:
     """The orbit about a target.
 
@@ -239,11 +236,11 @@ def orbit_about(
         velocity: Of the target in ``map``, shape (3,), in [m/s].
         orbit: What is wanted; its direction counts in any case.
         shape: Range [m], altitude above the target [m] and airspeed [m/s] that are flown in the
-            place of the wanted ones.
+            place of the wanted ones, shape (3,).
     """
-    if shape is None:
-        shape = orbit.range, orbit.altitude, orbit.speed
-    range_, altitude, airspeed = shape
+    range_, altitude, airspeed = orbit.range, orbit.altitude, orbit.speed
+    if shape is not None:
+        range_, altitude, airspeed = shape.tolist()
     radius = math.sqrt(max(range_**2 - altitude**2, 0.0))
     return FlownOrbit(
         centre=np.asarray(target, dtype=float) + np.array([0.0, 0.0, altitude]),
