@@ -14,13 +14,14 @@
 
 r"""Limits of the aircraft and of where it may fly.
 
-==============  ==================================================================
-``airspeed``    least and greatest airspeed, acceleration, and thrust less drag
-``turn``        greatest turn rate, bank, and change of the bank
-``climb``       steepest descent and climb, greatest path-angle rate
-``place``       least height, least distance to the target, a fence
-``envelope``    all of them together
-==============  ==================================================================
+===============  =================================================================
+``airspeed``     least and greatest airspeed, acceleration, and thrust less drag
+``turn``         greatest turn rate, bank, and change of the bank
+``climb``        steepest descent and climb, greatest path-angle rate
+``place``        least height, least distance to the target, a fence
+``envelope``     all of them together
+``conformance``  whether a limit keeps what the base asks for
+===============  =================================================================
 
 A limit is a subclass of :class:`Limit` with a name: a quantity q of the motion with its bounds,
 
