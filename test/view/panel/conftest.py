@@ -16,6 +16,7 @@ import asyncio
 import contextlib
 import io
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -70,6 +71,7 @@ class Panel:
         asyncio.run_coroutine_threadsafe(
             self.gui._handle_gui_updates(0, message), self.gui._event_loop
         ).result(WAIT)
+        self.gui._thread_executor.submit(lambda: None).result(WAIT)  # behind the callbacks
 
     def until(self, condition):
         """Show it until something is so."""
@@ -94,6 +96,7 @@ def _is_html(handle):
 def _one_server():
     with contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer("127.0.0.1", 18080, verbose=False)
+    server.gui._thread_executor = ThreadPoolExecutor(1)  # one callback after the other
     yield server
     server.stop()
 
