@@ -52,17 +52,17 @@ from uav_tracking_mpc.studies.study import Study
 SETTLING_LIMIT = 90.0  # s to the orbit, from wherever the autopilot was left
 LOITERS = ("LOITER", "RTL", "HOLD", "RETURN", "GUIDED", "OFFBOARD")  # it circles by itself
 HAND_FLOWN = ("FBWA", "MANUAL", "RTL", "LOITER", "STABILIZED", "HOLD")
-BAD_FRAMES = 100_000
-SENDER = 3  # MAVLink system of the good frames
-ROUNDING = math.radians(0.02)  # a bank is told in single precision, a limit in degrees
-ROLL_IGNORED_AS_ATTITUDE = 0b10000000  # with which ArduPlane takes the axes one by one
+BAD_FRAMES = 100_000  # frames
+SENDER = 3  # code: MAVLink system of the good frames
+ROUNDING = math.radians(0.02)  # rad, rounding: a bank is a single, a limit in degrees
+ROLL_IGNORED_AS_ATTITUDE = 0b10000000  # bits with which ArduPlane takes the axes one by one
 FORBIDDEN = {
     mavlink.MAV_CMD_COMPONENT_ARM_DISARM: "arms or disarms",
     mavlink.MAV_CMD_NAV_TAKEOFF: "takes off",
     mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: "reboots",
 }
 CONNECT_LIMIT, WAIT = 20.0, 0.1  # s
-# What the simulated one is told as a user would tell a real one: `link check` asks for it.
+# The code that a user sets in a real autopilot, because `link check` asks for it.
 TOLD = {"px4": {"COM_OBL_RC_ACT": 5.0}}
 
 

@@ -47,10 +47,10 @@ from uav_tracking_mpc.studies.faults.watched_nodes import LOG, watched_nodes
 from uav_tracking_mpc.studies.study import Study
 
 ANSWER_LIMIT = 5.0  # s of wall time for the parameters to be put back
-SPEED = 5.0  # simulated over wall time, at most: five processes share the cores
+SPEED = 5.0  # -, simulated over wall time, at most: five processes share the cores
 START_LIMIT = 120.0  # s of wall time to fly onto the orbit the first time
 TRANSPORT = 0.5  # s of wall time that messages may take, whatever the load
-FENCE = 3.0  # times the distance at the start
+FENCE = 3.0  # -, times the distance at the start
 RELAY = "fault_relay"
 
 

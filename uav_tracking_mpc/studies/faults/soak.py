@@ -35,8 +35,8 @@ from uav_tracking_mpc.studies.faults.resources import Growth, Usage
 from uav_tracking_mpc.studies.faults.watched_nodes import WatchedNodes, watched_nodes
 from uav_tracking_mpc.studies.study import Study
 
-SPEED = 20.0  # simulated over wall time, as far as the machine keeps up
-TOLERANCE = 10.0  # m of range error
+SPEED = 20.0  # -, simulated over wall time, as far as the machine keeps up
+TOLERANCE = 10.0  # m, greatest range error
 SETTLING = 180.0  # s of simulated time to fly onto the orbit
 REPORT_PERIOD = 20.0  # s of wall time
 STALL_LIMIT = 60.0  # s of wall time in which simulated time must move on

@@ -56,10 +56,10 @@ from uav_tracking_mpc.studies.identification.flight_record import (
 )
 from uav_tracking_mpc.studies.study import Study
 
-CONFIDENCE = 0.95
+CONFIDENCE = 0.95  # -, confidence of the intervals
 UNKNOWNS = 6  # that are fitted
 FIRST_STEP = 0.01  # s, outwards from the best value
-PRECISION = 2e-4  # s
+PRECISION = 2e-4  # s, tolerance of an interval's ends
 
 
 class Estimate(NamedTuple):
@@ -190,7 +190,7 @@ class Profile:
 
 
 # Half of the interval of lag plus dead time up to which a channel counts as identified.
-SURE, SURE_SHARE = 0.1, 0.25  # s, and share of the value
+SURE, SURE_SHARE = 0.1, 0.25  # s, -: also as a share of the value
 
 
 @dataclass(frozen=True)
@@ -385,9 +385,9 @@ def _limits_to_paste(channel: ChannelIdentification) -> dict[str, float]:
     return {names[0]: round(min(sides), 3)} if sides else {}
 
 
-WIDTH, ROW_HEIGHT, ROOM = 9.5, 2.5, 0.8  # [inch]
+WIDTH, ROW_HEIGHT, ROOM = 9.5, 2.5, 0.8  # inch
 SHOWN = 30.0  # s of the end of the flight
-ANGLE = 180.0 / np.pi
+ANGLE = 180.0 / np.pi  # deg per rad
 # Title, unit of what was measured and of its rate, by what SI is multiplied for them.
 PANELS = {
     TURN: ("Heading", "deg", "deg/s", ANGLE),

@@ -14,13 +14,14 @@
 
 """Faults that a campaign injects.
 
-============  =================================================================================
-``messages``  lost, late, repeated, out of turn: loss, silence, jitter, duplicated, reordered; with
-              another stamp or frame, or with numbers that are none or that no flight has:
-              corruption, clock_jump, target_teleport
-``nodes``     killed or frozen, starved by busy processes: kill, stop, cpu_starvation; asked for
-              parameters: parameter_storm, solver_budget
-============  =================================================================================
+===============  ==============================================================================
+``conformance``  whether a fault keeps what the base asks for
+``messages``     lost, late, repeated, out of turn: loss, silence, jitter, duplicated, reordered;
+                 with another stamp or frame, or with numbers that are none or that no flight has:
+                 corruption, clock_jump, target_teleport
+``nodes``        killed or frozen, starved by busy processes: kill, stop, cpu_starvation; asked for
+                 parameters: parameter_storm, solver_budget
+===============  ==============================================================================
 
 A fault is a subclass of :class:`Fault`. It is found by its ``name``, by an entry point in the group
 ``uav_tracking_mpc.studies.faults.kinds``, or as ``path.py:Class``

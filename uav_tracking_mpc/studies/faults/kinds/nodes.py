@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from uav_tracking_mpc.studies.faults.node_campaign import NodeCampaign
 
 RESTART_LIMIT = 60.0  # s of wall time for a node that was killed to be heard again
-PER_CORE = 2
+PER_CORE = 2  # processes that load a core
 # Ends by itself, for nobody ends it when the campaign itself is killed.
 BUSY = "import time\nend = time.monotonic() + 10.0\nwhile time.monotonic() < end: pass"
 
@@ -134,7 +134,7 @@ class CpuStarvation(Fault):
 
 
 PERIOD = 0.02  # s of wall time between requests, at least
-ABSURD_SHARE = 0.6  # of the values
+ABSURD_SHARE = 0.6  # -, of the values
 ABSURD: tuple[Any, ...] = (
     float("nan"),
     float("inf"),
