@@ -27,7 +27,7 @@ import numpy as np
 import yaml
 
 from uav_tracking_mpc.parameters.registry import did_you_mean
-from uav_tracking_mpc.parameters.specification import ParameterError, from_mapping
+from uav_tracking_mpc.parameters.specification import ParameterError, Parameters, from_mapping
 from uav_tracking_mpc.settings.link import LinkParameters
 from uav_tracking_mpc.settings.simulator import (
     MissionParameters,
@@ -153,9 +153,9 @@ def parameter_file(sections: Sections) -> str:
     return yaml.safe_dump(document, sort_keys=False)
 
 
-T = TypeVar("T")
+T = TypeVar("T", bound=Parameters)
 
-SECTIONS: dict[str, type] = {
+SECTIONS: dict[str, type[Parameters]] = {
     "nmpc_controller": TrackingParameters,
     "uav_simulator": SimulatorParameters,
     "target_publisher": TargetParameters,
