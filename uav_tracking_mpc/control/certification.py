@@ -75,8 +75,8 @@ def certification(parameters: PaperParameters, folder: Path) -> CertificateStatu
     from uav_tracking_mpc.formulation.paper_formulation import stability_problem, terminal_level
     from uav_tracking_mpc.terminal.certificate import mismatch, read_certificate
 
-    problem, level = stability_problem(parameters), terminal_level(parameters)
-    ingredients = problem.ingredients()
+    problem = stability_problem(parameters)
+    level, ingredients = terminal_level(parameters, problem), problem.ingredients()
     if parameters.certificate:
         try:
             chosen = read_certificate(Path(parameters.certificate))

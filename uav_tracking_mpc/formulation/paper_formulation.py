@@ -68,18 +68,15 @@ def stability_problem(parameters: PaperParameters, name: str = "unnamed") -> Sta
     )
 
 
-def terminal_level(
-    parameters: PaperParameters, problem: StabilityProblem | None = None
-) -> float | None:
+def terminal_level(parameters: PaperParameters, problem: StabilityProblem) -> float | None:
     """Varrho of X_f (25), as large as U allows; None where no terminal set is asked for.
 
     Args:
         parameters: What is flown.
-        problem: Of these parameters; made from them by default.
+        problem: Of these parameters.
     """
     if parameters.terminal_constraint == "none":
         return None
-    problem = problem or stability_problem(parameters)
     return LEVEL_MARGIN * input_limited_level(problem.ingredients(), *problem.deviation_bounds())
 
 
