@@ -349,8 +349,8 @@ class EstimationParameters(Parameters):
 class TrackingParameters(FrameParameters, EstimationParameters, FlightParameters, PaperParameters):
     """What the controller is asked to do. The defaults are those of the paper's Table 1 and (59).
 
-    :attr:`terminal_constraint` says which problem is flown, :attr:`law` whether any is;
-    :attr:`limits` and :attr:`vehicle_model` may bring more parameters.
+    ``terminal_constraint`` says which problem is flown, ``law`` whether any is; ``limits`` and
+    ``vehicle_model`` may bring more parameters.
 
     Raises:
         ParameterError: The values do not fit together: no such orbit, inputs that cannot hold it,
