@@ -63,6 +63,7 @@ lint: $(VENV)/test
 
 docs: $(VENV)/docs
 	$(CLEAN) $(BIN)/python -m uav_tracking_mpc.nodes.ros.node_reference $(REFERENCE)
+	$(CLEAN) $(BIN)/python test/constants.py
 	$(CLEAN) $(BIN)/python -m sphinx -b html -q -W --keep-going -n -j auto docs docs/_build
 	@echo "Read docs/_build/index.html."
 

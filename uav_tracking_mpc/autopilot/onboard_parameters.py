@@ -26,7 +26,7 @@ from typing import NamedTuple
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.settings.configuration import Configuration
 
-LARGEST = 2**31 - 1  # of the integers that PARAM_VALUE can hold
+LARGEST = 2**31 - 1  # code, of the integers that PARAM_VALUE can hold
 
 
 class OnboardParameters:
@@ -77,7 +77,7 @@ class OnboardParameters:
         return True
 
 
-LOITER_BANK = math.radians(30.0)  # with which a loiter is flown in still air, at most
+LOITER_BANK = math.radians(30.0)  # rad, with which a loiter is flown in still air, at most
 
 
 class VehicleNumbers(NamedTuple):

@@ -42,7 +42,7 @@ from uav_tracking_mpc.autopilot.deliveries import (
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.parameters.specification import ParameterError
 
-STRANGER = 77  # MAVLink system of the other vehicle
+STRANGER = 77  # code: MAVLink system of the other vehicle
 
 
 class Struck(Protocol):

@@ -162,7 +162,7 @@ def _end_with_parent() -> None:
 
 
 MODULE = "uav_tracking_mpc.cli.main"
-LOOK_PERIOD = 0.2  # s
+LOOK_PERIOD = 0.2  # s between looks at whether the process lives
 
 
 class PageProcess:

@@ -58,7 +58,7 @@ from uav_tracking_mpc.settings.frame_parameters import FrameParameters
 from uav_tracking_mpc.symbolic.functions import SCHEMES
 
 ARTIFICIAL_ORBIT = "artificial_orbit"  # terminal_constraint: of the flight problem
-# Test signal in [rad/s, rad/s, m/s^2]: 8 deg of bank, 5 deg of path angle, 10 % of airspeed.
+# rad/s, rad/s, m/s^2: test signal of 8 deg of bank, 5 deg of path angle, 10 % of airspeed.
 USUAL_EXCITATION = (0.06, 0.11, 1.5)
 NEAREST = "nearest"  # direction: the nearer one where the flight begins
 PREDICTIVE = "nmpc"  # law: none, the optimal control problem is solved
