@@ -15,6 +15,7 @@
 import asyncio
 import contextlib
 import io
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from processes import PATIENCE, wait_for
@@ -77,6 +78,7 @@ class Panel:
         asyncio.run_coroutine_threadsafe(
             self.gui._handle_gui_updates(0, message), self.gui._event_loop
         ).result(PATIENCE)
+        self.gui._thread_executor.submit(lambda: None).result(PATIENCE)  # behind the callbacks
 
     def until(self, condition):
         """Show it until something is so."""
@@ -97,6 +99,7 @@ def _is_html(handle):
 def _one_server():
     with contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer("127.0.0.1", 18080, verbose=False)
+    server.gui._thread_executor = ThreadPoolExecutor(1)  # one callback after the other
     yield server
     server.stop()
 
