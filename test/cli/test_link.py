@@ -22,12 +22,7 @@ from pathlib import Path
 
 import pytest
 
-from uav_tracking_mpc.cli.options import (
-    add_link_arguments,
-    check_link_arguments,
-    place,
-    with_connection,
-)
+from uav_tracking_mpc.cli.options import add_link_arguments, check_link_arguments, place
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration
 
@@ -126,12 +121,6 @@ def test_what_is_no_place_is_refused(text):
     with pytest.raises(argparse.ArgumentTypeError, match="is not LAT,LON,ALT"):
         place(text)
     assert place("47.4,8.5,488") == (47.4, 8.5, 488.0)
-
-
-def test_a_connection_goes_into_the_parameters_of_the_node():
-    flown = with_connection(load_configuration("small_uav"), "udpin:127.0.0.1:1")
-    assert flown.link.connection == "udpin:127.0.0.1:1"
-    assert "connection: udpin:127.0.0.1:1" in flown.yaml()
 
 
 def test_an_autopilot_is_looked_at_without_ros():

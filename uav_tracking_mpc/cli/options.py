@@ -21,7 +21,6 @@ import importlib
 import json
 import math
 from collections.abc import Callable, Collection
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -436,19 +435,6 @@ def place(text: str) -> tuple[float, float, float]:
             f"{text!r} is not LAT,LON,ALT, such as 47.3977,8.5456,488"
         ) from None
     return latitude, longitude, altitude
-
-
-def with_connection(configuration: Configuration, connection: str) -> Configuration:
-    """The configuration with another place of the autopilot.
-
-    Args:
-        configuration: To be flown.
-        connection: Where the autopilot is.
-    """
-    sections = {**configuration.sections}
-    sections[SECTION] = {**sections[SECTION], "connection": connection}
-    link = replace(configuration.link, connection=connection)
-    return replace(configuration, link=link, sections=sections)
 
 
 def preflight_lines(found: Preflight) -> list[str]:
