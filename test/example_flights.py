@@ -35,8 +35,9 @@ from uav_tracking_mpc.dynamics.vehicle import advance
 from uav_tracking_mpc.formulation.paper_formulation import tracking_problem
 from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
 from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.flight_log import FlightLog
-from uav_tracking_mpc.studies.comparison.results import Scenario, fly_all, scenario_of
+from uav_tracking_mpc.studies.comparison.results import Scenario, prepared
 from uav_tracking_mpc.studies.comparison.scenarios import mismatched, settled_after
 from uav_tracking_mpc.terminal.ingredients import paper_problem
 
@@ -162,13 +163,16 @@ def compared(name="gusts", duration=12.0, config="small_uav") -> Scenario:
     """Flights of l1 and, under the name of nmpc, of vector_field."""
     overrides = [f"mission.duration={duration}"]
     configuration = load_configuration(config, overrides, name)
-    (logs,) = fly_all([configuration], ("vector_field", "l1"), workers=1, show=False)
-    return scenario_of(name, configuration, LAWS, logs)
+    return flown(name, configuration)
 
 
 @cache
 def mistold(name="lag_2", duration=12.0) -> Scenario:
     """The same under a mismatch."""
     configuration = mismatched("small_uav", name, (f"mission.duration={duration}",))
-    (logs,) = fly_all([configuration], ("vector_field", "l1"), workers=1, show=False)
-    return scenario_of(name, configuration, LAWS, logs, settled_after(configuration))
+    return flown(name, configuration, settled_after(configuration))
+
+
+def flown(name, configuration, after=None) -> Scenario:
+    logs = [simulate(prepared(configuration, law)) for law in ("vector_field", "l1")]
+    return Scenario(name, configuration, dict(zip(LAWS, logs, strict=True)), after)

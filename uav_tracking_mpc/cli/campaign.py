@@ -93,7 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
         Exit code.
     """
     from uav_tracking_mpc.studies.campaign.campaign_file import load_campaign
-    from uav_tracking_mpc.studies.campaign.campaign_page import campaign_study
+    from uav_tracking_mpc.studies.campaign.campaign_results import campaign_study
     from uav_tracking_mpc.studies.campaign.campaign_run import run_campaign
     from uav_tracking_mpc.studies.executors import DaskExecutor, Executor, LocalExecutor
 

@@ -25,7 +25,7 @@ from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
 from functools import partial
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 S = TypeVar("S")
 P = TypeVar("P")
@@ -56,16 +56,21 @@ class StoppedError(KeyboardInterrupt):
         self.done = done
 
 
-class Executor(Protocol):
-    """Works through batches.
+class LocalExecutor:
+    """Processes of this machine; a single one is this process.
+
+    Args:
+        workers: How many; one for each core by default.
 
     Attributes:
         workers: How many work at a time.
-        batch: Pieces of a batch.
+        batch: Pieces of a batch, to go by.
     """
 
-    workers: int
-    batch: int
+    batch = LOCAL_BATCH
+
+    def __init__(self, workers: int | None = None) -> None:
+        self.workers = workers or len(os.sched_getaffinity(0))
 
     def run(self, work: Callable[[S, P], R], shared: S, batches: Sequence[P]) -> Iterator[R]:
         """What came of each batch, as they finish.
@@ -78,27 +83,6 @@ class Executor(Protocol):
         Raises:
             WorkerError: A worker was lost.
         """
-        ...
-
-    def close(self) -> None:
-        """Let go of whatever works."""
-        ...
-
-
-class LocalExecutor:
-    """Processes of this machine; a single one is this process.
-
-    Args:
-        workers: How many; one for each core by default.
-    """
-
-    batch = LOCAL_BATCH
-
-    def __init__(self, workers: int | None = None) -> None:
-        self.workers = workers or len(os.sched_getaffinity(0))
-
-    def run(self, work: Callable[[S, P], R], shared: S, batches: Sequence[P]) -> Iterator[R]:
-        """See :meth:`Executor.run`."""
         return self._results(partial(work, shared), batches, as_completed)
 
     def map(self, work: Callable[[P], R], pieces: Sequence[P]) -> Generator[R, None, None]:
@@ -138,7 +122,7 @@ class LocalExecutor:
             pool.shutdown(wait=True, cancel_futures=True)
 
     def close(self) -> None:
-        """See :meth:`Executor.close`; processes end with each run."""
+        """Nothing to let go of: processes end with each run."""
 
 
 def _end_with_parent() -> None:
@@ -219,7 +203,7 @@ class DaskExecutor:
         self.workers = sum(self._client.nthreads().values())
 
     def run(self, work: Callable[[S, P], R], shared: S, batches: Sequence[P]) -> Iterator[R]:
-        """See :meth:`Executor.run`."""
+        """See :meth:`LocalExecutor.run`."""
         from distributed import as_completed as completed
         from distributed.scheduler import KilledWorker
 
@@ -236,9 +220,12 @@ class DaskExecutor:
             raise WorkerError(f"{error}; the same command goes on with the rest") from error
 
     def close(self) -> None:
-        """See :meth:`Executor.close`; the cluster stays."""
+        """Let go of the cluster, which stays."""
         self._client.close()
 
 
 def _itself(shared: S) -> S:
     return shared
+
+
+Executor = LocalExecutor | DaskExecutor

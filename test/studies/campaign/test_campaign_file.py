@@ -25,9 +25,8 @@ from scipy import stats
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import campaign_names, load_configuration
 from uav_tracking_mpc.settings.tracking import TrackingParameters
-from uav_tracking_mpc.studies.campaign.campaign_file import Distribution, load_campaign
-from uav_tracking_mpc.studies.campaign.criteria import Criteria
-from uav_tracking_mpc.studies.campaign.flight_plan import check_flights
+from uav_tracking_mpc.studies.campaign.campaign_file import Criteria, Distribution, load_campaign
+from uav_tracking_mpc.studies.campaign.campaign_run import check_flights
 from uav_tracking_mpc.studies.campaign.uncertain_inputs import DERIVED, check_value, read, write
 
 
@@ -341,7 +340,7 @@ def test_the_package_has_the_campaign_of_2000_flights():
         ({"failure": {"crash": {}}}, "'crash' is unknown"),
         ({"failure": {"orbit_lost": {"by": 3.0}}}, "has no 'by'"),
         ({"failure": {"limit_passed": {"limits": ["bang"]}}}, "'limits' is ['bang']"),
-        ({"failure": {"orbit_lost": {"beyond": -3.0}}}, "must be a positive number"),
+        ({"failure": {"orbit_lost": {"beyond": -3.0}}}, "must be a number of at least 0 m"),
         ({"config": "mars"}, "configuration is 'mars'"),
     ],
 )

@@ -28,10 +28,10 @@ from uav_tracking_mpc.studies.campaign import campaign_run
 from uav_tracking_mpc.studies.campaign.campaign_run import (
     fly_batch,
     fly_one,
+    planned,
     run_campaign,
     shared_formulation,
 )
-from uav_tracking_mpc.studies.campaign.flight_plan import planned
 from uav_tracking_mpc.studies.executors import DaskExecutor, LocalExecutor, WorkerError
 
 TRUTH = {

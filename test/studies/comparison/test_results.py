@@ -27,7 +27,6 @@ from uav_tracking_mpc.studies.comparison.results import (
     as_json,
     comparison_table,
     misses,
-    scenario_of,
 )
 
 
@@ -65,7 +64,7 @@ def test_json_of_mismatches_has_what_is_asked():
 
 def test_without_the_controller_nothing_is_asked():
     flown = mistold()
-    alone = replace(flown, logs={"l1": flown.logs["l1"]}, measures={"l1": flown.measures["l1"]})
+    alone = replace(flown, logs={"l1": flown.logs["l1"]})
     assert as_json([alone], MISTOLD)["asked"] == {}
 
 
@@ -79,7 +78,7 @@ def test_every_answer_of_a_law_that_flies_is_on_its_plan():
 def test_what_is_no_number_is_null():
     flown = compared()
     bad = replace(flown.logs["l1"], vehicle=np.full_like(flown.logs["l1"].vehicle, np.nan))
-    scenario = scenario_of("gusts", flown.configuration, ["l1"], [bad])
+    scenario = replace(flown, logs={"l1": bad})
     flight = as_json([scenario])["scenarios"]["gusts"]["l1"]
     assert flight["range_rms_m"] is None
     assert flight["envelope_violations"] == len(bad.time)
@@ -89,7 +88,7 @@ def test_solve_times_are_those_of_the_controller():
     flown = compared()
     times = np.full_like(flown.logs["nmpc"].solve_time, 2e-4)
     log = replace(flown.logs["nmpc"], solve_time=times, failures=3)
-    scenario = scenario_of("gusts", flown.configuration, ["nmpc"], [log])
+    scenario = replace(flown, logs={"nmpc": log})
     solves = as_json([scenario])["solves"]["gusts"]
     assert (solves["not_converged"], solves["count"]) == (3, len(times))
     assert abs(solves["median_us"] - 200.0) < 1e-6

@@ -14,13 +14,10 @@
 
 """Many flights of what is uncertain, and how many of them fail.
 
-====================  ==================================================================
-``campaign_file``     the YAML that describes a campaign, what it draws, and what fails
+====================  ====================================================================
+``campaign_file``     the YAML that describes a campaign, what it draws, and when flights fail
 ``uncertain_inputs``  what can be uncertain: parameters, and what is derived from them
-``criteria``          when a flight has failed
-``flight_plan``       what each flight meets
 ``campaign_run``      flights from their number to a row, kept on disk, resumable
-``campaign_results``  probabilities with exact bounds, what failures share, tables, JSON
-``campaign_page``     the campaign as a study: picture, page and the worst flights
-====================  ==================================================================
+``campaign_results``  probabilities with exact bounds, what failures share; as a study
+====================  ====================================================================
 """

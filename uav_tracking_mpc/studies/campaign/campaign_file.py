@@ -55,9 +55,17 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from uav_tracking_mpc import __version__
-from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.limits import LIMIT
+from uav_tracking_mpc.parameters.specification import (
+    ParameterError,
+    Parameters,
+    Specification,
+    from_mapping,
+    parameter,
+)
 from uav_tracking_mpc.settings.configuration import (
     Configuration,
     configuration_folder,
@@ -66,9 +74,10 @@ from uav_tracking_mpc.settings.configuration import (
     read_value,
     read_yaml,
 )
-from uav_tracking_mpc.settings.tracking import PREDICTIVE
-from uav_tracking_mpc.studies.campaign.criteria import CRITERIA, Criteria
+from uav_tracking_mpc.settings.tracking import PREDICTIVE, TrackingParameters
+from uav_tracking_mpc.simulation.flight_log import FlightLog
 from uav_tracking_mpc.studies.campaign.uncertain_inputs import check_value, read
+from uav_tracking_mpc.studies.comparison.measures import violations
 
 CONSTANT, CHOICE, SWEPT = "constant", "choice", "values"
 # Number of arguments; 0 for any but none.
@@ -191,20 +200,112 @@ Draws = dict[str, Distribution]
 
 
 @dataclass(frozen=True)
-class Group:
-    """A part of the flights.
+class Group(Parameters):
+    """A part of the flights."""
+
+    name: str = parameter("all", "What it is called")
+    share: float = parameter(1.0, "Of all flights", lower=0.0, upper=1.0)
+    errors: str = parameter(
+        ALL, "One at a time, by turns; all together; or none", choices=(ONE, ALL, NO)
+    )
+    range: float = parameter(
+        1.0, "Share of the errors' ranges that is drawn from", lower=0.0, upper=1.0
+    )
+
+
+RAISED = "raised"  # what a flight that raised an error failed by
+HARD = ("bank", "airspeed", "path_angle")  # limits of the airframe
+# Conditions of failure, and what each of them may be given beside the names of limits.
+CRITERIA = {
+    "orbit_lost": {
+        "beyond": Specification("beyond", 30.0, "Range error of a lost orbit", "m", 0.0),
+        "settled_for": Specification("settled_for", 20.0, "Inside it to be settled", "s", 0.0),
+    },
+    "never_settled": {},
+    "limit_passed": {"by": Specification("by", 0.05, "Share of a limit's bound", "", 0.0)},
+}
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """Conditions of failure, each on the true trajectory.
 
     Attributes:
-        name: What it is called.
-        share: Of all flights [-].
-        errors: ``one`` at a time, by turns; ``all`` together; or ``none``.
-        range: Share of the errors' ranges that is drawn from [-].
+        names: Of those that count.
+        beyond: Range error in [m] beyond which an orbit is lost, and inside which it is settled.
+        settled_for: How long in [s] it must be inside to count as settled.
+        by: Share of a bound [-] by which a limit may be passed.
+        limits: Names of the limits that count.
     """
 
-    name: str
-    share: float = 1.0
-    errors: str = ALL
-    range: float = 1.0
+    names: tuple[str, ...] = tuple(CRITERIA)
+    beyond: float = 30.0
+    settled_for: float = 20.0
+    by: float = 0.05
+    limits: tuple[str, ...] = HARD
+
+    @classmethod
+    def of(cls, written: Mapping[str, Any]) -> Criteria:
+        """The conditions that YAML holds; all with their defaults where it names none.
+
+        Args:
+            written: Arguments by the name of the condition.
+
+        Raises:
+            ParameterError: An argument is unknown or not allowed.
+        """
+        values: dict[str, Any] = {}
+        for name, known in CRITERIA.items():
+            arguments = dict(_mapping(written.get(name, {}), f"failure: '{name}'"))
+            if name == "limit_passed" and "limits" in arguments:
+                values["limits"] = _limits(arguments.pop("limits"))
+            for key, value in arguments.items():
+                if key not in known:
+                    raise ParameterError(f"failure: '{name}' has no '{key}'")
+                values[key] = known[key].check(value)
+        return cls(names=tuple(written) or tuple(CRITERIA), **values)
+
+    def settled_at(self, time: NDArray[np.float64], error: NDArray[np.float64]) -> float | None:
+        """When the flight has been inside long enough, in [s]; None if never.
+
+        Args:
+            time: Of the samples in [s], shape (n,).
+            error: r - r_d in [m], shape (n,).
+        """
+        outside = np.flatnonzero(~(np.abs(error) <= self.beyond))
+        begins = np.concatenate([time[:1], time[np.minimum(outside + 1, len(time) - 1)]])
+        ends = np.concatenate([time[outside], time[-1:]])
+        long = np.flatnonzero(ends - begins >= self.settled_for)
+        return float(begins[long[0]]) + self.settled_for if len(long) else None
+
+    def failures(
+        self, log: FlightLog, error: NDArray[np.float64], parameters: TrackingParameters
+    ) -> list[str]:
+        """Conditions that a flight meets, with the limits' names.
+
+        Args:
+            log: Record of the flight.
+            error: r - r_d in [m], shape (n,).
+            parameters: The limits.
+        """
+        settled, found = self.settled_at(log.time, error), []
+        if settled is None:
+            found.append("never_settled")
+        elif not np.all(np.abs(error[log.time >= settled]) <= self.beyond):
+            found.append("orbit_lost")
+        if "limit_passed" in self.names:
+            passed = violations(log, parameters, self.by)
+            counted = [name.replace("_", " ") for name in self.limits]
+            found += [f"limit_passed:{each}" for each in counted if np.any(passed.get(each, False))]
+        return [each for each in found if each.partition(":")[0] in self.names]
+
+
+def _limits(value: Any) -> tuple[str, ...]:
+    if not isinstance(value, list) or not value or not all(name in LIMIT.names for name in value):
+        raise ParameterError(
+            f"failure: 'limits' is {value!r}, must be a list of some of {', '.join(LIMIT.names)}"
+        )
+    return tuple(value)
 
 
 @dataclass(frozen=True)
@@ -238,7 +339,7 @@ class Campaign:
     settled_after: float | None = None
     draw: Draws = field(default_factory=dict)
     errors: dict[str, Draws] = field(default_factory=dict)
-    groups: tuple[Group, ...] = (Group("all"),)
+    groups: tuple[Group, ...] = (Group(),)
     failure: Criteria = field(default_factory=Criteria)
 
     @property
@@ -277,9 +378,14 @@ class Campaign:
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
+NUMBERS = {
+    "flights": Specification("flights", 100, "Draws of each combination", "", 1),
+    "seed": Specification("seed", 0, "Of everything random", "", 0),
+    "settled_after": Specification("settled_after", 0.0, "From when on statistics count", "s", 0.0),
+}
 KEYS = (
-    "title", "description", "config", "scenario", "laws", "flights", "seed", "settled_after",
-    "draw", "errors", "groups", "failure",
+    "title", "description", "config", "scenario", "laws", *NUMBERS, "draw", "errors", "groups",
+    "failure",
 )  # fmt: skip
 
 
@@ -332,11 +438,9 @@ def _campaign(
     if swept:
         raise ParameterError(f"'{swept[0]}' is swept, which only what is under 'draw' can be")
     groups = _groups(content.pop("groups", {}), bool(errors))
-    failure = _mapping(content.pop("failure", {}), "failure", CRITERIA)
-    if laws:
-        content["laws"] = list(laws)
-    if flights is not None:
-        content["flights"] = flights
+    failure = _mapping(content.pop("failure", {}), "failure", tuple(CRITERIA))
+    content |= {"laws": list(laws)} if laws else {}
+    content |= {} if flights is None else {"flights": flights}
     plain = {key: _plain(key, value) for key, value in content.items() if value is not None}
     return Campaign(
         name=name, base=base, draw=_distributions(base, draws), errors=errors, groups=groups,
@@ -346,18 +450,13 @@ def _campaign(
 
 def _plain(key: str, value: Any) -> Any:
     """A value without parts, in the type that it must have."""
-    if key == "laws":
-        if isinstance(value, list) and value and all(isinstance(law, str) for law in value):
-            return tuple(dict.fromkeys(value))
-        raise ParameterError(f"'laws' is {value!r}, must be a list of names")
-    if key in ("flights", "seed"):
-        least = 1 if key == "flights" else 0
-        if isinstance(value, int) and not isinstance(value, bool) and value >= least:
-            return value
-        raise ParameterError(f"'{key}' is {value!r}, must be an integer of at least {least}")
-    if key == "settled_after":
-        return number(value, "settled_after", 0.0)
-    return str(value).strip()
+    if key in NUMBERS:
+        return NUMBERS[key].check(value)
+    if key != "laws":
+        return str(value).strip()
+    if isinstance(value, list) and value and all(isinstance(law, str) for law in value):
+        return tuple(dict.fromkeys(value))
+    raise ParameterError(f"'laws' is {value!r}, must be a list of names")
 
 
 def _distributions(base: Configuration, written: Mapping[str, Any]) -> Draws:
@@ -372,44 +471,18 @@ def _distributions(base: Configuration, written: Mapping[str, Any]) -> Draws:
 
 def _groups(written: Any, errors: bool) -> tuple[Group, ...]:
     if not written:
-        return (Group("all", errors=ALL if errors else NO),)
+        return (Group(errors=ALL if errors else NO),)
     groups = []
     for name, content in _mapping(written, "groups").items():
-        words = f"group '{name}'"
-        values = _mapping(content, words, ("share", "errors", "range"))
-        kind = values.get("errors", ALL)
-        if kind not in (ONE, ALL, NO) or (kind != NO and not errors):
-            raise ParameterError(
-                f"{words}: 'errors' is {kind!r}, must be {ONE}, {ALL} or {NO}, and there must be "
-                "errors to draw"
-            )
-        share, part = (
-            number(values.get(key, 1.0), f"{words}: '{key}'", 0.0, 1.0)
-            for key in ("share", "range")
+        groups.append(
+            from_mapping(Group, {"name": str(name), **_mapping(content, f"group '{name}'")})
         )
-        groups.append(Group(str(name), share, kind, part))
+        if groups[-1].errors != NO and not errors:
+            raise ParameterError(f"group '{name}': there are no errors to draw")
     total = sum(group.share for group in groups)
     if not math.isclose(total, 1.0, abs_tol=1e-6):
         raise ParameterError(f"the shares of the groups add up to {total:g}, must be 1")
     return tuple(groups)
-
-
-def number(value: Any, words: str, least: float, most: float = math.inf) -> float:
-    """A number of a range.
-
-    Args:
-        value: That is to be one.
-        words: What it is.
-        least: In its unit, [-] or [s].
-        most: In its unit, [-] or [s].
-
-    Raises:
-        ParameterError: It is none.
-    """
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not least <= value <= most:
-        span = f"of at least {least:g}" if most == math.inf else f"from {least:g} to {most:g}"
-        raise ParameterError(f"{words} is {value!r}, must be a number {span}")
-    return float(value)
 
 
 def _mapping(value: Any, words: str, known: tuple[str, ...] = ()) -> Mapping[str, Any]:

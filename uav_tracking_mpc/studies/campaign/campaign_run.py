@@ -27,6 +27,7 @@ import math
 import shutil
 import threading
 import time
+import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice
@@ -34,7 +35,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
 
@@ -42,37 +42,138 @@ from uav_tracking_mpc.control.guidance import formulation_of
 from uav_tracking_mpc.formulation.formulation import Formulation
 from uav_tracking_mpc.parameters.specification import ParameterError, refuse_fixed
 from uav_tracking_mpc.report.atomic_write import write_atomically
-from uav_tracking_mpc.settings.configuration import Configuration
+from uav_tracking_mpc.settings.configuration import Configuration, Sections, configuration_of
 from uav_tracking_mpc.settings.tracking import PREDICTIVE, TrackingParameters
 from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.flight_log import FlightLog
-from uav_tracking_mpc.studies.campaign.campaign_file import Campaign
-from uav_tracking_mpc.studies.campaign.criteria import RAISED, Criteria
-from uav_tracking_mpc.studies.campaign.flight_plan import check_flights, planned
+from uav_tracking_mpc.studies.campaign.campaign_file import ALL, ONE, RAISED, Campaign, Group
+from uav_tracking_mpc.studies.campaign.uncertain_inputs import read, write
 from uav_tracking_mpc.studies.comparison.measures import measures
-from uav_tracking_mpc.studies.comparison.scenarios import law_label
+from uav_tracking_mpc.studies.comparison.scenarios import law_label, law_labels
 from uav_tracking_mpc.studies.executors import Executor, LocalExecutor
 
 if TYPE_CHECKING:
     import pyarrow
 
 
+@dataclass(frozen=True)
+class PlannedFlight:
+    """What a flight meets.
+
+    Attributes:
+        number: Of the flight.
+        group: Name of its group.
+        error: Names of the errors drawn, joined by ``+``; empty for none.
+        values: Of all inputs that may differ between flights, by key.
+        sections: The parameters, without the law.
+    """
+
+    number: int
+    group: str
+    error: str
+    values: dict[str, Any]
+    sections: Sections
+
+    def configuration(self, law: str) -> Configuration:
+        """Parameters of the flight by a law, as a name or ``path.py:Class``."""
+        sections = {name: dict(values) for name, values in self.sections.items()}
+        sections["nmpc_controller"]["law"] = law
+        return configuration_of(flight_name(self.number, law), sections)
+
+
+def flight_name(number: int, law: str) -> str:
+    """Name of a flight by a law, of its file too."""
+    return f"flight_{number:06d}_{law.rsplit(':', 1)[-1]}"
+
+
+def planned(campaign: Campaign, number: int) -> PlannedFlight:
+    """What a flight meets; its number is from 0 to ``campaign.total - 1``."""
+    point, draw = divmod(number, campaign.flights)
+    values = {
+        key: each.draw(_stream(campaign, draw, key))
+        for key, each in campaign.draw.items()
+        if not each.swept
+    }
+    for key, swept in campaign.swept.items():
+        point, index = divmod(point, len(swept))
+        values[key] = swept[index]
+    sections: Sections = {name: dict(them) for name, them in campaign.base.sections.items()}
+    gusts, target = np.random.SeedSequence([campaign.seed, draw]).generate_state(2).tolist()
+    sections["uav_simulator"]["seed"] = gusts >> 1  # the parameter takes 31 bits
+    sections["target_publisher"]["seed"] = target >> 1
+    write(sections, values)
+    group, rank = _group_of(campaign, draw)
+    names = _errors_of(campaign, group, rank)
+    mistaken: dict[str, Any] = {}
+    for name in names:
+        for key, each in campaign.errors[name].items():
+            neutral = mistaken[key] if key in mistaken else read(sections, key)
+            random = _stream(campaign, draw, f"{name}/{key}")
+            mistaken[key] = each.draw_within(random, neutral, group.range)
+    write(sections, mistaken)
+    effective = {
+        key: mistaken[key] if key in mistaken else values.get(key, read(sections, key))
+        for key in campaign.inputs
+    }
+    return PlannedFlight(number, group.name, "+".join(names), effective, sections)
+
+
+def check_flights(campaign: Campaign, numbers: Sequence[int]) -> None:
+    """Whether flights can be flown as they were drawn.
+
+    Raises:
+        ParameterError: One cannot; the message says which.
+    """
+    for number in numbers:
+        try:
+            flown = planned(campaign, number).configuration(campaign.laws[0])
+        except ParameterError as error:
+            raise ParameterError(f"campaign {campaign.name}, flight {number}: {error}") from error
+        after, duration = campaign.settled_after, flown.mission.duration
+        if after is not None and after >= duration:
+            raise ParameterError(
+                f"campaign {campaign.name}: 'settled_after' is {after:g} s, flight {number} ends "
+                f"after {duration:g} s"
+            )
+
+
+def _stream(campaign: Campaign, draw: int, key: str) -> np.random.Generator:
+    return np.random.default_rng([campaign.seed, draw, zlib.crc32(key.encode())])
+
+
+def _group_of(campaign: Campaign, draw: int) -> tuple[Group, int]:
+    """Group of a draw, and its rank in it: groups follow one another."""
+    begin, share = 0, 0.0
+    for group in campaign.groups:
+        share += group.share
+        end = round(share * campaign.flights)
+        if draw < end:
+            return group, draw - begin
+        begin = end
+    return campaign.groups[-1], draw - begin
+
+
+def _errors_of(campaign: Campaign, group: Group, rank: int) -> list[str]:
+    names = list(campaign.errors)
+    if group.errors == ONE:
+        return [names[rank % len(names)]]
+    return names if group.errors == ALL else []
+
+
 Task = tuple[int, str]  # number of a flight, and the law
 Row = dict[str, Any]
 _of_thread = threading.local()  # a solver has one workspace: threads must not share it
 _compiling = threading.Lock()
+# Columns of numbers and of counts that a flight gives.
+FIGURES = (
+    "settled_s", "worst_settled_m", "range_rms_m", "range_mean_m", "worst_m", "altitude_rms_m",
+    "airspeed_rms_mps", "bank_rate_rms_dps",
+)  # fmt: skip
+COUNTS = ("envelope_violations", "solves_failed", "off_plan")
 
 
 def fly_batch(campaign: Campaign, tasks: Sequence[Task]) -> list[Row]:
-    """Fly some flights, one after the other, on one compiled solver.
-
-    Args:
-        campaign: That they belong to.
-        tasks: Which flights by which law.
-
-    Returns:
-        A row for each.
-    """
+    """Fly some flights, one after the other, on one compiled solver: a row for each."""
     return [fly_one(campaign, *task) for task in tasks]
 
 
@@ -89,7 +190,7 @@ def fly_one(campaign: Campaign, number: int, law: str) -> Row:
         configuration = flight.configuration(law)
         formulation = shared_formulation(configuration.controller)
         log = simulate(configuration, formulation=formulation)
-        outcome = outcome_of(log, configuration, campaign.failure, campaign.settled_after)
+        outcome = _outcome(campaign, log, configuration.controller)
     except Exception as error:  # whatever it is, it is this flight's failure and no other's
         _of_thread.kept = None  # it may be left half changed
         outcome = {"failed": True, "reasons": RAISED, "error": f"{type(error).__name__}: {error}"}
@@ -105,53 +206,30 @@ def fly_one(campaign: Campaign, number: int, law: str) -> Row:
     }
 
 
-def outcome_of(
-    log: FlightLog, configuration: Configuration, failure: Criteria, settled_after: float | None
-) -> Row:
-    """What came of a flight.
-
-    Args:
-        log: Record of the flight.
-        configuration: What was flown.
-        failure: What counts as a failure.
-        settled_after: Time in [s] from which on statistics count; None for half the flight.
-    """
-    parameters = configuration.controller
-    after = 0.5 * log.duration if settled_after is None else settled_after
-    flown, range_error = measures(log, parameters, after), log.error[:, 0]
+def _outcome(campaign: Campaign, log: FlightLog, parameters: TrackingParameters) -> Row:
+    """What came of a flight."""
+    after, failure = campaign.settled_after, campaign.failure
+    flown = measures(log, parameters, 0.5 * log.duration if after is None else after)
+    range_error = log.error[:, 0]
     reasons = failure.failures(log, range_error, parameters)
     settled = failure.settled_at(log.time, range_error)
-    return {
-        "failed": bool(reasons),
-        "reasons": ",".join(reasons),
-        "error": "",
+    worst = float(np.max(np.abs(range_error[log.time >= settled]))) if settled else math.nan
+    own = {
         "settled_s": settled,
-        "worst_settled_m": _worst(range_error[log.time >= settled]) if settled else None,
-        "range_rms_m": flown.range_rms_m,
-        "range_mean_m": flown.range_mean_m,
-        "worst_m": flown.worst_m,
-        "altitude_rms_m": flown.altitude_rms_m,
-        "airspeed_rms_mps": flown.airspeed_rms_mps,
-        "bank_rate_rms_dps": flown.bank_rate_rms_dps,
-        "envelope_violations": flown.envelope_violations,
+        "worst_settled_m": worst if math.isfinite(worst) else None,
         "solves_failed": log.failures,
         "off_plan": log.commands.plan_reused + log.commands.failsafe,
     }
-
-
-def _worst(error: NDArray[np.float64]) -> float | None:
-    worst = float(np.max(np.abs(error)))
-    return worst if math.isfinite(worst) else None
+    columns = {
+        name: own[name] if name in own else getattr(flown, name) for name in (*FIGURES, *COUNTS)
+    }
+    return {"failed": bool(reasons), "reasons": ",".join(reasons), "error": "", **columns}
 
 
 def shared_formulation(parameters: TrackingParameters) -> Formulation | None:
     """The formulation that this thread's flights share, if nothing fixed differs; else a new one.
 
-    Args:
-        parameters: What is flown.
-
-    Returns:
-        None where a guidance law is flown.
+    None where a guidance law is flown.
     """
     kept: tuple[TrackingParameters, Formulation] | None = getattr(_of_thread, "kept", None)
     if kept is not None:
@@ -172,10 +250,6 @@ def shared_formulation(parameters: TrackingParameters) -> Formulation | None:
 
 FILE = "flights.parquet"
 IDENTITY = b"campaign"  # under which a file's metadata hold the campaign's digest
-FIGURES = (
-    "settled_s", "worst_settled_m", "range_rms_m", "range_mean_m", "worst_m", "altitude_rms_m",
-    "airspeed_rms_mps", "bank_rate_rms_dps",
-)  # fmt: skip
 
 
 class FlightStore:
@@ -237,14 +311,7 @@ class FlightStore:
         ]
 
     def keep(self, rows: Sequence[Row]) -> None:
-        """Keep a batch, at once and whole.
-
-        Args:
-            rows: Of its flights, at least one.
-
-        Raises:
-            OSError: The folder cannot be written to.
-        """
+        """Keep a batch of at least one flight, at once and whole."""
         self._parts.mkdir(exist_ok=True)
         first = rows[0]
         write_atomically(
@@ -257,11 +324,8 @@ class FlightStore:
 
         Returns:
             All rows, by number and law.
-
-        Raises:
-            OSError: The folder cannot be written to.
         """
-        laws = [law_label(law) for law in self._campaign.laws]
+        laws = law_labels(self._campaign.laws)
         rows = sorted(self._rows.values(), key=lambda row: (row["flight"], laws.index(row["law"])))
         if self._parts.exists() or not self.file.exists():
             write_atomically(self.file, self._content(rows))
@@ -285,15 +349,17 @@ def _schema(campaign: Campaign) -> pyarrow.Schema:
     """Columns: flight, law and group; what was drawn; what came of it."""
     import pyarrow
 
+    text, number, count = pyarrow.string(), pyarrow.float64(), pyarrow.int64()
     words = campaign.words
-    kinds: dict[str, Any] = {"flight": pyarrow.int64()}
-    kinds |= {name: pyarrow.string() for name in ("law", "group", "mistake")}
-    for key in campaign.inputs:
-        kinds[key] = pyarrow.string() if key in words else pyarrow.float64()
-    kinds |= {"failed": pyarrow.bool_(), "reasons": pyarrow.string(), "error": pyarrow.string()}
-    kinds |= {name: pyarrow.float64() for name in FIGURES}
-    counts = ("envelope_violations", "solves_failed", "off_plan")
-    kinds |= {name: pyarrow.int64() for name in counts}
+    kinds = {
+        "flight": count,
+        **dict.fromkeys(("law", "group", "mistake"), text),
+        **{key: text if key in words else number for key in campaign.inputs},
+        "failed": pyarrow.bool_(),
+        **dict.fromkeys(("reasons", "error"), text),
+        **dict.fromkeys(FIGURES, number),
+        **dict.fromkeys(COUNTS, count),
+    }
     return pyarrow.schema(list(kinds.items()))
 
 
@@ -326,7 +392,7 @@ class CampaignResults:
     @property
     def laws(self) -> list[str]:
         """Labels of the laws."""
-        return [law_label(law) for law in self.campaign.laws]
+        return law_labels(self.campaign.laws)
 
 
 def run_campaign(
@@ -346,9 +412,7 @@ def run_campaign(
         WorkerError: Workers were lost; what was flown is kept.
         KeyboardInterrupt: The user interrupted before anything was flown.
     """
-    labels = [law_label(law) for law in campaign.laws]
-    if len(set(labels)) < len(labels):
-        raise ParameterError(f"laws are {', '.join(labels)}, each must have a name of its own")
+    law_labels(campaign.laws)
     for law in campaign.laws:
         planned(campaign, 0).configuration(law)
     store = FlightStore(campaign, folder)

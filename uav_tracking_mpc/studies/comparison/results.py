@@ -19,13 +19,13 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from uav_tracking_mpc.control.guidance import nearest_direction
 from uav_tracking_mpc.estimation.situation import Situation
-from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.report.metrics import microseconds
 from uav_tracking_mpc.report.pages import Table
 from uav_tracking_mpc.settings.configuration import Configuration
@@ -35,7 +35,7 @@ from uav_tracking_mpc.simulation.flight_log import FlightLog
 from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
 from uav_tracking_mpc.studies.comparison.measures import Asked, Measures, Target, asked_of, measures
-from uav_tracking_mpc.studies.comparison.scenarios import law_label
+from uav_tracking_mpc.studies.comparison.scenarios import law_labels
 from uav_tracking_mpc.studies.executors import StoppedError, parallel_map
 from uav_tracking_mpc.studies.study import plain
 
@@ -119,13 +119,19 @@ class Scenario:
         name: Of the scenario's file, or of the mismatch.
         configuration: What was flown.
         logs: Flight of each law, by its label.
-        measures: Of these flights.
+        settled_after: Time in [s] from which on flights count; their last third by default.
     """
 
     name: str
     configuration: Configuration
     logs: Mapping[str, FlightLog]
-    measures: Mapping[str, Measures]
+    settled_after: float | None = None
+
+    @cached_property
+    def measures(self) -> dict[str, Measures]:
+        """Of the flights, by the law's label."""
+        limits = self.configuration.controller
+        return {law: measures(log, limits, self.settled_after) for law, log in self.logs.items()}
 
     @property
     def title(self) -> str:
@@ -158,7 +164,7 @@ def compare(
     show: bool = True,
     settled_after: float | None = None,
 ) -> list[Scenario]:
-    """Fly laws through scenarios and measure the flights.
+    """Fly laws through scenarios; the outcome depends on nothing but the arguments.
 
     Args:
         configurations: One of each scenario, by the scenario's name.
@@ -168,53 +174,28 @@ def compare(
         settled_after: Time in [s] from which on flights count; their last third by default.
 
     Returns:
-        Those that were flown: fewer where the user interrupted.
+        Those that were flown: where the user interrupted, those alone that every law had flown.
 
     Raises:
         ExtensionError: There is no such law.
-        SimulationError: The target of a scenario was never seen.
-    """
-    labels = [law_label(law) for law in laws]
-    if len(set(labels)) < len(labels):
-        raise ParameterError(f"laws are {', '.join(labels)}, each must have a name of its own")
-    flights = fly_all(list(configurations.values()), laws, workers, show)
-    return [
-        scenario_of(name, configuration, labels, logs, settled_after)
-        for (name, configuration), logs in zip(configurations.items(), flights, strict=False)
-    ]
-
-
-def fly_all(
-    configurations: Sequence[Configuration],
-    laws: Sequence[str],
-    workers: int | None = None,
-    show: bool = True,
-) -> list[list[FlightLog]]:
-    """Fly every law through every scenario; the outcome depends on nothing but the arguments.
-
-    Args:
-        configurations: One of each scenario.
-        laws: Names of laws, or ``path.py:Class``.
-        workers: Processes; all cores by default.
-        show: Progress bar on stderr.
-
-    Returns:
-        For each configuration a flight of each law; where the user interrupted, of those alone that
-        every law has flown by then.
-
-    Raises:
-        SimulationError: The target of a scenario was never seen.
         KeyboardInterrupt: The user interrupted before anything was whole.
+        ParameterError: Two laws have one name.
+        SimulationError: The target of a scenario was never seen.
     """
-    tasks = [prepared(each, law) for each in configurations for law in laws]
+    labels = law_labels(laws)
+    tasks = [prepared(each, law) for each in configurations.values() for law in laws]
     try:
         logs = parallel_map(simulate, tasks, workers, "flights", show)
     except StoppedError as stopped:
         logs = stopped.done
         if len(logs) < len(laws):
             raise
-    whole = len(logs) // len(laws)
-    return [logs[k * len(laws) : (k + 1) * len(laws)] for k in range(whole)]
+    size = len(laws)
+    flights = [logs[k : k + size] for k in range(0, len(logs) - size + 1, size)]
+    return [
+        Scenario(name, configuration, dict(zip(labels, flown, strict=True)), settled_after)
+        for (name, configuration), flown in zip(configurations.items(), flights, strict=False)
+    ]
 
 
 def prepared(configuration: Configuration, law: str) -> Configuration:
@@ -224,52 +205,16 @@ def prepared(configuration: Configuration, law: str) -> Configuration:
         configuration: Of a scenario.
         law: Name of a law, or ``path.py:Class``.
     """
-    controller = dataclasses.replace(
-        configuration.controller, law=law, direction=start_direction(configuration)
-    )
+    controller, direction = configuration.controller, configuration.controller.direction
+    if direction == NEAREST:  # of the true start
+        plant, still = VehiclePlant(configuration.simulator), np.zeros(3)
+        motion = motion_of(configuration.target)
+        drift, target = plant.wind - motion.velocity(0.0), motion.position(0.0)
+        direction = nearest_direction(Situation(plant.state, target, drift, still, still))
+    controller = dataclasses.replace(controller, law=law, direction=direction)
     # The aircraft, also where the mission is to fly the prediction model.
     mission = dataclasses.replace(configuration.mission, plant=configuration.simulator.plant)
     return dataclasses.replace(configuration, controller=controller, mission=mission)
-
-
-def start_direction(configuration: Configuration) -> str:
-    """Direction of the orbit; where the nearest is asked for, that of the true start.
-
-    Args:
-        configuration: Of a scenario.
-    """
-    if configuration.controller.direction != NEAREST:
-        return configuration.controller.direction
-    plant, still = VehiclePlant(configuration.simulator), np.zeros(3)
-    motion = motion_of(configuration.target)
-    drift, target = plant.wind - motion.velocity(0.0), motion.position(0.0)
-    return nearest_direction(Situation(plant.state, target, drift, still, still))
-
-
-def scenario_of(
-    name: str,
-    configuration: Configuration,
-    laws: Sequence[str],
-    logs: Sequence[FlightLog],
-    settled_after: float | None = None,
-) -> Scenario:
-    """Flights of each law through a scenario, measured.
-
-    Args:
-        name: Of the scenario.
-        configuration: What was flown.
-        laws: Labels of the laws.
-        logs: Flight of each law.
-        settled_after: Time in [s] from which on flights count; their last third by default.
-    """
-    flights = dict(zip(laws, logs, strict=True))
-    limits = configuration.controller
-    return Scenario(
-        name=name,
-        configuration=configuration,
-        logs=flights,
-        measures={law: measures(log, limits, settled_after) for law, log in flights.items()},
-    )
 
 
 def as_json(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> dict[str, Any]:

@@ -20,6 +20,7 @@ Their names are in the help of commands: nothing is imported here that takes lon
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from uav_tracking_mpc.parameters.registry import names_of
 from uav_tracking_mpc.parameters.specification import ParameterError
@@ -56,6 +57,22 @@ def law_label(law: str) -> str:
     from uav_tracking_mpc.laws import GUIDANCE_LAW
 
     return str(GUIDANCE_LAW.find(law).name)
+
+
+def law_labels(laws: Sequence[str]) -> list[str]:
+    """What tables and figures call some laws.
+
+    Args:
+        laws: Names, or ``path.py:Class``.
+
+    Raises:
+        ExtensionError: There is no such law.
+        ParameterError: Two have one name.
+    """
+    labels = [law_label(law) for law in laws]
+    if len(set(labels)) < len(labels):
+        raise ParameterError(f"laws are {', '.join(labels)}, each must have a name of its own")
+    return labels
 
 
 SCENARIO = "crosswind"

@@ -23,10 +23,10 @@ from scipy import stats
 
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation.closed_loop import simulate
-from uav_tracking_mpc.studies.campaign.campaign_page import campaign_study
 from uav_tracking_mpc.studies.campaign.campaign_results import (
-    Failures,
     as_json,
+    bounds,
+    campaign_study,
     common_traits,
     quantiles,
     worst_first,
@@ -37,32 +37,30 @@ from uav_tracking_mpc.studies.executors import LocalExecutor
 
 @pytest.mark.parametrize(("flights", "failures"), [(2000, 3), (10, 1), (50, 49), (7, 3)])
 def test_bounds_are_where_the_binomial_tail_is_5_percent(flights, failures):
-    counts = Failures(flights, failures)
-    assert stats.binom.cdf(failures, flights, counts.upper) == pytest.approx(0.05, rel=1e-6)
-    assert stats.binom.sf(failures - 1, flights, counts.lower) == pytest.approx(0.05, rel=1e-6)
-    assert counts.lower < counts.probability < counts.upper
+    counts = bounds(flights, failures)
+    assert stats.binom.cdf(failures, flights, counts["upper"]) == pytest.approx(0.05, rel=1e-6)
+    assert stats.binom.sf(failures - 1, flights, counts["lower"]) == pytest.approx(0.05, rel=1e-6)
+    assert counts["lower"] < counts["probability"] < counts["upper"]
 
 
 def test_three_of_2000_are_below_04_percent():
-    assert Failures(2000, 3).upper < 0.004
-    assert Failures(2000, 4).upper > 0.004
+    assert bounds(2000, 3)["upper"] < 0.004
+    assert bounds(2000, 4)["upper"] > 0.004
 
 
 def test_bounds_where_none_or_all_fail():
-    assert Failures(100, 0).lower == 0.0
-    assert Failures(100, 0).upper == pytest.approx(1.0 - 0.05**0.01)
-    assert Failures(100, 100).upper == 1.0
-    assert Failures(100, 100).lower == pytest.approx(0.05**0.01)
+    assert bounds(100, 0)["lower"] == 0.0
+    assert bounds(100, 0)["upper"] == pytest.approx(1.0 - 0.05**0.01)
+    assert bounds(100, 100)["upper"] == 1.0
+    assert bounds(100, 100)["lower"] == pytest.approx(0.05**0.01)
 
 
 @pytest.mark.parametrize("probability", [0.002, 0.05, 0.5])
 def test_bounds_hold_as_often_as_they_claim(probability):
     """Summed over all that can happen: that is exact."""
     happens = stats.binom.pmf(np.arange(201), 200, probability)
-    bounds = [Failures(200, count) for count in range(201)]
-    upper, lower = (
-        np.array([getattr(each, side) for each in bounds]) for side in ("upper", "lower")
-    )
+    every = [bounds(200, count) for count in range(201)]
+    upper, lower = (np.array([each[side] for each in every]) for side in ("upper", "lower"))
     assert happens[upper >= probability].sum() >= 0.95
     assert happens[lower <= probability].sum() >= 0.95
 
@@ -87,20 +85,20 @@ def flights(count=300, seed=0):
 def test_what_failures_have_in_common_is_found():
     rows = flights()
     traits = common_traits(rows, ["wind", "noise", "motion", "constant"], lambda r: r["failed"])
-    assert {trait.input for trait in traits} == {"wind", "motion"}
-    assert traits[0].input == "wind"
-    assert traits[0].rule.startswith("> 8") or traits[0].rule.startswith("> 7.9")
-    assert traits[0].share == 1.0
-    (motion,) = [trait for trait in traits if trait.input == "motion"]
-    assert (motion.rule, motion.share) == ("= zigzag", 1.0)
-    assert all(trait.p_value < 0.05 for trait in traits)
+    assert {trait["input"] for trait in traits} == {"wind", "motion"}
+    assert traits[0]["input"] == "wind"
+    assert traits[0]["rule"].startswith("> 8") or traits[0]["rule"].startswith("> 7.9")
+    assert traits[0]["share"] == 1.0
+    (motion,) = [trait for trait in traits if trait["input"] == "motion"]
+    assert (motion["rule"], motion["share"]) == ("= zigzag", 1.0)
+    assert all(trait["p_value"] < 0.05 for trait in traits)
 
 
 def test_small_values_are_told_too():
     rows = flights()
     (trait,) = common_traits(rows, ["wind"], lambda row: row["wind"] < 2.0)
-    assert trait.rule.startswith("<= 1.9")
-    assert (trait.share, trait.others) == (1.0, 0.0)
+    assert trait["rule"].startswith("<= 1.9")
+    assert (trait["share"], trait["others"]) == (1.0, 0.0)
 
 
 def test_chance_is_not_told():
