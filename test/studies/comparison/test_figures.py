@@ -60,10 +60,17 @@ def test_the_words_of_a_picture_have_one_meaning_each():
     assert [words.get_text() for words in legend.get_texts()] == ["nmpc", "l1", "asked of nmpc"]
 
 
+def measured(scenario, **measures):
+    """The scenario with other measures of its flights."""
+    changed = dataclasses.replace(scenario)
+    vars(changed)["measures"] = measures
+    return changed
+
+
 def test_a_bar_that_the_axis_cannot_show_is_a_bound_in_words():
     still = compared("still")
     fine = dataclasses.replace(still.measures["nmpc"], range_rms_m=2e-4)
-    ranges = summary_figure([dataclasses.replace(still, measures={"nmpc": fine})]).axes[0]
+    ranges = summary_figure([measured(still, nmpc=fine)]).axes[0]
     assert [text.get_text() for text in ranges.texts] == ["< 0.001"]
     assert len(ranges.patches) == 0
 
@@ -94,7 +101,7 @@ def test_there_is_a_mark_for_every_flight_and_a_bar_for_what_is_asked():
 def test_what_the_axis_cannot_show_points_beyond_it():
     mismatch = mistold()
     fine = dataclasses.replace(mismatch.measures["nmpc"], range_rms_m=2e-4)
-    mismatch = dataclasses.replace(mismatch, measures={**mismatch.measures, "nmpc": fine})
+    mismatch = measured(mismatch, **{**mismatch.measures, "nmpc": fine})
     figure = mismatch_figure([mismatch])
     own, other, *_ = figure.axes[0].lines
     assert own.get_marker() == CARETLEFT

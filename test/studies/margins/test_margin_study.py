@@ -17,6 +17,7 @@
 import json
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -30,8 +31,8 @@ from uav_tracking_mpc.studies.margins import margin_study as module
 from uav_tracking_mpc.studies.margins.margin_figure import margin_figure
 from uav_tracking_mpc.studies.margins.margin_study import (
     FlownLoop,
-    Impulse,
     as_json,
+    disturbed,
     flown_loops,
     in_still_air,
     margin_study,
@@ -63,7 +64,7 @@ def margins(near):
 
 
 def test_an_impulse_lasts_for_one_period():
-    impulse = Impulse(np.array([0.1, 0.0, 0.0]), 0.05)
+    impulse = partial(disturbed, np.array([0.1, 0.0, 0.0]), 0.05)
     ticks = [tick / 20.0 for tick in range(190, 212)]
     assert [time for time in ticks if np.any(impulse(time))] == [10.0]
 
@@ -109,7 +110,8 @@ def left_of_an_answer(configuration, axis, **simulator):
         simulator=replace(still.simulator, **simulator),
         controller=replace(still.controller, response_estimation=False),
     )
-    log = simulate(still, disturbance=Impulse(0.3 * np.diag(module.IMPULSES)[axis], 0.05))
+    inputs = 0.3 * np.diag(module.IMPULSES)[axis]
+    log = simulate(still, disturbance=partial(disturbed, inputs, 0.05))
     answer = np.abs(log.inputs[:, axis] - np.median(log.inputs[:, axis]))
     first = (log.command_time > 10.0) & (log.command_time < 20.0)
     return answer[log.command_time > 40.0].max() / answer[first].max()

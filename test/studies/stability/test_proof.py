@@ -23,6 +23,7 @@ from uav_tracking_mpc.dynamics.relative_models.exact import Exact
 from uav_tracking_mpc.studies.stability.analysis import (
     largest_lipschitz,
     lowest_violation,
+    theorem3,
     theorem_quantities,
 )
 from uav_tracking_mpc.studies.stability.proof import (
@@ -39,7 +40,7 @@ PARTS = PROBLEM.ingredients()
 
 def test_theorem3_holds_up_to_level_1_5_on_the_exact_model():
     found = theorem_quantities(PROBLEM, PARTS, 0.0)
-    limit = largest_lipschitz(found.contraction, found.theorem3.left)
+    limit = largest_lipschitz(found["contraction"], theorem3(found)["left"])
     assert prove(lipschitz_bound(PROBLEM, PARTS, limit, 1.5)).proved
     beyond = lipschitz_bound(PROBLEM, PARTS, limit, 1.61)
     assert not prove(beyond, box_limit=200).proved

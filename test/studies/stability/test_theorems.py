@@ -22,6 +22,8 @@ from uav_tracking_mpc.studies.stability.analysis import (
     largest_ratio,
     lipschitz_excess,
     lowest_violation,
+    theorem2,
+    theorem3,
     theorem_quantities,
 )
 from uav_tracking_mpc.terminal.ingredients import (
@@ -44,16 +46,16 @@ def quantities(model, lipschitz=0.5265, scaling=2.5, horizon=10):
 )
 def test_quantities_of_the_models(model, sigma, xi, contraction):
     found = quantities(model)
-    assert found.sigma == pytest.approx(sigma, abs=5e-7)
-    assert found.xi == pytest.approx(xi, abs=5e-7)
-    assert found.contraction == pytest.approx(contraction, abs=5e-7)
+    assert found["sigma"] == pytest.approx(sigma, abs=5e-7)
+    assert found["xi"] == pytest.approx(xi, abs=5e-7)
+    assert found["contraction"] == pytest.approx(contraction, abs=5e-7)
 
 
 @pytest.mark.parametrize("scaling", [1.0, 2.5, 40.0])
 @pytest.mark.parametrize("model", ["exact", "paper", "paper9"])
 def test_squared_contraction_is_one_minus_rho_sigma(model, scaling):
     found = quantities(model, scaling=scaling)
-    assert found.contraction**2 == pytest.approx(1.0 - scaling * found.sigma, abs=1e-12)
+    assert found["contraction"] ** 2 == pytest.approx(1.0 - scaling * found["sigma"], abs=1e-12)
 
 
 def test_weight_solves_28():
@@ -67,28 +69,29 @@ def test_weight_solves_28():
 
 @pytest.mark.parametrize("scaling", [1.0, 2.5, 40.0])
 def test_condition_29_is_lipschitz_below_one_minus_contraction(scaling):
-    edge = 1.0 - quantities("exact", scaling=scaling).contraction
-    assert quantities("exact", 0.9999 * edge, scaling).theorem2.holds
-    assert not quantities("exact", 1.0001 * edge, scaling).theorem2.holds
+    edge = 1.0 - quantities("exact", scaling=scaling)["contraction"]
+    assert theorem2(quantities("exact", 0.9999 * edge, scaling))["holds"]
+    assert not theorem2(quantities("exact", 1.0001 * edge, scaling))["holds"]
 
 
 def test_condition_41_tends_to_29_as_rho_grows():
     found = quantities("exact", scaling=1e7)
-    second = largest_lipschitz(found.contraction, found.theorem2.left)
-    third = largest_lipschitz(found.contraction, found.theorem3.left)
+    second = largest_lipschitz(found["contraction"], theorem2(found)["left"])
+    third = largest_lipschitz(found["contraction"], theorem3(found)["left"])
     assert third == pytest.approx(second, rel=1e-4)
 
 
 def test_largest_lipschitz_makes_the_condition_an_equality():
     found = quantities("exact")
-    edge = largest_lipschitz(found.contraction, found.theorem3.left)
-    condition = quantities("exact", edge).theorem3
-    assert condition.left == pytest.approx(condition.right, rel=1e-12)
+    edge = largest_lipschitz(found["contraction"], theorem3(found)["left"])
+    condition = theorem3(quantities("exact", edge))
+    assert condition["left"] == pytest.approx(condition["right"], rel=1e-12)
 
 
 def test_c_2_of_a_short_horizon_is_the_sum_written_out():
     found = quantities("exact", horizon=3)
-    assert found.c_2 == pytest.approx(found.eta + found.eta * found.tau + found.tau**2)
+    eta, tau = found["eta"], found["tau"]
+    assert found["c_2"] == pytest.approx(eta + eta * tau + tau**2)
 
 
 def test_quantities_with_the_printed_matrix():
@@ -99,12 +102,12 @@ def test_quantities_with_the_printed_matrix():
         PRINTED_A, PRINTED_B, problem.state_weight, problem.input_weight, 2.5
     )
     found = theorem_quantities(problem, parts, 0.5265)
-    assert found.sigma == pytest.approx(0.14917, abs=5e-6)
-    assert found.xi == pytest.approx(0.004835, abs=5e-7)
-    assert found.contraction == pytest.approx(0.79189, abs=5e-6)
-    assert found.theorem3.left == pytest.approx(0.22859, abs=5e-6)
-    assert found.theorem3.right == pytest.approx(1.1111, abs=5e-5)
-    assert not found.theorem3.holds
+    assert found["sigma"] == pytest.approx(0.14917, abs=5e-6)
+    assert found["xi"] == pytest.approx(0.004835, abs=5e-7)
+    assert found["contraction"] == pytest.approx(0.79189, abs=5e-6)
+    assert theorem3(found)["left"] == pytest.approx(0.22859, abs=5e-6)
+    assert theorem3(found)["right"] == pytest.approx(1.1111, abs=5e-5)
+    assert not theorem3(found)["holds"]
 
 
 def excess_of(model):

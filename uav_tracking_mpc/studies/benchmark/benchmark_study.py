@@ -498,8 +498,7 @@ def _figure(results: dict[str, Any]) -> Figure:
         axes = figure.add_subplot()
         for name, medians in results["horizon_median_us"].items():
             axes.loglog(horizons, medians, marker="o", label=name)
-        axes.set_xlabel("horizon N")
-        axes.set_ylabel("median solve time [us], warm, to convergence")
+        axes.set(xlabel="horizon N", ylabel="median solve time [us], warm, to convergence")
         axes.set_xticks(horizons, [str(n) for n in horizons])
         axes.minorticks_off()
         axes.legend()

@@ -397,12 +397,12 @@ def campaign_figure(results: CampaignResults) -> Figure:
         for law, rows in by(results.rows, "law").items():
             _draw_beyond(rms, rows, "range_rms_m", law, colour[law])
             _draw_beyond(worst, rows, "worst_settled_m", law, colour[law])
-        rms.set(xlabel="range RMS [m]", ylabel="share of flights beyond it")
-        rms.set_title("(a) range RMS")
+        rms.set(xlabel="range RMS [m]", ylabel="share of flights beyond it", title="(a) range RMS")
         rms.legend(loc="lower left")
         worst.axvline(results.campaign.failure.beyond, color=BLACK, lw=1.0, ls=(0, (5, 2.5)))
-        worst.set(xlabel="greatest range error once settled [m]")
-        worst.set_title("(b) worst error; dashed: lost")
+        worst.set(
+            xlabel="greatest range error once settled [m]", title="(b) worst error; dashed: lost"
+        )
         _draw_parts(parts, results, colour)
     return figure
 
@@ -412,8 +412,7 @@ def _draw_beyond(axes: Axes, rows: Sequence[Row], column: str, law: str, colour:
     values = np.sort([row[column] for row in rows if row.get(column) is not None])
     shares = 1.0 - np.arange(len(values)) / len(rows)
     axes.step(np.maximum(values, 1e-4), shares, where="pre", color=colour, label=law)
-    axes.set(xscale="log", yscale="log")
-    axes.set_ylim(0.7 / len(rows), 1.3)
+    axes.set(xscale="log", yscale="log", ylim=(0.7 / len(rows), 1.3))
 
 
 def _draw_parts(axes: Axes, results: CampaignResults, colour: dict[str, str]) -> None:
@@ -431,10 +430,8 @@ def _draw_parts(axes: Axes, results: CampaignResults, colour: dict[str, str]) ->
         axes.set_yticks(range(len(parts)), list(parts))
     axes.tick_params(axis="y", labelsize=7.0)
     axes.invert_yaxis()
-    axes.set(xlabel="flights that fail [%]")
-    axes.set_xlim(left=0.0)
+    axes.set(xlabel="flights that fail [%]", title="(c) failures, 95 % bounds", xlim=(0.0, None))
     axes.grid(axis="y", visible=False)
-    axes.set_title("(c) failures, 95 % bounds")
 
 
 TEMPLATE = "campaign.html.j2"

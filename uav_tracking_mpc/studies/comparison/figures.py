@@ -91,8 +91,11 @@ def _draw_top_view(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> No
     axes.plot(0.0, 0.0, "*", color=BLACK, ms=9, zorder=4)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.12)
-    axes.set(xlabel="east of the target [m]", ylabel="north of the target [m]")
-    axes.set_title("(a) seen from the target")
+    axes.set(
+        xlabel="east of the target [m]",
+        ylabel="north of the target [m]",
+        title="(a) seen from the target",
+    )
     moving = motion_of(scenario.configuration.target).velocity(0.0)
     wind = np.array(scenario.configuration.simulator.wind)
     gusts = " and gusts" if scenario.configuration.simulator.gust_intensity > 0.0 else ""
@@ -131,9 +134,12 @@ def _draw_error(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> None:
     if isinstance(scenario.asked, Target):
         axes.plot([2.0 / 3.0 * end, end], [scenario.asked.range_rms] * 2, color=BLACK, lw=1.2)
         axes.plot(scenario.asked.settling, SETTLED, "v", color=BLACK, ms=5)
-    axes.set(ylabel="$|r - r_d|$ [m]", xlim=(0.0, end))
-    axes.set_ylim(bottom=FINEST)
-    axes.set_title("(b) range error; shaded: settled, black: asked of nmpc (settling, RMS)")
+    axes.set(
+        ylabel="$|r - r_d|$ [m]",
+        xlim=(0.0, end),
+        ylim=(FINEST, None),
+        title="(b) range error; shaded: settled, black: asked of nmpc (settling, RMS)",
+    )
 
 
 def _draw_bank(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> None:
@@ -143,8 +149,12 @@ def _draw_bank(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> None:
         axes.plot(middle, np.degrees(flown_bank(log)), color=colour[law], lw=1.0)
     for bound in (-limit, limit):
         axes.axhline(bound, color=BLACK, lw=1.0, ls=(0, (1, 1.2)))
-    axes.set(xlabel="time [s]", ylabel="bank [deg]", ylim=(-1.15 * limit, 1.15 * limit))
-    axes.set_title("(c) bank flown, right wing down; dotted: its limit")
+    axes.set(
+        xlabel="time [s]",
+        ylabel="bank [deg]",
+        ylim=(-1.15 * limit, 1.15 * limit),
+        title="(c) bank flown, right wing down; dotted: its limit",
+    )
 
 
 def summary_figure(scenarios: Sequence[Scenario]) -> Figure:
@@ -251,9 +261,7 @@ def mismatch_figure(mismatches: Sequence[Scenario]) -> Figure:
         for axes, title, finest in zip(
             panels, ("range RMS [m]", "bank rate RMS [deg/s]"), LEAST, strict=True
         ):
-            axes.set_xscale("log")
-            axes.set_xlim(left=0.8 * finest)
-            axes.set_title(title)
+            axes.set(xscale="log", xlim=(0.8 * finest, None), title=title)
             axes.grid(axis="y", color=LIGHT_GREY, lw=0.5)
         panels[0].set_yticks(range(len(mismatches)), [mismatch.name for mismatch in mismatches])
         panels[0].set_ylim(len(mismatches) - 0.5, -0.5)

@@ -378,8 +378,10 @@ def timeline(
         times = [time / 60.0 for time, _ in range_errors]
         upper.plot(times, [error for _, error in range_errors], color=BLUE, linewidth=0.8)
         upper.axhspan(-tolerance, tolerance, color=GREEN, alpha=0.15, linewidth=0)
-        upper.set_ylabel("r - r_d [m]")
-        upper.set_title(f"{title}: true range error; the band is {tolerance:g} m wide either way")
+        upper.set(
+            ylabel="r - r_d [m]",
+            title=f"{title}: true range error; the band is {tolerance:g} m wide either way",
+        )
         for case in cases:
             color = VERMILLION if case.violations else GREY
             width = max(case.end - case.begin, 0.2) / 60.0
@@ -392,10 +394,11 @@ def timeline(
         middle.invert_yaxis()
         middle.set_title("cases by what they strike; with violations in red")
         lower.axhline(RECOVERY_LIMIT, color=VERMILLION, linewidth=0.8, linestyle="--")
-        lower.set(ylabel="recovery [s]", xlabel="time [min]")
-        lower.set_ylim(bottom=0.0)
-        lower.set_title(
-            f"simulated time from the last fault to the orbit; allowed {RECOVERY_LIMIT:g} s"
+        lower.set(
+            ylabel="recovery [s]",
+            xlabel="time [min]",
+            ylim=(0.0, None),
+            title=f"simulated time from the last fault to the orbit; allowed {RECOVERY_LIMIT:g} s",
         )
         figure.tight_layout()
     return figure

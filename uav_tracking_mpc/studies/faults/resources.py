@@ -19,7 +19,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -69,19 +69,17 @@ def usage(process: int) -> Usage | None:
     return Usage(1024 * int(found["VmRSS"]), handles, int(found["Threads"]), cpu)
 
 
+@dataclass
 class Growth:
     """Samples of one process.
 
-    Args:
-        start: When it was started, by any clock [s].
-
     Attributes:
+        start: When it was started, by any clock [s].
         samples: (time [s], what it used) after the warm-up.
     """
 
-    def __init__(self, start: float) -> None:
-        self._start = start
-        self.samples: list[tuple[float, Usage]] = []
+    start: float
+    samples: list[tuple[float, Usage]] = field(default_factory=list)
 
     def add(self, time: float, sample: Usage) -> None:
         """Add a sample; those of the warm-up are left out.
@@ -90,7 +88,7 @@ class Growth:
             time: By the same clock [s].
             sample: What the process uses.
         """
-        if time - self._start >= WARM_UP:
+        if time - self.start >= WARM_UP:
             self.samples.append((time, sample))
 
     @property
@@ -100,9 +98,7 @@ class Growth:
 
     def second_half(self) -> Growth:
         """The later half of the samples."""
-        half = Growth(self._start)
-        half.samples = self.samples[len(self.samples) // 2 :]
-        return half
+        return Growth(self.start, self.samples[len(self.samples) // 2 :])
 
     def rss_percent_per_hour(self) -> float | None:
         """Slope of the memory, by least squares [%/h]; None where too little was watched."""

@@ -439,8 +439,7 @@ def _rates(axes: Axes, channel: ChannelIdentification) -> None:
         record.state.time[shown], scale * channel.fit.flown_rate()[shown], color=VERMILLION,
         label="fitted rate",
     )  # fmt: skip
-    axes.set_title(f"{title}: its rate")
-    axes.set_ylabel(f"[{unit}]")
+    axes.set(title=f"{title}: its rate", ylabel=f"[{unit}]")
 
 
 def _measured(axes: Axes, channel: ChannelIdentification) -> None:
@@ -454,11 +453,10 @@ def _measured(axes: Axes, channel: ChannelIdentification) -> None:
     axes.plot(time, scale * (measured - trend), ".", ms=2.5, color=BLUE, label="measured")
     axes.plot(time, scale * (fitted - trend), color=BLACK, lw=1.2, label="fitted")
     lag, dead_time, _, gain = channel.estimates
-    axes.set_title(f"{title}, less its trend")
+    axes.set(title=f"{title}, less its trend", ylabel=f"[{unit}]")
     axes.set_title(
         f"lag {lag.value:.2f} s, dead time {dead_time.value:.2f} s, gain {gain.value:.2f}",
         loc="right",
         fontsize=8,
         color=GREY,
     )
-    axes.set_ylabel(f"[{unit}]")

@@ -33,6 +33,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -53,7 +54,7 @@ from uav_tracking_mpc.margins.margin_check import shortfalls
 from uav_tracking_mpc.margins.orbit_loop import OrbitLoop
 from uav_tracking_mpc.report.pages import Table
 from uav_tracking_mpc.settings.configuration import Configuration
-from uav_tracking_mpc.simulation.closed_loop import simulate
+from uav_tracking_mpc.simulation.closed_loop import Disturbance, simulate
 from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.studies.executors import parallel_map
 from uav_tracking_mpc.studies.study import plain
@@ -65,26 +66,16 @@ IMPULSES = np.array([0.1, 0.1, 1.0])  # rad/s, rad/s, m/s^2 during one control p
 ROUNDING = 1e-6  # s, rounding of stamps
 
 
-@dataclass(frozen=True)
-class Impulse:
-    """A disturbance of one control period.
+def disturbed(inputs: NDArray[np.float64], duration: float, time: float) -> NDArray[np.float64]:
+    """What an impulse adds to (u_psi, u_chi, u_v) at a time, shape (3,).
 
-    Attributes:
-        inputs: Added to (u_psi, u_chi, u_v), shape (3,), in [rad/s], [rad/s] and [m/s^2].
+    Args:
+        inputs: While it lasts, shape (3,), in [rad/s], [rad/s] and [m/s^2].
         duration: In [s].
+        time: Since the start in [s].
     """
-
-    inputs: NDArray[np.float64]
-    duration: float
-
-    def __call__(self, time: float) -> NDArray[np.float64]:
-        """What is added at a time, shape (3,).
-
-        Args:
-            time: Since the start in [s].
-        """
-        inside = -ROUNDING <= time - SETTLED < self.duration - ROUNDING
-        return self.inputs if inside else np.zeros(3)
+    inside = -ROUNDING <= time - SETTLED < duration - ROUNDING
+    return inputs if inside else np.zeros(3)
 
 
 class FlownLoop(NamedTuple):
@@ -152,11 +143,8 @@ def flown_loops(
     """
     still = in_still_air(configuration)
     period = 1.0 / still.controller.control_rate
-    disturbances = [
-        Impulse(size * impulse, period) for size in sizes for impulse in np.diag(IMPULSES)
-    ]
-    undisturbed = Impulse(np.zeros(3), period)
-    tasks = [(still, each) for each in (undisturbed, *disturbances)]
+    impulses = [np.zeros(3), *(size * impulse for size in sizes for impulse in np.diag(IMPULSES))]
+    tasks = [(still, partial(disturbed, impulse, period)) for impulse in impulses]
     steady, *answers = parallel_map(_commands, tasks, workers, "impulses", show)
     powers = np.exp(-1j * np.outer(frequency * period, np.arange(len(steady))))
     late, loops = round(LATE / period), []
@@ -172,7 +160,7 @@ def flown_loops(
     return loops
 
 
-def _commands(task: tuple[Configuration, Impulse]) -> NDArray[np.float64]:
+def _commands(task: tuple[Configuration, Disturbance]) -> NDArray[np.float64]:
     """Commands of a flight from the disturbance on, shape (n, 3)."""
     configuration, disturbance = task
     log = simulate(configuration, disturbance=disturbance)

@@ -58,75 +58,30 @@ Say = Callable[[str], None]
 _SHARES = (0.98, 0.95, 0.9, 0.8, 0.65, 0.45, 0.25)  # -, of the level at which a violation is known
 
 
-@dataclass(frozen=True)
-class Condition:
-    """An inequality ``left >= right`` of the paper.
-
-    Attributes:
-        left: Its left side [-].
-        right: Its right side [-].
-    """
-
-    left: float
-    right: float
-
-    @property
-    def holds(self) -> bool:
-        """Whether the inequality is true."""
-        return bool(self.left >= self.right)
-
-    def as_dict(self) -> dict[str, float | bool]:
-        """For JSON."""
-        return {"holds": self.holds, "left": self.left, "right": self.right}
+# All that Theorems 2 and 3 speak of, for one Lipschitz constant [-]: ``a_1`` and ``a_2``, least and
+# greatest eigenvalue of P (V_f is |x|^2 in P_rho, so its bound needs rho a_2: another slip);
+# ``sigma`` (34); ``xi`` (52); ``eta`` (44); ``contraction``, |A_K|_P; ``lipschitz``, L of (27) and
+# (31); ``b``, 2 L |A_K|_P + L^2; ``tau`` (45); ``c_2`` (47); ``c_3`` (53); ``gamma`` (38);
+# ``gamma_n`` (55); ``scaling``, rho; ``horizon``, N.
+Quantities = dict[str, float]
 
 
-@dataclass(frozen=True)
-class TheoremQuantities:
-    """Everything that Theorems 2 and 3 speak of, for one Lipschitz constant.
+def theorem2(q: Quantities) -> dict[str, Any]:
+    """(29): rho sigma >= b."""
+    return _condition(q["scaling"] * q["sigma"], q["b"])
 
-    Attributes:
-        a_1: lambda_min(P) [-].
-        a_2: lambda_max(P) [-]. V_f is |x|^2 in P_rho, so its bound needs rho a_2: another slip.
-        sigma: (34) [-].
-        xi: (52) [-].
-        eta: (44) [-].
-        contraction: |A_K|_P [-].
-        lipschitz: L of (27), (31) [-].
-        b: 2 L |A_K|_P + L^2 [-].
-        tau: (45) [-].
-        c_2: (47) [-].
-        c_3: (53) [-].
-        gamma: (38) [-].
-        gamma_n: (55) [-].
-        scaling: rho [-].
-        horizon: N.
-    """
 
-    a_1: float
-    a_2: float
-    sigma: float
-    xi: float
-    eta: float
-    contraction: float
-    lipschitz: float
-    b: float
-    tau: float
-    c_2: float
-    c_3: float
-    gamma: float
-    gamma_n: float
-    scaling: float
-    horizon: int
+def theorem3(q: Quantities) -> dict[str, Any]:
+    """(41): xi + (rho - 1) sigma >= b."""
+    return _condition(q["xi"] + (q["scaling"] - 1.0) * q["sigma"], q["b"])
 
-    @property
-    def theorem2(self) -> Condition:
-        """(29): rho sigma >= b."""
-        return Condition(self.scaling * self.sigma, self.b)
 
-    @property
-    def theorem3(self) -> Condition:
-        """(41): xi + (rho - 1) sigma >= b."""
-        return Condition(self.xi + (self.scaling - 1.0) * self.sigma, self.b)
+def _condition(left: float, right: float) -> dict[str, Any]:
+    """Whether left >= right, and both sides [-]."""
+    return {"holds": bool(left >= right), "left": left, "right": right}
+
+
+THEOREMS = {"theorem2": theorem2, "theorem3": theorem3}
 
 
 def largest_lipschitz(contraction: float, allowance: float) -> float:
@@ -141,7 +96,7 @@ def largest_lipschitz(contraction: float, allowance: float) -> float:
 
 def theorem_quantities(
     problem: StabilityProblem, ingredients: TerminalIngredients, lipschitz: float
-) -> TheoremQuantities:
+) -> Quantities:
     """Evaluate Theorems 2 and 3.
 
     Args:
@@ -162,23 +117,23 @@ def theorem_quantities(
     tau = b + contraction**2  # (45)
     c_2 = sum(eta * tau**j for j in range(horizon - 1)) + tau ** (horizon - 1)  # (47)
     c_3 = xi + (scaling - 1.0) * sigma - b  # (53)
-    return TheoremQuantities(
-        a_1=a_1,
-        a_2=a_2,
-        sigma=sigma,
-        xi=xi,
-        eta=eta,
-        contraction=contraction,
-        lipschitz=lipschitz,
-        b=b,
-        tau=tau,
-        c_2=c_2,
-        c_3=c_3,
-        gamma=1.0 - a_3 / a_2,  # (38)-(39)
-        gamma_n=1.0 - c_3 / c_2,  # (55)
-        scaling=scaling,
-        horizon=horizon,
-    )
+    return {
+        "a_1": a_1,
+        "a_2": a_2,
+        "sigma": sigma,
+        "xi": xi,
+        "eta": eta,
+        "contraction": contraction,
+        "lipschitz": lipschitz,
+        "b": b,
+        "tau": tau,
+        "c_2": c_2,
+        "c_3": c_3,
+        "gamma": 1.0 - a_3 / a_2,  # (38)-(39)
+        "gamma_n": 1.0 - c_3 / c_2,  # (55)
+        "scaling": scaling,
+        "horizon": horizon,
+    }
 
 
 @dataclass(frozen=True)
@@ -337,7 +292,7 @@ class Analysis:
 
     problem: StabilityProblem
     ingredients: TerminalIngredients
-    quantities: TheoremQuantities
+    quantities: Quantities
     lipschitz: dict[str, Any]
     reaches: dict[str, LevelBound]
     inputs: Limit
@@ -426,9 +381,9 @@ def analyse(problem: StabilityProblem, say: Say = lambda _: None, boxes: int = B
     }
     quantities = theorem_quantities(*parts, lipschitz["upper"])
     reaches = {}
-    for name in ("theorem2", "theorem3"):
+    for name, theorem in THEOREMS.items():
         say(f"{name}: how far its condition reaches")
-        constant = largest_lipschitz(quantities.contraction, getattr(quantities, name).left)
+        constant = largest_lipschitz(quantities["contraction"], theorem(quantities)["left"])
         reaches[name] = _reach(
             partial(lipschitz_bound, *parts, constant),
             lipschitz_excess(*parts, constant),

@@ -25,7 +25,7 @@ from __future__ import annotations
 import functools
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -36,11 +36,12 @@ from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import steady_inputs
 from uav_tracking_mpc.report.pages import Table
 from uav_tracking_mpc.studies.stability.analysis import (
-    TheoremQuantities,
+    Quantities,
     largest_lipschitz,
     largest_ratio,
     lipschitz_excess,
     lowest_violation,
+    theorem3,
     theorem_quantities,
 )
 from uav_tracking_mpc.terminal.ingredients import (
@@ -125,7 +126,7 @@ class PaperCase(NamedTuple):
     ingredients: TerminalIngredients
     linearisation: NDArray[np.float64]
 
-    def quantities(self, lipschitz: float) -> TheoremQuantities:
+    def quantities(self, lipschitz: float) -> Quantities:
         """Theorems 2 and 3 with L [-]."""
         return theorem_quantities(self.problem, self.ingredients, lipschitz)
 
@@ -145,27 +146,10 @@ def paper_cases() -> tuple[PaperCase, ...]:
     )
 
 
-@dataclass(frozen=True)
-class Row:
-    """One quantity.
-
-    Attributes:
-        name: What it is.
-        equation: Where the paper prints it.
-        printed: As the paper prints it, in the unit of the quantity [SI], or None.
-        printed_A: Recomputed with (58), in [SI], or None where it makes no sense.
-        model_11: Recomputed with (11), in [SI].
-        exact: Recomputed with the exact kinematics, in [SI].
-        verdict: In words.
-    """
-
-    name: str
-    equation: str
-    printed: float | None
-    printed_A: float | None  # noqa: N815 (the symbol of the paper)
-    model_11: float | None
-    exact: float | None
-    verdict: str
+# One quantity: its ``name``; the ``equation``, where the paper prints it; in [SI], or None where
+# there is none: as ``printed``, recomputed with (58) as ``printed_A``, with (11) as ``model_11``,
+# and with the ``exact`` kinematics; the ``verdict`` in words.
+Row = dict[str, Any]
 
 
 @functools.cache
@@ -178,7 +162,15 @@ def _row(
     name: str, equation: str, stated: float | None, values: Sequence[float | None], verdict: str
 ) -> Row:
     by_a, by_11, exact = (None if value is None else float(value) for value in values)
-    return Row(name, equation, stated, by_a, by_11, exact, verdict)
+    return {
+        "name": name,
+        "equation": equation,
+        "printed": stated,
+        "printed_A": by_a,
+        "model_11": by_11,
+        "exact": exact,
+        "verdict": verdict,
+    }
 
 
 def _linearisation_rows() -> list[Row]:
@@ -222,7 +214,7 @@ def _entry_verdict(numeric: float, symbolic: float, model: float, exact: float) 
 def _theorem_rows() -> list[Row]:
     cases = paper_cases()
     found = [case.quantities(PRINTED_LIPSCHITZ) for case in cases]
-    left, right = [q.theorem3.left for q in found], [q.theorem3.right for q in found]
+    left, right = ([theorem3(q)[side] for q in found] for side in ("left", "right"))
     factors = [b / a for a, b in zip(left, right, strict=True)]
     square = PRINTED_LIPSCHITZ**2
     cross_term = ""
@@ -232,9 +224,9 @@ def _theorem_rows() -> list[Row]:
         )
     *_, exact = found
     return [
-        _row("sigma", "Theorem 2", None, [q.sigma for q in found], "not printed"),
-        _row("xi", "Theorem 3", None, [q.xi for q in found], "not printed"),
-        _row("|A_K|_P", "(33)", None, [q.contraction for q in found], "not printed"),
+        _row("sigma", "Theorem 2", None, [q["sigma"] for q in found], "not printed"),
+        _row("xi", "Theorem 3", None, [q["xi"] for q in found], "not printed"),
+        _row("|A_K|_P", "(33)", None, [q["contraction"] for q in found], "not printed"),
         _compared("xi + (rho - 1) sigma", "(41)", PRINTED_LEFT_41, left),
         _compared(
             "b = 2 L |A_K|_P + L^2, L as printed", "(41)", PRINTED_RIGHT_41, right, after=cross_term
@@ -254,24 +246,24 @@ def _theorem_rows() -> list[Row]:
             "a_2 = lambda_max(P)",
             "Theorem 2",
             None,
-            [q.a_2 for q in found],
+            [q["a_2"] for q in found],
             f"V_f is |x|^2 in P_rho = rho P, so (2b) needs "
-            f"{cases[-1].problem.scaling * exact.a_2:.4g} (exact)",
+            f"{cases[-1].problem.scaling * exact['a_2']:.4g} (exact)",
         ),
         _row(
             "gamma = 1 - a_3 / a_2, L as printed",
             "(38)",
             None,
-            [q.gamma for q in found],
+            [q["gamma"] for q in found],
             "(38)-(40) mix norms: V_f is |x|^2 in P_rho, so (37) gives 1 - a_3 directly; "
-            + ("gamma > 1 here, nothing decreases" if exact.gamma > 1.0 else "gamma is looser"),
+            + ("gamma > 1 here, nothing decreases" if exact["gamma"] > 1.0 else "gamma is looser"),
         ),
         _row(
             "c_3, L as printed",
             "(53), (57)",
             None,
-            [q.c_3 for q in found],
-            ("negative: (54) bounds nothing; " if exact.c_3 < 0.0 else "")
+            [q["c_3"] for q in found],
+            ("negative: (54) bounds nothing; " if exact["c_3"] < 0.0 else "")
             + "(57) prints c_2/c_3 where the argument needs c_2 over a lower bound of V_N",
         ),
     ]
@@ -322,7 +314,7 @@ def _reach_rows(left: list[float]) -> list[Row]:
     decrease: list[float | None] = [None]
     for case, allowance in list(zip(cases, left, strict=True))[1:]:
         parts = case.problem, case.ingredients
-        limit = largest_lipschitz(case.quantities(0.0).contraction, allowance)
+        limit = largest_lipschitz(case.quantities(0.0)["contraction"], allowance)
         third = lowest_violation(lipschitz_excess(*parts, limit), 15.0)
         itself = lowest_violation(decrease_excess(*parts), 18.0)
         theorem3.append(None if third is None else third.level)
@@ -412,7 +404,7 @@ def _numeric_verdict(stated: float, values: list[float], tolerance: float) -> st
 
 def paper_as_printed() -> dict[str, Any]:
     """Whether (41) holds with the paper's own A, weights, rho and L."""
-    return paper_cases()[0].quantities(PRINTED_LIPSCHITZ).theorem3.as_dict()
+    return theorem3(paper_cases()[0].quantities(PRINTED_LIPSCHITZ))
 
 
 HEADINGS = ("quantity", "where", "as printed", "printed A", "with (11)", "exact", "verdict")
@@ -467,9 +459,10 @@ _FORMULA = re.compile(
 
 def cells(row: Row) -> tuple[str, ...]:
     """One row as text: numbers with four significant digits, or a dash."""
-    numbers = (row.printed, row.printed_A, row.model_11, row.exact)
-    words = ("-" if number is None else f"{number:.4g}" for number in numbers)
-    return (row.name, row.equation, *words, row.verdict)
+    return tuple(
+        each if isinstance(each, str) else "-" if each is None else f"{each:.4g}"
+        for each in row.values()
+    )
 
 
 def numbers_table(rows: Sequence[Row]) -> Table:
@@ -480,7 +473,7 @@ def numbers_table(rows: Sequence[Row]) -> Table:
 
 def verdicts(rows: Sequence[Row]) -> list[str]:
     """The verdict on each row of the table, one line each: too long for a column."""
-    return [f"{count:3d}  {row.verdict}" for count, row in enumerate(rows, start=1)]
+    return [f"{count:3d}  {row['verdict']}" for count, row in enumerate(rows, start=1)]
 
 
 def _rendered(text: str) -> str:

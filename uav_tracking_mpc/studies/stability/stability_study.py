@@ -19,7 +19,6 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Callable
-from dataclasses import asdict
 from functools import partial
 from typing import Any
 
@@ -30,7 +29,7 @@ from matplotlib.figure import Figure
 from uav_tracking_mpc.report.atomic_write import json_text
 from uav_tracking_mpc.report.figure_style import BLACK, BLUE, GREEN, OTHERS, VERMILLION, drawing
 from uav_tracking_mpc.report.pages import Table
-from uav_tracking_mpc.studies.stability.analysis import Analysis, LevelBound, Say, analyse
+from uav_tracking_mpc.studies.stability.analysis import THEOREMS, Analysis, LevelBound, Say, analyse
 from uav_tracking_mpc.studies.stability.paper_report import (
     numbers_table,
     paper_as_printed,
@@ -70,8 +69,7 @@ def as_json(analysis: Analysis) -> dict[str, Any]:
         "certified": analysis.certified,
         "conditions": {
             "level": analysis.lipschitz["level"],
-            "theorem2": quantities.theorem2.as_dict(),
-            "theorem3": quantities.theorem3.as_dict(),
+            **{name: theorem(quantities) for name, theorem in THEOREMS.items()},
         },
         "varrho": {
             **{name: reach.proved for name, reach in reaches.items()},
@@ -86,7 +84,7 @@ def as_json(analysis: Analysis) -> dict[str, Any]:
         },
         "binding": analysis.binding,
         "lipschitz": analysis.lipschitz,
-        "quantities": asdict(quantities),
+        "quantities": quantities,
         "gain": analysis.ingredients.gain.tolist(),
         "weight": analysis.ingredients.weight.tolist(),
         "proofs": {
@@ -115,10 +113,12 @@ def as_words(analysis: Analysis) -> str:
         f"  L(varrho = {found['level']:.4g}) between {found['lower']:.4f} (attained) and "
         f"{upper:.4f} ({'proved' if math.isfinite(upper) else 'not proved: see --boxes'})",
     ]
-    for number, condition in ((2, analysis.quantities.theorem2), (3, analysis.quantities.theorem3)):
-        holds = "holds" if condition.holds else "does not hold"
+    for name, theorem in THEOREMS.items():
+        condition = theorem(analysis.quantities)
         lines.append(
-            f"  Theorem {number} there: {condition.left:.4f} against {condition.right:.4f}: {holds}"
+            "  Theorem {} there: {left:.4f} against {right:.4f}: {}".format(
+                name[-1], "holds" if condition["holds"] else "does not hold", **condition
+            )
         )
     lines += [
         _reach("(29) of Theorem 2", analysis.reaches["theorem2"]),
@@ -177,8 +177,7 @@ def ellipsoid_figure(problem: StabilityProblem, level: float) -> Figure:
             axes.plot(*edge, color=BLUE)
             axes.plot(paths[:, :, i], paths[:, :, j], lw=0.7, color=VERMILLION)
             axes.plot(paths[0, :, i], paths[0, :, j], "o", ms=3, color=VERMILLION)
-            axes.set_xlabel(f"error of {_label(first)}")
-            axes.set_ylabel(f"error of {_label(second)}")
+            axes.set(xlabel=f"error of {_label(first)}", ylabel=f"error of {_label(second)}")
         figure.suptitle(f"Terminal set at level {level:.4g}, and flights of the local controller")
         figure.tight_layout()
     return figure
@@ -205,8 +204,7 @@ def decrease_figure(problem: StabilityProblem, marks: dict[str, float], ceiling:
         axes.axhline(0.0, color=BLACK, lw=0.8)
         for colour, (name, level) in zip((VERMILLION, GREEN, *OTHERS), marks.items(), strict=False):
             axes.axvline(level, color=colour, lw=1.2, label=f"{name}: {level:.3g}")
-        axes.set_xlabel("level of the ellipsoid")
-        axes.set_ylabel("(change of V_f + stage cost) / V_f")
+        axes.set(xlabel="level of the ellipsoid", ylabel="(change of V_f + stage cost) / V_f")
         axes.legend()
         figure.tight_layout()
     return figure
@@ -244,9 +242,8 @@ def _draw_map(axes: Axes, found: Map) -> None:
     x, y = (found["marked"][COORDINATES[name]] for name in (second, first))
     colour, word = (GREEN, "feasible") if found["marked_feasible"] else (VERMILLION, "infeasible")
     axes.plot(x, y, "*", ms=14, color=colour, mec="white", mew=0.8, clip_on=False, zorder=3)
-    axes.set_title(f"N = {found['horizon']}: marked start {word}")
-    axes.set_xlabel(_label(second))
-    axes.set_ylabel(_label(first))
+    title = f"N = {found['horizon']}: marked start {word}"
+    axes.set(title=title, xlabel=_label(second), ylabel=_label(first))
 
 
 def _label(coordinate: str) -> str:
@@ -286,7 +283,7 @@ def stability_study(
     content = {
         **as_json(analysis),
         "paper_as_printed": paper_as_printed(),
-        "paper_report": [asdict(row) for row in rows],
+        "paper_report": list(rows),
     }
     words: list[str | Table] = [numbers_table(rows), *verdicts(rows), as_words(analysis)]
     figures: dict[str, Callable[[], Figure]] = {}
