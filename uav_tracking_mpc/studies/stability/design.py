@@ -35,6 +35,7 @@ from uav_tracking_mpc.studies.stability.proof import (
     limits,
     prove_direct_condition,
 )
+from uav_tracking_mpc.studies.stability.stability_campaign import local_flights
 from uav_tracking_mpc.studies.study import Study, plain
 from uav_tracking_mpc.terminal.ingredients import StabilityProblem, decrease_excess, directions
 
@@ -128,14 +129,12 @@ def _candidate(asked: StabilityProblem, scaling: float, input_factor: float) -> 
 
 def _cost(asked: StabilityProblem, gain: np.ndarray, steps: int = 120) -> float:
     """Mean cost of kappa_l in the weights asked for, from states common to all candidates."""
-    dynamics, parts = asked.dynamics(), asked.ingredients()
-    states = np.sqrt(0.5) * directions(parts.weight, 200, np.random.default_rng(0))
-    total = 0.0
-    for _ in range(steps):
-        u = states @ gain.T
-        total += float(np.einsum("ki,ij,kj->", states, asked.state_weight, states))
+    weight, total = asked.ingredients().weight, 0.0
+    states = np.sqrt(0.5) * directions(weight, 200, np.random.default_rng(0))
+    for x in local_flights(asked, gain, states, steps - 1):
+        u = x @ gain.T
+        total += float(np.einsum("ki,ij,kj->", x, asked.state_weight, x))
         total += float(np.einsum("ki,ij,kj->", u, asked.input_weight, u))
-        states = np.array(dynamics(states.T, u.T)).T
     return total / len(states) if np.isfinite(total) else float("inf")
 
 

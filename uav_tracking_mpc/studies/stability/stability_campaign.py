@@ -28,8 +28,9 @@ may leave and return: its cost stays below varrho all the same) and is counted a
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from itertools import islice
+from itertools import islice, pairwise
 from typing import IO, Any
 
 import numpy as np
@@ -199,31 +200,48 @@ def _result(law: str, flights: int, steps: int, largest: float, **counts: int) -
     }
 
 
+def local_flights(
+    problem: StabilityProblem, gain: NDArray[np.float64], states: NDArray[np.float64], steps: int
+) -> list[NDArray[np.float64]]:
+    """States under kappa_l: those of shape (count, 5), then those after each step.
+
+    Args:
+        problem: The configuration.
+        gain: K, shape (3, 5).
+        states: Where the flights begin.
+        steps: Of every flight.
+    """
+    dynamics, path = problem.dynamics(), [np.asarray(states, dtype=float)]
+    for _ in range(steps):
+        path.append(np.array(dynamics(path[-1].T, (path[-1] @ gain.T).T)).T)
+    return path
+
+
 def fly_local(
     problem: StabilityProblem, level: float, states: NDArray[np.float64], steps: int = 60
 ) -> dict[str, Any]:
     """Fly kappa_l from every state of shape (count, 5) for some steps, with varrho [-]."""
-    parts, dynamics = problem.ingredients(), problem.dynamics()
-    lower, upper = problem.deviation_bounds()
-    star = q_star(problem, parts.gain)
-    x = np.asarray(states, dtype=float)
-    count = len(x)
-    left, outside, rose = (np.zeros(count, dtype=bool) for _ in range(3))
-    height = np.einsum("ki,ij,kj->k", x, parts.weight, x)
-    largest = float(height.max())
-    for _ in range(steps):
-        u = x @ parts.gain.T
-        outside |= np.any((u < lower - 1e-12) | (u > upper + 1e-12), axis=1)
-        stage = np.einsum("ki,ij,kj->k", x, star, x)
-        x = np.array(dynamics(x.T, u.T)).T
-        following = np.einsum("ki,ij,kj->k", x, parts.weight, x)
+    parts, (lower, upper) = problem.ingredients(), problem.deviation_bounds()
+    path = local_flights(problem, parts.gain, states, steps)
+    inputs = np.array([x @ parts.gain.T for x in path[:-1]])
+    stages = _squares(path[:-1], q_star(problem, parts.gain))
+    heights = _squares(path, parts.weight)
+    happened = (
+        ~(heights[1:] <= level * (1.0 + 1e-12)),  # also where they are no numbers
+        np.any((inputs < lower - 1e-12) | (inputs > upper + 1e-12), axis=2),
         # Below a rounding floor there is no decrease left to see.
-        rose |= ~(following <= height - stage + 1e-12 * level)
-        left |= ~(following <= level * (1.0 + 1e-12))
-        height = following
-        largest = max(largest, float(height.max()))
-    counts = dict(zip(EXCLUDED, (int(each.sum()) for each in (left, outside, rose)), strict=False))
-    return _result("kappa_l", count, count * steps, largest / level, **counts, failures=0)
+        ~(heights[1:] <= heights[:-1] - stages + 1e-12 * level),
+    )
+    counts = {n: int(each.any(axis=0).sum()) for n, each in zip(EXCLUDED, happened, strict=False)}
+    count, largest = len(states), float(heights.max()) / level
+    return _result("kappa_l", count, count * steps, largest, **counts, failures=0)
+
+
+def _squares(
+    path: Sequence[NDArray[np.float64]], weight: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Of each state of each step x'Wx."""
+    return np.array([np.einsum("ki,ij,kj->k", x, weight, x) for x in path])
 
 
 def fly_nmpc(
@@ -263,22 +281,23 @@ def _fly_piece(
     solver = NewtonSolver(tracking_problem(problem, level))
     flights = []
     for start in states:
-        steps, height, cost = 0, 0.0, np.inf
-        outside = rose = failed = False
+        flown: list[Solution] = []
         for solution in islice(solutions(solver, start), step_limit):
-            steps += 1
-            failed = not solution.converged
-            if failed:
+            flown.append(solution)
+            if not solution.converged or solution.cost < 1e-6 * level:
                 break
+        good = [solution for solution in flown if solution.converged]
+        inputs = np.array([each.inputs[0] for each in good]).reshape(-1, len(lower))
+        following = [each.states[1] for each in good]
+        height = max((float(x @ weight @ x) for x in following), default=0.0)
+        happened = (
+            height > level * (1.0 + 1e-9),
+            bool(np.any((inputs < lower - 1e-9) | (inputs > upper + 1e-9))),
             # Solvers stop at a tolerance: allow it, not more.
-            rose |= bool(solution.cost > cost + 1e-7 * level)
-            cost, inputs, following = solution.cost, solution.inputs[0], solution.states[1]
-            outside |= bool(np.any((inputs < lower - 1e-9) | (inputs > upper + 1e-9)))
-            height = max(height, float(following @ weight @ following))
-            if cost < 1e-6 * level:
-                break
-        happened = (height > level * (1.0 + 1e-9), outside, rose, failed)
+            any(after.cost > before.cost + 1e-7 * level for before, after in pairwise(good)),
+            len(good) < len(flown),
+        )
         flights.append(
-            {"steps": steps, "height": height, **dict(zip(EXCLUDED, happened, strict=True))}
+            {"steps": len(flown), "height": height, **dict(zip(EXCLUDED, happened, strict=True))}
         )
     return flights

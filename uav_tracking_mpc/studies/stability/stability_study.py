@@ -45,6 +45,7 @@ from uav_tracking_mpc.studies.stability.stability_campaign import (
     default_slices,
     fly_local,
     fly_nmpc,
+    local_flights,
     random_states,
     save_maps,
 )
@@ -157,14 +158,10 @@ def ellipsoid_figure(problem: StabilityProblem, level: float) -> Figure:
         problem: The configuration.
         level: varrho [-].
     """
-    parts, dynamics = problem.ingredients(), problem.dynamics()
+    parts = problem.ingredients()
     inverse = np.linalg.inv(parts.weight)
     states = np.sqrt(level) * directions(parts.weight, 12, np.random.default_rng(3))
-    flights = [states]
-    for _ in range(60):
-        states = np.array(dynamics(states.T, (states @ parts.gain.T).T)).T
-        flights.append(states)
-    paths = np.array(flights)
+    paths = np.array(local_flights(problem, parts.gain, states, 60))
     turn = np.linspace(0.0, 2.0 * np.pi, 200)
     circle = np.stack([np.cos(turn), np.sin(turn)])
     with drawing(11.0, 3.8) as figure:
