@@ -22,7 +22,7 @@ from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
-from uav_tracking_mpc.autopilot.stepped_autopilot import SteppedAutopilot
+from uav_tracking_mpc.autopilot.simulated_autopilot import SteppedAutopilot
 from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.estimation.measurement import MeasurementError
