@@ -19,7 +19,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -43,7 +43,6 @@ from uav_tracking_mpc.cli.program import answer
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from uav_tracking_mpc.launch.node_process import PageProcess
     from uav_tracking_mpc.settings.configuration import Configuration
 
 HELP = "fly a mission with real ROS 2 nodes, record and report"
@@ -106,7 +105,7 @@ def run(arguments: argparse.Namespace) -> int:
     number: int | None = None
     died: BrokenFlightError | None = None
     with ExitStack() as stack:
-        page = (
+        stay = (
             stack.enter_context(_page(arguments, page_words, console)) if arguments.view else None
         )
         try:
@@ -126,17 +125,17 @@ def run(arguments: argparse.Namespace) -> int:
         code = _reported(configuration, arguments, bag, number, died is None)
         if died is not None:
             raise died
-        if page is not None and number is None:
-            page.stay()
+        if stay is not None and number is None:
+            stay()
     return code
 
 
 @contextmanager
 def _page(
     arguments: argparse.Namespace, words: Sequence[str], console: Console
-) -> Iterator[PageProcess]:
-    """A page of the domain in which is flown from now on."""
-    from uav_tracking_mpc.launch.node_process import page_process
+) -> Iterator[Callable[[], None]]:
+    """A page of the domain in which is flown from now on; yields what waits for its end."""
+    from uav_tracking_mpc.launch.flight import page_process
     from uav_tracking_mpc.launch.supervisor import own_domain
     from uav_tracking_mpc.nodes.ros.ros_environment import exported_domain
 
@@ -145,8 +144,8 @@ def _page(
     with own_domain(asked) as domain:
         if asked is None:
             arguments.domain_id = domain
-        with page_process(domain, words, console) as page:
-            yield page
+        with page_process(domain, words, console) as stay:
+            yield stay
 
 
 def _reported(
@@ -188,7 +187,7 @@ def _inspected(
     configuration: Configuration, arguments: argparse.Namespace, console: Console, stack: ExitStack
 ) -> Configuration:
     """Look at the autopilot, a simulated one on the stack; what is flown has its limits."""
-    from uav_tracking_mpc.launch.node_process import autopilot_process
+    from uav_tracking_mpc.launch.flight import autopilot_process
     from uav_tracking_mpc.launch.preflight import preflight, refuse
 
     if arguments.simulated:
