@@ -26,18 +26,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    pass
-
-
-if TYPE_CHECKING:
     from uav_tracking_mpc.launch.preflight import Preflight
-    from uav_tracking_mpc.settings.configuration import Configuration
-
-
-if TYPE_CHECKING:
     from uav_tracking_mpc.parameters.specification import Specification
     from uav_tracking_mpc.settings.configuration import Configuration
-
 
 DOMAIN_WORDS = (
     "ROS domain to fly in (default: ROS_DOMAIN_ID where it is exported, else one that no other "

@@ -23,14 +23,11 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING
 
+from uav_tracking_mpc.cli.options import number
+
 if TYPE_CHECKING:
     from uav_tracking_mpc.view.page import Page
     from uav_tracking_mpc.view.watched_flight import FlightSource
-if TYPE_CHECKING:
-    pass
-if TYPE_CHECKING:
-    pass
-from uav_tracking_mpc.cli.options import number
 
 
 def add_page_arguments(parser: argparse.ArgumentParser) -> None:
