@@ -40,7 +40,7 @@ test: $(VENV)/test
 	$(PYTEST) -m "alone and not long" $$(grep -lr --include='test_*.py' mark.alone test)
 
 together: $(VENV)/test
-	$(PYTEST) -m "not alone and not long" -n $(WORKERS) --dist loadfile --no-loadscope-reorder
+	$(PYTEST) -m "not alone and not long" -n $(WORKERS) --dist loadfile
 
 test-long: $(VENV)/test
 	$(PYTEST) --hypothesis-profile=full -m "not nodes and not browser" -n 2 --dist loadfile
@@ -63,6 +63,7 @@ lint: $(VENV)/test
 
 docs: $(VENV)/docs
 	$(CLEAN) $(BIN)/python -m uav_tracking_mpc.nodes.ros.node_reference $(REFERENCE)
+	$(CLEAN) $(BIN)/python test/constants.py
 	$(CLEAN) $(BIN)/python -m sphinx -b html -q -W --keep-going -n -j auto docs docs/_build
 	@echo "Read docs/_build/index.html."
 

@@ -18,6 +18,7 @@ import re
 from pathlib import Path
 
 import pytest
+from constants import PACKAGE, constants, of_source
 
 from uav_tracking_mpc.cli.main import main
 from uav_tracking_mpc.nodes.ros.node_reference import tables, with_tables
@@ -41,6 +42,27 @@ def test_tables_are_those_of_the_code():
 def test_a_text_without_a_place_is_refused():
     with pytest.raises(ValueError, match="no place for the table 'topics'"):
         with_tables("")
+
+
+def test_every_number_with_a_name_is_a_constant():
+    listed = {constant.key for constant in constants()}
+    for path in sorted(PACKAGE.rglob("*.py")):
+        name = str(path.relative_to(PACKAGE))
+        if not re.match("estimation/|control/adaptation|mpc/newton/stage", name):
+            for found in re.findall(r"^([A-Z_][A-Z_\d]*)(?:: .*)? = -?\d", path.read_text(), re.M):
+                assert f"{name} {found}" in listed
+
+
+def test_every_constant_has_a_unit_or_a_kind():
+    assert [constant.key for constant in constants() if not constant.kind] == []
+
+
+def test_comments_of_constants_are_read():
+    code = "WAIT, SHARE = 2, 0.5  # s, -: of both\n\n# bits of a mask\nMASK = 0b11\nWORD = 'x'"
+    read = [(c.name, c.unit, c.kind) for c in of_source("control/x.py", code)]
+    assert read == [("WAIT", "s", "time"), ("SHARE", "-", "ratio"), ("MASK", "", "code")]
+    assert [c.kind for c in of_source("control/x.py", "BARE = 3.0")] == [""]
+    assert [c.kind for c in of_source("view/x.py", "BARE = 3.0")] == ["display"]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))

@@ -22,7 +22,7 @@ import small_uav
 from hypothesis import given
 from hypothesis import strategies as st
 
-from uav_tracking_mpc.control.commanded_path import CommandPaths, PathPlanner
+from uav_tracking_mpc.control.commanded_path import CommandPaths
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics import vehicle
@@ -44,7 +44,7 @@ def plan(count, seed=0):
 @pytest.mark.parametrize("count", [1, 2, 20])
 def test_without_a_lag_it_is_the_vehicles_motion_in_moving_air(count):
     inputs = plan(count)
-    path = PathPlanner().path(START, RATES, WIND, inputs, STEP, AT_ONCE, AT_ONCE)
+    path = CommandPaths().planned(START, RATES, WIND, inputs, STEP, AT_ONCE, AT_ONCE)
     state, drift = START, np.zeros(3)
     for stage in range(count + 1):
         found = path.states[stage]
@@ -60,7 +60,7 @@ def test_without_a_lag_it_is_the_vehicles_motion_in_moving_air(count):
 def test_lag_and_dead_time_are_flown_through():
     lags, dead_times = np.array([0.3, 0.13, 0.0]), np.array([0.17, 0.2, 0.6])
     inputs, fine = plan(8), 1000
-    path = PathPlanner().path(START, RATES, WIND, inputs, STEP, lags, dead_times)
+    path = CommandPaths().planned(START, RATES, WIND, inputs, STEP, lags, dead_times)
     state, rates, position = START[3:].copy(), RATES.copy(), START[:3].copy()
     small = STEP / fine
     for tick in range(len(inputs) * fine):
@@ -81,31 +81,33 @@ def test_lag_and_dead_time_are_flown_through():
 
 def test_velocities_are_the_slope_of_the_positions():
     lags = np.full(3, 0.3)
-    path = PathPlanner().path(START, RATES, WIND, plan(40), 0.02, lags, AT_ONCE)
+    path = CommandPaths().planned(START, RATES, WIND, plan(40), 0.02, lags, AT_ONCE)
     slopes = (path.states[2:, :3] - path.states[:-2, :3]) / 0.04
     np.testing.assert_allclose(path.ground_velocities[1:-1], slopes, atol=0.02)
 
 
 def test_it_begins_where_the_aircraft_is_and_as_it_flies():
-    path = PathPlanner().path(START, RATES, WIND, plan(5), STEP, np.ones(3), np.ones(3))
+    path = CommandPaths().planned(START, RATES, WIND, plan(5), STEP, np.ones(3), np.ones(3))
     np.testing.assert_array_equal(path.states[0], START)
     np.testing.assert_allclose(path.ground_velocities[0], vehicle.velocity(START) + WIND)
 
 
 def test_one_planner_takes_plans_of_any_form():
-    planner = PathPlanner()
+    planner = CommandPaths()
     for count, step, lag in ((5, 0.5, 0.0), (1, 1.0, 0.3), (5, 0.5, 0.0), (5, 0.4, 0.2)):
         arguments = START, RATES, WIND, plan(count), step, np.full(3, lag), AT_ONCE
-        first, alone = planner.path(*arguments), PathPlanner().path(*arguments)
+        first, alone = planner.planned(*arguments), CommandPaths().planned(*arguments)
         np.testing.assert_array_equal(first.states, alone.states)
-        again = planner.path(START + 1.0, *arguments[1:])
+        again = planner.planned(START + 1.0, *arguments[1:])
         assert not np.array_equal(again.states, first.states)  # what was given out stays
         np.testing.assert_array_equal(first.states, alone.states)
 
 
 @given(st.lists(st.tuples(*[st.floats(-10.0, 10.0)] * 3), min_size=1, max_size=30))
 def test_of_finite_inputs_it_is_finite(inputs):
-    path = PathPlanner().path(START, RATES, WIND, np.array(inputs), 1.0, np.full(3, 1e-9), AT_ONCE)
+    path = CommandPaths().planned(
+        START, RATES, WIND, np.array(inputs), 1.0, np.full(3, 1e-9), AT_ONCE
+    )
     assert np.isfinite(path.states).all()
     assert np.isfinite(path.ground_velocities).all()
 

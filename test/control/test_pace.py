@@ -16,7 +16,7 @@
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.control.pace import Pace, RateKeeper
+from uav_tracking_mpc.control.controller import Pace
 
 
 @pytest.mark.parametrize(
@@ -46,18 +46,18 @@ def test_where_time_went_back_the_next_state_is_due():
 def test_another_rate_counts_from_the_command_before():
     pace = Pace(1.0)
     assert pace.due(10.0)
-    pace.period = 0.1
+    pace.rate = 10.0
     assert not pace.due(10.05)
     assert pace.due(10.1)
 
 
 def kept(states, commands, seconds=8.0):
     """A keeper of 10 Hz that has seen states and commands at rates in [Hz]."""
-    keeper = RateKeeper(10.0)
+    keeper = Pace(10.0)
     for time in np.arange(0.0, seconds, 1.0 / states):
         keeper.state(time)
     for time in np.arange(0.0, seconds, 1.0 / commands):
-        keeper.command(time)
+        keeper.sent(time)
     return keeper
 
 
@@ -80,11 +80,11 @@ def test_a_complaint_names_both_rates(states, commands, words):
 
 def test_periods_without_a_command_are_counted():
     keeper = kept(20.0, 10.0, 1.0)  # the last command at 0.9 s
-    keeper.command(1.3)
+    keeper.sent(1.3)
     assert (keeper.missed, keeper.late) == (3, 1)
 
 
-@pytest.mark.parametrize("again", [RateKeeper.reset, lambda keeper: keeper.command(-50.0)])
+@pytest.mark.parametrize("again", [Pace.reset, lambda keeper: keeper.sent(-50.0)])
 def test_when_time_begins_anew_nothing_is_known(again):
     keeper = kept(20.0, 5.0)
     again(keeper)
@@ -98,7 +98,7 @@ def opinions(keeper, rates, begin=0.0):
         end = time + seconds
         while time < end:
             keeper.state(time)
-            keeper.command(time)
+            keeper.sent(time)
             heard.append(bool(keeper.complaint()))
             time += 1.0 / rate
     return heard
@@ -110,12 +110,12 @@ def changes(heard):
 
 def test_a_rate_that_wavers_about_the_least_one_is_one_complaint():
     """A loaded machine: between 8.6 and 9.6 Hz of 10, each for a second."""
-    heard = opinions(RateKeeper(10.0), [(8.6, 1.0), (9.6, 1.0)] * 20)
+    heard = opinions(Pace(10.0), [(8.6, 1.0), (9.6, 1.0)] * 20)
     assert changes(heard) <= 1
 
 
 def test_missed_and_kept_again_are_each_said_once_and_late():
-    heard = opinions(RateKeeper(10.0), [(10.0, 5.0), (5.0, 8.0), (10.0, 8.0)])
+    heard = opinions(Pace(10.0), [(10.0, 5.0), (5.0, 8.0), (10.0, 8.0)])
     assert changes(heard) == 2
     assert not heard[-1]
     begin, end = heard.index(True), len(heard) - heard[::-1].index(True)
@@ -124,5 +124,5 @@ def test_missed_and_kept_again_are_each_said_once_and_late():
 
 
 def test_a_short_lapse_is_no_complaint():
-    heard = opinions(RateKeeper(10.0), [(10.0, 5.0), (5.0, 1.0), (10.0, 5.0)])
+    heard = opinions(Pace(10.0), [(10.0, 5.0), (5.0, 1.0), (10.0, 5.0)])
     assert not any(heard)

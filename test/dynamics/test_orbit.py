@@ -176,6 +176,8 @@ def test_that_is_the_wanted_one_in_the_map(direction: str, sign: float) -> None:
 
 
 def test_another_shape_replaces_the_wanted_one() -> None:
-    flown = orbit_about(TARGET, VELOCITY, Orbit(50.0, 30.0, 12.0), shape=(100.0, 60.0, 15.0))
+    flown = orbit_about(
+        TARGET, VELOCITY, Orbit(50.0, 30.0, 12.0), shape=np.array([100.0, 60.0, 15.0])
+    )
     assert flown.centre[2] == pytest.approx(65.0)
     assert (flown.radius, flown.airspeed) == (pytest.approx(-80.0), 15.0)

@@ -36,6 +36,10 @@ def measured(time, ground_velocity=(0.0, 0.0, 0.0), rates=(0.0, 0.0), vehicle=VE
     return Measurement(time, vehicle[:3], ground_velocity, heading, path_angle, *rates, airspeed)
 
 
+def estimated(navigator, measurement):
+    return navigator.estimate(measurement, navigator.air.vehicle_state(measurement))
+
+
 def seen(parameters, until=6.0, start=(5.0, -3.0, 2.0), run=(0.0, 0.0, 0.0)):
     """Navigator that has seen a target in straight flight, 10 positions a second."""
     navigator = Navigator(parameters)
@@ -48,7 +52,7 @@ def test_the_drift_is_the_wind_triangle_less_the_targets_velocity():
     wind, run = np.array([6.0, -4.0, 0.5]), np.array([3.0, 2.0, 0.0])
     navigator = seen(FLIGHT, run=run)
     air = 22.0 * np.array([np.cos(0.05) * np.cos(2.0), np.cos(0.05) * np.sin(2.0), np.sin(0.05)])
-    now = navigator.estimate(measured(6.0, air + wind, (0.2, -0.1))).present
+    now = estimated(navigator, measured(6.0, air + wind, (0.2, -0.1))).present
     estimate = navigator.target.predict(6.0)
     np.testing.assert_allclose(now.drift, wind - estimate.velocity, atol=1e-12)
     np.testing.assert_allclose(now.drift, wind - run, atol=0.05)
@@ -61,11 +65,11 @@ def test_the_drift_is_the_wind_triangle_less_the_targets_velocity():
 def test_without_a_target_there_is_no_situation():
     navigator = Navigator(FLIGHT)
     with pytest.raises(ValueError, match="no target position"):
-        navigator.estimate(measured(0.0))
+        estimated(navigator, measured(0.0))
     navigator = seen(FLIGHT)
     navigator.reset()
     with pytest.raises(ValueError, match="no target position"):
-        navigator.estimate(measured(6.0))
+        estimated(navigator, measured(6.0))
 
 
 class Flight:
@@ -109,7 +113,7 @@ class Flight:
         return estimate
 
     def estimate(self):
-        return self.navigator.estimate(replace(self.plant.measured(), stamp=self.time))
+        return estimated(self.navigator, replace(self.plant.measured(), stamp=self.time))
 
 
 def test_the_acceleration_flown_is_told_from_the_commands():
@@ -159,10 +163,10 @@ def test_a_command_is_computed_for_where_the_aircraft_is_when_it_takes_effect(
 
 def test_latency_adds_to_the_dead_time_within_limits():
     navigator = seen(FLIGHT, run=(3.0, 0.0, 0.0))
-    begin = navigator.estimate(measured(6.0)).forecast.target[0, 0]
+    begin = estimated(navigator, measured(6.0)).forecast.target[0, 0]
     for latency, counted in ((0.1, 0.1), (-1.0, 0.0), (1e9, LATENCY_LIMIT), (1e-12, 0.0)):
         navigator.latency = latency
-        _, later, forecast = navigator.estimate(measured(6.0))
+        _, later, forecast = estimated(navigator, measured(6.0))
         assert forecast.target[0, 0] - begin == pytest.approx(3.0 * counted, abs=0.01)
         np.testing.assert_array_equal(later.target, forecast.target[0])
 
@@ -172,7 +176,7 @@ def test_the_forecast_follows_target_and_drift_from_the_effect_on():
     navigator = seen(FLIGHT, run=run)
     air = VEHICLE[5] * np.array([np.cos(0.05) * np.cos(2.0), np.cos(0.05) * np.sin(2.0), 0.0])
     air[2] = VEHICLE[5] * np.sin(0.05)
-    forecast = navigator.estimate(measured(6.0, air + wind)).forecast
+    forecast = estimated(navigator, measured(6.0, air + wind)).forecast
     times = 6.0 + 0.2 + FLIGHT.horizon_step * np.arange(FLIGHT.horizon + 1)
     expected = np.array([5.0, -3.0, 2.0]) + times[:, np.newaxis] * run
     np.testing.assert_allclose(forecast.target, expected, atol=0.3)
@@ -183,7 +187,7 @@ def test_the_forecast_follows_target_and_drift_from_the_effect_on():
 def test_without_delay_the_situation_is_as_measured():
     parameters = replace(FLIGHT, dead_time=(0.0, 0.0, 0.0))
     navigator = seen(parameters)
-    now, later, forecast = navigator.estimate(measured(6.0))
+    now, later, forecast = estimated(navigator, measured(6.0))
     assert later is now
     assert forecast.target.shape == (FLIGHT.horizon + 1, 3)
 
@@ -198,7 +202,7 @@ def test_a_change_keeps_what_is_known_of_the_target():
 def test_a_latency_of_next_to_nothing_is_flown_through():
     navigator = seen(replace(FLIGHT, dead_time=(0.0, 0.0, 0.0)))
     navigator.latency = 1e-12
-    now, later, _ = navigator.estimate(measured(6.0))
+    now, later, _ = estimated(navigator, measured(6.0))
     np.testing.assert_allclose(later.offset, now.offset, atol=1e-9)
 
 
@@ -214,16 +218,16 @@ def test_without_air_data_the_velocity_over_ground_counts():
     navigator = seen(FLIGHT)
     velocity = np.array([-3.0, 4.0, 0.0])
     blind = replace(measured(6.0, velocity), airspeed=None)
-    present = navigator.estimate(blind).present
+    present = estimated(navigator, blind).present
     assert present.airspeed == pytest.approx(5.0)
     assert present.heading == pytest.approx(np.arctan2(4.0, -3.0))
     assert navigator.air.missing
     np.testing.assert_allclose(navigator.wind, 0.0, atol=1e-12)
     navigator.air.see(6.0 - FLIGHT.state_timeout, 21.0)
-    assert navigator.estimate(blind).present.airspeed == 21.0
+    assert estimated(navigator, blind).present.airspeed == 21.0
     assert not navigator.air.missing
     navigator.air.see(6.0 - FLIGHT.state_timeout - 1e-3, 21.0)
-    assert navigator.estimate(blind).present.airspeed == pytest.approx(5.0)
+    assert estimated(navigator, blind).present.airspeed == pytest.approx(5.0)
 
 
 def flight_in_air(overrides, until=60.0, scenario="crosswind"):
@@ -236,7 +240,7 @@ def flight_in_air(overrides, until=60.0, scenario="crosswind"):
     for tick in range(round(until / TICK)):
         time = plant.time = tick * TICK
         navigator.target.update(time, np.zeros(3))
-        estimate = navigator.estimate(plant.measured())
+        estimate = estimated(navigator, plant.measured())
         found.append((estimate, plant.truth, plant.wind))
         plan = np.array([[0.12, 0.02 * np.sin(0.3 * time), 0.2 * np.sin(0.5 * time)]])
         navigator.commanded(time, 0.0, plan, 0.5)

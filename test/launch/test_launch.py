@@ -219,7 +219,10 @@ def launcher():
             break
     process.nodes = nodes_of(process.pid)
     assert set(process.nodes) == {"uav_simulator", "target_publisher", "nmpc_controller"}
-    process.files = set().union(*(mapped(node) for node in process.nodes.values()))
+    own = {str(process.pid), *map(str, process.nodes.values())}
+    others = {path.name for path in Path("/proc").glob("[0-9]*")} - own
+    shared = set().union(*map(mapped, others))  # by all domains
+    process.files = set().union(*map(mapped, own)) - shared
     assert process.files or sys.platform != "linux"
     rests = SharedMemoryFiles()
     rests.note(process.nodes.values())

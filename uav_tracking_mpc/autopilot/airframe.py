@@ -55,7 +55,7 @@ from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.simulation.plants import Plant, plant_named
 
-STEEPEST = math.radians(80.0)  # up to which the load factor grows
+STEEPEST = math.radians(80.0)  # rad, up to which the load factor grows
 
 
 class Engine(NamedTuple):
@@ -111,11 +111,11 @@ class Engine(NamedTuple):
         return faster + self.load_energy / GRAVITY * (load - 1.0)
 
 
-LIFT_AT_ZERO, LIFT_SLOPE, CRUISE_LIFT = 0.23, 5.61, 0.5  # C_L0, C_Lalpha [1/rad], C_L at cruise
+LIFT_AT_ZERO, LIFT_SLOPE, CRUISE_LIFT = 0.23, 5.61, 0.5  # -, 1/rad, -: C_L0, C_L_alpha, cruise
 STALL = 0.25  # rad, beyond which no angle of attack is told
 WIND_MEMORY = 5.0  # s, over which the estimator averages the wind
 RUN_ACCELERATION = 4.0  # m/s^2 along the runway
-ROTATION = 1.2  # of the least airspeed: where it leaves the ground
+ROTATION = 1.2  # -, of the least airspeed: where it leaves the ground
 
 
 class FlightState(NamedTuple):

@@ -44,7 +44,7 @@ from uav_tracking_mpc.settings.configuration import Configuration
 
 LOITER_RADIUS = 60  # m, WP_LOITER_RAD where the aircraft is slow enough for it
 
-# SRx_POSITION, _EXTRA1 to _EXTRA3, _EXT_STAT as ground stations set them, in Hz
+# Hz, SRx_POSITION, _EXTRA1 to _EXTRA3, _EXT_STAT as ground stations set them
 STREAM_RATES = {
     "GLOBAL_POSITION_INT": 4.0, "ATTITUDE": 10.0, "VFR_HUD": 10.0,
     "WIND": 4.0, "EKF_STATUS_REPORT": 4.0, "SYS_STATUS": 4.0,
@@ -130,7 +130,7 @@ STALE_ALTITUDE = 0.1  # s for which a new guided point leaves TECS with the alti
 AT_ONCE = 1000.0  # m/s or m/s^2: what a rate of 0 stands for, P/GCS_MAVLink_Plane.cpp
 TECS_PERIOD = 0.1  # s, of the 10 Hz at which guided altitudes are led on
 ATTITUDE_BIT, THROTTLE_BIT = 0b10000000, 0b01000000  # of type_mask
-AXIS_BITS = {"roll": 0b001, "pitch": 0b010, "yaw": 0b100}
+AXIS_BITS = {"roll": 0b001, "pitch": 0b010, "yaw": 0b100}  # bits of type_mask
 
 
 class Guided:
@@ -212,13 +212,13 @@ class Guided:
         return min(max(wanted, before - step), before + step)
 
 
-LEAST_LOAD_LIMIT = math.radians(25.0)  # P/Attitude.cpp, apply_load_factor_roll_limits
-STEEPEST = math.radians(80.0)  # up to which the load factor of a bank is told
+LEAST_LOAD_LIMIT = math.radians(25.0)  # rad, P/Attitude.cpp, apply_load_factor_roll_limits
+STEEPEST = math.radians(80.0)  # rad, up to which the load factor of a bank is told
 PITCH_LAG = 0.5  # s, PTCH2SRV_TCONST
 CLIMB_LAG = 1.0  # s, in which the climb rate follows that of TECS
-SPEED_TYPE_AIRSPEED = 0
-REPOSITION_CHANGES_MODE = 1  # MAV_DO_REPOSITION_FLAGS_CHANGE_MODE
-FORCED_ARMING = 2989.0  # P/AP_Arming.cpp: magic value of MAV_CMD_COMPONENT_ARM_DISARM
+SPEED_TYPE_AIRSPEED = 0  # code of DO_CHANGE_SPEED
+REPOSITION_CHANGES_MODE = 1  # flag MAV_DO_REPOSITION_FLAGS_CHANGE_MODE
+FORCED_ARMING = 2989.0  # code of MAV_CMD_COMPONENT_ARM_DISARM, P/AP_Arming.cpp
 
 
 class ArduPlane(AutopilotCore):

@@ -36,7 +36,7 @@ TEXT_LENGTH = 50  # letters of STATUSTEXT
 Cmd, Frame, Result = values_of("MAV_CMD"), values_of("MAV_FRAME"), values_of("MAV_RESULT")
 Severity, SystemState = values_of("MAV_SEVERITY"), values_of("MAV_STATE")
 BaseMode = values_of("MAV_MODE_FLAG")
-LARGEST = 2**31 - 1  # of the integers that PARAM_VALUE can hold
+LARGEST = 2**31 - 1  # code, of the integers that PARAM_VALUE can hold
 
 
 class OnboardParameters:
@@ -87,7 +87,7 @@ class OnboardParameters:
         return True
 
 
-LOITER_BANK = math.radians(30.0)  # with which a loiter is flown in still air, at most
+LOITER_BANK = math.radians(30.0)  # rad, with which a loiter is flown in still air, at most
 
 
 class VehicleNumbers(NamedTuple):

@@ -31,7 +31,7 @@ from uav_tracking_mpc.limits.envelope import Envelope
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 
 LEAST_RADIUS, GREATEST_RADIUS = 1.0, 1e6  # m
-LEAST_PERIOD = 1.0  # s
+LEAST_PERIOD = 1.0  # s, of the L1 law
 
 
 class Loiter(NamedTuple):
@@ -56,7 +56,7 @@ DRIFT_TIME = 5.0  # s, in which the path angle comes back to that of the pitch
 TICK = 0.01  # s: 100 Hz, above the 50 Hz at which ArduPlane runs its main loop by default
 
 
-STEEPEST = math.radians(80.0)  # bank that no parameter may allow
+STEEPEST = math.radians(80.0)  # rad, bank that no parameter may allow
 
 
 class Demand(NamedTuple):

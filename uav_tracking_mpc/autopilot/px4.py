@@ -44,7 +44,7 @@ from uav_tracking_mpc.links.px4 import DEFAULTS
 from uav_tracking_mpc.settings.configuration import Configuration
 
 LOITER_RADIUS = 80  # m, NAV_LOITER_RAD where the aircraft is slow enough for it
-# mavlink_main.cpp, configure_streams_to_default, MAVLINK_MODE_ONBOARD, in Hz
+# Hz, mavlink_main.cpp, configure_streams_to_default, MAVLINK_MODE_ONBOARD
 STREAM_RATES = {
     "GLOBAL_POSITION_INT": 50.0, "ATTITUDE": 100.0, "VFR_HUD": 10.0,
     "WIND_COV": 10.0, "ESTIMATOR_STATUS": 1.0, "SYS_STATUS": 5.0,
@@ -129,10 +129,10 @@ def px4_parameters(configuration: Configuration, density_factor: float) -> dict[
 
 SLOWEST_STREAM = 0.5  # s between set-points, 2 Hz: documentation of the mode Offboard
 CLIMB_LAG = 1.0  # s, in which the climb rate follows that of TECS
-STEEPEST = math.radians(80.0)  # fw_yaw_controller.cpp: bank that a turn is made of
+STEEPEST = math.radians(80.0)  # rad, fw_yaw_controller.cpp: bank that a turn is made of
 ATTITUDE_BIT, THROTTLE_BIT, RATE_BITS = 0b10000000, 0b01000000, 0b00000011  # of type_mask
-AUTO, MAIN_SHIFT, SUB_SHIFT = 4, 16, 24  # px4_custom_mode.h
-SPEED_TYPE_AIRSPEED = 0
+AUTO, MAIN_SHIFT, SUB_SHIFT = 4, 16, 24  # code and shifts by bits, px4_custom_mode.h
+SPEED_TYPE_AIRSPEED = 0  # code of DO_CHANGE_SPEED
 BY_STICKS = ("MANUAL", "STABILIZED", "ALTCTL", "POSCTL")
 
 

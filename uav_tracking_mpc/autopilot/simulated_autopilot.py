@@ -52,7 +52,7 @@ from uav_tracking_mpc.settings.simulator import TargetParameters
 from uav_tracking_mpc.simulation.motions import motion_of
 
 RATES = {"HEARTBEAT": 1.0, "GLOBAL_POSITION_INT": 5.0}  # Hz
-MODE_GUIDED_ARMED = 217  # base_mode
+MODE_GUIDED_ARMED = 217  # bits of base_mode
 
 
 class GroundVehicle:

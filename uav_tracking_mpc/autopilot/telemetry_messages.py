@@ -29,7 +29,7 @@ from uav_tracking_mpc.autopilot.autopilot_core import AutopilotCore
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.links.mavlink.dialect import CURRENT_MODE, mavlink
 
-ROUNDING = 1e-6  # s
+ROUNDING = 1e-6  # s, rounding of times
 
 
 class MessageRates:
@@ -78,15 +78,15 @@ class MessageRates:
 
 Builder = Callable[[AutopilotCore], Any]
 
-# gyro, accelerometer, magnetometer, absolute and differential pressure, GPS, AHRS, logging
 ONLY_PLACE = 0xFFF8  # type_mask
+# bits of gyro, accelerometer, magnetometer, absolute and differential pressure, GPS, AHRS, logging.
 SENSORS = 0b11111 | 1 << 5 | 1 << 21
-GOOD_FLAGS = 0b111111  # attitude, velocities, horizontal positions, vertical position
-GOOD_RATIO = 0.1  # of an innovation to its gate
-GPS_FIX_3D, SATELLITES = 3, 12
-GPS_ACCURACY = 900, 1500, 200  # mm, mm, mm/s: horizontal, vertical, of the velocity
-UNKNOWN = 65535  # of an unsigned field of 16 bits
-IN_AIR, ON_GROUND = 2, 1  # MAV_LANDED_STATE
+GOOD_FLAGS = 0b111111  # bits: attitude, velocities, horizontal positions, vertical position
+GOOD_RATIO = 0.1  # -, of an innovation to its gate
+GPS_FIX_3D, SATELLITES = 3, 12  # code of the fix, and how many
+GPS_ACCURACY = 900, 1500, 200  # mm, mm, mm/s: accuracy horizontal, vertical, of the velocity
+UNKNOWN = 65535  # code of an unsigned field of 16 bits
+IN_AIR, ON_GROUND = 2, 1  # codes of MAV_LANDED_STATE
 
 
 def milliseconds(core: AutopilotCore) -> int:

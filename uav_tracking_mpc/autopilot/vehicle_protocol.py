@@ -33,8 +33,8 @@ from uav_tracking_mpc.autopilot.flight_loops import TICK
 from uav_tracking_mpc.autopilot.telemetry_messages import BUILDERS, IDS, MessageRates
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 
-COMPONENT = 1  # MAV_COMP_ID_AUTOPILOT1
-DEGREE = 1e-7  # deg of latitude and longitude on the wire
+COMPONENT = 1  # code MAV_COMP_ID_AUTOPILOT1
+DEGREE = 1e-7  # deg, code: unit of latitude and longitude on the wire
 TARGETED = ("target_system", "target_component")
 
 

@@ -45,7 +45,7 @@ from uav_tracking_mpc.parameters.specification import ParameterError
 if TYPE_CHECKING:
     from uav_tracking_mpc.autopilot.simulated_autopilot import WiredAutopilot
 
-STRANGER = 77  # MAVLink system of the other vehicle
+STRANGER = 77  # code: MAVLink system of the other vehicle
 
 
 class AutopilotFault(StreamRule):

@@ -33,7 +33,7 @@ DESCRIPTION = (
 
 NODES_OVERRIDES = ("nmpc_controller.control_rate=50.0", "uav_simulator.state_rate=50.0")
 NODES_TIME = {False: 60.0, True: 10.0}  # s, with and without --quick
-VIEWED_AIRCRAFT = (1, 3)
+VIEWED_AIRCRAFT = (1, 3)  # how many are timed
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

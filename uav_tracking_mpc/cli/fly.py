@@ -56,7 +56,7 @@ DESCRIPTION = (
 )
 BAG = "mission.mcap"
 RECORD = "controller.jsonl"
-NOT_SETTLED = 3  # exit code
+NOT_SETTLED = 3  # exit code: some error did not settle
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -15,7 +15,7 @@
 """The controller, from a measurement to a command, and its fallback modes.
 
 ===================  ===================================================================
-``controller``       the whole control step
+``controller``       the whole control step, and when a command is due
 ``guidance``         what the parameters ask for: an optimal control problem, or a law
 ``fallback``         the modes from the optimal plan down to silence, and their choice
 ``command_shaping``  commands inside their limits, without jumps, and the test signal
@@ -24,7 +24,6 @@
 ``adaptation``       flies by the response that the aircraft shows
 ``watches``          tells limit cycles, and another orbit than the one asked for
 ``event``            what it reports
-``pace``             when a command is due, and whether the control rate is kept
 ``record``           what a controller was given, to be flown again
 ``certification``    what may be claimed of the terminal set that is flown
 ``latest_job``       work in a thread of its own, of which only the latest counts

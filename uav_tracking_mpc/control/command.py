@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.control.fallback import FallbackMode
-from uav_tracking_mpc.dynamics.orbit import FlownOrbit, Orbit, orbit_about
+from uav_tracking_mpc.dynamics.orbit import FlownOrbit, Orbit
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.formulation import Plan
 from uav_tracking_mpc.mpc.solver import Solution, Status
@@ -65,24 +65,3 @@ class Command:
     def out_of_time(self) -> bool:
         """Whether the solver met its time budget, so that the clock had a say in the plan."""
         return self.solution is not None and self.solution.status is Status.TIME_LIMIT
-
-
-def orbit_from(
-    present: Situation | None,
-    wind: NDArray[np.float64],
-    orbit: Orbit,
-    shape: NDArray[np.float64] | None,
-) -> FlownOrbit | None:
-    """The orbit that is flown in a situation.
-
-    Args:
-        present: Situation now; None where no target is known.
-        wind: That the situation's drift is computed with, shape (3,), in [m/s].
-        orbit: What is wanted.
-        shape: Range, altitude and airspeed of the orbit that the plan ends on, shape (3,), in
-            [m, m, m/s]; None where that is the wanted one.
-    """
-    if present is None:
-        return None
-    flown = None if shape is None else tuple(shape.tolist())
-    return orbit_about(present.target, wind - present.drift, orbit, flown)

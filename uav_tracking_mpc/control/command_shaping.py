@@ -49,13 +49,13 @@ from uav_tracking_mpc.settings.tracking import TrackingParameters
 HALVES = (0.2, 0.2, 0.2, 0.3, 0.3, 0.3, 1.7)  # s, of the doublets of a cycle
 CALM_TIME, RESUME_TIME = 5.0, 1.0  # s on the orbit before the signal begins, and goes on
 EXCITATION_FADE_TIME = 1.0  # s from nothing to all of it, and back
-# From the orbit, for the signal to begin, in range and height: m, and a share of the range.
+# m, -: from the orbit, for the signal to begin, in range and height, also as a share of the range.
 NEAR, NEAR_SHARE = 10.0, 0.03
-LEFT = 2.0  # so many times as far, and the orbit counts as left
-AIRSPEED_SHARE, AIRSPEED_LEFT = 0.15, 0.25  # of the airspeed asked for, likewise
-TURN_SHARE = 0.85  # of the greatest turn rate that may be commanded beside the signal
-# From limits, in units of `Bound.scale`: 2 m/s of airspeed, 10 m of height or distance, 20 m of the
-# fence. Of the path angle 0.03 rad: the signal itself moves it.
+LEFT = 2.0  # -, so many times as far, and the orbit counts as left
+AIRSPEED_SHARE, AIRSPEED_LEFT = 0.15, 0.25  # -, of the airspeed asked for, likewise
+TURN_SHARE = 0.85  # -, of the greatest turn rate that may be commanded beside the signal
+# -, rad: from limits, in units of `Bound.scale`: 2 m/s of airspeed, 10 m of height or distance,
+# 20 m of the fence; of the path angle, which the signal itself moves.
 MARGIN, ANGLE_MARGIN = 2.0, 0.03
 
 
@@ -222,7 +222,7 @@ class Excitation:
 # s, time constant of the offset that a change leaves. Changes with every command make it a lag in
 # the loop, which must stay below the delay margin that is asked for by default.
 FADE_TIME = 0.25
-TURN = 0  # axis of u_psi among the inputs
+TURN = 0  # index of u_psi among the inputs
 
 
 class CommandShaper:

@@ -51,13 +51,38 @@ class PlannedPath(NamedTuple):
     ground_velocities: NDArray[np.float64]
 
 
-class PathPlanner:
-    """Flies plans, one of which is as long as the other most of the time."""
+class CommandPaths:
+    """Where commands lead, whatever they come from: a plan, a law, or wings level.
+
+    One plan is as long as the other most of the time, so the numbers of its form are kept.
+    """
 
     def __init__(self) -> None:
         self._form: tuple[object, ...] = ()
 
     def path(
+        self, controller: Controller, measurement: Measurement, command: Command
+    ) -> PlannedPath:
+        """Path of a command, finite.
+
+        Args:
+            controller: That has answered it.
+            measurement: That it answers; it counts where the situation is not known.
+            command: What is sent.
+        """
+        response, present = controller.response.flown, command.present
+        flown = command.inputs * response.gains
+        answer = flown, command.step, response.lags, response.dead_times
+        if present is not None:
+            path = self.planned(present.vehicle, present.rates, controller.navigator.wind, *answer)
+            if np.isfinite(path.states).all():
+                return path
+        vehicle = controller.navigator.air.vehicle_state(measurement)
+        rates = np.array([measurement.turn_rate, measurement.path_angle_rate, 0.0])
+        wind = measurement.ground_velocity - velocity(vehicle)
+        return self.planned(vehicle, rates, wind, *answer)
+
+    def planned(
         self,
         vehicle: NDArray[np.float64],
         rates: NDArray[np.float64],
@@ -123,33 +148,3 @@ def _ramp(ages: NDArray[np.float64], lag: float) -> NDArray[np.float64]:
     """Integral of the answer to a unit step, so long after it, in [s]."""
     after = np.maximum(ages, 0.0)
     return after + lag * np.expm1(-after / lag) if lag > 0.0 else after
-
-
-class CommandPaths:
-    """Where commands lead, whatever they come from: a plan, a law, or wings level."""
-
-    def __init__(self) -> None:
-        self._planner = PathPlanner()
-
-    def path(
-        self, controller: Controller, measurement: Measurement, command: Command
-    ) -> PlannedPath:
-        """Path of a command, finite.
-
-        Args:
-            controller: That has answered it.
-            measurement: That it answers; it counts where the situation is not known.
-            command: What is sent.
-        """
-        response, present = controller.response.flown, command.present
-        flown = command.inputs * response.gains
-        answer = flown, command.step, response.lags, response.dead_times
-        if present is not None:
-            wind = controller.navigator.wind
-            path = self._planner.path(present.vehicle, present.rates, wind, *answer)
-            if np.isfinite(path.states).all():
-                return path
-        vehicle = controller.navigator.vehicle_state(measurement)
-        rates = np.array([measurement.turn_rate, measurement.path_angle_rate, 0.0])
-        wind = measurement.ground_velocity - velocity(vehicle)
-        return self._planner.path(vehicle, rates, wind, *answer)

@@ -28,6 +28,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import time
+from collections import deque
 from collections.abc import Callable
 from typing import Any
 
@@ -35,7 +36,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.control.adaptation import ResponseAdaptation
-from uav_tracking_mpc.control.command import Command, orbit_from
+from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.control.command_shaping import CommandShaper
 from uav_tracking_mpc.control.event import EventLog, Level
 from uav_tracking_mpc.control.fallback import (
@@ -52,10 +53,9 @@ from uav_tracking_mpc.control.guidance import (
     law_inputs,
     law_of,
     nearest_direction,
-    planned,
 )
-from uav_tracking_mpc.control.pace import Pace, RateKeeper
 from uav_tracking_mpc.control.watches import OrbitShortfall
+from uav_tracking_mpc.dynamics.orbit import orbit_about
 from uav_tracking_mpc.dynamics.vehicle import Response
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.navigator import Estimate, Navigator
@@ -68,6 +68,97 @@ from uav_tracking_mpc.settings.tracking import NEAREST, TrackingParameters
 
 Inputs = tuple[NDArray[np.float64], float]  # inputs, shape (n, 3), and how long each lasts [s]
 LEVELLING_TIME = 1.0  # s, in which wings-level flight takes the path angle out
+
+FORGIVEN = 0.01  # -, of the period by which a state may be early: rounding must not cost a state
+WINDOW = 2.0  # s of the stamps
+KEPT = 0.9  # -, share of the rate, below which it is missed
+KEPT_AGAIN = 0.95  # -, share of the rate, from which on it is kept again
+LASTING = 3.0  # s for which the other opinion must hold: longer than one lapse is in the window
+LATE = 1.5  # -, periods from command to command, beyond which one came late
+
+
+class Pace:
+    """Picks the states from which a command is computed, and counts whether the rate is kept.
+
+    Args:
+        rate: Commands per second wanted in [Hz]; no more can come than there are states.
+
+    Attributes:
+        rate: Commands per second wanted in [Hz].
+        missed: Periods in which a command was due and none was sent.
+        late: Commands that came late.
+    """
+
+    def __init__(self, rate: float) -> None:
+        self.rate = rate
+        self.missed = self.late = 0
+        self._due: float | None = None  # when the latest command was
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the latest seconds."""
+        self._states: deque[float] = deque()
+        self._commands: deque[float] = deque()
+        self._kept, self._agreed = True, -math.inf
+
+    def state(self, stamp: float) -> None:
+        """Count a state."""
+        _count(self._states, stamp)
+
+    def due(self, stamp: float) -> bool:
+        """Whether the state of this stamp in [s] is the one to answer.
+
+        Lost time is not made up for: after a gap, and where time went back, the pace starts anew.
+        """
+        period = 1.0 / self.rate
+        if self._due is None or stamp < self._due - period:
+            self._due = stamp
+            return True
+        due = self._due + period
+        if stamp < due - FORGIVEN * period:
+            return False
+        self._due = stamp if due + period <= stamp else due
+        return True
+
+    def sent(self, stamp: float) -> None:
+        """Count the command that answers a state; the opinion changes where the other one lasts."""
+        if self._commands and stamp < self._commands[-1]:
+            self.reset()
+        if self._commands:
+            periods = (stamp - self._commands[-1]) * self.rate
+            self.missed += max(0, round(periods) - 1)
+            self.late += periods > LATE
+        _count(self._commands, stamp)
+        rate = _rate(self._commands)
+        least = (KEPT if self._kept else KEPT_AGAIN) * self.rate
+        if rate is None or (rate >= least) == self._kept:
+            self._agreed = stamp
+        elif stamp - self._agreed >= LASTING:
+            self._kept, self._agreed = not self._kept, stamp
+
+    def complaint(self) -> str:
+        """How the rate is missed, in words; empty while it is kept or not yet known."""
+        commands, states = _rate(self._commands), _rate(self._states)
+        if self._kept or commands is None:
+            return ""
+        words = f"keeps {commands:.1f} Hz of the {self.rate:g} Hz asked for"
+        if states is not None and states < KEPT * self.rate:
+            words += f": states come at {states:.1f} Hz only"
+        return words
+
+
+def _count(times: deque[float], time: float) -> None:
+    if times and time < times[-1]:
+        times.clear()
+    times.append(time)
+    while times[0] < time - WINDOW:
+        times.popleft()
+
+
+def _rate(times: deque[float]) -> float | None:
+    if len(times) < 2 or times[-1] - times[0] < 0.5 * WINDOW:
+        return None
+    return (len(times) - 1) / (times[-1] - times[0])
 
 
 class Controller:
@@ -84,7 +175,7 @@ class Controller:
         modes: What the command comes from, with counts.
         navigator: What is known of aircraft, air and target.
         response: How the aircraft answers commands, as learnt and as flown by.
-        rate: Whether the control rate is kept.
+        rate: When a command is due, and whether the control rate is kept.
         flying: Whether a command has been sent since the start or the last reset.
         drift: c when the latest command was computed, shape (3,), in [m/s].
         events: What has happened since it was last asked.
@@ -103,10 +194,9 @@ class Controller:
         self._law_class = law_of(parameters)
         self.formulation = formulation or formulation_of(parameters)
         self.navigator, self.modes = Navigator(parameters), ModeSelector()
-        self.rate = RateKeeper(parameters.control_rate)
+        self.rate, self._gate = Pace(parameters.control_rate), StateGate(parameters.state_timeout)
         self.drift, self.events = np.zeros(3), EventLog()
         self.response = ResponseAdaptation(parameters, self.events)
-        self._gate, self._pace = StateGate(parameters.state_timeout), Pace(parameters.control_rate)
         self._plan, self._shortfall = PlanMemory(), OrbitShortfall(self.events)
         self._shaper = CommandShaper(parameters, self.events)
         self.reset()
@@ -168,8 +258,8 @@ class Controller:
         if parameters.direction != self.parameters.direction:
             self._direction = None
         self._shaper.change(parameters)
-        self._pace.period, self.rate.rate = 1.0 / parameters.control_rate, parameters.control_rate
-        self._gate.timeout, self.parameters = parameters.state_timeout, parameters
+        self.rate.rate, self._gate.timeout = parameters.control_rate, parameters.state_timeout
+        self.parameters = parameters
         self._choose()
         self.events.add(Level.INFO, f"from now on {self.orbit.in_short}, {parameters.direction}")
 
@@ -242,7 +332,8 @@ class Controller:
             None while no command is due, the measurement is doubted or late, or no target seen.
         """
         begin, stamp = self._stopwatch(), measurement.stamp
-        if not self._believe(measurement, begin, now):
+        vehicle = self._believe(measurement, begin, now)
+        if vehicle is None:
             return None
         self.rate.state(stamp)
         target = self.navigator.target
@@ -252,12 +343,12 @@ class Controller:
             missing = "no target position" if target.time is None else "no airspeed yet"
             self._select(Available(state=False, trouble=missing))
             return None
-        if not self._pace.due(stamp):
+        if not self.rate.due(stamp):
             return None
         if not self.flying:
             self.navigator.begin(now - stamp)
         self._respond(self.response.follow(stamp))
-        command = self._answer(measurement)
+        command = self._answer(measurement, vehicle)
         taken = self._stopwatch() - begin
         if taken > self.parameters.state_timeout:
             words = f"vehicle state: answered only after {taken:.3f} s: {OWN_SOLVE}"
@@ -271,7 +362,7 @@ class Controller:
         flown = self.response.commanded(stamp, delay, command.inputs, command.step)
         self.navigator.commanded(stamp, delay, flown, command.step)
         self.flying = True
-        self.rate.command(stamp)
+        self.rate.sent(stamp)
         return command
 
     def engage(self, engaged: bool) -> None:
@@ -297,8 +388,10 @@ class Controller:
         self._shaper.reset()
         self._select(Available(state=False, trouble=reason))
 
-    def _believe(self, measurement: Measurement, arrival: float, now: float) -> bool:
-        """Whether a measurement is to be used."""
+    def _believe(
+        self, measurement: Measurement, arrival: float, now: float
+    ) -> NDArray[np.float64] | None:
+        """Position and air velocity of a measurement, shape (6,); None if it is not to be used."""
         verdict = self._gate.judge(measurement, arrival, now)
         reason = f"vehicle state: {self._gate.reason}"
         if verdict is Verdict.DOUBT:
@@ -306,20 +399,21 @@ class Controller:
         if verdict is Verdict.RESTART:
             self.events.add(Level.WARNING, f"{reason}, starting anew")
             self._forget()
-        if believed := verdict in (Verdict.USE, Verdict.RESTART):
-            vehicle = self.navigator.vehicle_state(measurement)
-            self.response.see(measurement, vehicle, not self.navigator.air.missing)
-        return believed
+        if verdict not in (Verdict.USE, Verdict.RESTART):
+            return None
+        vehicle = self.navigator.air.vehicle_state(measurement)
+        self.response.see(measurement, vehicle, not self.navigator.air.missing)
+        return vehicle
 
-    def _answer(self, measurement: Measurement) -> Command:
+    def _answer(self, measurement: Measurement, vehicle: NDArray[np.float64]) -> Command:
         """Command for a measurement that is believed and due."""
         stamp, seen = measurement.stamp, self.navigator.target.time
         try:
-            estimate = self.navigator.estimate(measurement)
+            estimate = self.navigator.estimate(measurement, vehicle)
         except (ArithmeticError, ValueError) as error:
             # No measurement should make the navigation fail; the aircraft is not lost over it.
             trouble = str(error) if seen is None else f"the navigation failed: {error}"
-            return self._hold(stamp, self.navigator.vehicle_state(measurement), trouble)
+            return self._hold(stamp, vehicle, trouble)
         if words := self.navigator.air.complaint():
             self.events.add(Level.WARNING, words)
         self.drift = estimate.present.drift
@@ -329,13 +423,20 @@ class Controller:
     def _fly(self, stamp: float, estimate: Estimate, target_fresh: bool = True) -> Command:
         """Command for an estimate; values that are not finite are survived."""
         self._orient(estimate.effect)
-        plan, by_law, trouble = None, None, ""
+        plan: Plan | None = None
+        by_law, trouble = None, ""
         if target_fresh and self._law is not None:
             by_law, trouble = law_inputs(self._law, estimate.present)
         elif target_fresh and self.formulation is not None:
             elapsed = None if self._solve_time is None else max(0.0, stamp - self._solve_time)
             self._solve_time = stamp
-            plan, trouble = planned(self.formulation, estimate, self.orbit, elapsed)
+            where = estimate.effect, estimate.forecast, self.orbit
+            try:
+                plan = self.formulation.solve(*where, elapsed)
+            except (ArithmeticError, RuntimeError, ValueError) as error:
+                trouble = f"the controller failed: {error}"
+            if plan is not None and not np.isfinite(plan.inputs).all():
+                trouble, plan = f"the plan is not finite: {plan.solution.message}", None
         left = self._plan.remaining(stamp, self.parameters.plan_age_max)
         solution = None if plan is None else plan.solution
         there = left is not None, by_law is not None
@@ -377,8 +478,10 @@ class Controller:
         (inputs, step), mode, reason = told, self.modes.mode, self.modes.reason
         inputs = self._shaper.shape(stamp, inputs / self.response.flown.gains, step, airspeed, mode)
         inputs = self._shaper.excitation.added(stamp, inputs, mode, self.orbit, now)
-        shape = self._plan.orbit if mode.planned else None
-        flown = orbit_from(now, self.navigator.wind, self.orbit, shape)
+        flown = None
+        if now is not None:  # the drift is the wind less the target's velocity
+            ends = self._plan.orbit if mode.planned else None
+            flown = orbit_about(now.target, self.navigator.wind - now.drift, self.orbit, ends)
         return Command(stamp, inputs, step, mode, reason, self.orbit, plan, now, flown)
 
     def _select(self, available: Available) -> FallbackMode:

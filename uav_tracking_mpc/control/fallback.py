@@ -31,7 +31,7 @@ from uav_tracking_mpc.mpc.solver import Solution, Status
 if TYPE_CHECKING:
     from uav_tracking_mpc.formulation.formulation import Plan
 
-FEASIBLE_VIOLATION = 1e-2  # of hard constraints, in their own scale, that a plan may be flown with
+FEASIBLE_VIOLATION = 1e-2  # -, violation of hard constraints, scaled, that a plan may be flown with
 OWN_SOLVE = "the own solve is late"  # why nothing is sent, though states come
 UNFINISHED = (Status.TIME_LIMIT, Status.ITERATION_LIMIT)
 

@@ -24,11 +24,9 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, COUNTER_CLOCKWISE, Orbit
 from uav_tracking_mpc.dynamics.vehicle_models import VehicleModel
-from uav_tracking_mpc.estimation.navigator import Estimate
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.formulation import (
     Formulation,
-    Plan,
     SolverMaker,
     solver_as_told,
     solver_of,
@@ -40,8 +38,8 @@ from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, PREDICTIVE, TrackingParameters
 from uav_tracking_mpc.symbolic.functions import one_at_a_time
 
-# The other direction is the nearer one beyond 90 deg from the tangent. The direction changes only
-# when it is nearer by more than 45 deg (hysteresis).
+# rad. The other direction is the nearer one beyond 90 deg from the tangent. The direction changes
+# only when it is nearer by more than 45 deg (hysteresis).
 HYSTERESIS = math.radians(45.0)
 
 
@@ -166,29 +164,6 @@ def law_inputs(law: GuidanceLaw, situation: Situation) -> tuple[NDArray[np.float
     if inputs.shape != (3,) or not np.isfinite(inputs).all():
         return None, f"the law {law.name} answered {inputs.tolist()}, must be three finite numbers"
     return inputs[np.newaxis], ""
-
-
-def planned(
-    formulation: Formulation, estimate: Estimate, orbit: Orbit, elapsed: float | None
-) -> tuple[Plan | None, str]:
-    """Plan of a formulation that may fail.
-
-    Args:
-        formulation: Of the optimal control problem.
-        estimate: What the plan is made from.
-        orbit: What is wanted.
-        elapsed: See :meth:`Formulation.solve`, in [s].
-
-    Returns:
-        A finite plan, or None; and why there is none, in words.
-    """
-    try:
-        plan = formulation.solve(estimate.effect, estimate.forecast, orbit, elapsed)
-    except (ArithmeticError, RuntimeError, ValueError) as error:
-        return None, f"the controller failed: {error}"
-    if not np.all(np.isfinite(plan.inputs)):
-        return None, f"the plan is not finite: {plan.solution.message}"
-    return plan, ""
 
 
 def compiled_into(parameters: TrackingParameters) -> Path | None:

@@ -35,12 +35,12 @@ from uav_tracking_mpc.estimation.channel_response import CHANNELS, ChannelRespon
 from uav_tracking_mpc.formulation.formulation import Plan
 
 LEAST_AMPLITUDE = 0.05  # g across the path: 3 deg of bank
-HALF_CYCLES = 9  # that must be alike: four periods and a half
+HALF_CYCLES = 9  # that must be alike, four periods and a half
 SHORTEST, LONGEST = 0.3, 15.0  # s, of a period
-PERIOD_SPREAD, AMPLITUDE_SPREAD = 0.12, 0.3  # standard deviation over mean, when it begins
-ENDING = 2.0  # times these, or periods without a swing, when it ends
+PERIOD_SPREAD, AMPLITUDE_SPREAD = 0.12, 0.3  # -, spread over mean, when it begins
+ENDING = 2.0  # -, times these, or periods without a swing, when it ends
 AVERAGING = 8.0  # s, time constant of the mean about which it swings
-CROSSING = 0.3  # of the least amplitude, by which a swing must pass the mean
+CROSSING = 0.3  # -, of the least amplitude, by which a swing must pass the mean
 
 
 class Swing(NamedTuple):
@@ -211,8 +211,8 @@ def _cause(channel: ChannelResponse, delay: float) -> str:
     return "because the weights of the inputs are too small, or the aircraft's limits not told"
 
 
-# Differences in range [m], altitude [m] and airspeed [m/s] that are worth a word, and by how much
-# an orbit that stays may still change.
+# m, m, m/s: differences in range, altitude and airspeed that are worth a word, and by how much an
+# orbit that stays may still change.
 NOTABLE_ORBIT = 1.0, 2.0, 0.5
 LASTING = 10.0  # s for which it must have been different, and the same
 

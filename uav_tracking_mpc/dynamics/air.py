@@ -22,8 +22,8 @@ from typing import NamedTuple
 GRAVITY = 9.80665  # m/s^2, standard gravity: 3rd General Conference on Weights and Measures, 1901
 
 
-SEA_LEVEL_TEMPERATURE = 288.15  # K
-LAPSE_RATE = 0.0065  # K/m
+SEA_LEVEL_TEMPERATURE = 288.15  # K, of the standard atmosphere
+LAPSE_RATE = 0.0065  # K/m, of the standard atmosphere
 GAS_CONSTANT = 287.05287  # J/(kg K), of dry air
 HIGHEST, LOWEST = 11000.0, -5000.0  # m, of the troposphere
 
@@ -48,7 +48,7 @@ def true_over_equivalent(altitude: float) -> float:
     return 1.0 / math.sqrt(density_ratio(altitude))
 
 
-FOOT = 0.3048  # m
+FOOT = 0.3048  # m, the international foot
 HEIGHTS = (10.0 * FOOT, 1000.0 * FOOT)  # m, where the model holds; beyond, its value there
 
 

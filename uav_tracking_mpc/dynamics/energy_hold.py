@@ -39,8 +39,8 @@ from typing import Any, NamedTuple
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.parameters.specification import Parameters, parameter
 
-SPEED_SHARE = 0.5  # of the specific energy rate, that may go into speed
-SLOWEST = 1.0  # [m/s] at which v cos(chi) is held, so that no iterate divides by nothing
+SPEED_SHARE = 0.5  # -, of the specific energy rate, that may go into speed
+SLOWEST = 1.0  # m/s, at which v cos(chi) is held, so that no iterate divides by nothing
 
 
 class HoldConstants(NamedTuple):

@@ -52,8 +52,9 @@ def wrap_angle(angle: ArrayLike) -> NDArray[np.float64]:
     return np.where((angle > -np.pi) & (angle <= np.pi), angle, wrapped)
 
 
-# Rotations of frames with an autopilot's axes, (x, y, z, w): of North-East-Down in East-North-Up,
-# where x and y change places, and of Forward-Right-Down in Forward-Left-Up, half a turn about x.
+# -, quaternions (x, y, z, w) of an autopilot's axes by convention: of North-East-Down in
+# East-North-Up, where x and y change places, and of Forward-Right-Down in Forward-Left-Up, half a
+# turn about x.
 NORTH_EAST_DOWN = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
 FORWARD_RIGHT_DOWN = (1.0, 0.0, 0.0, 0.0)
 

@@ -27,10 +27,10 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-SEMI_MAJOR_AXIS = 6378137.0  # m
-FLATTENING = 1.0 / 298.257223563
-ECCENTRICITY_SQUARED = FLATTENING * (2.0 - FLATTENING)
-_ITERATIONS = 5  # of the altitude's fixed point: it gains a factor of 150 in each
+SEMI_MAJOR_AXIS = 6378137.0  # m, WGS 84
+FLATTENING = 1.0 / 298.257223563  # -, WGS 84
+ECCENTRICITY_SQUARED = FLATTENING * (2.0 - FLATTENING)  # -, WGS 84
+_ITERATIONS = 5  # iterations of the altitude's fixed point: it gains a factor of 150 in each
 
 
 class LocalFrame:

@@ -110,7 +110,7 @@ class Orbit:
         return np.array([self.range, self.bearing, self.altitude, 0.0, self.speed])
 
 
-# With the drift as fast as the aircraft there is no way back upwind: the share that it may reach.
+# -, share of the airspeed that the drift may reach: as fast as that, there is no way back upwind.
 DRIFT_SHARE = 0.9
 
 
@@ -146,10 +146,10 @@ def level_speed(airspeed: float, drift: ArrayLike) -> float:
     return math.sqrt(max(0.0, airspeed * airspeed - vertical * vertical))
 
 
-# Below this share of V^2 the root is held: the drift then is about as fast as the aircraft, and
-# such orbits are refused elsewhere; here it only keeps every iterate finite.
+# -, share of V^2 below which the root is constant: the drift then is about as fast as the aircraft,
+# and such orbits are refused elsewhere; here it only keeps every iterate finite.
 LEAST_ROOT = 0.01
-STEEPEST = 0.5  # |c_z| / v beyond which the path angle no longer follows, likewise
+STEEPEST = 0.5  # -, share |c_z| / v beyond which the path angle no longer follows, likewise
 
 
 @dataclass(frozen=True)
@@ -227,10 +227,7 @@ class FlownOrbit(NamedTuple):
 
 
 def orbit_about(
-    target: ArrayLike,
-    velocity: ArrayLike,
-    orbit: Orbit,
-    shape: tuple[float, float, float] | None = None,
+    target: ArrayLike, velocity: ArrayLike, orbit: Orbit, shape: NDArray[np.float64] | None = None
 ) -> FlownOrbit:
     """The orbit about a target.
 
@@ -239,11 +236,11 @@ def orbit_about(
         velocity: Of the target in ``map``, shape (3,), in [m/s].
         orbit: What is wanted; its direction counts in any case.
         shape: Range [m], altitude above the target [m] and airspeed [m/s] that are flown in the
-            place of the wanted ones.
+            place of the wanted ones, shape (3,).
     """
-    if shape is None:
-        shape = orbit.range, orbit.altitude, orbit.speed
-    range_, altitude, airspeed = shape
+    range_, altitude, airspeed = orbit.range, orbit.altitude, orbit.speed
+    if shape is not None:
+        range_, altitude, airspeed = shape.tolist()
     radius = math.sqrt(max(range_**2 - altitude**2, 0.0))
     return FlownOrbit(
         centre=np.asarray(target, dtype=float) + np.array([0.0, 0.0, altitude]),

@@ -214,25 +214,17 @@ class Navigator:
             self._history.add(stamp + delay, stamp, plan, step)
         self.latency += LATENCY_SHARE * (min(delay, LATENCY_LIMIT) - self.latency)
 
-    def vehicle_state(self, measurement: Measurement) -> NDArray[np.float64]:
-        """State (x, y, z, psi, chi, v) with the airspeed that belongs to it, shape (6,).
-
-        Args:
-            measurement: Of the aircraft.
-        """
-        return self.air.vehicle_state(measurement)
-
-    def estimate(self, measurement: Measurement) -> Estimate:
+    def estimate(self, measurement: Measurement, vehicle: NDArray[np.float64]) -> Estimate:
         """Situations and forecast of a measurement.
 
         Args:
             measurement: Of the aircraft, not older than the one before.
+            vehicle: (x, y, z, psi, chi, v) of it, as of :meth:`AirData.vehicle_state`, shape (6,).
 
         Raises:
             ValueError: No target position is known.
         """
-        time, vehicle = measurement.stamp, self.vehicle_state(measurement)
-        self.airspeed = float(vehicle[5])
+        time, self.airspeed = measurement.stamp, float(vehicle[5])
         delay = max(self._dead_time) + min(max(self.latency, 0.0), LATENCY_LIMIT)
         track = self.target.track
         motion, height = track.state.reshape(-1), float(vehicle[2] - track.state[0, 2])

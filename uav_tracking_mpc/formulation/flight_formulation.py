@@ -32,9 +32,9 @@ from uav_tracking_mpc.mpc.solver import Guess, Solution, Solver
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.symbolic.functions import BufferedFunction
 
-# Where the cost of the artificial orbit's offset turns from quadratic to linear, as a share of the
-# wanted range, range and airspeed. Steep near the wanted orbit, or errors would be shared between
-# both and met half-heartedly; linear beyond, or far away it would drown everything else.
+# -, share of the wanted range, range and airspeed at which the penalty of the artificial orbit's
+# offset turns from quadratic to linear. Steep near the wanted orbit, or errors would be shared
+# between both and met half-heartedly; linear beyond, or far away it would drown everything else.
 OFFSET_REACH = np.array([0.01, 0.01, 0.03])
 
 

@@ -137,12 +137,11 @@ class LawStage:
         return shares, following
 
 
-# Decisions are scaled to be of one size: [m], [m], [m/s].
-DECISION_SCALE = np.array([100.0, 30.0, 3.0])
-RADIUS_LIMITS, ALTITUDE_LIMIT, SPEED_LIMITS = (1.0, 2e4), 1e4, (0.1, 400.0)
-SQUARES = 0.01  # weight of squares by which a limit is passed, as a share of the penalty
+DECISION_SCALE = np.array([100.0, 30.0, 3.0])  # m, m, m/s: decisions are scaled to one size
+RADIUS_LIMITS, ALTITUDE_LIMIT, SPEED_LIMITS = (1.0, 2e4), 1e4, (0.1, 400.0)  # m, m, m/s
+SQUARES = 0.01  # -, weight of squares by which a limit is passed, as a share of the penalty
 BAND_SCALE = 0.3  # m/s by which leaving the airspeed's band is as bad as 1 m/s beyond a limit
-SMALL = 0.01  # [m] keeps distances smooth where they vanish
+SMALL = 0.01  # m, keeps distances smooth where they vanish
 OWN_SIZES = {
     "drift": 3,  # c [m/s]
     "drift_rate": 3,  # c' [m/s^2]
@@ -160,7 +159,7 @@ HELD_SIZES = {
     "held": 2,  # altitude above the target [m] and airspeed [m/s] that the autopilot holds
     "end_height": 1,  # above the target at the end of the plan [m]: the bank has no say in it
 }
-# Of the tracking error and of what must settle, those that the bank brings about: range, bearing.
+# How many of the tracking error and of what must settle the bank brings about: range, bearing.
 BANKED_ERRORS = 2
 
 

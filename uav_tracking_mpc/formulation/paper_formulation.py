@@ -37,7 +37,7 @@ from uav_tracking_mpc.symbolic.functions import one_at_a_time
 from uav_tracking_mpc.terminal.decrease import decrease_monitor
 from uav_tracking_mpc.terminal.ingredients import StabilityProblem, input_limited_level
 
-# At the very limit rounding decides whether K x is in U, and no proof closes.
+# -, of the level: at the very limit rounding decides whether K x is in U, and no proof closes.
 LEVEL_MARGIN = 1.0 - 2e-6
 
 

@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from uav_tracking_mpc.nodes.flight_recorder import Progress as Standing
 
 
-REAL_TIME = 1.0
+REAL_TIME = 1.0  # -, simulated over wall time: the factor of a real clock
 START_LIMIT = 120.0  # s of wall time for the first command
 DRAIN_TIME = 0.3  # s of wall time for the nodes' last messages
 NOTE_PERIOD = 0.5  # s of wall time between looks at the nodes' shared-memory files

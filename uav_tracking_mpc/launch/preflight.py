@@ -36,9 +36,9 @@ from uav_tracking_mpc.settings.configuration import Configuration, configuration
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
 SECTION = "nmpc_controller"
-WIND_STATES, WIND_WAIT = 25, 2.0  # states that the wind is taken from; s that they may take
+WIND_STATES, WIND_WAIT = 25, 2.0  # -, s: states that the wind is taken from, and the time for them
 HELD = "hold_"  # begins the names of what the autopilot does itself, which is no limit of ours
-SAME = 1e-9  # share by which two numbers may differ and count as the same
+SAME = 1e-9  # -, relative difference up to which two numbers are the same
 
 
 @dataclass(frozen=True)

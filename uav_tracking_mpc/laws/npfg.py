@@ -72,14 +72,14 @@ from uav_tracking_mpc.limits.envelope import Envelope
 
 # Defaults of PX4's parameters, fw_path_navigation_params.c and fw_lat_long_params.yaml.
 PERIOD = 10.0  # s, NPFG_PERIOD
-DAMPING = 0.7  # NPFG_DAMPING
+DAMPING = 0.7  # -, NPFG_DAMPING
 ROLL_TIME = 0.5  # s, NPFG_ROLL_TC
-PERIOD_SAFETY = 1.5  # NPFG_PERIOD_SF
+PERIOD_SAFETY = 1.5  # -, NPFG_PERIOD_SF
 GROUND_SPEED_MIN = 5.0  # m/s, FW_GND_SPD_MIN
 # Constants of npfg.hpp.
 AIRSPEED_BUFFER = 1.5  # m/s, AIRSPEED_BUFFER: over which feasibility fades
 RADIUS_MIN = 0.5  # m, MIN_RADIUS
-SMALL = 1e-6  # NPFG_EPSILON
+SMALL = 1e-6  # -, NPFG_EPSILON: tolerance of what divides
 
 
 class NPFGLoiter(GuidanceLaw):

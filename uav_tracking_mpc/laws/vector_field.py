@@ -43,10 +43,10 @@ from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.laws import GuidanceLaw, altitude_hold
 from uav_tracking_mpc.limits.envelope import Envelope
 
-# Sine of the steepest crab angle. A stronger cross drift than this leaves no direction of the air
-# velocity that follows the field; the aircraft then crabs as it can.
+# -, sine of the steepest crab angle. A stronger cross drift than this leaves no direction of the
+# air velocity that follows the field; the aircraft then crabs as it can.
 CRAB_MAX = 0.98
-FARTHEST = 1e6  # radii; beyond, the field is as good as radial
+FARTHEST = 1e6  # -, times the radius; beyond, the field is as good as radial
 
 
 class VectorField(GuidanceLaw):

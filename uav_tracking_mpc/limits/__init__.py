@@ -48,7 +48,7 @@ from uav_tracking_mpc.parameters.specification import Parameters
 # Parameter and value without which the bounds of the inputs are compiled into the problem, which is
 # then the paper's.
 COMPILED = ("terminal_constraint", "artificial_orbit")
-TOLERANCE = 0.01  # share of a bound by which a flown quantity may pass it
+TOLERANCE = 0.01  # -, tolerance: share of a bound by which a flown quantity may pass it
 
 
 class Motion(NamedTuple):

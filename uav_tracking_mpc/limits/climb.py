@@ -27,8 +27,8 @@ from uav_tracking_mpc.dynamics import paper_numbers as paper
 from uav_tracking_mpc.limits import COMPILED, Bound, Limit, Motion
 from uav_tracking_mpc.parameters.specification import parameter
 
-# Kept back in plans, in rad, but no more than this share of the span: an aircraft that lags more
-# than was told comes out of a climb later than planned.
+# rad, -: kept back in plans, but no more than this share of the span: an aircraft that lags more
+# than the model comes out of a climb later than planned.
 PLANNED_MARGIN, PLANNED_SHARE = 0.03, 0.1
 # s, the least time constant with which plans approach a limit: an aircraft whose state is known too
 # late does not pass it then.

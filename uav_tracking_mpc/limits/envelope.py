@@ -47,9 +47,9 @@ from uav_tracking_mpc.limits.airspeed import Acceleration, Airspeed, Force, arcs
 from uav_tracking_mpc.limits.climb import PathAngle, PitchRate
 from uav_tracking_mpc.limits.turn import Bank, YawRate
 
-# [rad/s], [rad/s], [m/s^2] over which limits merge
+# rad/s, rad/s, m/s^2 over which limits merge
 BLENDS = {"turn_rate": 0.02, "path_angle_rate": 0.02, "acceleration": 0.2}
-# Of a blend, that an input can span where limits contradict each other: that named first wins.
+# -, of a blend, that an input can span where limits contradict each other: that named first wins.
 LEAST_SPAN = 0.5
 
 
@@ -103,8 +103,8 @@ def smooth_minimum(a: Any, b: Any, blend: float, xp: ModuleType) -> Any:
     return 0.5 * (a + b - xp.sqrt((a - b) ** 2 + blend**2))
 
 
-# Path angle and airspeed approach their limits no faster than with this time constant [s]; inner
-# loops have lags and dead times of 0.2 to 0.5 s.
+# s, the least time constant with which path angle and airspeed approach their limits: inner loops
+# have lags and dead times of 0.2 to 0.5 s.
 APPROACH_TIME = 0.5
 
 

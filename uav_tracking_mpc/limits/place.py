@@ -28,7 +28,7 @@ from uav_tracking_mpc.limits import Ball, Bound, Cylinder, Floor, Limit, Motion,
 from uav_tracking_mpc.parameters.specification import parameter
 
 DEEPEST = 1e4  # m below the target, as deep as the problem is told
-SCALE = 5.0  # m
+SCALE = 5.0  # m, of height that is as bad as 1 m/s of airspeed
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Height(Limit):
         return Bound(shape.altitude, lower=numbers[0], scale=SCALE)
 
 
-SMALL = 0.01  # [m] keeps the distance smooth where it vanishes
+SMALL = 0.01  # m, keeps the distance smooth where it vanishes
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ class Distance(Limit):
 
 
 NO_FENCE = 1e6  # m, radius
-FENCE_SCALE = 10.0  # m
+FENCE_SCALE = 10.0  # m, of distance that is as bad as 1 m/s of airspeed
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,8 @@ from uav_tracking_mpc.dynamics.orbit import sharpest_turn
 from uav_tracking_mpc.limits import COMPILED, Bound, Limit, Motion, OrbitShape
 from uav_tracking_mpc.parameters.specification import parameter
 
-# An orbit that needs every bit of the turn rate leaves nothing to correct an error with.
+# -, share of the limit that an orbit may need: one that needs all of the turn rate leaves
+# nothing to correct an error with.
 TURN_RATE_SHARE = 0.95
 
 
@@ -66,10 +67,10 @@ class YawRate(Limit):
         return Bound(turn / (TURN_RATE_SHARE * numbers[0]), upper=1.0)
 
 
-# Kept back in plans: within a stage, and while commands take effect, the airspeed moves on, and the
-# limit of the turn rate with it.
+# -, share of the limit that plans use: within a stage, and while commands take effect, the airspeed
+# moves on, and the limit of the turn rate with it.
 PLANNED_SHARE = 0.98
-LEAST_AIRSPEED = 0.5  # [m/s] below which the limit grows no more
+LEAST_AIRSPEED = 0.5  # m/s, below which the limit grows no more
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ from uav_tracking_mpc.simulation.plants.conformance import check_measurement
 
 STATES = 40  # that are looked at
 WAIT = 2.0  # s for each
-LEVEL = np.zeros((4, 3))
+LEVEL = np.zeros((4, 3))  # rad/s, rad/s, m/s^2: a plan of straight and level flight
 
 
 def check_link(link: type[VehicleLink], address: str = "") -> None:

@@ -70,8 +70,8 @@ NAMES = (
     "FENCE_ALT_MAX", "FENCE_ALT_MIN", "FENCE_RADIUS", "STICK_MIXING", "ALT_OFFSET",
 )  # fmt: skip
 FENCE_ALTITUDE_MAX, FENCE_CIRCLE, FENCE_ALTITUDE_MIN = 1, 2, 8  # bits of FENCE_TYPE
-FENCE_RTL = (1.0, 8.0)  # actions that take GUIDED away
-SHARE_OF_LOOP = 0.8  # of the main loop's rate, that telemetry can have
+FENCE_RTL = (1.0, 8.0)  # codes of actions that take GUIDED away
+SHARE_OF_LOOP = 0.8  # -, of the main loop's rate, that telemetry can have
 
 
 class ArduPlaneEnvelope(VehicleEnvelope):
@@ -182,7 +182,7 @@ class ArduPlaneEnvelope(VehicleEnvelope):
         )
 
 
-GUIDED = 15
+GUIDED = 15  # code of the mode
 MODES = {
     0: "MANUAL", 1: "CIRCLE", 2: "STABILIZE", 3: "TRAINING", 4: "ACRO", 5: "FBWA", 6: "FBWB",
     7: "CRUISE", 8: "AUTOTUNE", 10: "AUTO", 11: "RTL", 12: "LOITER", 13: "TAKEOFF",
@@ -190,17 +190,20 @@ MODES = {
     19: "QLOITER", 20: "QLAND", 21: "QRTL", 22: "QAUTOTUNE", 23: "QACRO", 24: "THERMAL",
     25: "LOITER_ALT_QLAND", 26: "AUTOLAND",
 }  # fmt: skip
-ROLL_ALONE = 0b11111110  # type_mask: the rate of roll is not ignored, all else is
+ROLL_ALONE = 0b11111110  # type_mask; the rate of roll is not ignored, all else is
 CHANGE_MODE = 1.0  # flag of DO_REPOSITION
-AIRSPEED = 0.0  # type of speed of GUIDED_CHANGE_SPEED
-CLOCKWISE, COUNTER_CLOCKWISE = 0.0, 1.0  # param4 of DO_REPOSITION
+AIRSPEED = 0.0  # code of the airspeed in GUIDED_CHANGE_SPEED
+CLOCKWISE, COUNTER_CLOCKWISE = 0.0, 1.0  # codes: param4 of DO_REPOSITION
+ALTITUDE_STEP, AIRSPEED_STEP = 0.2, 0.05  # m, m/s by which a set-point must change to be sent
 SETPOINT_PERIOD = 0.5  # s, at least, between altitudes and between airspeeds
-# By how much a set-point must change to be told, in m and m/s.
-STEPS = {mavlink.MAV_CMD_GUIDED_CHANGE_ALTITUDE: 0.2, mavlink.MAV_CMD_GUIDED_CHANGE_SPEED: 0.05}
+STEPS = {
+    mavlink.MAV_CMD_GUIDED_CHANGE_ALTITUDE: ALTITUDE_STEP,
+    mavlink.MAV_CMD_GUIDED_CHANGE_SPEED: AIRSPEED_STEP,
+}
 RENEWAL_PERIOD = 2.0  # s, at least, between loiters
 SAME_PLACE = 2.0  # m between a place as it was told and as it comes back
-PLACES = 100  # of those told; not all of them arrive
-RENEWAL_SHARE, RENEWAL_DISTANCE = 0.1, 10.0  # of the radius, and m, that the centre must have moved
+PLACES = 100  # of those that were sent; not all of them arrive
+RENEWAL_SHARE, RENEWAL_DISTANCE = 0.1, 10.0  # -, m that the centre must have moved
 
 
 class ArduPilotLink(MavlinkLink):

@@ -64,6 +64,7 @@ from uav_tracking_mpc.links.mavlink.listener import FIXED_WING
 from uav_tracking_mpc.links.mavlink.mavlink_link import MavlinkLink
 from uav_tracking_mpc.links.mavlink.telemetry import Attitude
 
+# -, %, m/s, m/s^2, deg, s, as fw_*_params.c has them: what PX4 does where a parameter is not sent.
 DEFAULTS = {
     "FW_THR_MIN": 0.0, "FW_THR_MAX": 1.0, "FW_THR_TRIM": 0.6, "FW_THR_ASPD_MIN": 0.0,
     "FW_THR_ASPD_MAX": 0.0, "FW_THR_SLEW_MAX": 0.0, "FW_T_CLMB_MAX": 5.0, "FW_T_SINK_MIN": 2.0,
@@ -78,17 +79,17 @@ NAMES = (
     "GF_MAX_VER_DIST", "MAV_TYPE", "MAV_FWDEXTSP", "NAV_LOITER_RAD", "FW_USE_AIRSPD",
     "MAV_SIGN_CFG",
 )  # fmt: skip
-FORCE_SHARE = 0.25  # of the engine's excess, that is left at the greatest airspeed at least
+FORCE_SHARE = 0.25  # -, of the engine's excess, that is left at the greatest airspeed at least
 FREE_THRUST_SLEW = 2.0  # 1/s, where PX4 limits none
 LOSS_ACTIONS = {
     0: "Position", 1: "Altitude", 2: "Stabilized", 3: "Return", 4: "Land", 5: "Hold",
     6: "Terminate", 7: "Disarm",
 }  # of COM_OBL_RC_ACT: failsafe.cpp, fromOffboardLossActParam  # fmt: skip
-ENDS_WELL = (3.0, 5.0)
+ENDS_WELL = (3.0, 5.0)  # codes of COM_OBL_RC_ACT: Return, Hold
 LONGEST_LOSS, SHORTEST_LOSS = 5.0, 0.3  # s, of COM_OF_LOSS_T
-OFFBOARD_BIT = 4  # of COM_RCL_EXCEPT
+OFFBOARD_BIT = 4  # bit of COM_RCL_EXCEPT
 FATAL = {5: "terminates the flight", 6: "disarms"}  # of NAV_RCL_ACT and NAV_DLL_ACT
-FENCE_TERMINATES = 4.0  # of GF_ACTION
+FENCE_TERMINATES = 4.0  # code of GF_ACTION
 
 
 class Px4Envelope(VehicleEnvelope):
@@ -270,7 +271,7 @@ class Px4Envelope(VehicleEnvelope):
         )
 
 
-# Main and sub mode of custom_mode: src/modules/commander/px4_custom_mode.h
+# Codes of main and sub mode of custom_mode: src/modules/commander/px4_custom_mode.h
 MODES = {
     (1, 0): "MANUAL", (2, 0): "ALTITUDE", (3, 0): "POSITION", (3, 2): "POSITION", (4, 1): "READY",
     (4, 2): "TAKEOFF", (4, 3): "HOLD", (4, 4): "MISSION", (4, 5): "RETURN", (4, 6): "LAND",
@@ -278,10 +279,10 @@ MODES = {
     (6, 0): "OFFBOARD", (7, 0): "STABILIZED", (10, 0): "TERMINATION", (11, 0): "ALTITUDE_CRUISE",
 }  # fmt: skip
 OFFBOARD, HOLD = (6, 0), (4, 3)
-NO_RATES = 0b111  # type_mask: rates are ignored; attitude and thrust are not
-CUSTOM_MODE = 1.0  # param1 of DO_SET_MODE
+NO_RATES = 0b111  # type_mask; rates are ignored; attitude and thrust are not
+CUSTOM_MODE = 1.0  # code: param1 of DO_SET_MODE
 INERT_TIME = 1.2  # s of inert set-points before OFFBOARD is asked for; PX4 wants more than 1 s
-SAME_RATIO = 1e-3  # of true and equivalent airspeed: 20 m of altitude
+SAME_RATIO = 1e-3  # -, relative difference of true and equivalent airspeed: 20 m of altitude
 FENCE_PERIOD = 0.5  # s between looks at the fence
 STALE = 1.0  # s that the newest measurement may be old
 

@@ -42,7 +42,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 CHANNELS = ("turn", "path", "speed")
-BALANCING_SWEEPS = 20  # of Osborne's iteration, after which the bound hardly changes
+BALANCING_SWEEPS = 20  # iterations of Osborne's, after which the bound hardly changes
 
 
 class ChannelMargins(NamedTuple):

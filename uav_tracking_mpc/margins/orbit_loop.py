@@ -50,7 +50,7 @@ from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.symbolic.functions import one_at_a_time
 
 SLOPE_STEP = 1e-4  # rad of azimuth
-COMPLEX_STEP = 1e-20
+COMPLEX_STEP = 1e-20  # -, tolerance: no digit of a derivative is lost, however small it is
 SHORTEST_LAG = 1e-3  # s: a channel that follows at once is given this lag
 
 
@@ -174,9 +174,9 @@ def jacobian(
 
 
 SOLVE_TIME_MAX = 10.0  # s: nothing flies on these solves
-# Of the inputs on the orbit off its own motion, in [rad/s, rad/s, m/s^2]: beyond them it is left.
+# rad/s, rad/s, m/s^2: of the inputs on the orbit off its own motion; beyond them it is left.
 STEADY = np.array([0.02, 0.02, 0.1])
-FREQUENCIES = 400  # of a response: its margins are then within 1 % of those of 4000
+FREQUENCIES = 400  # frequencies of a response: its margins are then within 1 % of those of 4000
 
 
 class OrbitLoop:

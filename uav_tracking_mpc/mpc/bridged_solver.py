@@ -32,7 +32,7 @@ from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.mpc.solver import Guess, Solution, Solver, shift
 
-TOLERANCE = 1e-4  # of IPOPT's optimality: half the iterations of 1e-8, the same flight
+TOLERANCE = 1e-4  # -, tolerance of IPOPT's optimality: half the iterations of 1e-8, the same flight
 # s, that IPOPT has for a solve at least; it takes half of it for an attempt, and a command that is
 # later than that is worth nothing.
 BUDGET = 0.8

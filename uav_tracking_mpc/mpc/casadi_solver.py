@@ -258,7 +258,7 @@ OPTIONS: dict[str, Any] = {
     "error_on_fail": False,
     "show_eval_warnings": False,
 }
-FEASIBILITY_TOLERANCE = 1e-5
+FEASIBILITY_TOLERANCE = 1e-5  # -, tolerance of the scaled constraints
 LONGEST = 1e9  # s, of a solve without a budget: IPOPT has no infinite one
 # From the last plan moved on, IPOPT begins with a small barrier and close to the bounds: a fifth of
 # the iterations.

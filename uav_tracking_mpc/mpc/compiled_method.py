@@ -58,7 +58,7 @@ logger = logging.getLogger(__name__)
 
 POLL_PERIOD = 0.02  # s between looks while waiting
 PATIENCE = 2.0  # s of waiting without a word
-COURTESY = 10  # by which others go first where a flight goes on meanwhile, in steps of `nice`
+COURTESY = 10  # steps of `nice` by which others go first where a flight goes on meanwhile
 
 BRIDGE = "ipopt"  # solves meanwhile
 

@@ -43,17 +43,17 @@ from uav_tracking_mpc.mpc.solver import Guess, Solution, Status
 from uav_tracking_mpc.mpc.stage_code import multiplier_intervals
 from uav_tracking_mpc.symbolic.functions import one_at_a_time
 
-SHORT_HORIZON = 20
-COARSE_TOLERANCE, COARSE_ITERATIONS = 1e-3, 40  # of the attempts on the short horizon
-DISTINCT = 1e-3  # relative difference in cost between two local minima
-OPENING_STAGES = 4
-OPENING_SHARE = 0.9  # of the way from the middle of the box to its bound
-MULTIPLIER_WEIGHT = 10.0  # rho to begin with
-# rho to begin with from a guess, one after the other until one converges. A guess nearly meets the
-# constraints and should not leave them far behind for a lower cost: on the other side of a bearing
-# of pi there may be no way back to them. Yet some get stuck on them.
+SHORT_HORIZON = 20  # stages that a cold start is compiled for as a whole
+COARSE_TOLERANCE, COARSE_ITERATIONS = 1e-3, 40  # -, tolerance of attempts on the short horizon
+DISTINCT = 1e-3  # -, relative difference in cost between two local minima
+OPENING_STAGES = 4  # in which an opening's inputs act
+OPENING_SHARE = 0.9  # -, of the way from the middle of the box to its bound
+MULTIPLIER_WEIGHT = 10.0  # -, rho, the penalty weight to begin with
+# -, rho, the penalty weight to begin with from a guess, one after the other until one converges. A
+# guess nearly meets the constraints and should not leave them far behind for a lower cost: on the
+# other side of a bearing of pi there may be no way back to them. Yet some get stuck on them.
 GUESS_WEIGHTS = (10000.0, 10.0, 1000.0)
-RESCUE_WEIGHTS = (1000.0, 10.0)  # of the openings on a whole long horizon
+RESCUE_WEIGHTS = (1000.0, 10.0)  # -, penalty weights of the openings on a whole long horizon
 PLAN_FIELDS = ("x", "u", "a", "c", "value", "mu", "rho")
 
 Attempt = Callable[[int, float, int], int]
@@ -241,7 +241,7 @@ def openings(
 # In the order of the codes in newton/minimise.py; the last two are ways to fail and to begin.
 STATUSES = (*Status, Status.FAILED)
 CONVERGED, ITERATION_LIMIT, TIME_LIMIT, INFEASIBLE, STALLED, REFUSED, NO_START = range(7)
-WARM = 0  # start code of newton/minimise.py
+WARM = 0  # code of a start in newton/minimise.py
 
 
 class NewtonSolver:

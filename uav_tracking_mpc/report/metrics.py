@@ -34,7 +34,7 @@ from uav_tracking_mpc.dynamics.relative import steady_inputs
 from uav_tracking_mpc.dynamics.relative_models import RELATIVE_MODEL
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
-# Half widths of the bands that count as settled in still air, [m], [m], [m/s], [rad].
+# m, m, m/s, rad: half widths of the bands that count as settled in still air.
 STILL_AIR_BANDS = {"range": 1.0, "altitude": 1.0, "speed": 0.1, "bearing": 0.05}
 
 SPACING = 0.045  # s at least between samples that a rate is taken from
@@ -243,8 +243,8 @@ def _plain(value: Any) -> float | None:
 
 BAND_UNITS = {"range": "m", "altitude": "m", "speed": "m/s", "bearing": "rad"}
 FALLBACKS = 12  # most that a page lists
-LATE_SHARE = 0.01  # of the commands: with more of them a flight is not what was asked for
-NOTABLE_OFFSET = 0.01  # mean range error that the report speaks of, [m]
+LATE_SHARE = 0.01  # -, of the commands: with more of them a flight is not what was asked for
+NOTABLE_OFFSET = 0.01  # m, mean range error that the report speaks of
 
 
 def quantity(value: float | None, unit: str, digits: int = 4) -> str:

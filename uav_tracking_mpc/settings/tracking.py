@@ -106,7 +106,7 @@ class EstimationParameters(Parameters):
 
 
 ARTIFICIAL_ORBIT = COMPILED[1]
-# Test signal in [rad/s, rad/s, m/s^2]: 8 deg of bank, 5 deg of path angle, 10 % of airspeed.
+# rad/s, rad/s, m/s^2: test signal of 8 deg of bank, 5 deg of path angle, 10 % of airspeed.
 USUAL_EXCITATION = (0.06, 0.11, 1.5)
 NEAREST = "nearest"  # direction: the nearer one where the flight begins
 PREDICTIVE = "nmpc"  # law: none, the optimal control problem is solved

@@ -61,14 +61,14 @@ ALPHA_ZERO, ALPHA_LIFT = -0.041, 0.0126  # rad, rad per m/s^2: angle of attack a
 YAW_GAIN = 0.3  # rad per rad/s
 SIDE_GAIN = 0.03  # rad per m/s^2
 SIDE_INTEGRAL = 0.05  # rad per m/s
-AILERON_TO_RUDDER = -0.16
+AILERON_TO_RUDDER = -0.16  # rad per rad
 ROLL_TO_RUDDER = -0.09  # rad per rad/s
 
 # Throttle: what a speed error becomes, and the throttle for a specific force.
 SPEED_TIME = 1.2  # s
-FORCE_FORWARD = 0.105  # per m/s^2
-SPEED_FORWARD = 0.023  # per m/s
-SPEED_INTEGRAL = 0.03  # per m
+FORCE_FORWARD = 0.105  # 1 per m/s^2
+SPEED_FORWARD = 0.023  # 1 per m/s
+SPEED_INTEGRAL = 0.03  # 1 per m
 INDUCED_DRAG = 0.15  # m/s^2 in level flight at SPEED
 AILERON_MAX = ELEVATOR_MAX = RUDDER_MAX = 0.7854  # rad
 LEVELLING_TIME = 1.0  # s, in which the demanded path angle is taken out where no plan is left

@@ -37,7 +37,7 @@ LATITUDE = 0.25 * math.pi  # rad, where gravity is within 0.01 % of the standard
 FOOT = 0.3048  # m
 AIRFRAME = "aerosonde"
 ALPHA_LOST = 0.6  # rad, at which the wing has long stalled
-# W20 in [m/s] above which turbulence is moderate and severe, and JSBSim's index of how seldom it is
+# m/s: W20, above which turbulence is moderate and severe, and JSBSim's index of how seldom it is
 # exceeded, which counts above 1000 ft (MIL-F-8785C, figure 7).
 SEVERITIES = ((0.0, 3), (11.5, 4), (19.3, 6))
 AXES = ("x", "y", "z")

@@ -31,7 +31,7 @@ from uav_tracking_mpc.dynamics.relative import relative_state, steady_inputs, tr
 from uav_tracking_mpc.dynamics.vehicle import velocity
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
-SLOWEST = 1e-6  # m/s; a slower velocity has no direction
+SLOWEST = 1e-6  # m/s, tolerance: a slower velocity has no direction
 
 
 @dataclass(frozen=True)

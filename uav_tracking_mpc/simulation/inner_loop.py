@@ -31,7 +31,7 @@ import numpy as np
 from uav_tracking_mpc.dynamics.frames import wrap_angle
 from uav_tracking_mpc.dynamics.vehicle import air_velocity, followed
 
-TIME_ROUNDING = 1e-7  # s, by which a command may take effect too early
+TIME_ROUNDING = 1e-7  # s, rounding by which a command may take effect too early
 
 
 class Channel:

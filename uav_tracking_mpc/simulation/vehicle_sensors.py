@@ -36,7 +36,7 @@ ERRORS = (
     *("position_noise", "velocity_noise", "attitude_noise", "airspeed_noise"),
     *("velocity_bias", "heading_bias", "airspeed_bias", "turn_rate_bias"),
 )
-TIME_ROUNDING = 1e-9  # s, by which a measurement may be too young
+TIME_ROUNDING = 1e-9  # s, rounding by which a measurement may be too young
 
 
 class VehicleSensors:

@@ -39,7 +39,7 @@ from scipy.special import gammainc
 from uav_tracking_mpc.dynamics.air import GustScales, gust_scales
 
 GUST_STEP = 0.02  # s of flight for which a gust is held
-ROOT_2, ROOT_3 = math.sqrt(2.0), math.sqrt(3.0)
+ROOT_2, ROOT_3 = math.sqrt(2.0), math.sqrt(3.0)  # -, of the Dryden spectra, MIL-F-8785C
 
 
 class ExactStep:

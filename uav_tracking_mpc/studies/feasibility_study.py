@@ -75,11 +75,11 @@ def as_words() -> str:
     return "\n".join(lines)
 
 
-NEAREST, FARTHEST = 0.2, 3.3  # r_d
-LOWEST, HIGHEST = -0.3, 0.45  # r_d from z_d
-STEEPEST = 0.95  # |z| / r
-DRIFT_SHARE = 0.4  # of the airspeed, the strongest drift
-STILL_SHARE = 0.3  # of the states, without drift
+NEAREST, FARTHEST = 0.2, 3.3  # -, of r_d
+LOWEST, HIGHEST = -0.3, 0.45  # -, of r_d, from z_d
+STEEPEST = 0.95  # -, ratio |z| / r
+DRIFT_SHARE = 0.4  # -, of the airspeed, the strongest drift
+STILL_SHARE = 0.3  # -, of the states, without drift
 
 
 def random_situations(parameters: TrackingParameters, count: int, seed: int = 0) -> list[Situation]:
@@ -126,8 +126,8 @@ def _random_situation(p: TrackingParameters, generator: np.random.Generator) -> 
 
 
 STEPS = 40  # of a flight
-FEASIBLE = 1e-5  # largest violation of a hard constraint, scaled: 0.1 mm, 1e-5 rad or m/s
-# Solvers stop at a tolerance: what a cost may rise by it, relative and absolute [-].
+FEASIBLE = 1e-5  # -, largest violation of a hard constraint, scaled: 0.1 mm, 1e-5 rad or m/s
+# -, tolerance of the solvers: what a cost may rise by it, relative and absolute.
 RELATIVE_RISE, RISE = 1e-6, 1e-5
 SOLVE_TIME_MAX = 10.0  # s; with a budget the load of the machine would decide what is counted
 PIECE = 50  # flights

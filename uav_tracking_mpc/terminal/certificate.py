@@ -65,7 +65,7 @@ from uav_tracking_mpc.terminal.quadratic_bound import (
 )
 
 FORMAT = "uav_tracking_mpc terminal set certificate 1"
-TOLERANCE = 1e-11  # relative, of P and K recomputed elsewhere: far below the proof's slack
+TOLERANCE = 1e-11  # -, relative, of P and K recomputed elsewhere: far below the proof's slack
 
 
 def problem_parameters(problem: StabilityProblem) -> dict[str, Any]:
@@ -142,7 +142,7 @@ def mismatch(
 
 
 EXTRA_HALVINGS = 8  # the guesses of two programs differ, so a leaf may need a cut or two
-MARGIN = 0.9e-6  # of the level; the prover keeps 1e-6, rounding must not decide
+MARGIN = 0.9e-6  # -, of the level; the prover keeps 1e-6, rounding must not decide
 _RANGE = range(NX)
 
 

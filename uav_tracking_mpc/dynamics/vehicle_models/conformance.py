@@ -38,7 +38,7 @@ from uav_tracking_mpc.parameters.conformance import (
 
 COUNT = 50  # random states
 INSTANT = 1e-3  # s, of the step whose slope is compared with the kinematics
-SETTLING, TURN = 60, 0.2  # s of a turn that is held, and its rate in rad/s
+SETTLING, TURN = 60, 0.2  # s, rad/s: of a turn that is kept, and its rate
 
 
 def check_model(model: type[VehicleModel]) -> None:

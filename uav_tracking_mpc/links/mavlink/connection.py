@@ -36,7 +36,7 @@ from uav_tracking_mpc.links.mavlink.dialect import mavlink
 
 OPEN_LIMIT = 2.0  # s to reach the other end of a stream
 DATAGRAM_SIZE = 65535  # bytes
-FIRST_BAUD = 1200  # a serial port is opened with it: some kernels miss a rate that does not change
+FIRST_BAUD = 1200  # baud, opens a serial port: some kernels miss a rate that does not change
 
 
 class Wire:
@@ -213,7 +213,7 @@ FORMS = "udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT or se
 KEY_LENGTH = 32  # bytes of a signing key: MAVLink guide, Message Signing
 CHUNK = 2048  # bytes read at once from a stream
 DATAGRAM, STREAM, SERIAL = ("udpin", "udpout"), ("tcp", "tcpin"), ("serial",)
-SEQUENCE = 256  # numbers of messages of one sender wrap there
+SEQUENCE = 256  # code at which the numbers of messages of one sender wrap
 SIGNING_EPOCH = 1420070400.0  # s, 2015-01-01: since then signatures count units of 10 us
 
 

@@ -53,15 +53,15 @@ from uav_tracking_mpc.dynamics.air import GRAVITY
 
 PATH_LAG, SPEED_LAG = 0.2, 0.2  # s, tau_chi and tau_v of the reference
 LIFT_TIME = 0.25  # s, T_alpha: v / g times the angle of attack per load factor
-PATH_GAIN, PATH_INTEGRAL = 0.25, 0.3  # K [-], and of I_theta in 1/s
-SPEED_TIME, SPEED_INTEGRAL = 2.0, 0.1  # T_v in s, and of I_v in 1/s^2
+PATH_GAIN, PATH_INTEGRAL = 0.25, 0.3  # -, 1/s: K, and of I_theta
+SPEED_TIME, SPEED_INTEGRAL = 2.0, 0.1  # s, 1/s^2: T_v, and of I_v
 LIFT_ANGLE = 0.08  # rad, A: angle of attack at cruise above that of no lift
 STALL = 0.25  # rad, the most that angles of attack are learnt to
 PATH_WINDOW, SPEED_WINDOW = 0.15, 3.0  # rad, m/s, that the reference may be from what is measured
 GIVING_WAY = 0.3  # rad, by which the path gives way to the airspeed at most
 SLOW = 2.0  # m/s below the least airspeed, where thrust is full in any case
 LONGEST_STEP = 0.2  # s; after a longer pause the reference begins anew
-LOAD_LIMIT = 2.0  # of the load factor in feed-forwards [-]
+LOAD_LIMIT = 2.0  # -, of the load factor in feed-forwards
 
 
 class EnergyLimits(NamedTuple):

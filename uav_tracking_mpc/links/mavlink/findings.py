@@ -92,10 +92,10 @@ class HomeFence(NamedTuple):
         return ""
 
 
-BANK_KEPT = math.radians(2.0)  # of the autopilot's limit, so that it is never reached
-LEAST_TURN_BANK = math.radians(25.0)  # at any airspeed: load factor 1.1
-RATE_SHARE = 0.9  # of a greatest rate
-FENCE_MARGIN = 10.0  # m
+BANK_KEPT = math.radians(2.0)  # rad, of the autopilot's limit, so that it is never reached
+LEAST_TURN_BANK = math.radians(25.0)  # rad, at any airspeed: load factor 1.1
+RATE_SHARE = 0.9  # -, of a greatest rate
+FENCE_MARGIN = 10.0  # m, to the autopilot's own fence
 UNKNOWN_AIRSPEED = 15.0  # m/s, for limits that depend on it where neither cruise nor flight tells
 FIRMWARE_TYPES = {0: "dev", 64: "alpha", 128: "beta", 192: "rc", 255: "official"}
 AIRSPEED_SENSOR = mavlink.MAV_SYS_STATUS_SENSOR_DIFFERENTIAL_PRESSURE

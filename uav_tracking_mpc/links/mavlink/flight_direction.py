@@ -45,7 +45,7 @@ import math
 
 FREQUENCY = 0.3  # rad/s, omega: well below the swing's, which is some rad/s
 LONGEST_STEP = 0.5  # s between attitudes, after which the filter begins anew
-SURPLUS_LIMIT = 0.15  # rad/s
+SURPLUS_LIMIT = 0.15  # rad/s, of a turn's surplus over its bank
 
 
 class FlightDirection:

@@ -38,7 +38,7 @@ from uav_tracking_mpc.links.mavlink.requests import Requests, long_command
 from uav_tracking_mpc.links.mavlink.telemetry import DEGREE_SCALE, LEAST_AIRSPEED, Telemetry
 from uav_tracking_mpc.settings.link import LinkParameters
 
-HAS_VELOCITY = 0b10  # of FOLLOW_TARGET's est_capabilities
+HAS_VELOCITY = 0b10  # bit of FOLLOW_TARGET's est_capabilities
 
 
 class VehicleSighting:
@@ -102,12 +102,12 @@ NOW_AND_THEN = (
 HEARTBEAT_PERIOD, SYNC_PERIOD, ASKING_PERIOD = 1.0, 0.5, 1.0  # s
 SLOW_RATE, QUICK_RATE = 2.0, 10.0  # Hz
 REOPEN_PERIOD = 1.0  # s between attempts to open a lost wire
-KEPT_RATE = 0.7  # of the states that came at best, below which they are asked for again
+KEPT_RATE = 0.7  # -, of the states that came at best, below which they are asked for again
 LOST = 5.0  # s without a heartbeat
 STALL = 2.0  # s in which nobody read, after which what waits is too old for its arrival to count
 BACKLOG = 10000  # reads in a row of what waits
 HISTORY = 1.0  # s of age from which on a measurement is none: it waited while we were stopped
-SEVERE = 4  # MAV_SEVERITY up to which the autopilot's words are warnings
+SEVERE = 4  # code MAV_SEVERITY up to which the autopilot's words are warnings
 
 
 class Listener:

@@ -33,7 +33,7 @@ from uav_tracking_mpc.links.mavlink.connection import Connection
 from uav_tracking_mpc.links.mavlink.dialect import mavlink, name_of
 
 WAIT = 0.7  # s for an acknowledgement
-ATTEMPTS = 4
+ATTEMPTS = 4  # of a command that is not acknowledged
 PROGRESS = 10.0  # s that an autopilot may be at it
 NOT_ANSWERED = "not answered"  # as the answer to a request
 

@@ -55,7 +55,7 @@ from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
 from uav_tracking_mpc.links.mavlink.flight_direction import Climb, FlightDirection
 
 AGE = 5.0  # s that what is told counts
-MILLI = 1e-3  # m or m/s
+MILLI = 1e-3  # m or m/s, code: unit on the wire
 
 
 class Accuracies:
@@ -104,15 +104,15 @@ def _axes(name: str, level: float, vertical: float) -> tuple[float, float, float
     return axes_noise(name, variances)
 
 
-DEGREE_SCALE = math.radians(1e-7)  # of latitude and longitude on the wire
+DEGREE_SCALE = math.radians(1e-7)  # rad, code: unit of latitude and longitude on the wire
 ATTITUDE_AGE = 0.25  # s that attitude and position may lie apart
 AIRSPEED_AGE = 1.0  # s that airspeed may be older than the position
 LEAST_AIRSPEED = 3.0  # m/s; below it nothing flies, and the path angle means nothing
-STEEPEST = 0.5 * math.pi
+STEEPEST = 0.5 * math.pi  # rad, path angle
 FARTHEST = 1e6  # m from the origin; beyond it the autopilot's filter has no origin yet
 QUICK_CLIMB = 8.0  # rad/s, for autopilots whose climb is commanded: it delays by little
 SLOW_CLIMB = 0.5  # rad/s, for those that hold altitude themselves, where the rest is turbulence
-WIND_AGE = 10.0  # s
+WIND_AGE = 10.0  # s that a wind counts
 
 
 class Attitude(NamedTuple):

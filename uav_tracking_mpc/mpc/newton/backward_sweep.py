@@ -46,8 +46,8 @@ from .compiling import compiled
 from .lagrangian import multipliers
 from .stage import NA, NS, NU, NX, stage_quadratic, terminal_quadratic
 
-PIVOT = 1e-10  # smallest accepted pivot, relative to its diagonal element
-REPLACED, SMALLEST = 1e-3, 1e-6  # what at least replaces another: relative to that, and at all
+PIVOT = 1e-10  # -, smallest accepted pivot, relative to its diagonal element
+REPLACED, SMALLEST = 1e-3, 1e-6  # -, what at least replaces another: relative to that, and at all
 
 
 @compiled

@@ -49,7 +49,7 @@ placed = njit(**OPTIONS, inline="always")  # into its caller, not compiled by it
 entry = njit(**OPTIONS, no_cfunc_wrapper=True, nogil=True)
 
 
-MONOTONIC = 1  # CLOCK_MONOTONIC of POSIX on Linux
+MONOTONIC = 1  # code of CLOCK_MONOTONIC, POSIX on Linux
 
 _clock_gettime = types.ExternalFunction("clock_gettime", types.int32(types.int32, types.uintp))
 

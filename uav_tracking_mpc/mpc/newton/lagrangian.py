@@ -44,9 +44,9 @@ from .compiling import compiled
 from .stage import NA, NH, NS, NU, NX, stage_values, terminal_values
 from .workspace import END, NC, ROWS, STAGES, WORKING
 
-WEIGHT_LIMIT, WEIGHT_GROWTH = 1e10, 10.0
-SMALL = 1e-7  # residuals below are met: their weights stay
-PROGRESS = 0.25  # a residual that falls by less than this makes its weight grow
+WEIGHT_LIMIT, WEIGHT_GROWTH = 1e10, 10.0  # -, greatest penalty weight, and a factor of its growth
+SMALL = 1e-7  # -, tolerance of residuals: below it they are met
+PROGRESS = 0.25  # -, share of a residual's fall below which its penalty grows
 
 
 @compiled

@@ -33,7 +33,7 @@ from .lagrangian import constraint_residual, exact_cost, merit, rollout, update_
 from .stage import NA, NP, NS, NU, NX, N, continuation
 from .workspace import ASIDE, BEST, FIRST, KEPT, NC, OPENINGS, ROWS, SECOND, WORKING, record_at
 
-WEIGHT_KEPT = 1e3  # largest penalty weight to begin with
+WEIGHT_KEPT = 1e3  # -, largest penalty weight to begin with
 
 
 @compiled
@@ -75,8 +75,8 @@ def move_on(w, stages):
             w.residual[row, j] = math.inf
 
 
-WEIGHT = 10.0  # rho to begin with
-INSIDE = -1e6  # of a constraint: so far inside that a sweep does not see it
+WEIGHT = 10.0  # -, rho, the penalty weight to begin with
+INSIDE = -1e6  # -, of a constraint: so far inside that a sweep does not see it
 
 
 @compiled
@@ -157,13 +157,14 @@ def prepare_cheapest(w):
 # How it ends.
 CONVERGED, ITERATION_LIMIT, TIME_LIMIT, INFEASIBLE, STALLED, REFUSED, NO_START, HOPELESS = range(8)
 
-SUFFICIENT = 1e-4  # Armijo: share of the predicted change that a step must bring
-SHORTEST = 1e-4  # of the step lengths tried
-ROUNDING = 1e-13  # error of the merit, relative to 1 + its size
-INNER = 0.1  # gradient, against the constraint residual, at which multipliers move
-SHORT = 0.3
-AS_PREDICTED = 0.1  # relative error of the change up to which a full step ends at a minimum
-FORESEEN = 3.0  # changes like the one that a convex model predicts are at most still to come
+SUFFICIENT = 1e-4  # -, Armijo's share of the predicted change that a step must bring
+SHORTEST = 1e-4  # -, share of a full step: the shortest that is tried
+ROUNDING = 1e-13  # -, rounding of the merit, relative to 1 + its size
+INNER = 0.1  # -, ratio of gradient to constraint residual at which multipliers move
+SHORT = 0.3  # -, share of a full step: after a shorter one the damping grows
+AS_PREDICTED = 0.1  # -, relative error of the change up to which a full step ends at a minimum
+FORESEEN = 3.0  # -, times the change that a convex model predicts is at most still to come
+# -, times the identity that is added to the Hessian, and the factor of its growth
 DAMPING_START, DAMPING_LIMIT, DAMPING_GROWTH = 0.1, 1e8, 10.0
 
 
@@ -308,7 +309,7 @@ def copy_multipliers(w, source, target):
 # gains; from every opening. Or only the gains of the feedback to the goal.
 WARM, PREPARED, ALL_OPENINGS, FEEDBACK = range(4)
 
-WORTHWHILE = 1e-5  # relative difference in cost for which an attempt is finished
+WORTHWHILE = 1e-5  # -, relative difference in cost for which an attempt is finished
 
 
 @entry

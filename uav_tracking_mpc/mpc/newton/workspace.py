@@ -30,15 +30,15 @@ from .stage import NA, NE, NH, NP, NS, NU, NW, NX, N
 # attempts. The other rows are for the caller to put plans aside.
 # (NumPy integers, because numba compiles a function once more for every literal argument.)
 FIRST, SECOND, BEST, KEPT, ASIDE = (np.int64(row) for row in range(5))
-SPARE = 5  # first row of the caller
+SPARE = 5  # index of the caller's first row
 PLANS = 8
 WORKING = FIRST  # multipliers of the iteration; those of row KEPT belong to the plan of that name
 
-STAGES, END, ROWS = np.int64(0), np.int64(1), 2  # rows of what all stages share, and of the end
+STAGES, END, ROWS = np.int64(0), np.int64(1), 2  # indices: what all stages share, and the end
 NC = max(NH, NE)  # constraints of a stage, or of the end
 
-# Openings: at rest throughout; none; each input alone at either end of its box; the first inputs
-# together in every combination of ends.
+# How many inputs are combined, and openings: at rest throughout; none; each input alone at either
+# end of its box; the first inputs together in every combination of ends.
 COMBINED_INPUTS = 3
 OPENINGS = 2 + 2 * NU + 2 ** min(NU, COMBINED_INPUTS)
 

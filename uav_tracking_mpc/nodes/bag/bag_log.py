@@ -58,7 +58,7 @@ from uav_tracking_mpc.settings.simulator import TargetParameters
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, Latency, LinkFigures
 from uav_tracking_mpc.simulation.motions import motion_of
 
-WINGS_LEVEL = 1e-6  # rad; a source that never tells more tells no bank
+WINGS_LEVEL = 1e-6  # rad, tolerance: a source that never sends more knows no bank
 REASON = "mode reason"  # value of the controller that says more than its message
 
 

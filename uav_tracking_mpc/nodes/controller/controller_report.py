@@ -42,7 +42,7 @@ from uav_tracking_mpc.nodes.ros.managed_node import Stage
 from uav_tracking_mpc.nodes.topics import TARGET, TARGET_ODOMETRY
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
-# Upper ends of the bins of the histogram in [us]; the last bin is open.
+# us: upper ends of the bins of the histogram; the last bin is open.
 BINS = (500.0, 1000.0, 2000.0, 4000.0, 10_000.0, 20_000.0, 50_000.0)
 
 

@@ -69,8 +69,8 @@ if TYPE_CHECKING:
 
 VARIANCES = slice(0, 15, 7)  # of x, y, z among the 36 entries
 BLOCK = (slice(0, 3), slice(6, 9), slice(12, 15))  # rows of x, y, z among them
-HEADING = 35  # rotation about the axis up
-TILT = (21, 22, 27, 28)  # rotations about x and y
+HEADING = 35  # index of the rotation about the axis up
+TILT = (21, 22, 27, 28)  # indices of the rotations about x and y
 
 
 def set_noise(message: Odometry, noise: SensorNoise, rotation: NDArray[np.float64]) -> None:

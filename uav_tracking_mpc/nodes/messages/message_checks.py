@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from std_msgs.msg import Header
 
 POSITION_LIMIT = 1e7  # m; what lies beyond is no position on this earth
-SPEED_LIMIT = 1e3  # m/s
-RATE_LIMIT = 1e2  # rad/s
+SPEED_LIMIT = 1e3  # m/s, no aircraft or target is faster
+RATE_LIMIT = 1e2  # rad/s, no aircraft turns faster
 
 
 class MessageError(MeasurementError):

@@ -41,7 +41,8 @@ if TYPE_CHECKING:
 
 ORBIT = "uav/orbit"
 NAMES = ["east", "north", "up", "radius", "airspeed"]
-LIMITS = np.array([POSITION_LIMIT] * 4 + [SPEED_LIMIT])  # of centre, radius [m] and airspeed [m/s]
+# m, m, m, m, m/s: of centre, radius and airspeed
+LIMITS = np.array([POSITION_LIMIT] * 4 + [SPEED_LIMIT])
 
 
 def orbit_message(frames: FrameNames = FRAMES) -> JointState:

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 TOPIC = "target/odometry"
 VARIANCE_LIMIT = 1e8  # m^2 or m^2/s^2, beyond which it says nothing
-ROUNDING = 1e-9  # of the greatest variance, by which another may be negative
+ROUNDING = 1e-9  # -, rounding: share of the greatest variance by which another may be negative
 
 
 class TargetMeasurement(NamedTuple):

@@ -43,18 +43,18 @@ from uav_tracking_mpc.nodes.messages.message_checks import (
 from uav_tracking_mpc.nodes.topics import COMMAND, ODOMETRY, Topic
 
 ENCAPSULATION = 4  # bytes before the first field: how the rest is encoded
-LITTLE_ENDIAN = 1  # in the second of them
+LITTLE_ENDIAN = 1  # code in the second of them
 STAMP = struct.Struct("<iI")  # header.stamp is the first field
 BEHIND_STAMP = ENCAPSULATION + STAMP.size
 SECOND = 1_000_000_000  # ns
-MARKS = 1.25e99, -3.5e-77  # numbers that no other bytes are twice
+MARKS = 1.25e99, -3.5e-77  # codes: numbers that no other bytes are twice
 # Numbers of a point of a command: transform, if it has one, then twist and acceleration.
 PLACE, ATTITUDE, VELOCITY = slice(0, 3), slice(3, 7), slice(7, 10)
 TRANSFORM, RATES = 7, 12  # how many
-INPUTS = [-7, -8, -6]  # of (u_psi, u_chi, u_v), from the end
+INPUTS = [-7, -8, -6]  # indices of (u_psi, u_chi, u_v), from the end
 PITCH_SIGN = pitch_rate_from_path_angle_rate(1.0)
 SINGLE_SEGMENT = 1.0  # s that a plan of one segment lasts
-UNEVEN = 1e-6  # s by which segments of a plan may differ
+UNEVEN = 1e-6  # s, tolerance by which segments of a plan may differ
 COVARIANCE = 36  # numbers of an odometry's, behind the 7 of its pose and the 6 of its twist
 LENGTH = 4  # bytes that tell how long a name is; each begins at a multiple of them
 

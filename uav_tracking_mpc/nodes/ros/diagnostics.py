@@ -34,7 +34,7 @@ from uav_tracking_mpc.nodes.topics import DIAGNOSTICS
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 STALE = DiagnosticStatus.STALE  # of a node that has ended
-LASTING = 2.0  # s
+LASTING = 2.0  # s, until a better status is shown
 
 
 class SteadyStatus:

@@ -44,7 +44,7 @@ T = TypeVar("T")
 PREFIX = "qos_overrides."
 PUBLISHER, SUBSCRIPTION = "publisher", "subscription"
 POLICIES = {"history": HistoryPolicy, "reliability": ReliabilityPolicy}  # and depth
-DEPTH_MAX = 10_000  # messages
+DEPTH_MAX = 10_000  # messages that a queue may hold
 
 
 def overriding_options(node: Node, topic: str, kind: str) -> QoSOverridingOptions:
@@ -152,7 +152,7 @@ def _copy(qos: QoSProfile) -> QoSProfile:
 
 
 LEASE = 1.0  # s in which a publisher says that it is alive, for those who ask for it
-LATE = 2.0  # periods from message to message, beyond which the deadline is missed
+LATE = 2.0  # -, periods from message to message, beyond which the deadline is missed
 
 
 @dataclass(frozen=True)

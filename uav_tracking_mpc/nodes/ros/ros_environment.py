@@ -21,7 +21,7 @@ import tempfile
 from pathlib import Path
 
 VARIABLE = "ROS_DOMAIN_ID"
-GREATEST_DOMAIN = 232  # what DDS's port numbers leave room for
+GREATEST_DOMAIN = 232  # domains: what DDS's port numbers leave room for
 SECURED = (
     "ROS_SECURITY_ENABLE is true, which needs ROS_SECURITY_KEYSTORE and a ROS 2 with the security "
     "plugins of DDS: the wheels have none (docs/security.md)"

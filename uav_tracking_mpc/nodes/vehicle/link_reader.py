@@ -30,7 +30,7 @@ from uav_tracking_mpc.nodes.messages.message_checks import FRAMES, FrameNames
 from uav_tracking_mpc.nodes.ros.endpoints import publish
 from uav_tracking_mpc.nodes.topics import TARGET, TARGET_ODOMETRY
 
-SHARE = 0.02  # of a new reading in the offset
+SHARE = 0.02  # -, of a new reading in the offset
 STEP = 5e-3  # s by which a reading may differ before the clocks count as set anew
 WITNESSES = 3  # readings in a row that say so: one may lie where the process was interrupted
 

@@ -57,7 +57,7 @@ class Circle(TargetMotion):
         return self.parameters.heading + self.parameters.speed * time / self.parameters.radius
 
 
-BESIDE = 1e-3  # m; a target that is nearer to the path is on it
+BESIDE = 1e-3  # m, tolerance: a target that is nearer to the path is on it
 
 
 class Waypoints(TargetMotion):

@@ -33,6 +33,7 @@ from uav_tracking_mpc.simulation.plants import Plant
 
 FARTHEST, FASTEST, QUICKEST = 1e7, 1e3, 1e2  # m, m/s, rad/s: no aircraft goes beyond
 TICK = 0.05  # s
+# rad/s, rad/s, m/s^2
 PLAN = np.array([[0.2, 0.05, 0.5], [-0.1, -0.05, 0.0], [0.1, 0.0, -0.5]])
 PARAMETERS = SimulatorParameters(
     initial_position=(400.0, 0.0, 100.0), initial_speed=15.0, speed_max=40.0, seed=1

@@ -29,9 +29,9 @@ import tempfile
 import time
 from typing import Any
 
-UNBOUNDED = 1e9  # what acados is given for a bound that there is none of
-TOLERANCE = 1e-6
-ITERATION_LIMIT = 200
+UNBOUNDED = 1e9  # -, code for a bound that there is none of
+TOLERANCE = 1e-6  # -, tolerance of acados's residuals
+ITERATION_LIMIT = 200  # of SQP
 
 
 def find_acados() -> None:

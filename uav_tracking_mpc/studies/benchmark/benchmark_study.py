@@ -48,9 +48,9 @@ from uav_tracking_mpc.studies.flight_start import Start
 from uav_tracking_mpc.studies.study import Study
 
 OURS = "ours"
-TRANSIENT_STEPS = 30
-LOOP_STEPS = 60
-COST_MARGIN = 1e-3  # a cost this close to the best found counts as the best
+TRANSIENT_STEPS = 30  # control steps from the start
+LOOP_STEPS = 60  # control steps of the closed loop
+COST_MARGIN = 1e-3  # -, relative difference: a cost this close to the best found counts as the best
 
 Progress = Callable[[str], None]
 
@@ -305,8 +305,8 @@ def missions_per_second(case: Case, steps: int, count: int = 200) -> float:
     return count / (time.perf_counter() - begin)
 
 
-MISSION_STEPS = 150
-HORIZONS = [5, 10, 20, 30, 50, 100]
+MISSION_STEPS = 150  # control steps of a mission
+HORIZONS = [5, 10, 20, 30, 50, 100]  # stages
 
 
 def benchmark(
@@ -377,7 +377,7 @@ def _ratios(figures: dict[str, dict[str, Any]], key: str) -> dict[str, float]:
     return {name: row[key] / figures[OURS][key] for name, row in figures.items() if name != OURS}
 
 
-LEAST_CONVERGED = 0.99  # share of the cold starts
+LEAST_CONVERGED = 0.99  # -, share of the cold starts
 # Heading, key of the figure, its format, factor.
 FIGURES = (
     ("median [us]", "transient_median_us", ".1f", 1.0),

@@ -28,8 +28,8 @@ from scipy.optimize import nnls
 
 from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
 
-ACTIVE = 1e-5  # an inequality this close to 0 counts as active
-AT_BOUND = 1e-6  # as much for an input or a decision: interior points end a hair inside of it
+ACTIVE = 1e-5  # -, tolerance: an inequality this close to 0 counts as active
+AT_BOUND = 1e-6  # -, tolerance of a bound of inputs or decisions: interior points end inside of it
 
 
 class OptimalityMeasure:

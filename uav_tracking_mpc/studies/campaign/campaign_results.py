@@ -41,10 +41,10 @@ from uav_tracking_mpc.studies.campaign.campaign_run import CampaignResults, Row
 from uav_tracking_mpc.studies.campaign.criteria import RAISED
 from uav_tracking_mpc.studies.campaign.flight_plan import flight_name
 
-CONFIDENCE = 0.95  # of each bound
+CONFIDENCE = 0.95  # -, confidence of each bound
 FEWEST = 3  # flights of either kind; with fewer everything looks telling
 TELLING = (
-    0.05  # p-value below which a difference counts, times the number of inputs that were tried
+    0.05  # -, p-value below which a difference counts, times the number of inputs that were tried
 )
 
 
@@ -182,7 +182,7 @@ def _trait(
     return Trait(key, rule, float(has[picked].mean()), float(has[~picked].mean()), p_value)
 
 
-QUANTILES = (0.5, 0.9, 0.99, 1.0)
+QUANTILES = (0.5, 0.9, 0.99, 1.0)  # -, quantiles
 
 
 def quantiles(rows: Sequence[Row], column: str) -> list[float | None]:
@@ -223,7 +223,7 @@ FIGURES = (
     ("bank rate RMS [deg/s]", "bank_rate_rms_dps", 2),
 )
 WORST = 10  # flights that can be looked at again
-WORST_SHARE = 0.1  # of the flights, whose inputs are set beside those of the others
+WORST_SHARE = 0.1  # -, of the flights, whose inputs are set beside those of the others
 
 
 def as_json(results: CampaignResults) -> dict[str, Any]:

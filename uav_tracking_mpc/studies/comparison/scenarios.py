@@ -60,9 +60,9 @@ def law_label(law: str) -> str:
 
 SCENARIO = "crosswind"
 DURATION, SETTLED_AFTER = 300.0, 90.0  # s, of a flight and until it counts
-LAG_SHARES = (0.0, 0.25, 0.5, 0.75, 1.5, 2.0, 3.0)  # of the true lag and dead time that are told
-GUSTS = {"light": 7.7, "moderate": 15.4, "severe": 23.2}  # W20 in [m/s]
-NOISES = (0.5, 2.0, 5.0)  # m
+LAG_SHARES = (0.0, 0.25, 0.5, 0.75, 1.5, 2.0, 3.0)  # -, of lag and dead time, as configured
+GUSTS = {"light": 7.7, "moderate": 15.4, "severe": 23.2}  # m/s: W20
+NOISES = (0.5, 2.0, 5.0)  # m, noise of the target's position
 
 _SIMULATOR, _TARGET, _CONTROLLER = "uav_simulator", "target_publisher", "nmpc_controller"
 _MISTAKEN: dict[str, dict[str, object]] = {

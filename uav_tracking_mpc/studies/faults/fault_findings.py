@@ -23,7 +23,7 @@ from typing import Any
 from uav_tracking_mpc.report.figure_style import BLUE, GREEN, GREY, VERMILLION, drawing, png
 from uav_tracking_mpc.studies.faults.invariants import Violation
 
-COUNTS = {"faults": 6, "violations": 10, "loiters": 7}  # columns of the table and their widths
+COUNTS = {"faults": 6, "violations": 10, "loiters": 7}  # columns and their widths
 
 
 @dataclass

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-ROUNDING = 1e-9
+ROUNDING = 1e-9  # -, rounding of what is compared
 REMEMBERED = 1000  # states
 
 

@@ -38,8 +38,8 @@ SETTLING_LIMIT = 90.0  # s to the orbit, from wherever the autopilot was left
 LOITERS = ("LOITER", "RTL", "HOLD", "RETURN", "GUIDED", "OFFBOARD")  # it circles by itself
 HAND_FLOWN = ("FBWA", "MANUAL", "RTL", "LOITER", "STABILIZED", "HOLD")
 SAMPLE_PERIOD = 1.0  # s between errors that are kept for the figure
-BAD_FRAMES = 100_000
-SENDER = 3  # MAVLink system of the good frames
+BAD_FRAMES = 100_000  # frames
+SENDER = 3  # code: MAVLink system of the good frames
 
 
 class WireFault(Fault):

@@ -37,8 +37,8 @@ from uav_tracking_mpc.settings.link import LinkParameters
 from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.simulation.steered_target import TargetSensor
 
-ROUNDING = math.radians(0.02)  # a bank is told in single precision, a limit in degrees
-ROLL_IGNORED_AS_ATTITUDE = 0b10000000  # with which ArduPlane takes the axes one by one
+ROUNDING = math.radians(0.02)  # rad, rounding: a bank is a single, a limit in degrees
+ROLL_IGNORED_AS_ATTITUDE = 0b10000000  # bits with which ArduPlane takes the axes one by one
 FORBIDDEN = {
     mavlink.MAV_CMD_COMPONENT_ARM_DISARM: "arms or disarms",
     mavlink.MAV_CMD_NAV_TAKEOFF: "takes off",
@@ -132,7 +132,7 @@ class SentMessages:
 
 
 CONNECT_LIMIT, WAIT = 20.0, 0.1  # s
-# What the simulated one is told as a user would tell a real one: `link check` asks for it.
+# The code that a user sets in a real autopilot, because `link check` asks for it.
 TOLD = {"px4": {"COM_OBL_RC_ACT": 5.0}}
 
 

@@ -41,11 +41,11 @@ from uav_tracking_mpc.studies.faults.resources import ResourceWatch
 from uav_tracking_mpc.studies.faults.schedule import Case
 from uav_tracking_mpc.studies.faults.stream_fault import ORDERS, STREAMS, raw
 
-SPEED = 5.0  # simulated over wall time, at most: five processes share the cores
+SPEED = 5.0  # -, simulated over wall time, at most: five processes share the cores
 START_LIMIT = 120.0  # s of wall time to fly onto the orbit the first time
 TRANSPORT = 0.5  # s of wall time that messages may take, whatever the load
-FENCE = 3.0  # times the distance at the start
-REACH = 1.0  # times the range: how far a target is teleported
+FENCE = 3.0  # -, times the distance at the start
+REACH = 1.0  # -, times the range: how far a target is teleported
 CHECK_PERIOD = 0.02  # s of wall time between looks at the processes
 SAMPLE_PERIOD = 1.0  # s of wall time between looks at what they use
 LOG = "nodes.log"

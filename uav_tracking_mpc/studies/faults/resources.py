@@ -27,7 +27,7 @@ from uav_tracking_mpc.launch.supervisor import NodeProcess
 
 WARM_UP = 15.0  # s after its start that a process has for loading, compiling, filling its buffers
 SHORTEST = 120.0  # s of samples below which a slope says nothing: histories are being filled
-GROWTH_ALLOWED = 0.05  # of the memory, over what was watched
+GROWTH_ALLOWED = 0.05  # -, of the memory, over what was watched
 HANDLES_ALLOWED = 4  # file handles or threads more at the end than after the warm-up
 
 

@@ -71,8 +71,8 @@ def catalogue(references: Iterable[str] = ()) -> dict[str, Fault]:
     return dict(sorted(faults.items(), key=lambda item: (item[1].family, item[0])))
 
 
-RESTARTING_FAULTS = 12  # per minute of campaign: among so many first faults nodes are restarted
-TOGETHER = (0.55, 0.85)  # one fault alone up to here, two up to here, else three
+RESTARTING_FAULTS = 12  # faults a minute; among so many first faults nodes are restarted
+TOGETHER = (0.55, 0.85)  # -, probability of one fault alone, and of two at most
 LATEST = 1.5  # s of simulated time after the case begins by which its last fault has begun
 
 

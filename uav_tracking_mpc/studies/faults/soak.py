@@ -36,8 +36,8 @@ from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.studies.faults.observer import seconds, vector
 from uav_tracking_mpc.studies.faults.resources import Growth, ResourceWatch, Usage
 
-SPEED = 20.0  # simulated over wall time, as far as the machine keeps up
-TOLERANCE = 10.0  # m of range error
+SPEED = 20.0  # -, simulated over wall time, as far as the machine keeps up
+TOLERANCE = 10.0  # m, greatest range error
 SETTLING = 180.0  # s of simulated time to fly onto the orbit
 SAMPLE_PERIOD = 1.0  # s of wall time
 REPORT_PERIOD = 20.0  # s of wall time

@@ -114,7 +114,7 @@ class HeldDemand:
         return rate, self._integral[step] + demanded * since - lag * rate
 
 
-ORDERS = (0, 1, 2, 4, 8, 16)  # tried; samples
+ORDERS = (0, 1, 2, 4, 8, 16)  # samples, tried
 
 
 class NoiseModel(NamedTuple):
@@ -169,12 +169,12 @@ def noise_of(residuals: NDArray[np.float64], least: float) -> NoiseModel:
 
 
 LAG_MAX, DEAD_TIME_MAX = 3.0, 2.0  # s
-LAGS = np.concatenate([[0.0], np.geomspace(0.02, LAG_MAX, 16)])  # of the grid in [s]
-DEAD_TIMES = np.concatenate([np.arange(0.0, 0.6, 0.05), np.arange(0.6, 2.01, 0.1)])  # in [s]
+LAGS = np.concatenate([[0.0], np.geomspace(0.02, LAG_MAX, 16)])  # s, of the grid
+DEAD_TIMES = np.concatenate([np.arange(0.0, 0.6, 0.05), np.arange(0.6, 2.01, 0.1)])  # s
 STARTS = 3  # points of the grid from which the search begins
 ROUNDS = (True, True, False, False)  # of fit and noise: whether on the whole grid
-REFINED = {"xatol": 1e-5, "fatol": 1e-6, "maxfev": 200}
-# No sensor is better: 0.01 deg of attitude, 0.1 deg/s of rate, 0.01 m/s of airspeed.
+REFINED = {"xatol": 1e-5, "fatol": 1e-6, "maxfev": 200}  # s, -, -: tolerance of Nelder-Mead
+# rad, rad/s, m/s: least noise. No sensor is better.
 LEAST_ANGLE_NOISE, LEAST_RATE_NOISE, LEAST_SPEED_NOISE = 2e-4, 2e-3, 1e-2
 
 
@@ -356,10 +356,10 @@ def _simplex(lag: float, dead_time: float) -> list[tuple[float, float]]:
     return [(lag, dead_time), (lag + other, max(dead_time - other, 0.0)), (lag, dead_time + 0.02)]
 
 
-SHARES = np.linspace(0.3, 0.98, 35)  # of the greatest demand, tried as its limit
-NEARBY = np.linspace(0.92, 1.08, 17)  # of a limit that was found, tried in its place
+SHARES = np.linspace(0.3, 0.98, 35)  # -, of the greatest demand, tried as its limit
+NEARBY = np.linspace(0.92, 1.08, 17)  # -, of a limit that was found, tried in its place
 ROUNDS_SATURATION = 3  # in which limits and the rest are made to agree
-CONVINCING = 30.0  # by which the misfit must fall [-]; by chance it falls by a few
+CONVINCING = 30.0  # -, ratio by which the misfit must fall; by chance it falls by a few
 
 
 class Limits(NamedTuple):

@@ -53,7 +53,7 @@ from uav_tracking_mpc.studies.identification.record_files import read_bag_record
 from uav_tracking_mpc.studies.study import Study
 
 # Half of the interval of lag plus dead time up to which a channel counts as identified.
-SURE, SURE_SHARE = 0.1, 0.25  # s, and share of the value
+SURE, SURE_SHARE = 0.1, 0.25  # s, -: also as a share of the value
 
 
 @dataclass(frozen=True)
@@ -264,9 +264,9 @@ def _limits_to_paste(channel: ChannelIdentification) -> dict[str, float]:
     return {names[0]: round(min(sides), 3)} if sides else {}
 
 
-WIDTH, ROW_HEIGHT, ROOM = 9.5, 2.5, 0.8  # [inch]
+WIDTH, ROW_HEIGHT, ROOM = 9.5, 2.5, 0.8  # inch
 SHOWN = 30.0  # s of the end of the flight
-ANGLE = 180.0 / np.pi
+ANGLE = 180.0 / np.pi  # deg per rad
 # Title, unit of what was measured and of its rate, by what SI is multiplied for them.
 PANELS = {
     TURN: ("Heading", "deg", "deg/s", ANGLE),

@@ -30,10 +30,10 @@ from uav_tracking_mpc.studies.identification.channel_fit import (
     Solved,
 )
 
-CONFIDENCE = 0.95
+CONFIDENCE = 0.95  # -, confidence of the intervals
 UNKNOWNS = 6  # that are fitted
 FIRST_STEP = 0.01  # s, outwards from the best value
-PRECISION = 2e-4  # s
+PRECISION = 2e-4  # s, tolerance of an interval's ends
 
 
 class Estimate(NamedTuple):

@@ -42,10 +42,11 @@ from uav_tracking_mpc.studies.study import Study
 
 SCENARIO = "crosswind"
 DURATION, EXCITED = 120.0, 60.0  # s of a flight, and of its end that are used
-LAG, DEAD_TIME, GAIN = (0.05, 1.0), (0.0, 0.3), (0.8, 1.25)  # drawn from, in [s], [s], [-]
-TOLD = 2.0  # greatest factor by which lag and dead time are told wrong
-# How near an estimate must come: s, and share of the truth.
+LAG, DEAD_TIME, GAIN = (0.05, 1.0), (0.0, 0.3), (0.8, 1.25)  # s, s, -: drawn from
+TOLD = 2.0  # -, greatest factor by which lag and dead time are given wrong
+# s, -: how near an estimate must come, also as a share of the truth.
 NEAR = {"total": (0.03, 0.05), "lag": (0.06, 0.15), "dead_time": (0.06, 0.15)}
+# m/s, rad, m/s: noise of the sensors
 NOISE = {"velocity_noise": 0.3, "attitude_noise": math.radians(0.5), "airspeed_noise": 0.3}
 
 

@@ -60,9 +60,9 @@ from uav_tracking_mpc.studies.executors import parallel_map
 
 SETTLED = 60.0  # s after which a flight that begins on the orbit is steady
 OBSERVED = 60.0  # s in which the answer to an impulse dies away
-LATE, LEFT = 10.0, 0.05  # s at the end, in which no more than this share of an answer is left
+LATE, LEFT = 10.0, 0.05  # s, -: at the end, in which no more than this share of an answer is left
 IMPULSES = np.array([0.1, 0.1, 1.0])  # rad/s, rad/s, m/s^2 during one control period
-ROUNDING = 1e-6  # s
+ROUNDING = 1e-6  # s, rounding of stamps
 
 
 @dataclass(frozen=True)
@@ -179,9 +179,9 @@ def _commands(task: tuple[Configuration, Impulse]) -> NDArray[np.float64]:
     return log.inputs[log.command_time >= SETTLED - ROUNDING]
 
 
-FREQUENCIES = 600
-AZIMUTHS = 24
-SIZES = (1.0, 0.5)  # of the impulses: a loop that is linear answers both alike
+FREQUENCIES = 600  # of a response
+AZIMUTHS = 24  # at which the orbit is frozen
+SIZES = (1.0, 0.5)  # -, of the impulses: a loop that is linear answers both alike
 
 
 @dataclass(frozen=True)

@@ -62,16 +62,16 @@ FLIGHTS = {
     "gust_moderate": (0.7, 8.0),
 }
 DURATION, SETTLED_AFTER = 150.0, 90.0  # s, of a flight and until it counts
-SIZES = {"state_weights": 5, "input_weights": 3, "rate_weights": 3, "offset_weights": 3}
-# Weights that are scaled together, by their places in the order of SIZES: range, then each of
-# the inputs and rates.
+SIZES = {"state_weights": 5, "input_weights": 3, "rate_weights": 3, "offset_weights": 3}  # how many
+# Indices, in the order of SIZES, of weights that are scaled together: range, then each of the
+# inputs and rates.
 MOVES = ((0, 11), (5,), (6,), (7,), (8,), (9,), (10,))
-LEAST = 1e-2  # weight that one of 0 begins with
-FACTOR, LAST_FACTOR = 10.0**0.5, 10.0**0.25
-ROUNDS = 12  # at most
+LEAST = 1e-2  # -, weight that one of 0 begins with
+FACTOR, LAST_FACTOR = 10.0**0.5, 10.0**0.25  # -, of a weight, at first and in the end
+ROUNDS = 12  # of the search, at most
 AZIMUTHS = (0.0, 0.5 * math.pi, math.pi, 1.5 * math.pi)  # rad, at which the orbit is frozen
 
-UNFLYABLE = 1e9  # cost of a flight that came to nothing
+UNFLYABLE = 1e9  # -, cost of a flight that came to nothing
 SHOWN = ("range", "input_weights", "rate_weights")  # in the table
 CAPTION = (
     "delay, gain: least margin of any channel, in still air and in wind; cost: 1 where every "

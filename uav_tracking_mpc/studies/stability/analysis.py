@@ -54,7 +54,7 @@ from uav_tracking_mpc.terminal.ingredients import (
 from uav_tracking_mpc.terminal.quadratic_bound import QuadraticBound
 
 Say = Callable[[str], None]
-_SHARES = (0.98, 0.95, 0.9, 0.8, 0.65, 0.45, 0.25)  # of the level at which a violation is known
+_SHARES = (0.98, 0.95, 0.9, 0.8, 0.65, 0.45, 0.25)  # -, of the level at which a violation is known
 
 
 @dataclass(frozen=True)

@@ -38,8 +38,8 @@ from uav_tracking_mpc.studies.stability.proof import (
 from uav_tracking_mpc.studies.stability.theorems import lowest_violation
 from uav_tracking_mpc.terminal.ingredients import StabilityProblem, decrease_excess, directions
 
-SCALINGS = (1.5, 2.5, 4.0, 8.0)
-INPUT_FACTORS = (0.3, 1.0, 3.0, 10.0, 30.0)
+SCALINGS = (1.5, 2.5, 4.0, 8.0)  # -, times P
+INPUT_FACTORS = (0.3, 1.0, 3.0, 10.0, 30.0)  # -, times R
 
 
 @dataclass(frozen=True)

@@ -50,8 +50,8 @@ PRINTED_B = np.array(
 PRINTED_LEVEL_60 = 3.1733  # (60)
 PRINTED_LEVEL_TABLE = 3.2649  # Table 1
 PRINTED_LIPSCHITZ = 0.5265  # Table 1
-PRINTED_LEFT_41 = 0.2782  # xi + (rho - 1) sigma
-PRINTED_RIGHT_41 = 0.2762  # 2 L |A_K| + L^2
+PRINTED_LEFT_41 = 0.2782  # xi + (rho - 1) sigma, as Table 1 gives them
+PRINTED_RIGHT_41 = 0.2762  # 2 L |A_K| + L^2, as Table 1 gives them
 
 
 def symbolic_a(range_: float, altitude: float, speed: float, step: float) -> np.ndarray:

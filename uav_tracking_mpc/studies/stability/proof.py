@@ -61,9 +61,9 @@ from uav_tracking_mpc.terminal.quadratic_bound import (
     steady_intervals,
 )
 
-DEPTH_LIMIT = 80
+DEPTH_LIMIT = 80  # halvings of a box
 BOXES = 20_000  # budget of a proof, ten seconds of an idle core; a loaded one finds the same, later
-MULTIPLIER_STEPS = 14
+MULTIPLIER_STEPS = 14  # of a search for multipliers
 
 
 @dataclass(frozen=True)
@@ -263,8 +263,8 @@ def _in_preorder(
     return "".join(tree), tuple(found)
 
 
-SLACK = 1e-6
-MARGIN = 1e-6  # of a level below the one at which an input or the domain binds
+SLACK = 1e-6  # -, tolerance: relative, by which V_f must decrease more than it has to
+MARGIN = 1e-6  # -, of a level below the one at which an input or the domain binds
 
 
 @dataclass(frozen=True)

@@ -48,9 +48,10 @@ from uav_tracking_mpc.terminal.ingredients import (
     q_star,
 )
 
+# Columns of an error, and the units of their names.
 COORDINATES = {"range": 0, "bearing": 1, "altitude": 2, "path_angle": 3, "speed": 4}
 UNITS = {"range": "m", "bearing": "rad", "altitude": "m", "path_angle": "rad", "speed": "m/s"}
-FEASIBLE_VIOLATION = 1e-5
+FEASIBLE_VIOLATION = 1e-5  # -, largest violation of a hard constraint, scaled
 
 
 @dataclass(frozen=True)

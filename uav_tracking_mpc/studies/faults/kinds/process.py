@@ -28,7 +28,7 @@ from uav_tracking_mpc.studies.faults.invariants import Violation
 from uav_tracking_mpc.studies.faults.kinds import Fault
 
 RESTART_LIMIT = 60.0  # s of wall time for a node that was killed to be heard again
-PER_CORE = 2
+PER_CORE = 2  # processes that load a core
 # Ends by itself, for nobody ends it when the campaign itself is killed.
 BUSY = "import time\nend = time.monotonic() + 10.0\nwhile time.monotonic() < end: pass"
 

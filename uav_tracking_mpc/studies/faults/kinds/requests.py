@@ -25,7 +25,7 @@ from uav_tracking_mpc.studies.faults.injected_flight import Flight
 from uav_tracking_mpc.studies.faults.kinds import Fault
 
 PERIOD = 0.02  # s of wall time between requests, at least
-ABSURD_SHARE = 0.6  # of the values
+ABSURD_SHARE = 0.6  # -, of the values
 ABSURD: tuple[Any, ...] = (
     float("nan"),
     float("inf"),
