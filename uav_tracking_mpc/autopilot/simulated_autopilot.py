@@ -315,12 +315,15 @@ class SimulatedAutopilot(WiredAutopilot):
                 begin += now - self.core.time - TICK
                 now = self.core.time + TICK
             self.go_on(now)
-            wait = self.core.time + TICK - (time.monotonic() - begin)
-            try:
-                self.listen(max(wait, 0.0), lambda origin=begin: time.monotonic() - origin)
-            except LinkError as error:
-                logger.info("%s", error)
-                self._reopen()
+            self._listen(begin)
+
+    def _listen(self, begin: float) -> None:
+        wait = self.core.time + TICK - (time.monotonic() - begin)
+        try:
+            self.listen(max(wait, 0.0), lambda: time.monotonic() - begin)
+        except LinkError as error:
+            logger.info("%s", error)
+            self._reopen()
 
     def _reopen(self) -> None:
         try:
