@@ -98,7 +98,7 @@ def orbit(stamp):
 
 
 def status(node):
-    return node._diagnostics.level, node._diagnostics.message
+    return node._diagnostics.status.level, node._diagnostics.status.message
 
 
 def flying(node, **parameters):

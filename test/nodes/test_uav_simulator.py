@@ -69,14 +69,12 @@ def test_a_plant_of_ones_own_is_flown_until_it_fails(simulator, tmp_path):
     file.write_text(FAILING)
     node = simulator(plant=f"{file}:Failing", publish_clock=True, initial_speed=8.0)
     published = []
-    node._odometry_publisher.publish = lambda message: published.append(
-        message.pose.pose.position.x
-    )
+    node._states.publisher.publish = lambda message: published.append(message.pose.pose.position.x)
     for _ in range(10):
         node._step()
     assert len(published) == 4  # at 0.05, 0.1, 0.15 and 0.2 s
-    assert node._diagnostics.level == ERROR
-    assert "the wing came off" in node._diagnostics.message
+    assert node._diagnostics.status.level == ERROR
+    assert "the wing came off" in node._diagnostics.status.message
     assert node._now == 500_000_000  # time goes on
     assert node._values()["x [m]"] == pytest.approx(published[-1])
 
@@ -133,16 +131,19 @@ def test_time_begins_for_who_needs_the_state_and_not_for_who_looks(simulator):
 def test_a_lost_state_comes_again_by_itself(simulator):
     node = simulator(publish_clock=True, initial_speed=8.0)
     published = []
-    node._odometry_publisher.publish = lambda message: published.append(node._now)
+    node._states.publisher.publish = lambda message: published.append(node._now)
     node._step()
     (lose,) = [each for each in node.services if each.srv_name.endswith("lose_state")]
     assert lose.callback(Trigger.Request(), Trigger.Response()).success
     begin = node._now
     node._step()
-    assert node._diagnostics.message == "the state is kept back for 15 s by the service lose_state"
+    assert (
+        node._diagnostics.status.message
+        == "the state is kept back for 15 s by the service lose_state"
+    )
     for _ in range(round(DURATION * node.parameters.state_rate)):
         node._step()
     gap = (published[1] - published[0]) * 1e-9
     assert gap == pytest.approx(DURATION)
     assert (published[0], node._now > begin) == (begin, True)
-    assert node._diagnostics.message == "waiting for the first command"
+    assert node._diagnostics.status.message == "waiting for the first command"

@@ -101,7 +101,7 @@ class SimulatedPace:
     """
 
     def __init__(self, configuration: Configuration, node: Node, console: Console) -> None:
-        from uav_tracking_mpc.nodes.watching.steering_requests import RemoteParameters
+        from uav_tracking_mpc.nodes.watching import RemoteParameters
 
         self._wanted, self._console = configuration.mission.speed, console
         self._folder = compiled_into(configuration.controller)

@@ -23,21 +23,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
 from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
-from uav_tracking_mpc.nodes.messages.conversions import (
-    air_velocity_from_twist,
-    measurement_from_odometry,
-    nanoseconds,
-    position_from_point,
-)
-from uav_tracking_mpc.nodes.messages.message_checks import ANY_FRAMES, MessageError
-from uav_tracking_mpc.nodes.messages.target_messages import target_from_odometry
-from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription
+from uav_tracking_mpc.nodes.messages.conversions import nanoseconds
+from uav_tracking_mpc.nodes.messages.heard_values import VALUES
+from uav_tracking_mpc.nodes.messages.message_checks import MessageError
+from uav_tracking_mpc.nodes.messages.wires import deserialized
+from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription, steady_timer
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     ALL,
@@ -50,6 +44,7 @@ from uav_tracking_mpc.nodes.topics import (
     Topic,
 )
 
+SHOWN = (ODOMETRY, AIR_VELOCITY, TARGET, TARGET_ODOMETRY, ENGAGED, TRACKING["solve_time"])
 QUEUE = 100  # messages of a topic; as many as come while a chunk of the bag is compressed
 
 
@@ -68,10 +63,10 @@ class Progress:
 
     time: float | None = None
     engaged: bool | None = None
-    range: float = float("nan")
-    altitude: float = float("nan")
-    speed: float = float("nan")
-    solve_time: float = float("nan")
+    range: float = math.nan
+    altitude: float = math.nan
+    speed: float = math.nan
+    solve_time: float = math.nan
 
 
 class FlightRecorder(Node):
@@ -93,9 +88,7 @@ class FlightRecorder(Node):
         # the simulator, only when it hears everything else.
         others = [(topic, self._listen(topic)) for topic in ALL if topic is not ODOMETRY]
         self._needed = [overhearing for topic, overhearing in others if not topic.optional]
-        self._waiting = self.create_timer(
-            0.05, self._release, clock=Clock(clock_type=ClockType.STEADY_TIME)
-        )
+        self._waiting = steady_timer(self, 0.05, self._release)
 
     def _listen(self, topic: Topic) -> FollowingSubscription:
         callback = functools.partial(self._on_message, topic)
@@ -121,44 +114,26 @@ class FlightRecorder(Node):
         elif message.data:
             self._start = now
 
-    def _target(self) -> NDArray[np.float64]:
-        """Where the target was measured last, shape (3,), in [m]; nan if it never was."""
-        if (point := self._message(TARGET)) is not None:
-            return position_from_point(point, ANY_FRAMES)
-        track = self._message(TARGET_ODOMETRY)
-        return (
-            np.full(3, np.nan)
-            if track is None
-            else target_from_odometry(track, ANY_FRAMES).position
-        )
-
     def progress(self) -> Progress:
         """Where the flight stands by the latest messages."""
-        odometry, air = self._message(ODOMETRY), self._message(AIR_VELOCITY)
-        engaged = self._message(ENGAGED)
-        if odometry is None:
-            return Progress()
         try:
-            motion, position = (
-                measurement_from_odometry(odometry, frames=ANY_FRAMES),
-                self._target(),
-            )
-            velocity = (
-                motion.ground_velocity if air is None else air_velocity_from_twist(air, ANY_FRAMES)
-            )
+            state, airspeed, place, tracked, engaged, solve_time = map(self._said, SHOWN)
         except MessageError:
             return Progress()
-        solve_time = self._message(TRACKING["solve_time"])
-        stamp = nanoseconds(odometry.header.stamp)
+        if state is None:
+            return Progress()
+        seen = (where for where in (place, tracked) if where is not None)
+        target = next(seen, np.full(3, math.nan))
         return Progress(
-            time=None if self._start is None else (stamp - self._start) * 1e-9,
-            engaged=None if engaged is None else engaged.data,
-            range=float(np.linalg.norm(motion.position - position)),
-            altitude=float(motion.position[2] - position[2]),
-            speed=math.hypot(*velocity),
-            solve_time=float("nan") if solve_time is None else solve_time.data,
+            time=None if self._start is None else state.stamp - self._start * 1e-9,
+            engaged=engaged,
+            range=float(np.linalg.norm(state.position - target)),
+            altitude=float(state.position[2] - target[2]),
+            speed=math.hypot(*state.ground_velocity) if airspeed is None else airspeed,
+            solve_time=math.nan if solve_time is None else solve_time,
         )
 
-    def _message(self, topic: Topic) -> Any:
+    def _said(self, topic: Topic) -> Any:
+        """What the latest message of a topic says; None before the first."""
         data = self._latest.get(topic.name)
-        return None if data is None else deserialize_message(data, topic.type)
+        return None if data is None else VALUES[topic.name](deserialized(topic, data))

@@ -393,7 +393,7 @@ def last_complaint(path: Path) -> Complaint | None:
     for topic, _, message in messages(path, COMMAND, ODOMETRY, DIAGNOSTICS):
         if topic is ODOMETRY:
             for stamp, said in waiting:
-                standing[f"{said.namespace}/{said.node}"] = stamp, said
+                standing[said.path] = stamp, said
                 error = (stamp, said) if said.level == ERROR else error
             waiting.clear()
             continue
@@ -410,18 +410,17 @@ def last_complaint(path: Path) -> Complaint | None:
     reason = said.values.get(REASON, "")
     words = f"{said.words} ({reason})" if reason and reason not in said.words else said.words
     time = None if start is None else (stamp - start) * 1e-9
-    return Complaint(f"{said.namespace}/{said.node}".strip("/"), time, words)
+    return Complaint(said.path.strip("/"), time, words)
 
 
 READ: dict[Topic, Callable[[Any], Any]] = {
     **{
         topic: VALUES[topic.name]
         for topic in (
-            ODOMETRY, AIR_VELOCITY, TARGET, TARGET_ODOMETRY, DIAGNOSTICS,
+            ODOMETRY, AIR_VELOCITY, TARGET, TARGET_ODOMETRY, ENGAGED, DIAGNOSTICS,
             TRACKING["cost"], TRACKING["solve_time"],
         )
     },
     TARGET_TRUTH: truth_from_odometry,
     COMMAND: lambda message: plan_from_command(message, ANY_FRAMES)[0][0],
-    ENGAGED: lambda message: message.data,
 }  # fmt: skip

@@ -149,7 +149,16 @@ def _filled(message: Any, value: float) -> Any:
     return message
 
 
-def _deserialized(topic: Topic, data: bytes) -> Any:
+def deserialized(topic: Topic, data: bytes) -> Any:
+    """The message that bytes are.
+
+    Args:
+        topic: From which it came.
+        data: Serialized.
+
+    Raises:
+        MessageError: They are no such message.
+    """
     try:
         return deserialize_message(data, topic.type)
     except Exception as error:  # whatever the middleware says of bytes that are no message
@@ -236,7 +245,7 @@ class CommandWire:
             plan[:, 1] *= PITCH_SIGN
             if rest < SECOND and np.isfinite(plan).all():
                 return seconds * SECOND + rest, plan, self._starts
-        message = _deserialized(COMMAND, data)
+        message = deserialized(COMMAND, data)
         plan, self._starts = plan_from_command(message, self._frames)
         self._step = _step(self._starts)
         placed = bool(message.points[0].transforms)
@@ -321,7 +330,7 @@ class OdometryWire:
             MessageError: They are no such message.
         """
         if not self._form.fits(data):
-            self._message = _deserialized(ODOMETRY, data)
+            self._message = deserialized(ODOMETRY, data)
             self._learn(data, self._message.header.frame_id, self._message.child_frame_id)
             return self._message
         stamp, pose, twist = self._message.header.stamp, self._message.pose, self._message.twist

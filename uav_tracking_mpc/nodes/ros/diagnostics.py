@@ -26,10 +26,9 @@ from collections.abc import Callable, Mapping
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
-from uav_tracking_mpc.nodes.ros.endpoints import publish
+from uav_tracking_mpc.nodes.ros.endpoints import publish, steady_timer
 from uav_tracking_mpc.nodes.topics import DIAGNOSTICS
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
@@ -112,6 +111,7 @@ class Diagnostics:
 
     Attributes:
         hardware_id: Which aircraft it is: the namespace, or what its autopilot says of itself.
+        status: That is shown.
     """
 
     def __init__(
@@ -124,23 +124,11 @@ class Diagnostics:
         self._now = now or (lambda: node.get_clock().now().to_msg())
         self._name = f"{node.get_fully_qualified_name().lstrip('/')}: status"
         self.hardware_id = node.get_namespace().strip("/") or AIRCRAFT
-        self._status = SteadyStatus(WARN, "starting")
+        self.status = SteadyStatus(WARN, "starting")
         self._alarm = ""
         self._unlogged, self._since = "", 0.0  # a warning logged as information, and when [s]
         self._publisher = publish(node, DIAGNOSTICS)
-        self._timer = node.create_timer(
-            1.0, self._repeat, clock=Clock(clock_type=ClockType.STEADY_TIME)
-        )
-
-    @property
-    def level(self) -> bytes:
-        """That is shown: OK, WARN or ERROR."""
-        return self._status.level
-
-    @property
-    def message(self) -> str:
-        """That is shown."""
-        return self._status.message
+        steady_timer(node, 1.0, self._repeat)
 
     def report(self, level: bytes, message: str, reason: str = "") -> None:
         """Say how the node is; published and logged when another status is shown.
@@ -150,7 +138,7 @@ class Diagnostics:
             message: For people.
             reason: Added to the line in the log: why, with figures that may change.
         """
-        if self._status.see(level, message, time.monotonic()):
+        if self.status.see(level, message, time.monotonic()):
             self._log(f"{message}: {reason}" if reason else message)
             self.publish()
 
@@ -161,7 +149,7 @@ class Diagnostics:
             level: OK, WARN or ERROR.
             message: For people.
         """
-        self._status.begin(level, message)
+        self.status.begin(level, message)
         self._unlogged = ""
         self.publish()
 
@@ -185,7 +173,8 @@ class Diagnostics:
 
     def publish(self) -> None:
         """Publish the present state."""
-        level, words = (ERROR, self._alarm) if self._alarm else (self.level, self.message)
+        shown = self.status
+        level, words = (ERROR, self._alarm) if self._alarm else (shown.level, shown.message)
         status = DiagnosticStatus(level=level, name=self._name, message=words)
         status.hardware_id = self.hardware_id
         status.values = [
@@ -198,12 +187,12 @@ class Diagnostics:
 
     def _log(self, words: str) -> None:
         # rclpy ties each call site to one severity, hence one line each.
-        logger, self._unlogged = self._node.get_logger(), ""
-        if self.level == WARN and self._status.starting:
+        logger, level, self._unlogged = self._node.get_logger(), self.status.level, ""
+        if level == WARN and self.status.starting:
             self._unlogged, self._since = words, time.monotonic()
-        if self.level == OK or self._unlogged:
+        if level == OK or self._unlogged:
             logger.info(words)
-        elif self.level == WARN:
+        elif level == WARN:
             logger.warning(words)
         else:
             logger.error(words)

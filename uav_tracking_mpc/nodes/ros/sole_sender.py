@@ -31,10 +31,10 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
+from uav_tracking_mpc.nodes.ros.endpoints import steady_timer
 from uav_tracking_mpc.nodes.ros.rclpy_internals import NumberedSubscription
 from uav_tracking_mpc.nodes.topics import Topic
 
@@ -95,9 +95,8 @@ class DuplicateSenders:
     def __init__(self, node: Node, topics: Sequence[Topic], tell: Callable[[str], None]) -> None:
         self._node, self._tell, self._told = node, tell, ""
         self._topics = [(topic, node.resolve_topic_name(topic.name)) for topic in topics]
-        self._heard: dict[str, _Heard] = {}
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        node.create_timer(PERIOD, self._look, clock=steady)
+        self._heard: dict[str, tuple[InterleavedSequences, NumberedSubscription]] = {}
+        steady_timer(node, PERIOD, self._look)
 
     def _look(self) -> None:
         now = time.monotonic()
@@ -110,37 +109,18 @@ class DuplicateSenders:
         """What is wrong with the senders of a topic, in words; "" if nothing is."""
         if self._node.count_publishers(name) < 2:
             if name in self._heard:
-                self._heard.pop(name).close()
+                self._heard.pop(name)[1].close()
             return ""
         if name not in self._heard:
-            self._heard[name] = _Heard(self._node, topic, name, now)
-        if not self._heard[name].several(now):
+            listened = NumberedSubscription(self._node, topic.type, name, QUEUE)
+            self._heard[name] = InterleavedSequences(now), listened
+        sequences, listened = self._heard[name]
+        for number in listened.numbers():
+            sequences.see(number, now)
+        if not sequences.holds(now):
             return ""
         senders = sorted(
             f"{each.node_namespace.rstrip('/')}/{each.node_name}"
             for each in self._node.get_publishers_info_by_topic(name)
         )
         return f"{name} has {len(senders)} senders, must have one: {', '.join(senders)}"
-
-
-class _Heard:
-    """Sequence numbers of a topic's messages, whoever sends them."""
-
-    def __init__(self, node: Node, topic: Topic, name: str, now: float) -> None:
-        self._turns = InterleavedSequences(now)
-        self._subscription: NumberedSubscription | None = None
-        try:
-            self._subscription = NumberedSubscription(node, topic.type, name, QUEUE)
-        except PermissionError:  # then as without numbers
-            self._turns.see(None, now)
-
-    def several(self, now: float) -> bool:
-        """Whether several send."""
-        for number in () if self._subscription is None else self._subscription.numbers():
-            self._turns.see(number, now)
-        return self._turns.holds(now)
-
-    def close(self) -> None:
-        """Listen no longer."""
-        if self._subscription is not None:
-            self._subscription.close()

@@ -32,7 +32,7 @@ from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, set_odometr
 from uav_tracking_mpc.nodes.messages.message_checks import FrameNames
 from uav_tracking_mpc.nodes.topics import ODOMETRY
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
-from uav_tracking_mpc.nodes.vehicle.vehicle_node import static_transforms, vehicle_transform
+from uav_tracking_mpc.nodes.vehicle_node import static_transforms, vehicle_transform
 
 
 def odometry(stamp=5_000_000_007):
@@ -110,7 +110,7 @@ def tf2(monkeypatch):
 def test_each_state_is_a_transform_in_the_aircrafts_own_frame(context, tf2):
     node = Simulator(context=context, namespace="/uav1")
     states = []
-    node._odometry_publisher.publish = states.append
+    node._states.publisher.publish = states.append
     node._step()
     moving, static = node.tf["/tf"], node.tf["/tf_static"]
     (state,), (transform,) = states, moving.sent
@@ -153,7 +153,7 @@ def test_without_tf2_msgs_that_is_said_once_and_states_are_published(context):
 
     node = Logged(context=context)
     states = []
-    node._odometry_publisher.publish = states.append
+    node._states.publisher.publish = states.append
     node._step()
     node._step()
     node.destroy_node()

@@ -24,7 +24,6 @@ import pytest
 import rclpy
 from rclpy.serialization import serialize_message
 
-from uav_tracking_mpc.nodes.controller.message_times import DRAIN, MessageTimes, StallGuard
 from uav_tracking_mpc.nodes.messages.conversions import (
     set_air_velocity,
     set_odometry,
@@ -32,7 +31,7 @@ from uav_tracking_mpc.nodes.messages.conversions import (
     set_stamp,
 )
 from uav_tracking_mpc.nodes.messages.message_checks import MessageError
-from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
+from uav_tracking_mpc.nodes.nmpc_controller import DRAIN, MessageTimes, NmpcController, StallGuard
 from uav_tracking_mpc.nodes.ros import diagnostics
 from uav_tracking_mpc.nodes.ros.diagnostics import PERIOD, ThrottledWarnings
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, ODOMETRY, TARGET, TARGET_ODOMETRY

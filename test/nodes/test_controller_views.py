@@ -18,7 +18,7 @@ import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.nodes.controller.controller_views import markers_message, path_message
+from uav_tracking_mpc.nodes.controller_report import markers_message, path_message
 
 
 def over_the_wire(message):
