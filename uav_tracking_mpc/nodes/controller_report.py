@@ -63,8 +63,8 @@ from uav_tracking_mpc.nodes.topics import (
 )
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
-# us: upper ends of the bins of the histogram; the last bin is open.
 PERIOD = 0.2  # s of wall time between paths and markers: people look at them
+# us: upper ends of the bins of the histogram; the last bin is open.
 BINS = (500.0, 1000.0, 2000.0, 4000.0, 10_000.0, 20_000.0, 50_000.0)
 
 
