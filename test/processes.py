@@ -105,6 +105,21 @@ def run_node(name, *arguments, **how):
     return run(f"nodes.{name}", *arguments, **how)
 
 
+def fatal_words(name, code, output):
+    """Why a node could not start: the one line with which it ended, in code 2, without its name."""
+    fatal = [line for line in output.splitlines() if line.startswith("[FATAL]")]
+    assert code == 2, output
+    assert len(fatal) == 1, output
+    assert "Traceback" not in output
+    assert fatal[0].startswith(f"[FATAL] [{name}]: ")
+    return fatal[0].removeprefix(f"[FATAL] [{name}]: ")
+
+
+def refused_start(name, *arguments):
+    """Why a process of a node does not start with arguments of ROS."""
+    return fatal_words(name, *run_node(name, "--ros-args", *arguments))
+
+
 def nodes_of(launcher):
     """Process ids of a launcher's nodes, by name."""
     children = subprocess.run(

@@ -18,18 +18,17 @@ import dataclasses
 
 import numpy as np
 import pytest
-from rclpy.serialization import serialize_message
+from filled_messages import (
+    filled_air,
+    filled_clock,
+    filled_command,
+    filled_odometry,
+    write_messages,
+)
 
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.vehicle import velocity
-from uav_tracking_mpc.nodes import topics
-from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
-from uav_tracking_mpc.nodes.messages.conversions import (
-    set_air_velocity,
-    set_command,
-    set_odometry,
-    set_stamp,
-)
+from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.studies.identification.flight_record import (
@@ -108,26 +107,19 @@ def state(k):
 
 def write(path, count=20, clock=None, command=True, heard=2_000_000):
     """A flight at 20 Hz whose commands are heard 2 ms after the state that they answer."""
-    bag = FlightBag(path)
-    origin = EPOCH if clock is None else 0
-    for k in range(count):
-        stamp, wall = origin + k * TICK, EPOCH + k * TICK
-        if clock is not None:
-            message = topics.CLOCK.type()
-            set_stamp(message.clock, stamp)
-            bag.write(topics.CLOCK, wall, serialize_message(message))
-        message = topics.ODOMETRY.type()
-        set_odometry(message, stamp, state(k), RATES, velocity(state(k)))
-        bag.write(topics.ODOMETRY, wall + 1, serialize_message(message))
-        message = topics.AIR_VELOCITY.type()
-        set_air_velocity(message, stamp, state(k)[5])
-        bag.write(topics.AIR_VELOCITY, wall + 2, serialize_message(message))
-        if command:
-            message = topics.COMMAND.type()
-            set_command(message, stamp, PLAN * (1.0 + k), 0.4)
-            bag.write(topics.COMMAND, wall + heard, serialize_message(message))
-    bag.close()
-    return path
+
+    def said():
+        for k in range(count):
+            wall = EPOCH + k * TICK
+            stamp = wall if clock is None else k * TICK
+            if clock is not None:
+                yield CLOCK, wall, filled_clock(stamp)
+            yield ODOMETRY, wall + 1, filled_odometry(stamp, state(k), RATES, velocity(state(k)))
+            yield AIR_VELOCITY, wall + 2, filled_air(stamp, state(k)[5])
+            if command:
+                yield COMMAND, wall + heard, filled_command(stamp, PLAN * (1.0 + k), 0.4)
+
+    return write_messages(path, said())
 
 
 def test_states_are_those_that_were_sent(tmp_path):
