@@ -36,6 +36,7 @@ from uav_tracking_mpc.nodes.messages.conversions import (
     set_odometry,
     set_point,
     set_stamp,
+    set_truth,
 )
 from uav_tracking_mpc.nodes.messages.diagnostic_values import orbit_values
 from uav_tracking_mpc.nodes.messages.named_figures import (
@@ -45,7 +46,6 @@ from uav_tracking_mpc.nodes.messages.named_figures import (
     set_orbit,
     tracking_message,
 )
-from uav_tracking_mpc.nodes.messages.target_messages import set_truth
 from uav_tracking_mpc.nodes.messages.wires import CommandWire
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,

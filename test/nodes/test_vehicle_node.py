@@ -29,8 +29,7 @@ from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 from uav_tracking_mpc.dynamics.frames import rotation_from_course, rotation_from_quaternion
 from uav_tracking_mpc.nodes.messages.conversions import nanoseconds
-from uav_tracking_mpc.nodes.messages.message_checks import FRAMES, FrameNames
-from uav_tracking_mpc.nodes.topics import ODOMETRY
+from uav_tracking_mpc.nodes.topics import FRAMES, ODOMETRY, FrameNames
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.nodes.vehicle_node import static_transforms, vehicle_transform
 

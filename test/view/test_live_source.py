@@ -27,9 +27,9 @@ from processes import DOMAIN, environment
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.air import GRAVITY
+from uav_tracking_mpc.nodes.messages.conversions import goal_from_point, set_truth
 from uav_tracking_mpc.nodes.messages.heard_values import NodeReport
 from uav_tracking_mpc.nodes.messages.named_figures import MODES
-from uav_tracking_mpc.nodes.messages.target_messages import goal_from_point, set_truth
 from uav_tracking_mpc.nodes.topics import TARGET_TRUTH
 from uav_tracking_mpc.nodes.watching import Plan
 from uav_tracking_mpc.view import live_source

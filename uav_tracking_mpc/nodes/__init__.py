@@ -24,7 +24,7 @@
 ``monitor``            a live table in the terminal
 ``flight_recorder``    every topic of a flight
 ``watching``           every aircraft of a domain, and requests to the nodes of one
-``topics``             names, types and qualities of service
+``topics``             names, types and qualities of service; what may stand in a message
 ``messages``           room: arrays to messages and back
 ``ros``                room: what every node needs of ROS
 ``bag``                room: a flight as an MCAP bag, written and read back

@@ -31,12 +31,18 @@ from uav_tracking_mpc.control.event import Level
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import VEHICLE_LINK, LinkError, LinkRefusedError, Sighting, VehicleLink
-from uav_tracking_mpc.nodes.messages.conversions import set_point, set_stamp, set_vector
-from uav_tracking_mpc.nodes.messages.message_checks import FRAMES, FrameNames, MessageError
+from uav_tracking_mpc.nodes.messages.conversions import set_point, set_truth
 from uav_tracking_mpc.nodes.ros import diagnostics
 from uav_tracking_mpc.nodes.ros.endpoints import publish, steady_timer
 from uav_tracking_mpc.nodes.ros.process import run
-from uav_tracking_mpc.nodes.topics import ENGAGED, TARGET, TARGET_ODOMETRY
+from uav_tracking_mpc.nodes.topics import (
+    ENGAGED,
+    FRAMES,
+    TARGET,
+    TARGET_ODOMETRY,
+    FrameNames,
+    MessageError,
+)
 from uav_tracking_mpc.nodes.vehicle_node import VehicleNode
 from uav_tracking_mpc.parameters.registry import ExtensionError
 from uav_tracking_mpc.parameters.specification import ParameterError
@@ -181,7 +187,6 @@ class SightingPublisher:
         self._frames = frames
         self._points, self._tracks = (publish(node, topic) for topic in (TARGET, TARGET_ODOMETRY))
         self._point, self._track = TARGET.type(), TARGET_ODOMETRY.type()
-        self._track.header.frame_id = self._track.child_frame_id = frames.map
 
     def publish(self, stamp: int, sighting: Sighting) -> None:
         """Publish a sighting.
@@ -194,9 +199,7 @@ class SightingPublisher:
             set_point(self._point, stamp, sighting.position, self._frames)
             self._points.publish(self._point)
             return
-        set_stamp(self._track.header.stamp, stamp)
-        set_vector(self._track.pose.pose.position, sighting.position)
-        set_vector(self._track.twist.twist.linear, sighting.velocity)
+        set_truth(self._track, stamp, *sighting[1:], self._frames)
         self._tracks.publish(self._track)
 
 

@@ -47,19 +47,20 @@ from uav_tracking_mpc.nodes.messages.diagnostic_values import (
     orbit_values,
     response_values,
 )
-from uav_tracking_mpc.nodes.messages.message_checks import FRAMES, FrameNames
 from uav_tracking_mpc.nodes.messages.named_figures import ERRORS, set_tracking, tracking_message
 from uav_tracking_mpc.nodes.ros import diagnostics
 from uav_tracking_mpc.nodes.ros.diagnostics import ThrottledWarnings
 from uav_tracking_mpc.nodes.ros.endpoints import PublisherWatch, publish
 from uav_tracking_mpc.nodes.ros.managed_node import Stage
 from uav_tracking_mpc.nodes.topics import (
+    FRAMES,
     MARKERS,
     PREDICTED_PATH,
     TARGET,
     TARGET_ODOMETRY,
     TRACKING,
     TRACKING_ERRORS,
+    FrameNames,
 )
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 

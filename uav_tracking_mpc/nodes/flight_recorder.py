@@ -29,7 +29,6 @@ from rclpy.serialization import deserialize_message
 from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
 from uav_tracking_mpc.nodes.messages.conversions import nanoseconds
 from uav_tracking_mpc.nodes.messages.heard_values import VALUES
-from uav_tracking_mpc.nodes.messages.message_checks import MessageError
 from uav_tracking_mpc.nodes.messages.wires import deserialized
 from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription, steady_timer
 from uav_tracking_mpc.nodes.topics import (
@@ -41,6 +40,7 @@ from uav_tracking_mpc.nodes.topics import (
     TARGET,
     TARGET_ODOMETRY,
     TRACKING,
+    MessageError,
     Topic,
 )
 

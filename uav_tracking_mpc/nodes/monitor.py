@@ -37,19 +37,20 @@ from uav_tracking_mpc.nodes.messages.conversions import (
     measurement_from_odometry,
     plan_from_command,
     position_from_point,
+    target_from_odometry,
 )
-from uav_tracking_mpc.nodes.messages.message_checks import ANY_FRAMES, MessageError
-from uav_tracking_mpc.nodes.messages.target_messages import target_from_odometry
 from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription, steady_timer
 from uav_tracking_mpc.nodes.ros.process import run
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
+    ANY_FRAMES,
     COMMAND,
     DIAGNOSTICS,
     ODOMETRY,
     TARGET,
     TARGET_ODOMETRY,
     TRACKING,
+    MessageError,
     Topic,
 )
 

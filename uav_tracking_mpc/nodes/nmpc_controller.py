@@ -39,9 +39,8 @@ from uav_tracking_mpc.formulation.formulation import solver_at_once
 from uav_tracking_mpc.margins.margin_check import MarginWatch
 from uav_tracking_mpc.nodes.controller_report import ControllerReport, ControllerViews
 from uav_tracking_mpc.nodes.messages import conversions
-from uav_tracking_mpc.nodes.messages.message_checks import MessageError, frame_names
+from uav_tracking_mpc.nodes.messages.conversions import target_from_odometry
 from uav_tracking_mpc.nodes.messages.named_figures import orbit_message, set_orbit
-from uav_tracking_mpc.nodes.messages.target_messages import target_from_odometry
 from uav_tracking_mpc.nodes.messages.wires import CommandWire, OdometryWire
 from uav_tracking_mpc.nodes.ros.declared_parameters import declare_parameters, follow_parameters
 from uav_tracking_mpc.nodes.ros.endpoints import PacedPublisher, listen, publish, steady_timer
@@ -57,7 +56,9 @@ from uav_tracking_mpc.nodes.topics import (
     ORBIT,
     TARGET,
     TARGET_ODOMETRY,
+    MessageError,
     Topic,
+    frame_names,
 )
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import configuration_folder

@@ -34,7 +34,6 @@ from uav_tracking_mpc.nodes.messages.conversions import (
     set_measurement,
     set_stamp,
 )
-from uav_tracking_mpc.nodes.messages.message_checks import FrameNames, MessageError, frame_names
 from uav_tracking_mpc.nodes.messages.named_figures import orbit_from_message
 from uav_tracking_mpc.nodes.messages.wires import CommandWire
 from uav_tracking_mpc.nodes.ros.declared_parameters import declare_parameters
@@ -48,6 +47,9 @@ from uav_tracking_mpc.nodes.topics import (
     ORBIT,
     STATIC_TRANSFORMS,
     TRANSFORMS,
+    FrameNames,
+    MessageError,
+    frame_names,
 )
 
 FLOWN = (COMMAND, ODOMETRY, AIR_VELOCITY)  # topics with one sender

@@ -44,11 +44,11 @@ from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes.messages.conversions import set_vector
 from uav_tracking_mpc.nodes.messages.heard_values import VALUES, NodeReport
-from uav_tracking_mpc.nodes.messages.message_checks import ANY_FRAMES
 from uav_tracking_mpc.nodes.messages.wires import CommandWire, OdometryWire, deserialized
 from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription, NewestMessage, steady_timer
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
+    ANY_FRAMES,
     COMMAND,
     DIAGNOSTICS,
     ODOMETRY,

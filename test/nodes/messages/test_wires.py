@@ -26,14 +26,8 @@ from uav_tracking_mpc.control.commanded_path import PlannedPath
 from uav_tracking_mpc.dynamics.frames import quaternion_from_course
 from uav_tracking_mpc.nodes.messages import wires
 from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, plan_from_command
-from uav_tracking_mpc.nodes.messages.message_checks import (
-    ANY_FRAMES,
-    FRAMES,
-    FrameNames,
-    MessageError,
-)
 from uav_tracking_mpc.nodes.messages.wires import CommandWire, OdometryWire
-from uav_tracking_mpc.nodes.topics import COMMAND
+from uav_tracking_mpc.nodes.topics import ANY_FRAMES, COMMAND, FRAMES, FrameNames, MessageError
 
 
 @given(

@@ -27,7 +27,11 @@ from scipy.interpolate import CubicHermiteSpline
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, plan_from_command
+from uav_tracking_mpc.nodes.messages.conversions import (
+    nanoseconds,
+    plan_from_command,
+    truth_from_odometry,
+)
 from uav_tracking_mpc.nodes.messages.diagnostic_values import (
     ERROR,
     STALE,
@@ -38,10 +42,9 @@ from uav_tracking_mpc.nodes.messages.diagnostic_values import (
     reported_orbit,
 )
 from uav_tracking_mpc.nodes.messages.heard_values import VALUES, NodeReport
-from uav_tracking_mpc.nodes.messages.message_checks import ANY_FRAMES
-from uav_tracking_mpc.nodes.messages.target_messages import truth_from_odometry
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
+    ANY_FRAMES,
     COMMAND,
     DIAGNOSTICS,
     ENGAGED,

@@ -28,15 +28,13 @@ from uav_tracking_mpc.nodes.messages.conversions import (
     measurement_from_odometry,
     nanoseconds,
     position_from_point,
-)
-from uav_tracking_mpc.nodes.messages.message_checks import ANY_FRAMES, MessageError
-from uav_tracking_mpc.nodes.messages.named_figures import orbit_from_message, tracking_figures
-from uav_tracking_mpc.nodes.messages.target_messages import (
     target_from_odometry,
     truth_from_odometry,
 )
+from uav_tracking_mpc.nodes.messages.named_figures import orbit_from_message, tracking_figures
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
+    ANY_FRAMES,
     DIAGNOSTICS,
     ENGAGED,
     ODOMETRY,
@@ -46,6 +44,7 @@ from uav_tracking_mpc.nodes.topics import (
     TARGET_TRUTH,
     TRACKING,
     TRACKING_ERRORS,
+    MessageError,
 )
 
 

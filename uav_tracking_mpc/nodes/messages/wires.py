@@ -34,13 +34,15 @@ from trajectory_msgs.msg import MultiDOFJointTrajectoryPoint
 from uav_tracking_mpc.control.commanded_path import PlannedPath
 from uav_tracking_mpc.dynamics.frames import pitch_rate_from_path_angle_rate, quaternion_from_course
 from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, plan_from_command, set_command
-from uav_tracking_mpc.nodes.messages.message_checks import (
+from uav_tracking_mpc.nodes.topics import (
+    COMMAND,
     FRAMES,
+    ODOMETRY,
     POSITION_LIMIT,
     FrameNames,
     MessageError,
+    Topic,
 )
-from uav_tracking_mpc.nodes.topics import COMMAND, ODOMETRY, Topic
 
 ENCAPSULATION = 4  # bytes before the first field: how the rest is encoded
 LITTLE_ENDIAN = 1  # code in the second of them

@@ -30,27 +30,25 @@ from uav_tracking_mpc.nodes.messages.conversions import (
     measurement_from_odometry,
     plan_from_command,
     position_from_point,
-)
-from uav_tracking_mpc.nodes.messages.message_checks import (
-    ANY_FRAMES,
-    FRAMES,
-    FrameNames,
-    MessageError,
-    frame_names,
+    target_from_odometry,
 )
 from uav_tracking_mpc.nodes.messages.named_figures import orbit_from_message, orbit_message
-from uav_tracking_mpc.nodes.messages.target_messages import target_from_odometry
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
+    ANY_FRAMES,
     COMMAND,
+    FRAMES,
     MARKERS,
     ODOMETRY,
     ORBIT,
     PREDICTED_PATH,
     TARGET,
     TARGET_ODOMETRY,
+    FrameNames,
+    MessageError,
+    frame_names,
 )
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.parameters.specification import ParameterError

@@ -20,15 +20,15 @@ import pytest
 from filled_messages import filled_point
 from nav_msgs.msg import Odometry
 
-from uav_tracking_mpc.nodes.messages.conversions import set_orientation, set_vector
-from uav_tracking_mpc.nodes.messages.message_checks import MessageError
-from uav_tracking_mpc.nodes.messages.target_messages import (
+from uav_tracking_mpc.nodes.messages.conversions import (
     goal_from_point,
+    set_orientation,
     set_truth,
+    set_vector,
     target_from_odometry,
     truth_from_odometry,
 )
-from uav_tracking_mpc.nodes.topics import TARGET_TRUTH
+from uav_tracking_mpc.nodes.topics import TARGET_TRUTH, MessageError
 
 
 def message(position=(1.0, 2.0, 3.0), velocity=(5.0, 0.0, 0.0), child="", heading=0.0):
