@@ -52,7 +52,7 @@ def simulator(nodes):
     def make(**parameters):
         published = []
         node = nodes.add(UavSimulator, initial_speed=8.0, **parameters)
-        node._states.publisher.publish = lambda state: published.append(
+        node._state_publisher.publisher.publish = lambda state: published.append(
             (node._now, state.pose.pose.position.x)
         )
         node.published = published

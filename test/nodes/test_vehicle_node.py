@@ -104,7 +104,7 @@ def tf2(monkeypatch):
 @pytest.mark.nodes
 def test_each_state_is_a_transform_in_the_aircrafts_own_frame(nodes, tf2):
     node, states = nodes.add(Simulator, namespace="/uav1"), []
-    node._states.publisher.publish = states.append
+    node._state_publisher.publisher.publish = states.append
     node._step()
     moving, static = node.tf["/tf"], node.tf["/tf_static"]
     (state,), (transform,) = states, moving.sent
@@ -144,7 +144,7 @@ def test_without_tf2_msgs_that_is_said_once_and_states_are_published(nodes):
             return logger
 
     node = nodes.add(Logged)
-    node._states.publisher.publish = states.append
+    node._state_publisher.publisher.publish = states.append
     node._step()
     node._step()
     assert len(states) == 2

@@ -199,7 +199,7 @@ class SightingPublisher:
             set_point(self._point, stamp, sighting.position, self._frames)
             self._points.publish(self._point)
             return
-        set_truth(self._track, stamp, *sighting[1:], self._frames)
+        set_truth(self._track, stamp, sighting.position, sighting.velocity, self._frames)
         self._tracks.publish(self._track)
 
 

@@ -165,7 +165,7 @@ class UavSimulator(VehicleNode):
 
     def _listeners(self) -> int:
         """How many listen to the state, without who only looks."""
-        known = self.get_subscriptions_info_by_topic(self._states.publisher.topic_name)
+        known = self.get_subscriptions_info_by_topic(self._state_publisher.publisher.topic_name)
         return sum(one.node_name not in PASSIVE_NODES for one in known)
 
     def _elapsed(self) -> int:

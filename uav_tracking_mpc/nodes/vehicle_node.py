@@ -84,7 +84,7 @@ class VehicleNode(Node):
             now: Stamp of diagnostics, where the node itself makes the time.
         """
         self._odometry, self._air_velocity = ODOMETRY.type(), AIR_VELOCITY.type()
-        self._states = PacedPublisher(self, ODOMETRY, rate)
+        self._state_publisher = PacedPublisher(self, ODOMETRY, rate)
         self._air_publisher = publish(self, AIR_VELOCITY)
         self._transforms = TransformBroadcaster(self, self._frames)
         self._diagnostics = Diagnostics(self, self._values, now)
@@ -104,7 +104,7 @@ class VehicleNode(Node):
         """
         set_measurement(self._odometry, stamp, seen, self._frames)
         if state:
-            self._states.publisher.publish(self._odometry)
+            self._state_publisher.publisher.publish(self._odometry)
             self._transforms.publish(self._odometry)
         if seen.airspeed is not None:
             set_air_velocity(self._air_velocity, stamp, seen.airspeed, self._frames)
@@ -131,7 +131,7 @@ class VehicleNode(Node):
 
     def _values(self) -> dict[str, object]:
         """Keys, with units, and values for /diagnostics."""
-        return {"state deadlines missed": self._states.missed, **self._commanders.values()}
+        return {"state deadlines missed": self._state_publisher.missed, **self._commanders.values()}
 
     def finish(self) -> None:
         """Publish the last diagnostics."""

@@ -415,9 +415,8 @@ def target_from_odometry(message: Odometry, frames: FrameNames = FRAMES) -> Targ
             velocity is to be rotated.
     """
     check_header(TARGET_ODOMETRY, message.header, frames.map)
-    position = finite_vector(
-        TARGET_ODOMETRY.name, "pose.position", message.pose.pose.position, POSITION_LIMIT
-    )
+    place = message.pose.pose.position
+    position = finite_vector(TARGET_ODOMETRY, "pose.position", place, POSITION_LIMIT)
     spread = _covariance(message.pose.covariance)
     velocity, velocity_spread = _velocity(message)
     if spread is None and velocity_spread is None:

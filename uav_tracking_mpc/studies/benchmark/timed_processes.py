@@ -157,13 +157,13 @@ class TimedSimulator(UavSimulator):
         self._echo = EchoCall(self, 0.5 / self.parameters.state_rate)
         self._result = Path(self.declare_parameter(RESULT, "").value)
         self._flown_from: int | None = None  # stamp of the first command [ns]
-        publish = self._states.publisher.publish
+        publish = self._state_publisher.publisher.publish
 
         def noted(message: Any) -> None:
             self.trips.send(nanoseconds(message.header.stamp))
             publish(message)
 
-        self._states.publisher.publish = noted  # type: ignore[method-assign]
+        self._state_publisher.publisher.publish = noted  # type: ignore[method-assign]
 
     def _publish(self, stamp: int, seen: Measurement, state: bool = True) -> None:
         super()._publish(stamp, seen, state)
