@@ -27,7 +27,7 @@ from processes import DOMAIN, environment
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.air import GRAVITY
-from uav_tracking_mpc.nodes.messages.conversions import goal_from_point, set_truth
+from uav_tracking_mpc.nodes.messages.conversions import position_from_point, set_truth
 from uav_tracking_mpc.nodes.messages.heard_values import NodeReport
 from uav_tracking_mpc.nodes.messages.named_figures import MODES
 from uav_tracking_mpc.nodes.topics import TARGET_TRUTH
@@ -254,7 +254,7 @@ def test_the_target_is_sent_at_the_height_that_it_has(node, steering):
     assert steering.send_target(10.0, 20.0) == ""
     ((topic, message),) = node.published
     assert topic == "/uav1/target/goal"
-    np.testing.assert_array_equal(goal_from_point(message), [10.0, 20.0, 30.0])
+    np.testing.assert_array_equal(position_from_point(message), [10.0, 20.0, 30.0])
     assert node.target == {"motion": "stationary", "position": [10.0, 20.0, 30.0]}
 
 

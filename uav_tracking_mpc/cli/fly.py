@@ -179,8 +179,7 @@ def _not_settled(words: str, duration: float, bag: Path) -> str:
     from uav_tracking_mpc.nodes.bag.bag_log import last_complaint
 
     line, complaint = f"not settled in {duration:.1f} s: {words}", last_complaint(bag)
-    line = line if complaint is None else f"{line}; {complaint}"
-    return " ".join(line.split())
+    return " ".join(f"{line}; {complaint}".split()) if complaint else line
 
 
 def _inspected(

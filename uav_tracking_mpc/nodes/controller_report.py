@@ -37,7 +37,7 @@ from uav_tracking_mpc.estimation.channel_response import CHANNELS
 from uav_tracking_mpc.estimation.navigator import Navigator
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.mpc.bridged_solver import BridgedSolver
-from uav_tracking_mpc.nodes.messages.conversions import set_orientation, set_stamp, set_vector
+from uav_tracking_mpc.nodes.messages.conversions import set_header, set_orientation, set_vector
 from uav_tracking_mpc.nodes.messages.diagnostic_values import (
     MODE,
     OK,
@@ -375,8 +375,7 @@ def path_message(stamp: int, states: NDArray[np.float64], frames: FrameNames = F
         frames: Of the message.
     """
     message = Path()
-    set_stamp(message.header.stamp, stamp)
-    message.header.frame_id = frames.map
+    set_header(message, stamp, frames.map)
     for state in states:
         pose = PoseStamped()
         pose.header = message.header
@@ -411,23 +410,21 @@ def markers_message(
             np.full(len(angles), orbit.altitude),
         ]
     )
-    at_target = _marker(stamp, 0, Marker.SPHERE, (0.84, 0.37, 0.0), 6.0)
-    wanted = _marker(stamp, 1, Marker.LINE_STRIP, (0.5, 0.5, 0.5), 0.8, circle)
-    plan = _marker(stamp, 2, Marker.LINE_STRIP, (0.0, 0.45, 0.7), 1.2, states[:, :3])
-    aircraft = _marker(stamp, 3, Marker.ARROW, (0.0, 0.6, 0.5), 3.0)
+    at_target = _marker(stamp, frames.map, 0, Marker.SPHERE, (0.84, 0.37, 0.0), 6.0)
+    wanted = _marker(stamp, frames.map, 1, Marker.LINE_STRIP, (0.5, 0.5, 0.5), 0.8, circle)
+    plan = _marker(stamp, frames.map, 2, Marker.LINE_STRIP, (0.0, 0.45, 0.7), 1.2, states[:, :3])
+    aircraft = _marker(stamp, frames.map, 3, Marker.ARROW, (0.0, 0.6, 0.5), 3.0)
     set_vector(at_target.pose.position, target)
     set_vector(aircraft.pose.position, states[0, :3])
     _, _, _, heading, path_angle, _ = states[0].tolist()
     set_orientation(aircraft.pose.orientation, heading, path_angle)
     aircraft.scale.x = 12.0
-    markers = [at_target, wanted, plan, aircraft]
-    for marker in markers:
-        marker.header.frame_id = frames.map
-    return MarkerArray(markers=markers)
+    return MarkerArray(markers=[at_target, wanted, plan, aircraft])
 
 
 def _marker(
     stamp: int,
+    frame: str,
     identity: int,
     kind: int,
     colour: tuple[float, float, float],
@@ -435,7 +432,7 @@ def _marker(
     points: NDArray[np.float64] | None = None,
 ) -> Marker:
     marker = Marker()
-    set_stamp(marker.header.stamp, stamp)
+    set_header(marker, stamp, frame)
     marker.ns, marker.id, marker.type = "uav_tracking", identity, kind
     marker.scale.x = marker.scale.y = marker.scale.z = size
     marker.color.r, marker.color.g, marker.color.b, marker.color.a = *colour, 1.0

@@ -41,7 +41,7 @@ from uav_tracking_mpc.nodes.controller_report import ControllerReport, Controlle
 from uav_tracking_mpc.nodes.messages import conversions
 from uav_tracking_mpc.nodes.messages.conversions import target_from_odometry
 from uav_tracking_mpc.nodes.messages.named_figures import orbit_message, set_orbit
-from uav_tracking_mpc.nodes.messages.wires import CommandWire, OdometryWire
+from uav_tracking_mpc.nodes.messages.wires import CommandWire, deserialized
 from uav_tracking_mpc.nodes.ros.declared_parameters import declare_parameters, follow_parameters
 from uav_tracking_mpc.nodes.ros.endpoints import PacedPublisher, listen, publish, steady_timer
 from uav_tracking_mpc.nodes.ros.managed_node import ManagedNode, Stage, TransitionError
@@ -191,7 +191,7 @@ class NmpcController(ManagedNode):
         self._activated = -math.inf  # when it was activated, steady [s]
         self._engaged = True  # until an autopilot's link says otherwise
         self._paths = CommandPaths()
-        self._views, self._odometry = ControllerViews(self), OdometryWire()
+        self._views = ControllerViews(self)
         self._name_frames()
         self.report = ControllerReport(self)
         self._senders = DuplicateSenders(self, (*HEARD, COMMAND), self.report.alarm)
@@ -349,7 +349,7 @@ class NmpcController(ManagedNode):
             self.controller.engage(self._engaged and commanding)
 
     def _on_state(self, data: bytes, controller: Controller) -> None:
-        self._on_odometry(self._odometry.read(data), controller)
+        self._on_odometry(deserialized(ODOMETRY, data), controller)
 
     def _on_odometry(self, message: Any, controller: Controller) -> None:
         arrival, before = time.monotonic(), controller.state_time

@@ -31,8 +31,8 @@ from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes.messages.conversions import (
     nanoseconds,
     set_air_velocity,
+    set_header,
     set_measurement,
-    set_stamp,
 )
 from uav_tracking_mpc.nodes.messages.named_figures import orbit_from_message
 from uav_tracking_mpc.nodes.messages.wires import CommandWire
@@ -188,8 +188,8 @@ def static_transforms(stamp: int, frames: FrameNames) -> list[TransformStamped]:
         (frames.base, "_frd", FORWARD_RIGHT_DOWN),
     ):
         message = TransformStamped()
-        set_stamp(message.header.stamp, stamp)
-        message.header.frame_id, message.child_frame_id = parent, parent + ending
+        set_header(message, stamp, parent)
+        message.child_frame_id = parent + ending
         q = message.transform.rotation
         q.x, q.y, q.z, q.w = rotation
         transforms.append(message)

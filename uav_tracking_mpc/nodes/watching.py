@@ -44,7 +44,7 @@ from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes.messages.conversions import set_vector
 from uav_tracking_mpc.nodes.messages.heard_values import VALUES, NodeReport
-from uav_tracking_mpc.nodes.messages.wires import CommandWire, OdometryWire, deserialized
+from uav_tracking_mpc.nodes.messages.wires import CommandWire, deserialized
 from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription, NewestMessage, steady_timer
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
@@ -397,8 +397,8 @@ class HeardAircraft:
 
     def __init__(self, node: Node, namespace: str) -> None:
         self.namespace = namespace
-        self._node, self._odometry, self._commands = node, OdometryWire(), CommandWire(ANY_FRAMES)
-        self.state: NewestMessage[Measurement] = self._hear(ODOMETRY, self._state)
+        self._node, self._commands = node, CommandWire(ANY_FRAMES)
+        self.state: NewestMessage[Measurement] = self._hear(ODOMETRY)
         self.plan: NewestMessage[Plan] = self._hear(COMMAND, self._plan)
         self.airspeed: NewestMessage[float] = self._hear(AIR_VELOCITY)
         self.sighting: NewestMessage[NDArray[np.float64]] = self._hear(TARGET)
@@ -424,10 +424,6 @@ class HeardAircraft:
         node = said.path.removeprefix(self.namespace).strip("/")
         # One step, for another thread looks: what it goes through is not changed.
         self.reports = {**self.reports, node: said._replace(node=node, arrival=time.monotonic())}
-
-    def _state(self, data: bytes) -> Measurement:
-        state: Measurement = VALUES[ODOMETRY.name](self._odometry.read(data))
-        return state
 
     def _plan(self, data: bytes) -> Plan:
         stamp, positions, times = self._commands.places(data)

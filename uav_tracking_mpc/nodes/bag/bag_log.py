@@ -362,27 +362,8 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
     )
 
 
-class Complaint(NamedTuple):
-    """A status that was not fine.
-
-    Attributes:
-        node: Whose it was.
-        time: Since the first command in [s]; None where there was none.
-        words: What it said.
-    """
-
-    node: str
-    time: float | None
-    words: str
-
-    def __str__(self) -> str:
-        """For people."""
-        when = "" if self.time is None else f" at {self.time:.1f} s"
-        return f"{self.node} said{when}: {self.words}"
-
-
-def last_complaint(path: Path) -> Complaint | None:
-    """The last error that any node reported; without one, a warning that stood at the end.
+def last_complaint(path: Path) -> str:
+    """The last error that any node reported; without one, a warning that stood at the end; or "".
 
     What is said after the last state counts for nothing: the nodes end one after the other.
 
@@ -408,12 +389,12 @@ def last_complaint(path: Path) -> Complaint | None:
     warnings = [each for each in standing.values() if each[1].level == WARN]
     last = error or max(warnings, key=lambda each: each[0], default=None)
     if last is None:
-        return None
+        return ""
     stamp, said = last
     reason = said.values.get(REASON, "")
     words = f"{said.words} ({reason})" if reason and reason not in said.words else said.words
-    time = None if start is None else (stamp - start) * 1e-9
-    return Complaint(said.path.strip("/"), time, words)
+    when = "" if start is None else f" at {(stamp - start) * 1e-9:.1f} s"
+    return f"{said.path.strip('/')} said{when}: {words}"
 
 
 READ: dict[Topic, Callable[[Any], Any]] = {

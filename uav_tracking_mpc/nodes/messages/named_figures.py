@@ -26,7 +26,7 @@ from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit, Orbit
 from uav_tracking_mpc.estimation.situation import Situation
-from uav_tracking_mpc.nodes.messages.conversions import set_stamp
+from uav_tracking_mpc.nodes.messages.conversions import set_header, set_stamp
 from uav_tracking_mpc.nodes.topics import (
     FRAMES,
     ORBIT,
@@ -139,8 +139,7 @@ def set_tracking(
         mode: What is flown.
         frames: Of the message.
     """
-    set_stamp(message.header.stamp, stamp)
-    message.header.frame_id = frames.map
+    set_header(message, stamp, frames.map)
     turn_rate, _, _ = situation.rates.tolist()
     figures = [
         *situation.tracking_error(orbit).tolist(),
