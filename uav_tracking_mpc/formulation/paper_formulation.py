@@ -31,17 +31,22 @@ from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.formulation import Plan, SolverMaker, solver_of
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem, TerminalSet, quadratic_problem
 from uav_tracking_mpc.mpc.solver import Solver
-from uav_tracking_mpc.parameters.specification import ParameterError
-from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.parameters.specification import ParameterError, refuse_fixed
+from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, PaperParameters
 from uav_tracking_mpc.symbolic.functions import one_at_a_time
 from uav_tracking_mpc.terminal.decrease import decrease_monitor
 from uav_tracking_mpc.terminal.ingredients import StabilityProblem, input_limited_level
 
 # -, of the level: at the very limit rounding decides whether K x is in U, and no proof closes.
 LEVEL_MARGIN = 1.0 - 2e-6
+# What the expressions of the problem hold as numbers: only the orbit can be another in flight.
+COMPILED = (
+    "state_weights", "input_weights", "terminal_scaling", "terminal_penalty", "yaw_rate_max",
+    "pitch_rate_max", "acceleration_min", "acceleration_max",
+)  # fmt: skip
 
 
-def stability_problem(parameters: TrackingParameters, name: str = "unnamed") -> StabilityProblem:
+def stability_problem(parameters: PaperParameters, name: str = "unnamed") -> StabilityProblem:
     """Orbit, model, weights and input set of parameters.
 
     Args:
@@ -63,23 +68,20 @@ def stability_problem(parameters: TrackingParameters, name: str = "unnamed") -> 
     )
 
 
-def terminal_level(
-    parameters: TrackingParameters, problem: StabilityProblem | None = None
-) -> float | None:
+def terminal_level(parameters: PaperParameters, problem: StabilityProblem) -> float | None:
     """Varrho of X_f (25), as large as U allows; None where no terminal set is asked for.
 
     Args:
         parameters: What is flown.
-        problem: Of these parameters; made from them by default.
+        problem: Of these parameters.
     """
     if parameters.terminal_constraint == "none":
         return None
-    problem = problem or stability_problem(parameters)
     return LEVEL_MARGIN * input_limited_level(problem.ingredients(), *problem.deviation_bounds())
 
 
 def problem_of(
-    parameters: TrackingParameters, problem: StabilityProblem | None = None
+    parameters: PaperParameters, problem: StabilityProblem | None = None
 ) -> OptimalControlProblem:
     """P_N(x_0), (16), of parameters; those that differ in the orbit have the same expressions.
 
@@ -130,7 +132,7 @@ class _About:
     """All that the problem takes from an orbit: x_ss, u_ss, P_rho, varrho and the bound of (54)."""
 
     @one_at_a_time
-    def __init__(self, parameters: TrackingParameters) -> None:
+    def __init__(self, parameters: PaperParameters) -> None:
         problem = stability_problem(parameters)
         self.orbit = parameters.orbit
         self.problem = problem_of(parameters, problem)
@@ -149,27 +151,31 @@ class PaperFormulation:
 
     def __init__(
         self,
-        parameters: TrackingParameters,
+        parameters: PaperParameters,
         solver: Solver | None = None,
         make_solver: SolverMaker = solver_of,
     ) -> None:
         self.step = parameters.horizon_step
+        self._compiled = parameters
         self._flown = _About(parameters)
         self._next = self._flown
         self.solver = solver or make_solver(self._flown.problem, parameters)
         self.decrease = self._flown.decrease
         self._target = np.full(3, np.nan)
 
-    def check(self, parameters: TrackingParameters) -> None:
+    def check(self, parameters: PaperParameters) -> None:
         """See :meth:`Formulation.check`.
 
         Raises:
-            ParameterError: There is no terminal controller for this orbit.
+            ParameterError: A weight or bound differs, or there is no terminal controller for this
+                orbit.
         """
+        when = f"in flight unless terminal_constraint is {ARTIFICIAL_ORBIT!r}"
+        refuse_fixed(self._compiled, parameters, when, COMPILED)
         if parameters.orbit != self._next.orbit:
             self._next = _About(parameters)
 
-    def change(self, parameters: TrackingParameters) -> None:
+    def change(self, parameters: PaperParameters) -> None:
         """Take a new orbit, with its terminal ingredients, and a new time budget.
 
         Args:
@@ -178,8 +184,8 @@ class PaperFormulation:
         Raises:
             ParameterError: As of :meth:`check`; nothing has changed.
         """
+        self.check(parameters)
         if parameters.orbit != self._flown.orbit:
-            self.check(parameters)
             self._flown, self.decrease = self._next, self._next.decrease.after(self.decrease)
             self.solver.change(self._flown.problem)
         self.solver.time_limit = parameters.solve_time_max

@@ -63,13 +63,13 @@ from uav_tracking_mpc.nodes.topics import (
 )
 from uav_tracking_mpc.parameters.specification import (
     ParameterError,
+    Parameters,
     from_mapping,
-    resolved,
     specifications,
 )
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
-T = TypeVar("T")
+T = TypeVar("T", bound=Parameters)
 CONTROLLER = "nmpc_controller"
 EVENTS = "/parameter_events"
 LIMIT = 5.0  # s of wall time for an answer
@@ -198,7 +198,7 @@ class FollowedParameters(Generic[T]):
             return
         known = {name: value for name, value in values.items() if value is not None}
         try:
-            kind = resolved(self._kind, known)
+            kind = self._kind.extended(known)
             names = {specification.name for specification in specifications(kind)}
             self.value = from_mapping(kind, {k: v for k, v in known.items() if k in names})
             self.trouble = ""

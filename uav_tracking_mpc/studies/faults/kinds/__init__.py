@@ -14,17 +14,18 @@
 
 """Faults that a campaign injects.
 
-============  =================================================================================
-``delivery``  messages lost, late, repeated, out of their turn: loss, jitter, gap, target_lost,
-              clock_pause, duplicated, reordered
-``stamps``    stamps of the past or the future, another frame, a clock that jumps: old_stamp,
-              future_stamp, frame, clock_jump
-``numbers``   numbers that are none or that no flight has: bad_number, quaternion,
-              negative_speed, absurd, empty, target_teleport
-``process``   a node killed or frozen, busy processes on every core: kill, stop,
-              cpu_starvation
-``requests``  parameters of the controller: parameter_storm, solver_budget
-============  =================================================================================
+===============  ==============================================================================
+``delivery``     messages lost, late, repeated, out of their turn: loss, jitter, gap, target_lost,
+                 clock_pause, duplicated, reordered
+``stamps``       stamps of the past or the future, another frame, a clock that jumps: old_stamp,
+                 future_stamp, frame, clock_jump
+``numbers``      numbers that are none or that no flight has: bad_number, quaternion,
+                 negative_speed, absurd, empty, target_teleport
+``process``      a node killed or frozen, busy processes on every core: kill, stop,
+                 cpu_starvation
+``requests``     parameters of the controller: parameter_storm, solver_budget
+``conformance``  whether a fault keeps what the base asks for
+===============  ==============================================================================
 
 A fault is a subclass of :class:`Fault`. It is found by its ``name``, by an entry point in the group
 ``uav_tracking_mpc.studies.faults.kinds``, or as ``path.py:Class``
