@@ -165,7 +165,7 @@ def test_a_frame_that_is_none_ends_the_node(nodes, node_class):
 
 @pytest.mark.nodes
 def test_a_link_takes_frames(nodes):
-    sent, link = {}, f"{Path(__file__).parents[2] / 'paced_link.py'}:PacedLink"
+    sent, link = {}, f"{Path(__file__).parents[1] / 'paced_link.py'}:PacedLink"
     frames = {"frame_prefix": "a/", "map_frame": "odom", "namespace": "/uav1"}
     kind, parameters = keeping(AutopilotLink, sent), {"connection": "nobody", "target_system": 2}
     node = nodes.add(kind, link=link, **parameters, **frames)
