@@ -95,6 +95,18 @@ def ended(process, stop=None, limit=120.0):
     return process.returncode, process.said + rest
 
 
+def outcome(module, *arguments, env=None, limit=300.0):
+    """Exit code, output and errors of a process that ends by itself."""
+    finished = subprocess.run(
+        command(module, *map(str, arguments)),
+        capture_output=True,
+        text=True,
+        env=environment() if env is None else env,
+        timeout=limit,
+    )
+    return finished.returncode, finished.stdout, finished.stderr
+
+
 def run(module, *arguments, stop=None, after="", env=None):
     """Exit code and output of a process, to which ``stop`` is sent after it has said ``after``."""
     with started(module, *arguments, after=after, env=env) as process:

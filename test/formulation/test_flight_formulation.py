@@ -27,7 +27,7 @@ from uav_tracking_mpc.mpc.solver import Status, solutions
 from uav_tracking_mpc.parameters.specification import taken
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.tracking import FlightParameters
-from uav_tracking_mpc.studies.flight_start import flight_start
+from uav_tracking_mpc.studies.feasibility_study import flight_start
 
 FLIGHT = small_uav.parameters()
 N = FLIGHT.horizon

@@ -105,6 +105,16 @@ def test_overrides_win():
     assert configuration.mission.duration == 20.0
 
 
+def test_a_change_of_a_section_is_checked_and_in_the_file():
+    base = load_configuration("small_uav", scenario="crosswind")
+    flown = base.changed("autopilot_link", {"connection": "udpin:127.0.0.1:1"})
+    assert (flown.link.connection, base.link.connection) == ("udpin:127.0.0.1:1", "")
+    assert "connection: udpin:127.0.0.1:1" in flown.yaml()
+    assert (flown.controller, flown.scenario) == (base.controller, base.scenario)
+    with pytest.raises(ParameterError, match="'nmpc_controller': parameter 'range' is -1.0"):
+        base.changed("nmpc_controller", {"range": -1.0})
+
+
 def test_yaml_is_a_ros_parameter_file_that_loads_again(tmp_path):
     configuration = load_configuration("paper", ["target_publisher.rate=7.0"])
     file = tmp_path / "again.yaml"

@@ -193,6 +193,19 @@ class Configuration:
         """The configuration as a ROS 2 parameter file for nodes in any namespace."""
         return parameter_file(self.sections)
 
+    def changed(self, section: str, values: Mapping[str, Any]) -> Configuration:
+        """This configuration with other values in a section.
+
+        Args:
+            section: Name of the node, or ``mission``.
+            values: By parameter.
+
+        Raises:
+            ParameterError: As of :func:`configuration_of`.
+        """
+        sections = {**self.sections, section: {**self.sections[section], **values}}
+        return configuration_of(self.name, sections, self.scenario)
+
 
 def configuration_folder() -> Path:
     """Where the configurations that come with the package lie."""

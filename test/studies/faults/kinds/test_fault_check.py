@@ -22,7 +22,7 @@ import pytest
 from uav_tracking_mpc.parameters.conformance import ConformanceError
 from uav_tracking_mpc.studies.faults.kinds import FAULT
 from uav_tracking_mpc.studies.faults.kinds.conformance import check_fault
-from uav_tracking_mpc.studies.faults.kinds.delivery import Loss
+from uav_tracking_mpc.studies.faults.kinds.messages import Loss
 
 EXAMPLE = f"{Path(__file__).parents[4] / 'examples' / 'add_a_fault.py'}:IcedPitot"
 
