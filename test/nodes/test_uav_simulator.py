@@ -24,7 +24,7 @@ from std_srvs.srv import Trigger
 
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.nodes.ros.diagnostics import ERROR
-from uav_tracking_mpc.nodes.ros.node_services import DURATION
+from uav_tracking_mpc.nodes.ros.endpoints import OUTAGE
 from uav_tracking_mpc.nodes.topics import ODOMETRY
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.parameters.specification import ParameterError
@@ -127,9 +127,9 @@ def test_a_lost_state_comes_again_by_itself(simulator):
         node._diagnostics.status.message
         == "the state is kept back for 15 s by the service lose_state"
     )
-    for _ in range(round(DURATION * node.parameters.state_rate)):
+    for _ in range(round(OUTAGE * node.parameters.state_rate)):
         node._step()
     (last, _), (again, _), *_ = node.published
     assert last == begin
-    assert (again - last) * 1e-9 == pytest.approx(DURATION)
+    assert (again - last) * 1e-9 == pytest.approx(OUTAGE)
     assert node._diagnostics.status.message == "waiting for the first command"

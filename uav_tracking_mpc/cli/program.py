@@ -27,7 +27,6 @@ import json
 import os
 import signal
 import sys
-import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -237,6 +236,8 @@ def check_writable(folder: Path) -> None:
     Raises:
         ParameterError: They cannot be.
     """
+    import tempfile
+
     missing = [place for place in (folder, *folder.parents) if not place.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)

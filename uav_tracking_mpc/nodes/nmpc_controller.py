@@ -44,8 +44,13 @@ from uav_tracking_mpc.nodes.messages.named_figures import orbit_message, set_orb
 from uav_tracking_mpc.nodes.messages.wires import CommandWire, deserialized
 from uav_tracking_mpc.nodes.ros.declared_parameters import declare_parameters, follow_parameters
 from uav_tracking_mpc.nodes.ros.endpoints import PacedPublisher, listen, publish, steady_timer
-from uav_tracking_mpc.nodes.ros.managed_node import ManagedNode, Stage, TransitionError
-from uav_tracking_mpc.nodes.ros.node_services import DISENGAGED, CommandGate
+from uav_tracking_mpc.nodes.ros.managed_node import (
+    DISENGAGED,
+    CommandGate,
+    ManagedNode,
+    Stage,
+    TransitionError,
+)
 from uav_tracking_mpc.nodes.ros.process import run
 from uav_tracking_mpc.nodes.ros.sole_sender import DuplicateSenders
 from uav_tracking_mpc.nodes.topics import (

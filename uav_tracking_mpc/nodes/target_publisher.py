@@ -26,8 +26,7 @@ from uav_tracking_mpc.nodes.messages.conversions import position_from_point, set
 from uav_tracking_mpc.nodes.messages.diagnostic_values import target_words
 from uav_tracking_mpc.nodes.ros import diagnostics
 from uav_tracking_mpc.nodes.ros.declared_parameters import declare_parameters, follow_parameters
-from uav_tracking_mpc.nodes.ros.endpoints import listen, publish
-from uav_tracking_mpc.nodes.ros.node_services import SimulatedOutage
+from uav_tracking_mpc.nodes.ros.endpoints import SimulatedOutage, listen, publish
 from uav_tracking_mpc.nodes.ros.process import run
 from uav_tracking_mpc.nodes.topics import (
     TARGET,

@@ -29,8 +29,7 @@ from uav_tracking_mpc.nodes.messages.conversions import set_stamp
 from uav_tracking_mpc.nodes.messages.diagnostic_values import vehicle_status
 from uav_tracking_mpc.nodes.ros import diagnostics
 from uav_tracking_mpc.nodes.ros.declared_parameters import follow_parameters
-from uav_tracking_mpc.nodes.ros.endpoints import publish, steady_timer
-from uav_tracking_mpc.nodes.ros.node_services import SimulatedOutage
+from uav_tracking_mpc.nodes.ros.endpoints import SimulatedOutage, publish, steady_timer
 from uav_tracking_mpc.nodes.ros.process import run
 from uav_tracking_mpc.nodes.ros.rclpy_internals import NAMELESS
 from uav_tracking_mpc.nodes.topics import CLOCK

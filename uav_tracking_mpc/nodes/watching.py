@@ -45,6 +45,7 @@ from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes.messages.conversions import set_vector
 from uav_tracking_mpc.nodes.messages.heard_values import VALUES, NodeReport
 from uav_tracking_mpc.nodes.messages.wires import CommandWire, deserialized
+from uav_tracking_mpc.nodes.ros.declared_parameters import ros_value
 from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription, NewestMessage, steady_timer
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
@@ -152,7 +153,7 @@ class RemoteParameters:
             values: By name.
         """
         return self._client.set_parameters_atomically(
-            [Parameter(name, value=_ros_value(value)) for name, value in values.items()]
+            [Parameter(name, value=ros_value(value)) for name, value in values.items()]
         )
 
 
@@ -335,13 +336,6 @@ class SteeringRequests:
         set_vector(message.point, np.array(goal))
         self._goals.publish(message)
         return goal
-
-
-def _ros_value(value: Any) -> Any:
-    """As ROS takes it: a list of numbers holds floats alone."""
-    if isinstance(value, (tuple, list, np.ndarray)):
-        return [float(number) for number in value]
-    return value.item() if isinstance(value, np.generic) else value
 
 
 def _result(future: Future[Any]) -> Any:

@@ -34,6 +34,7 @@ from rclpy.qos import HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPo
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
+from std_srvs.srv import Trigger
 
 from uav_tracking_mpc.estimation.measurement import MeasurementError
 from uav_tracking_mpc.nodes.ros.rclpy_internals import declared_parameters, parameter_overrides
@@ -162,6 +163,7 @@ def _copy(qos: QoSProfile) -> QoSProfile:
     return QoSProfile(**{name.lstrip("_"): getattr(qos, name) for name in qos.__slots__})
 
 
+OUTAGE = 15.0  # s of the node's time: longer than a plan, and than the target's default timeout
 LEASE = 1.0  # s in which a publisher says that it is alive, for those who ask for it
 LATE = 2.0  # -, periods from message to message, beyond which the deadline is missed
 
@@ -236,6 +238,40 @@ class PacedPublisher:
         if self.rate >= self._offered:
             self.missed += 1
             self._late()
+
+
+class SimulatedOutage:
+    """Service ``~/lose_...`` (std_srvs/Trigger): it begins an outage that ends by itself.
+
+    Whoever asked for it need not be there at its end. Asked again, it lasts from then on.
+
+    Args:
+        node: That keeps something back.
+        service: Name of the service, without the node's.
+        what: That is kept back, in words.
+        time: Time by which it lasts in [s].
+    """
+
+    def __init__(self, node: Node, service: str, what: str, time: Callable[[], float]) -> None:
+        self._node, self._service, self._what, self._time = node, service, what, time
+        self._begin: float | None = None
+        node.create_service(Trigger, f"~/{service}", self._on_request)
+
+    @property
+    def lasts(self) -> bool:
+        """Whether it goes on now; where time goes back before its begin, it is over."""
+        return self._begin is not None and 0.0 <= self._time() - self._begin < OUTAGE
+
+    @property
+    def words(self) -> str:
+        """What is kept back, and for how long."""
+        return f"{self._what} is kept back for {OUTAGE:g} s by the service {self._service}"
+
+    def _on_request(self, request: Any, response: Any) -> Any:
+        self._begin = self._time()
+        response.success, response.message = True, self.words
+        self._node.get_logger().info(f"{self._service}: {self.words}")
+        return response
 
 
 class FollowingSubscription:
