@@ -24,6 +24,7 @@ import pytest
 from filled_messages import filled_air, filled_command, filled_odometry, filled_point
 from node_harness import callback, tapped
 
+from uav_tracking_mpc.links import Sighting
 from uav_tracking_mpc.nodes.autopilot_link import AutopilotLink
 from uav_tracking_mpc.nodes.messages.conversions import (
     air_velocity_from_twist,
@@ -170,5 +171,7 @@ def test_a_link_takes_frames(nodes):
     kind, parameters = keeping(AutopilotLink, sent), {"connection": "nobody", "target_system": 2}
     node = nodes.add(kind, link=link, **parameters, **frames)
     assert node._frames == ("odom", "a/base_link")
-    assert node._sightings._track.header.frame_id == "odom"
     assert TARGET_ODOMETRY.name not in sent
+    node._sightings.publish(1, Sighting(0.0, np.zeros(3), np.ones(3)))
+    (track,) = sent[TARGET_ODOMETRY.name]
+    assert (track.header.frame_id, track.child_frame_id) == ("odom", "odom")
