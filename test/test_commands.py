@@ -159,6 +159,8 @@ class Reader:
                 )
                 os.killpg(process.pid, signal.SIGINT)
             code = process.wait(PATIENCE)
+            if line.startswith("make") and code == -signal.SIGINT:
+                code = 0  # make ends itself by the signal when what it ran has ended
         finally:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(process.pid, signal.SIGKILL)

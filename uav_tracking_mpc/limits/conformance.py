@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Whether a limit keeps what :class:`Limit` asks for."""
+"""Whether a limit keeps what :class:`~uav_tracking_mpc.limits.Limit` asks for."""
 
 from __future__ import annotations
 
