@@ -29,8 +29,8 @@ from uav_tracking_mpc.control.commanded_path import PlannedPath
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate
 from uav_tracking_mpc.dynamics.orbit import Orbit, orbit_about
-from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
 from uav_tracking_mpc.nodes.controller_report import markers_message, path_message
+from uav_tracking_mpc.nodes.flight_recorder import FlightBag
 from uav_tracking_mpc.nodes.messages.conversions import (
     set_air_velocity,
     set_odometry,

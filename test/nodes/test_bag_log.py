@@ -19,7 +19,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from filled_messages import SECOND, filled_command, filled_odometry, filled_status, write_messages
 
-from uav_tracking_mpc.nodes.bag.bag_log import (
+from uav_tracking_mpc.nodes.bag_log import (
     beside_commands,
     last_complaint,
     latency,

@@ -33,8 +33,8 @@ from scipy.spatial.transform import Rotation
 
 from uav_tracking_mpc.dynamics.vehicle import velocity
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.nodes.bag.bag_log import flight_log
-from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
+from uav_tracking_mpc.nodes.bag_log import flight_log
+from uav_tracking_mpc.nodes.flight_recorder import FlightBag
 from uav_tracking_mpc.nodes.messages.conversions import nanoseconds
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,

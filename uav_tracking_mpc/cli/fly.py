@@ -32,12 +32,14 @@ from uav_tracking_mpc.cli.options import (
     add_link_arguments,
     add_mission_arguments,
     add_output_arguments,
+    add_view_argument,
     check_link_arguments,
     chosen_configuration,
     preflight_lines,
+    told_page_arguments,
 )
-from uav_tracking_mpc.cli.page_options import add_view_argument, check_page, told_page_arguments
 from uav_tracking_mpc.cli.program import answer
+from uav_tracking_mpc.cli.view import check_page
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -155,7 +157,7 @@ def _reported(
     whole: bool,
 ) -> int:
     """Report what was flown until its end, until a signal came or a node died; exit code."""
-    from uav_tracking_mpc.nodes.bag.bag_log import flight_log
+    from uav_tracking_mpc.nodes.bag_log import flight_log, last_complaint
     from uav_tracking_mpc.report.metrics import in_short, unsettled
     from uav_tracking_mpc.report.mission_report import write_report
     from uav_tracking_mpc.view.recorded_scene import recorded_scene
@@ -165,20 +167,13 @@ def _reported(
     answer(metrics, in_short(metrics, arguments.output), arguments.json)
     if number is None and whole:
         if words := unsettled(metrics):
-            print(_not_settled(words, log.duration, bag), file=sys.stderr)
+            said = f"not settled in {log.duration:.1f} s: {words}", last_complaint(bag)
+            print(" ".join("; ".join(filter(None, said)).split()), file=sys.stderr)
         return NOT_SETTLED if words else 0
     wanted = configuration.mission.duration
     why = "broken off" if number is None else "interrupted"
     print(f"{why}: {log.duration:.1f} s of {wanted:g} s were flown", file=sys.stderr)
     return 1 if number is None else 128 + number
-
-
-def _not_settled(words: str, duration: float, bag: Path) -> str:
-    """That a flight did not settle, and what its nodes complained of, in one line."""
-    from uav_tracking_mpc.nodes.bag.bag_log import last_complaint
-
-    line, complaint = f"not settled in {duration:.1f} s: {words}", last_complaint(bag)
-    return " ".join(f"{line}; {complaint}".split()) if complaint else line
 
 
 def _inspected(

@@ -92,6 +92,63 @@ def add_mission_arguments(
     add_limit_argument(parser)
 
 
+def add_page_arguments(parser: argparse.ArgumentParser) -> None:
+    """The options ``--host``, ``--port`` and ``--no-browser``.
+
+    Args:
+        parser: Gets the options.
+    """
+    parser.add_argument(
+        "--host",
+        metavar="ADDRESS",
+        help="listen at this address of the machine, 0.0.0.0 for all, so that others reach the "
+        "page, with the token in the address that is printed (default: 127.0.0.1)",
+    )
+    parser.add_argument(
+        "--port",
+        type=number(int, 0, 65535),
+        metavar="N",
+        help="port of the page, 0 for any free one (default: the first free one from 8080 on)",
+    )
+    parser.add_argument(
+        "--no-browser",
+        action="store_true",
+        help="do not open the browser (it is opened where there is a screen, without --host)",
+    )
+
+
+def add_view_argument(parser: argparse.ArgumentParser, words: str) -> None:
+    """The option ``--view`` of a command that can go without a page, and those of the page.
+
+    Args:
+        parser: Gets the options.
+        words: What is shown, and for how long.
+    """
+    parser.add_argument("--view", action="store_true", help=words)
+    add_page_arguments(parser)
+
+
+def told_page_arguments(arguments: argparse.Namespace) -> list[str]:
+    """The options of the page that were given, as words of a command line.
+
+    Args:
+        arguments: Of a parser with :func:`add_view_argument`.
+
+    Raises:
+        ParameterError: There are some, but no page.
+    """
+    from uav_tracking_mpc.parameters.specification import ParameterError
+
+    words = []
+    for name in ("host", "port"):
+        if (value := getattr(arguments, name)) is not None:
+            words += [f"--{name}", str(value)]
+    words += ["--no-browser"] if arguments.no_browser else []
+    if words and not arguments.view:
+        raise ParameterError(f"{words[0]} needs --view")
+    return words
+
+
 def add_excite_argument(parser: argparse.ArgumentParser) -> None:
     """The option ``--excite``.
 

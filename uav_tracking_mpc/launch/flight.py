@@ -209,8 +209,7 @@ def _fly(
 ) -> int | None:
     from rclpy.experimental.events_executor import EventsExecutor
 
-    from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
-    from uav_tracking_mpc.nodes.flight_recorder import FlightRecorder
+    from uav_tracking_mpc.nodes.flight_recorder import FlightBag, FlightRecorder
 
     with ExitStack() as stack:
         bag = None

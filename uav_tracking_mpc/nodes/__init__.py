@@ -22,11 +22,11 @@
 ``nmpc_controller``    messages to the controller, its commands to the vehicle
 ``controller_report``  what it says: in the log, as diagnostics, on topics for people
 ``monitor``            a live table in the terminal
-``flight_recorder``    every topic of a flight
+``flight_recorder``    every topic of a flight, into an MCAP bag
+``bag_log``            the log of a flight from its bag, and what its nodes complained of last
 ``watching``           every aircraft of a domain, and requests to the nodes of one
 ``topics``             names, types and qualities of service; what may stand in a message
 ``messages``           room: arrays to messages and back
 ``ros``                room: what every node needs of ROS
-``bag``                room: a flight as an MCAP bag, written and read back
 =====================  =====================================================================
 """

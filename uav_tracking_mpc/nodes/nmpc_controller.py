@@ -43,6 +43,7 @@ from uav_tracking_mpc.nodes.messages.conversions import target_from_odometry
 from uav_tracking_mpc.nodes.messages.named_figures import orbit_message, set_orbit
 from uav_tracking_mpc.nodes.messages.wires import CommandWire, deserialized
 from uav_tracking_mpc.nodes.ros.declared_parameters import declare_parameters, follow_parameters
+from uav_tracking_mpc.nodes.ros.diagnostics import DuplicateSenders
 from uav_tracking_mpc.nodes.ros.endpoints import PacedPublisher, listen, publish, steady_timer
 from uav_tracking_mpc.nodes.ros.managed_node import (
     DISENGAGED,
@@ -52,7 +53,6 @@ from uav_tracking_mpc.nodes.ros.managed_node import (
     TransitionError,
 )
 from uav_tracking_mpc.nodes.ros.process import run
-from uav_tracking_mpc.nodes.ros.sole_sender import DuplicateSenders
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     COMMAND,

@@ -37,9 +37,13 @@ from uav_tracking_mpc.nodes.messages.conversions import (
 from uav_tracking_mpc.nodes.messages.named_figures import orbit_from_message
 from uav_tracking_mpc.nodes.messages.wires import CommandWire
 from uav_tracking_mpc.nodes.ros.declared_parameters import declare_parameters
-from uav_tracking_mpc.nodes.ros.diagnostics import WARN, Diagnostics, ThrottledWarnings
+from uav_tracking_mpc.nodes.ros.diagnostics import (
+    WARN,
+    Diagnostics,
+    DuplicateSenders,
+    ThrottledWarnings,
+)
 from uav_tracking_mpc.nodes.ros.endpoints import PacedPublisher, PublisherWatch, listen, publish
-from uav_tracking_mpc.nodes.ros.sole_sender import DuplicateSenders
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     COMMAND,

@@ -19,8 +19,7 @@
 ``ros_environment``      domain, log folder, and why ROS does not start
 ``declared_parameters``  parameter dataclasses as ROS parameters
 ``endpoints``            publishers and subscriptions of topics, who is there; outages for trials
-``sole_sender``          whether a topic has two senders that should have one
-``diagnostics``          /diagnostics, its steady status, and warnings that come with messages
+``diagnostics``          /diagnostics, its steady status, warnings, and whether two send
 ``managed_node``         a managed node: its transitions survived, its commands taken away
 ``node_reference``       what a node prints with --help, and the tables of the documentation
 ``rclpy_internals``      what rclpy keeps to itself and nodes need all the same
