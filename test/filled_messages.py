@@ -20,7 +20,7 @@ import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.serialization import deserialize_message, serialize_message
 
-from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
+from uav_tracking_mpc.nodes.flight_recorder import FlightBag
 from uav_tracking_mpc.nodes.messages.conversions import (
     set_air_velocity,
     set_command,

@@ -27,7 +27,8 @@ from rclpy.task import Future
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, FlownOrbit, Orbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes.messages.diagnostic_values import orbit_values
-from uav_tracking_mpc.nodes.watching.flight_watcher import Plan, Report
+from uav_tracking_mpc.nodes.messages.heard_values import NodeReport
+from uav_tracking_mpc.nodes.watching import Plan
 
 
 class Client:
@@ -149,7 +150,7 @@ def nothing():
 def report(age=0.0, node="nmpc_controller", words="fine", **values):
     """What a node said of itself some seconds ago."""
     values = {key: str(value) for key, value in values.items()}
-    return Report(node, 1, words, {**orbit_values(ORBIT), **values}, NOW - age)
+    return NodeReport("", node, 1, words, {**orbit_values(ORBIT), **values}, NOW - age)
 
 
 def aircraft(*reports, **messages):

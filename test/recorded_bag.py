@@ -29,13 +29,14 @@ from uav_tracking_mpc.control.commanded_path import PlannedPath
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate
 from uav_tracking_mpc.dynamics.orbit import Orbit, orbit_about
-from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
-from uav_tracking_mpc.nodes.controller.controller_views import markers_message, path_message
+from uav_tracking_mpc.nodes.controller_report import markers_message, path_message
+from uav_tracking_mpc.nodes.flight_recorder import FlightBag
 from uav_tracking_mpc.nodes.messages.conversions import (
     set_air_velocity,
     set_odometry,
     set_point,
     set_stamp,
+    set_truth,
 )
 from uav_tracking_mpc.nodes.messages.diagnostic_values import orbit_values
 from uav_tracking_mpc.nodes.messages.named_figures import (
@@ -45,7 +46,6 @@ from uav_tracking_mpc.nodes.messages.named_figures import (
     set_orbit,
     tracking_message,
 )
-from uav_tracking_mpc.nodes.messages.target_messages import set_truth
 from uav_tracking_mpc.nodes.messages.wires import CommandWire
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,

@@ -19,7 +19,7 @@ import math
 
 import numpy as np
 
-from uav_tracking_mpc.autopilot.stepped_autopilot import SteppedAutopilot
+from uav_tracking_mpc.autopilot.simulated_autopilot import SteppedAutopilot
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import MeasurementError

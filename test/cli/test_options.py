@@ -28,13 +28,14 @@ from uav_tracking_mpc.cli.options import (
     add_domain_argument,
     add_limit_argument,
     add_mission_arguments,
+    add_page_arguments,
     chosen_configuration,
     chosen_overrides,
     existing_file,
     number,
 )
-from uav_tracking_mpc.cli.page_options import add_page_arguments, opened_page
 from uav_tracking_mpc.cli.program import explained
+from uav_tracking_mpc.cli.view import opened_page
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.view.serving import browser
 from uav_tracking_mpc.view.serving.guarded_server import listen
@@ -155,7 +156,7 @@ def test_the_address_is_one_line_on_stderr_and_stdout_stays_clean():
     script = (
         "import sys\n"
         "from test_options import NoFlights, parsed_page_arguments as parsed\n"
-        "from uav_tracking_mpc.cli.page_options import opened_page\n"
+        "from uav_tracking_mpc.cli.view import opened_page\n"
         "with opened_page(NoFlights(), parsed('--port', '0', '--no-browser')) as page:\n"
         "    page.draw()\n"
     )

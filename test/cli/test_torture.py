@@ -81,7 +81,7 @@ def test_ten_minutes_of_faults_break_nothing(tmp_path):
 
 def test_what_is_violated_is_found_told_and_kept(tmp_path):
     """A floor that the orbit lies below: the observer must see it, whoever is to blame."""
-    from uav_tracking_mpc.nodes.bag.bag_log import messages
+    from uav_tracking_mpc.nodes.bag_log import messages
     from uav_tracking_mpc.studies.faults.observer import TOPICS
 
     file = tmp_path / "stuck.py"

@@ -39,7 +39,7 @@ from rosbags.rosbag2 import Reader
 
 from uav_tracking_mpc import FlightLog, load_configuration
 from uav_tracking_mpc.control.record import RecordingController
-from uav_tracking_mpc.nodes.bag.bag_log import flight_log
+from uav_tracking_mpc.nodes.bag_log import flight_log
 from uav_tracking_mpc.report.metrics import metrics
 from uav_tracking_mpc.settings.configuration import scenario_names
 from uav_tracking_mpc.simulation.closed_loop import ClosedLoop

@@ -22,8 +22,7 @@ import pytest
 import yaml
 
 from uav_tracking_mpc.launch.fleet import absolute, recorded_topics, rviz_view
-from uav_tracking_mpc.nodes.messages.message_checks import FRAMES
-from uav_tracking_mpc.nodes.topics import ALL, MARKERS, ODOMETRY, PREDICTED_PATH, TARGET
+from uav_tracking_mpc.nodes.topics import ALL, FRAMES, MARKERS, ODOMETRY, PREDICTED_PATH, TARGET
 
 ROOT = Path(__file__).parents[2]
 TEMPLATE = (ROOT / "rviz" / "tracking.rviz").read_text()

@@ -12,12 +12,16 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A flight of real nodes: its progress, its pace, the death of its controller."""
+"""A flight of real nodes: its progress, its pace, the death of its controller, its page."""
 
 from __future__ import annotations
 
 import dataclasses
 import io
+import os
+import signal
+import textwrap
+import threading
 from types import SimpleNamespace
 
 import pytest
@@ -26,9 +30,13 @@ from rich.console import Console
 from std_srvs.srv import Trigger
 
 from uav_tracking_mpc.launch import flight
-from uav_tracking_mpc.launch.flight import ControllerKill, SimulatedPace, progress_line
-from uav_tracking_mpc.launch.node_process import NodeProcess
-from uav_tracking_mpc.launch.supervisor import Supervisor
+from uav_tracking_mpc.launch.flight import (
+    ControllerKill,
+    SimulatedPace,
+    page_process,
+    progress_line,
+)
+from uav_tracking_mpc.launch.supervisor import NodeProcess, Supervisor
 from uav_tracking_mpc.mpc import machine_code
 from uav_tracking_mpc.nodes.flight_recorder import Progress
 from uav_tracking_mpc.settings.configuration import load_configuration
@@ -161,3 +169,64 @@ def test_the_controller_alone_is_killed_and_runs_again(supervisor):
     supervisor.check()  # nobody misses the one that was killed
     kill.follow()
     assert supervisor.processes["nmpc_controller"].identity == again
+
+
+@pytest.fixture
+def served(tmp_path, monkeypatch):
+    """A stand-in for the command; returns its lines of output."""
+    (tmp_path / "stand_in_page.py").write_text(
+        textwrap.dedent(
+            """
+            import os, sys, time
+            print(os.getpid(), *sys.argv[1:])
+            if "--die" in sys.argv:
+                sys.exit(2)
+            time.sleep(600.0)
+            """
+        )
+    )
+    monkeypatch.setattr(flight, "COMMAND", "stand_in_page")
+    monkeypatch.setenv("PYTHONPATH", f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}")
+    output = tmp_path / "output"
+    with output.open("w") as file:
+        yield Console(file=file, width=200), lambda: output.read_text().splitlines()
+
+
+def first_line(lines):
+    assert wait_for(lambda: lines() and lines()[0].endswith("8081"))
+    return lines()[0].split()
+
+
+def test_it_shows_the_domain_and_ends_with_the_context(served):
+    console, lines = served
+    with page_process(42, ("--port", "8081"), console):
+        mark, identity, *words = first_line(lines)
+        assert mark == "[page]"
+        assert words == ["view", "--domain-id", "42", "--port", "8081"]
+        assert alive(int(identity))
+    assert not alive(int(identity))
+
+
+def test_it_stays_until_ctrl_c(served):
+    console, lines = served
+    with page_process(42, ("--port", "8081"), console) as stay:
+        _, identity, *_ = first_line(lines)
+        interrupt = threading.Thread(
+            target=lambda: (
+                wait_for(lambda: any("until Ctrl-C" in line for line in lines()), 20.0),
+                os.kill(os.getpid(), signal.SIGINT),
+            )
+        )
+        interrupt.start()
+        stay()
+        interrupt.join()
+        assert alive(int(identity))  # until the context ends
+    assert not alive(int(identity))
+
+
+def test_nobody_stays_for_a_page_that_has_ended(served):
+    console, lines = served
+    with page_process(42, ("--die", "--port", "8081"), console) as stay:
+        _, identity, *_ = first_line(lines)
+        stay()
+    assert not alive(int(identity))

@@ -44,9 +44,8 @@ from processes import (
 from rosbags.rosbag2 import Reader
 
 from uav_tracking_mpc.control.record import recorded_parameters, replay
-from uav_tracking_mpc.launch.node_process import SharedMemoryFiles
-from uav_tracking_mpc.launch.supervisor import LAST_DOMAIN, own_domain
-from uav_tracking_mpc.nodes.bag.bag_log import flight_log, messages
+from uav_tracking_mpc.launch.supervisor import LAST_DOMAIN, SharedMemoryFiles, own_domain
+from uav_tracking_mpc.nodes.bag_log import flight_log, messages
 from uav_tracking_mpc.nodes.messages.conversions import plan_from_command
 from uav_tracking_mpc.nodes.topics import ALL, COMMAND, DIAGNOSTICS, ODOMETRY, ORBIT, ROSOUT
 from uav_tracking_mpc.settings.configuration import load_configuration

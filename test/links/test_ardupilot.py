@@ -24,7 +24,7 @@ from processes import PATIENCE
 from stepped_flight import ORBIT, STEP, TURN, Nobody, Planner, engaged_flight, flight
 
 from uav_tracking_mpc.autopilot.autopilot_core import Cmd, Order, Result
-from uav_tracking_mpc.autopilot.stepped_autopilot import SteppedAutopilot
+from uav_tracking_mpc.autopilot.simulated_autopilot import SteppedAutopilot
 from uav_tracking_mpc.links import LinkError, LinkRefusedError
 from uav_tracking_mpc.links.ardupilot import (
     BANK_KEPT,

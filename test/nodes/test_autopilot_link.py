@@ -67,7 +67,7 @@ def engage(node, on=True):
 
 def status(node):
     node._look()
-    return node._diagnostics.level, node._diagnostics.message
+    return node._diagnostics.status.level, node._diagnostics.status.message
 
 
 def flying(node, **parameters):

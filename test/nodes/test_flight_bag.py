@@ -33,10 +33,9 @@ from scipy.spatial.transform import Rotation
 
 from uav_tracking_mpc.dynamics.vehicle import velocity
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.nodes.bag.bag_log import flight_log
-from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
+from uav_tracking_mpc.nodes.bag_log import flight_log
+from uav_tracking_mpc.nodes.flight_recorder import FlightBag
 from uav_tracking_mpc.nodes.messages.conversions import nanoseconds
-from uav_tracking_mpc.nodes.messages.message_checks import FrameNames
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     COMMAND,
@@ -45,6 +44,7 @@ from uav_tracking_mpc.nodes.topics import (
     ODOMETRY,
     ROSOUT,
     TARGET,
+    FrameNames,
 )
 from uav_tracking_mpc.report.metrics import metrics, verdict
 from uav_tracking_mpc.settings.configuration import load_configuration

@@ -25,7 +25,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from uav_tracking_mpc.nodes.ros.declared_parameters import declare_parameters
 from uav_tracking_mpc.nodes.topics import DIAGNOSTICS, ODOMETRY, TRACKING
-from uav_tracking_mpc.nodes.watching.flight_watcher import FlightWatcher
+from uav_tracking_mpc.nodes.watching import FlightWatcher
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
 pytestmark = pytest.mark.nodes

@@ -25,7 +25,7 @@ from filled_messages import filled_point
 from node_flight import Flight
 from std_srvs.srv import SetBool, Trigger
 
-from uav_tracking_mpc.nodes.messages.target_messages import truth_from_odometry
+from uav_tracking_mpc.nodes.messages.conversions import truth_from_odometry
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 from uav_tracking_mpc.nodes.topics import TARGET_GOAL, TARGET_TRUTH
 

@@ -24,7 +24,7 @@ from std_srvs.srv import Trigger
 
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.nodes.ros.diagnostics import ERROR
-from uav_tracking_mpc.nodes.ros.node_services import DURATION
+from uav_tracking_mpc.nodes.ros.endpoints import OUTAGE
 from uav_tracking_mpc.nodes.topics import ODOMETRY
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.parameters.specification import ParameterError
@@ -52,7 +52,7 @@ def simulator(nodes):
     def make(**parameters):
         published = []
         node = nodes.add(UavSimulator, initial_speed=8.0, **parameters)
-        node._odometry_publisher.publish = lambda state: published.append(
+        node._state_publisher.publisher.publish = lambda state: published.append(
             (node._now, state.pose.pose.position.x)
         )
         node.published = published
@@ -68,8 +68,8 @@ def test_a_plant_of_ones_own_is_flown_until_it_fails(simulator, tmp_path):
     for _ in range(10):
         node._step()
     assert len(node.published) == 4  # at 0.05, 0.1, 0.15 and 0.2 s
-    assert node._diagnostics.level == ERROR
-    assert "the wing came off" in node._diagnostics.message
+    assert node._diagnostics.status.level == ERROR
+    assert "the wing came off" in node._diagnostics.status.message
     assert node._now == 500_000_000  # time goes on
     assert node._values()["x [m]"] == pytest.approx(node.published[-1][1])
 
@@ -123,10 +123,13 @@ def test_a_lost_state_comes_again_by_itself(simulator):
     assert lose.callback(Trigger.Request(), Trigger.Response()).success
     begin = node._now
     node._step()
-    assert node._diagnostics.message == "the state is kept back for 15 s by the service lose_state"
-    for _ in range(round(DURATION * node.parameters.state_rate)):
+    assert (
+        node._diagnostics.status.message
+        == "the state is kept back for 15 s by the service lose_state"
+    )
+    for _ in range(round(OUTAGE * node.parameters.state_rate)):
         node._step()
     (last, _), (again, _), *_ = node.published
     assert last == begin
-    assert (again - last) * 1e-9 == pytest.approx(DURATION)
-    assert node._diagnostics.message == "waiting for the first command"
+    assert (again - last) * 1e-9 == pytest.approx(OUTAGE)
+    assert node._diagnostics.status.message == "waiting for the first command"

@@ -27,10 +27,11 @@ from processes import DOMAIN, environment
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.air import GRAVITY
+from uav_tracking_mpc.nodes.messages.conversions import position_from_point, set_truth
+from uav_tracking_mpc.nodes.messages.heard_values import NodeReport
 from uav_tracking_mpc.nodes.messages.named_figures import MODES
-from uav_tracking_mpc.nodes.messages.target_messages import goal_from_point, set_truth
 from uav_tracking_mpc.nodes.topics import TARGET_TRUTH
-from uav_tracking_mpc.nodes.watching.flight_watcher import Plan, Report
+from uav_tracking_mpc.nodes.watching import Plan
 from uav_tracking_mpc.view import live_source
 from uav_tracking_mpc.view.live_source import (
     FAULTS,
@@ -151,7 +152,7 @@ def test_a_node_that_says_no_more_is_silent():
 
 @pytest.mark.parametrize("values", [{"mode": "sideways"}, {"latency [s]": "long"}, {}])
 def test_reports_of_others_are_survived(values):
-    strange = Report("nmpc_controller", 0, "", {**values, "orbit range [m]": "wide"}, NOW)
+    strange = NodeReport("", "nmpc_controller", 0, "", {**values, "orbit range [m]": "wide"}, NOW)
     sight = seen(aircraft(strange))
     assert sight.wanted is None and math.isnan(sight.latency)
     assert sight.mode is FallbackMode.OPTIMAL
@@ -253,7 +254,7 @@ def test_the_target_is_sent_at_the_height_that_it_has(node, steering):
     assert steering.send_target(10.0, 20.0) == ""
     ((topic, message),) = node.published
     assert topic == "/uav1/target/goal"
-    np.testing.assert_array_equal(goal_from_point(message), [10.0, 20.0, 30.0])
+    np.testing.assert_array_equal(position_from_point(message), [10.0, 20.0, 30.0])
     assert node.target == {"motion": "stationary", "position": [10.0, 20.0, 30.0]}
 
 

@@ -28,7 +28,7 @@ from node_harness import vehicle_from_odometry
 from processes import DOMAIN, INTERRUPT, command, environment, nodes_of
 from rclpy.executors import SingleThreadedExecutor
 
-from uav_tracking_mpc.nodes.messages.target_messages import truth_from_odometry
+from uav_tracking_mpc.nodes.messages.conversions import truth_from_odometry
 from uav_tracking_mpc.nodes.topics import DIAGNOSTICS, ODOMETRY, TARGET_TRUTH, TRACKING
 from uav_tracking_mpc.view.live_source import FAULTS, RosSteering
 from uav_tracking_mpc.view.watched_flight import CONTROLLER, SIMULATOR, TARGET

@@ -17,8 +17,7 @@
 =======================  =========================================================================
 ``airframe``             the plant with attitude, ground and take-off run; throttle to force
 ``flight_loops``         bank, climb and airspeed to the plant's inputs; circles of its own
-``onboard_parameters``   parameters as an autopilot keeps them, and those of every aircraft
-``autopilot_core``       an aircraft with modes and failsafes, stepped, without a wire
+``autopilot_core``       an aircraft with modes, parameters and failsafes, without a wire
 ``arduplane``            ArduPlane: GUIDED, with altitude and airspeed held by itself
 ``px4``                  PX4 fixed wing: OFFBOARD, by attitude and thrust
 ``telemetry_messages``   telemetry from the state of the core, and which messages are due
@@ -26,7 +25,6 @@
 ``deliveries``           what may happen to a stream of messages or of bytes on its way
 ``wire_faults``          the faults of the wire, by name
 ``radio``                the wire, on which faults act
-``simulated_autopilot``  an autopilot and its wire, and all of it in real time, in a thread
-``stepped_autopilot``    all of it in simulated time, step by step
+``simulated_autopilot``  an autopilot and its wire: in real time in a thread, or stepped
 =======================  =========================================================================
 """

@@ -35,9 +35,9 @@ from uav_tracking_mpc.autopilot.autopilot_core import (
     Result,
     Severity,
     WireTraits,
+    vehicle_numbers,
 )
 from uav_tracking_mpc.autopilot.flight_loops import TICK, Demand, Loiter, Response
-from uav_tracking_mpc.autopilot.onboard_parameters import vehicle_numbers
 from uav_tracking_mpc.dynamics.energy_hold import HoldConstants
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.settings.configuration import Configuration

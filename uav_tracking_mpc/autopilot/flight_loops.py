@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from uav_tracking_mpc.autopilot.airframe import Airframe, Engine, FlightState
+from uav_tracking_mpc.autopilot.airframe import Airframe, Engine
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.energy_hold import HoldConstants, hold
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, COUNTER_CLOCKWISE, Orbit
@@ -50,41 +50,6 @@ class Loiter(NamedTuple):
     up: float
     radius: float
     clockwise: bool
-
-
-class LoiterLaw:
-    """The L1 law of :mod:`uav_tracking_mpc.laws.l1` about a point that stands.
-
-    ArduPilot: ``AP_L1_Control::update_loiter`` and ``nav_roll_cd``. PX4 flies NPFG about a loiter
-    (``FixedWingModeManager``); the simulated one flies this law there too.
-    """
-
-    def __init__(self) -> None:
-        self._envelope = Envelope()  # that of a law, which only its climb and its clipping use
-
-    def bank(self, state: FlightState, loiter: Loiter, period: float, damping: float) -> float:
-        """Bank to the right in [rad] that leads onto the circle.
-
-        Args:
-            state: Of the aircraft.
-            loiter: The circle.
-            period: NAVL1_PERIOD in [s].
-            damping: NAVL1_DAMPING [-].
-        """
-        direction = CLOCKWISE if loiter.clockwise else COUNTER_CLOCKWISE
-        radius = min(max(loiter.radius, LEAST_RADIUS), GREATEST_RADIUS)
-        orbit = Orbit(radius, 0.0, max(state.airspeed, 1.0), direction)
-        course = math.atan2(state.north_rate, state.east_rate)
-        over_ground = [state.east, state.north, 0.0, course, 0.0, state.groundspeed]
-        situation = Situation(
-            vehicle=np.array(over_ground),
-            target=np.array([loiter.east, loiter.north, 0.0]),
-            drift=np.zeros(3),
-            drift_rate=np.zeros(3),
-            rates=np.zeros(3),
-        )
-        law = L1Loiter(orbit, self._envelope, max(period, LEAST_PERIOD), abs(damping))
-        return -math.atan(law.lateral_acceleration(situation) / GRAVITY)
 
 
 DRIFT_TIME = 5.0  # s, in which the path angle comes back to that of the pitch
@@ -139,7 +104,7 @@ class FlightLoops:
         self._steepest = simulator.pitch_rate_max
         self._plant_lag, self._path_lag, _ = simulator.rate_lag
         self._path, self._pitched_at = 0.0, -math.inf  # what by_pitch holds, and since when not
-        self._law = LoiterLaw()
+        self._envelope = Envelope()  # that of a law, which only its climb and its clipping use
         self.throttle = 0.0
         self._bank = self.roll_wanted = airframe.state.roll
 
@@ -226,11 +191,28 @@ class FlightLoops:
         return force - GRAVITY * math.sin(state.path_angle)
 
     def bank_to(self, loiter: Loiter, period: float, damping: float) -> float:
-        """Bank in [rad] that leads onto a circle.
+        """Bank to the right in [rad] that leads onto a circle, by :mod:`uav_tracking_mpc.laws.l1`.
+
+        ArduPilot: ``AP_L1_Control::update_loiter`` and ``nav_roll_cd``. PX4 flies NPFG about a
+        loiter (``FixedWingModeManager``); the simulated one flies this law there too.
 
         Args:
-            loiter: The circle.
-            period: Of the L1 law in [s].
-            damping: Of the L1 law [-].
+            loiter: The circle, whose centre stands.
+            period: NAVL1_PERIOD in [s].
+            damping: NAVL1_DAMPING [-].
         """
-        return self._law.bank(self._airframe.state, loiter, period, damping)
+        state = self._airframe.state
+        direction = CLOCKWISE if loiter.clockwise else COUNTER_CLOCKWISE
+        radius = min(max(loiter.radius, LEAST_RADIUS), GREATEST_RADIUS)
+        orbit = Orbit(radius, 0.0, max(state.airspeed, 1.0), direction)
+        course = math.atan2(state.north_rate, state.east_rate)
+        over_ground = [state.east, state.north, 0.0, course, 0.0, state.groundspeed]
+        situation = Situation(
+            vehicle=np.array(over_ground),
+            target=np.array([loiter.east, loiter.north, 0.0]),
+            drift=np.zeros(3),
+            drift_rate=np.zeros(3),
+            rates=np.zeros(3),
+        )
+        law = L1Loiter(orbit, self._envelope, max(period, LEAST_PERIOD), abs(damping))
+        return -math.atan(law.lateral_acceleration(situation) / GRAVITY)

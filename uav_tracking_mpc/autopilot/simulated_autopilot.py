@@ -15,8 +15,12 @@
 """An autopilot behind its wire: for tests, and for people without a build of one.
 
 What is said on the wire and the faults that strike it stand in :class:`WiredAutopilot`, whose owner
-makes time go on; :class:`SimulatedAutopilot` does so in real time. Beside it a second vehicle may
+makes time go on. :class:`SimulatedAutopilot` does so in real time. Beside it a second vehicle may
 drive, which the aircraft is to circle.
+
+:class:`SteppedAutopilot` flies in simulated time: flights of minutes take seconds, and repeat. Its
+wire is two queues of datagrams in memory. Whoever waits at our end of it makes time go on, so a
+link flies as it flies in real time, without threads, and the same seeds give the same flight.
 """
 
 from __future__ import annotations
@@ -25,6 +29,7 @@ import logging
 import math
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -34,11 +39,12 @@ from uav_tracking_mpc.autopilot.deliveries import StreamRule
 from uav_tracking_mpc.autopilot.flight_loops import TICK
 from uav_tracking_mpc.autopilot.px4 import Px4
 from uav_tracking_mpc.autopilot.radio import Radio
-from uav_tracking_mpc.autopilot.telemetry_messages import MessageRates, on_the_wire
+from uav_tracking_mpc.autopilot.telemetry_messages import MessageRates, position_message
 from uav_tracking_mpc.autopilot.vehicle_protocol import COMPONENT, VehicleProtocol
 from uav_tracking_mpc.autopilot.wire_faults import AutopilotFault, wire_fault
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.links import LinkError
+from uav_tracking_mpc.links.mavlink.connection import Connection, Wire
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import Configuration
@@ -86,21 +92,9 @@ class GroundVehicle:
         )
 
     def _position(self, now: float) -> Any:
-        where = self._motion.position(now)
-        latitude, longitude, altitude = on_the_wire(self._origin, where)
-        east, north, up = (100.0 * self._motion.velocity(now)).tolist()
-        heading = 100.0 * math.degrees(math.atan2(east, north)) % 36000.0
-        return mavlink.MAVLink_global_position_int_message(
-            round(now * 1e3),
-            latitude,
-            longitude,
-            round(altitude * 1e3),
-            round((altitude - self._origin.altitude) * 1e3),
-            round(north),
-            round(east),
-            round(-up),
-            round(heading) % 36000,
-        )
+        position, velocity = self._motion.position(now), self._motion.velocity(now).tolist()
+        yaw = math.atan2(*velocity[:2])
+        return position_message(self._origin, round(now * 1e3), position, velocity, yaw)
 
 
 DIALECTS: dict[str, type[AutopilotCore]] = {"ardupilot": ArduPlane, "px4": Px4}
@@ -336,3 +330,106 @@ class SimulatedAutopilot(WiredAutopilot):
             self.radio.open()
         except LinkError:
             self._ending.wait(RETRY)
+
+
+DATAGRAMS = "udpin:127.0.0.1:1"  # the form of an address; nothing is opened there
+CAPACITY = 2000  # datagrams that wait; the oldest are dropped first, as a socket drops the newest
+
+
+class _End(Wire):
+    """One end of the wire."""
+
+    def __init__(self) -> None:
+        self.incoming: deque[bytes] = deque(maxlen=CAPACITY)
+        self.other: _End | None = None
+
+    def write(self, frame: bytes) -> None:
+        if self.other is not None:
+            self.other.incoming.append(bytes(frame))
+
+    def recv(self, size: int) -> bytes | None:
+        return self.incoming.popleft() if self.incoming else None
+
+    def select(self, timeout: float) -> bool:
+        return bool(self.incoming)
+
+    def close(self) -> None:
+        self.incoming.clear()
+
+
+class SteppedAutopilot(WiredAutopilot):
+    """Goes on while a link that was made with :meth:`connection` waits.
+
+    Args:
+        dialect: See :class:`WiredAutopilot`, as for the others.
+        configuration: Of the mission.
+        origin: Latitude [deg], longitude [deg] and altitude [m] of the origin of ``map``.
+        on_runway: It stands on the ground.
+
+    Attributes:
+        time: Simulated, in [s].
+
+    Raises:
+        ParameterError: There is no such dialect, or no such place on the earth.
+    """
+
+    def __init__(
+        self,
+        dialect: str,
+        configuration: Configuration,
+        origin: Sequence[float] = ORIGIN,
+        on_runway: bool = False,
+    ) -> None:
+        self.time = 0.0
+        self.ends = _End(), _End()
+        ours, theirs = self.ends
+        ours.other, theirs.other = theirs, ours
+        super().__init__(
+            dialect, configuration, lambda: _SteppedRadio(self, 1, COMPONENT), origin, 1, on_runway
+        )
+
+    def connection(self, address: str, component: int, key: str) -> Connection:
+        """Our end of the wire.
+
+        Args:
+            address: Has no meaning here.
+            component: MAVLink component that we are.
+            key: Has no meaning here.
+        """
+        return _SteppedConnection(self, 0, component)
+
+    def tick(self) -> None:
+        """Go on by one tick."""
+        self.time += TICK
+        self.go_on(self.time)
+        while self.radio.wait(0.0):
+            self.listen(0.0, lambda: self.time)
+
+
+class _Stepped(Connection):
+    """One end of the wire, by simulated time."""
+
+    def __init__(self, autopilot: SteppedAutopilot, end: int, component: int) -> None:
+        self._autopilot, self._end = autopilot, autopilot.ends[end]
+        super().__init__(DATAGRAMS, component)
+
+    def now(self) -> float:
+        return self._autopilot.time
+
+    def _socket(self) -> Wire:
+        return self._end
+
+
+class _SteppedRadio(_Stepped, Radio):
+    """The autopilot's end."""
+
+
+class _SteppedConnection(_Stepped):
+    """Our end; waiting at it makes time go on."""
+
+    def wait(self, timeout: float) -> bool:
+        ticks = math.ceil(timeout / TICK)  # time moves on however short the wait
+        while not self._end.incoming and ticks > 0:
+            self._autopilot.tick()
+            ticks -= 1
+        return bool(self._end.incoming)

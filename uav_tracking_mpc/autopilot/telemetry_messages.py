@@ -20,7 +20,7 @@ Units and frames are those of the MAVLink common message set.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -119,11 +119,26 @@ def on_the_wire(frame: LocalFrame, point: ArrayLike) -> tuple[int, int, float]:
     return round(degrees[0] * 1e7), round(degrees[1] * 1e7), altitude
 
 
-def _here(core: AutopilotCore) -> tuple[int, int, int]:
-    """Latitude and longitude in [1e-7 deg] and altitude in [mm]."""
-    state = core.airframe.measured
-    latitude, longitude, altitude = on_the_wire(core.origin, [state.east, state.north, state.up])
-    return latitude, longitude, round(altitude * 1e3)
+def position_message(
+    frame: LocalFrame, time: int, position: ArrayLike, velocity: Sequence[float], yaw: float
+) -> Any:
+    """GLOBAL_POSITION_INT of a vehicle.
+
+    Args:
+        frame: Axes of ``map``.
+        time: Since its boot in [ms].
+        position: In ``map``, shape (3,), in [m].
+        velocity: East, north and up in [m/s].
+        yaw: Of its nose, clockwise from North, in [rad].
+    """
+    latitude, longitude, altitude = on_the_wire(frame, position)
+    height = round(altitude * 1e3)
+    east, north, up = (round(100.0 * speed) for speed in velocity)
+    heading = round(math.degrees(yaw) % 360.0 * 100.0) % 36000
+    return mavlink.MAVLink_global_position_int_message(
+        time, latitude, longitude, height, height - round(frame.altitude * 1e3), north, east, -up,
+        heading,
+    )  # fmt: skip
 
 
 def _heartbeat(core: AutopilotCore) -> Any:
@@ -152,19 +167,9 @@ def _attitude(core: AutopilotCore) -> Any:
 
 def _position(core: AutopilotCore) -> Any:
     state = core.airframe.measured
-    latitude, longitude, altitude = _here(core)
-    heading = round(math.degrees(state.yaw) % 360.0 * 100.0) % 36000
-    return mavlink.MAVLink_global_position_int_message(
-        milliseconds(core),
-        latitude,
-        longitude,
-        altitude,
-        altitude - round(core.origin.altitude * 1e3),
-        round(state.north_rate * 100.0),
-        round(state.east_rate * 100.0),
-        round(-state.up_rate * 100.0),
-        heading,
-    )
+    place = state.east, state.north, state.up
+    velocity = state.east_rate, state.north_rate, state.up_rate
+    return position_message(core.origin, milliseconds(core), place, velocity, state.yaw)
 
 
 def _hud(core: AutopilotCore) -> Any:
@@ -193,14 +198,14 @@ def _destination(core: AutopilotCore) -> Any:
 
 def _gps(core: AutopilotCore) -> Any:
     state = core.airframe.measured
-    latitude, longitude, altitude = _here(core)
+    latitude, longitude, altitude = on_the_wire(core.origin, [state.east, state.north, state.up])
     course = math.degrees(math.atan2(state.east_rate, state.north_rate)) % 360.0
     return mavlink.MAVLink_gps_raw_int_message(
         microseconds(core),
         GPS_FIX_3D,
         latitude,
         longitude,
-        altitude,
+        round(altitude * 1e3),
         80,
         120,
         min(round(state.groundspeed * 100.0), UNKNOWN),

@@ -129,17 +129,16 @@ class VehicleProtocol:
         if message.tc1 == 0:
             self._send(mavlink.MAVLink_timesync_message(self._nanoseconds(now), message.ts1))
 
-    def _take_long(self, message: Any, now: float) -> None:
-        numbers = (message.param1, message.param2, message.param3, message.param4)
-        place = (message.param5, message.param6, message.param7)
-        self._carry_out(message, Order(message.command, *numbers, *place))
-
-    def _take_int(self, message: Any, now: float) -> None:
-        numbers = (message.param1, message.param2, message.param3, message.param4)
-        place = (message.x * DEGREE, message.y * DEGREE, message.z)
-        self._carry_out(message, Order(message.command, *numbers, *place, message.frame))
-
-    def _carry_out(self, message: Any, order: Order) -> None:
+    def _take_command(self, message: Any, now: float) -> None:
+        """COMMAND_LONG, or COMMAND_INT with a place and its frame."""
+        order = Order(
+            message.command, message.param1, message.param2, message.param3, message.param4
+        )
+        if message.get_type() == "COMMAND_LONG":
+            order = order._replace(x=message.param5, y=message.param6, z=message.param7)
+        else:
+            x, y = message.x * DEGREE, message.y * DEGREE
+            order = order._replace(x=x, y=y, z=message.z, frame=message.frame)
         try:
             own = _COMMANDS.get(order.command)
             result = self.core.command(order) if own is None else own(self, order)
@@ -253,8 +252,8 @@ _COMMANDS: dict[int, Callable[[VehicleProtocol, Order], int]] = {
     Cmd.REQUEST_AUTOPILOT_CAPABILITIES: _telling("AUTOPILOT_VERSION"),
 }
 _TAKERS: dict[str, Callable[[VehicleProtocol, Any, float], None]] = {
-    "COMMAND_INT": VehicleProtocol._take_int,
-    "COMMAND_LONG": VehicleProtocol._take_long,
+    "COMMAND_INT": VehicleProtocol._take_command,
+    "COMMAND_LONG": VehicleProtocol._take_command,
     "HEARTBEAT": VehicleProtocol._take_heartbeat,
     "PARAM_REQUEST_LIST": VehicleProtocol._take_parameter_list,
     "PARAM_REQUEST_READ": VehicleProtocol._take_parameter_read,

@@ -23,7 +23,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 from uav_tracking_mpc.autopilot.deliveries import (
     BitFlips,
@@ -42,34 +42,23 @@ from uav_tracking_mpc.autopilot.deliveries import (
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.parameters.specification import ParameterError
 
+if TYPE_CHECKING:
+    from uav_tracking_mpc.autopilot.simulated_autopilot import WiredAutopilot
+
 STRANGER = 77  # code: MAVLink system of the other vehicle
-
-
-class Struck(Protocol):
-    """The autopilot, as far as faults act on more than its wire."""
-
-    def restart(self) -> None:
-        """Boot anew in flight."""
-
-    def jump_clock(self, seconds: float) -> None:
-        """Set the clock.
-
-        Args:
-            seconds: By how much it goes forward in [s].
-        """
 
 
 class AutopilotFault(StreamRule):
     """A fault that acts on the autopilot behind the wire, too."""
 
-    def begin(self, autopilot: Struck) -> None:
+    def begin(self, autopilot: WiredAutopilot) -> None:
         """Begin.
 
         Args:
             autopilot: Behind the wire.
         """
 
-    def end(self, autopilot: Struck) -> None:
+    def end(self, autopilot: WiredAutopilot) -> None:
         """End.
 
         Args:
@@ -144,12 +133,12 @@ class ClockJump(AutopilotFault):
 
     name = "clock_jump"
 
-    def begin(self, autopilot: Struck) -> None:
+    def begin(self, autopilot: WiredAutopilot) -> None:
         """See :meth:`AutopilotFault.begin`."""
         self._seconds = self.rng.choice([-1.0, 1.0]) * self.rng.uniform(0.5, 30.0)
         autopilot.jump_clock(self._seconds)
 
-    def end(self, autopilot: Struck) -> None:
+    def end(self, autopilot: WiredAutopilot) -> None:
         """See :meth:`AutopilotFault.end`."""
         autopilot.jump_clock(-self._seconds)
 
@@ -160,7 +149,7 @@ class Restart(Silence, AutopilotFault):
     name = "restart"
     duration = (1.0, 3.0)
 
-    def begin(self, autopilot: Struck) -> None:
+    def begin(self, autopilot: WiredAutopilot) -> None:
         """See :meth:`AutopilotFault.begin`."""
         autopilot.restart()
 

@@ -17,7 +17,7 @@
 ===================  =================================================================
 ``main``             entry point: chooses the command
 ``fly``              a mission with real ROS 2 nodes
-``view``             a page that shows a flight, live or recorded, and steers it
+``view``             a page that shows a flight, live or recorded, and steers it; how a page starts
 ``link``             what a real autopilot says before a flight
 ``simulate``         the same mission without ROS
 ``compare``          the predictive controller beside classical laws
@@ -36,7 +36,6 @@
 ``node_programs``    entry points of the nodes' executables
 ``program``          what the commands share: parser, endings, printing and writing
 ``options``          options that several commands have, and what they choose
-``page_options``     options of commands that show a page, and how the page starts
 ===================  =================================================================
 
 A command's module holds ``HELP`` (one line), ``DESCRIPTION``, ``add_arguments(parser)`` and

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING
 from uav_tracking_mpc.cli.options import add_domain_argument
 
 if TYPE_CHECKING:
-    from uav_tracking_mpc.nodes.watching.steering_requests import SteeringRequests
+    from uav_tracking_mpc.nodes.watching import SteeringRequests
 
 
 APPEARANCE = 5.0  # s for nodes that fly to be found
@@ -80,11 +80,7 @@ def flight_requests(
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     from uav_tracking_mpc.nodes.ros.process import BackgroundNode
     from uav_tracking_mpc.nodes.ros.ros_environment import exported_domain
-    from uav_tracking_mpc.nodes.watching.steering_requests import (
-        NoAnswerError,
-        SteeringRequests,
-        asking_node,
-    )
+    from uav_tracking_mpc.nodes.watching import NoAnswerError, SteeringRequests, asking_node
 
     asked = arguments.domain_id
     domain = (exported_domain() or 0) if asked is None else asked

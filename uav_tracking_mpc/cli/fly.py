@@ -19,7 +19,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -32,17 +32,18 @@ from uav_tracking_mpc.cli.options import (
     add_link_arguments,
     add_mission_arguments,
     add_output_arguments,
+    add_view_argument,
     check_link_arguments,
     chosen_configuration,
     preflight_lines,
+    told_page_arguments,
 )
-from uav_tracking_mpc.cli.page_options import add_view_argument, check_page, told_page_arguments
 from uav_tracking_mpc.cli.program import answer
+from uav_tracking_mpc.cli.view import check_page
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from uav_tracking_mpc.launch.node_process import PageProcess
     from uav_tracking_mpc.settings.configuration import Configuration
 
 HELP = "fly a mission with real ROS 2 nodes, record and report"
@@ -105,7 +106,7 @@ def run(arguments: argparse.Namespace) -> int:
     number: int | None = None
     died: BrokenFlightError | None = None
     with ExitStack() as stack:
-        page = (
+        stay = (
             stack.enter_context(_page(arguments, page_words, console)) if arguments.view else None
         )
         try:
@@ -125,17 +126,17 @@ def run(arguments: argparse.Namespace) -> int:
         code = _reported(configuration, arguments, bag, number, died is None)
         if died is not None:
             raise died
-        if page is not None and number is None:
-            page.stay()
+        if stay is not None and number is None:
+            stay()
     return code
 
 
 @contextmanager
 def _page(
     arguments: argparse.Namespace, words: Sequence[str], console: Console
-) -> Iterator[PageProcess]:
-    """A page of the domain in which is flown from now on."""
-    from uav_tracking_mpc.launch.node_process import page_process
+) -> Iterator[Callable[[], None]]:
+    """A page of the domain in which is flown from now on; yields what waits for its end."""
+    from uav_tracking_mpc.launch.flight import page_process
     from uav_tracking_mpc.launch.supervisor import own_domain
     from uav_tracking_mpc.nodes.ros.ros_environment import exported_domain
 
@@ -144,8 +145,8 @@ def _page(
     with own_domain(asked) as domain:
         if asked is None:
             arguments.domain_id = domain
-        with page_process(domain, words, console) as page:
-            yield page
+        with page_process(domain, words, console) as stay:
+            yield stay
 
 
 def _reported(
@@ -156,7 +157,7 @@ def _reported(
     whole: bool,
 ) -> int:
     """Report what was flown until its end, until a signal came or a node died; exit code."""
-    from uav_tracking_mpc.nodes.bag.bag_log import flight_log
+    from uav_tracking_mpc.nodes.bag_log import flight_log, last_complaint
     from uav_tracking_mpc.report.metrics import in_short, unsettled
     from uav_tracking_mpc.report.mission_report import write_report
     from uav_tracking_mpc.view.recorded_scene import recorded_scene
@@ -166,7 +167,8 @@ def _reported(
     answer(metrics, in_short(metrics, arguments.output), arguments.json)
     if number is None and whole:
         if words := unsettled(metrics):
-            print(_not_settled(words, log.duration, bag), file=sys.stderr)
+            said = f"not settled in {log.duration:.1f} s: {words}", last_complaint(bag)
+            print(" ".join("; ".join(filter(None, said)).split()), file=sys.stderr)
         return NOT_SETTLED if words else 0
     wanted = configuration.mission.duration
     why = "broken off" if number is None else "interrupted"
@@ -174,20 +176,11 @@ def _reported(
     return 1 if number is None else 128 + number
 
 
-def _not_settled(words: str, duration: float, bag: Path) -> str:
-    """That a flight did not settle, and what its nodes complained of, in one line."""
-    from uav_tracking_mpc.nodes.bag.bag_log import last_complaint
-
-    line, complaint = f"not settled in {duration:.1f} s: {words}", last_complaint(bag)
-    line = line if complaint is None else f"{line}; {complaint}"
-    return " ".join(line.split())
-
-
 def _inspected(
     configuration: Configuration, arguments: argparse.Namespace, console: Console, stack: ExitStack
 ) -> Configuration:
     """Look at the autopilot, a simulated one on the stack; what is flown has its limits."""
-    from uav_tracking_mpc.launch.node_process import autopilot_process
+    from uav_tracking_mpc.launch.flight import autopilot_process
     from uav_tracking_mpc.launch.preflight import preflight, refuse
 
     if arguments.simulated:

@@ -26,10 +26,11 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from uav_tracking_mpc.launch.preflight import Preflight
-    from uav_tracking_mpc.parameters.specification import Specification
     from uav_tracking_mpc.settings.configuration import Configuration
 
-
+CONNECT_LIMIT = 10.0  # s to find an autopilot
+FORMS = "udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT or serial:DEVICE:BAUD"
+SECTION = "autopilot_link"
 DOMAIN_WORDS = (
     "ROS domain to fly in (default: ROS_DOMAIN_ID where it is exported, else one that no other "
     "launch uses)"
@@ -77,18 +78,75 @@ def add_mission_arguments(
     )
     for specification in specifications(MissionParameters):
         if isinstance(specification.default, float) and specification.name not in without:
-            _add_setting(
-                parser,
-                specification.name,
-                f"mission.{specification.name}",
-                _number_of(specification),
-                "NUMBER",
-                f"{specification.description} ({specification.allowed}; default: the "
+            parser.add_argument(
+                f"--{specification.name}",
+                action=_Setting,
+                parameter=f"mission.{specification.name}",
+                type=number(float, -math.inf, allowed=specification.allowed),
+                metavar="NUMBER",
+                help=f"{specification.description} ({specification.allowed}; default: the "
                 "configuration's)",
             )
     _add_extension(parser, "law", "nmpc_controller.law", "laws", "GUIDANCE_LAW", "law that flies")
     _add_extension(parser, "plant", plant, "simulation.plants", "PLANT", "vehicle that is flown")
     add_limit_argument(parser)
+
+
+def add_page_arguments(parser: argparse.ArgumentParser) -> None:
+    """The options ``--host``, ``--port`` and ``--no-browser``.
+
+    Args:
+        parser: Gets the options.
+    """
+    parser.add_argument(
+        "--host",
+        metavar="ADDRESS",
+        help="listen at this address of the machine, 0.0.0.0 for all, so that others reach the "
+        "page, with the token in the address that is printed (default: 127.0.0.1)",
+    )
+    parser.add_argument(
+        "--port",
+        type=number(int, 0, 65535),
+        metavar="N",
+        help="port of the page, 0 for any free one (default: the first free one from 8080 on)",
+    )
+    parser.add_argument(
+        "--no-browser",
+        action="store_true",
+        help="do not open the browser (it is opened where there is a screen, without --host)",
+    )
+
+
+def add_view_argument(parser: argparse.ArgumentParser, words: str) -> None:
+    """The option ``--view`` of a command that can go without a page, and those of the page.
+
+    Args:
+        parser: Gets the options.
+        words: What is shown, and for how long.
+    """
+    parser.add_argument("--view", action="store_true", help=words)
+    add_page_arguments(parser)
+
+
+def told_page_arguments(arguments: argparse.Namespace) -> list[str]:
+    """The options of the page that were given, as words of a command line.
+
+    Args:
+        arguments: Of a parser with :func:`add_view_argument`.
+
+    Raises:
+        ParameterError: There are some, but no page.
+    """
+    from uav_tracking_mpc.parameters.specification import ParameterError
+
+    words = []
+    for name in ("host", "port"):
+        if (value := getattr(arguments, name)) is not None:
+            words += [f"--{name}", str(value)]
+    words += ["--no-browser"] if arguments.no_browser else []
+    if words and not arguments.view:
+        raise ParameterError(f"{words[0]} needs --view")
+    return words
 
 
 def add_excite_argument(parser: argparse.ArgumentParser) -> None:
@@ -101,10 +159,10 @@ def add_excite_argument(parser: argparse.ArgumentParser) -> None:
 
     parser.add_argument(
         "--excite",
-        dest="overrides",
-        action="append_const",
-        default=[],
-        const=_override("nmpc_controller.excitation", list(USUAL_EXCITATION)),
+        action=_Setting,
+        parameter="nmpc_controller.excitation",
+        nargs=0,
+        const=list(USUAL_EXCITATION),
         help="add a small test signal to the commands once the aircraft is on its orbit, for "
         "`identify` (sets nmpc_controller.excitation)",
     )
@@ -183,7 +241,7 @@ def existing_file(text: str) -> Path:
 
 
 def number(
-    convert: Callable[[str], Any], lower: float, upper: float = float("inf")
+    convert: Callable[[str], Any], lower: float, upper: float = math.inf, allowed: str = ""
 ) -> Callable[[str], Any]:
     """Type of an option that takes a number of a range.
 
@@ -191,11 +249,13 @@ def number(
         convert: ``int`` or ``float``.
         lower: Least value [-].
         upper: Greatest value [-].
+        allowed: What is allowed, in words, where the range is checked with all other parameters.
 
     Returns:
         Converts text; raises ArgumentTypeError, in words, where the value is out of the range.
     """
-    limits = f"at least {lower:g}" if upper == float("inf") else f"from {lower:g} to {upper:g}"
+    limits = f"at least {lower:g}" if upper == math.inf else f"from {lower:g} to {upper:g}"
+    words = allowed or f"{'an integer' if convert is int else 'a number'} {limits}"
 
     def checked(text: str) -> Any:
         try:
@@ -203,8 +263,7 @@ def number(
         except ValueError:
             value = None
         if value is None or not lower <= value <= upper:
-            kind = "an integer" if convert is int else "a number"
-            raise argparse.ArgumentTypeError(f"{text!r} is not {kind} {limits}")
+            raise argparse.ArgumentTypeError(f"{text!r} is not {words}")
         return value
 
     return checked
@@ -271,58 +330,29 @@ def _add_extension(
                 raise argparse.ArgumentTypeError(str(error)) from error
         return text
 
-    words = f"{words}: {', '.join(names_of(room))} (sets {parameter})"
-    _add_setting(parser, name, parameter, found, "NAME|FILE.py:CLASS", words)
-
-
-def _add_setting(
-    parser: argparse.ArgumentParser,
-    name: str,
-    parameter: str,
-    convert: Callable[[str], Any],
-    metavar: str,
-    words: str,
-) -> None:
-    """Add an option that is a short form of ``--set``."""
-
-    def override(text: str) -> str:
-        return _override(parameter, convert(text))
-
     parser.add_argument(
         f"--{name}",
-        dest="overrides",
-        action="append",
+        action=_Setting,
+        parameter=parameter,
+        type=found,
         default=[],
-        type=override,
-        metavar=metavar,
-        help=words,
+        metavar="NAME|FILE.py:CLASS",
+        help=f"{words}: {', '.join(names_of(room))} (sets {parameter})",
     )
 
 
-def _override(parameter: str, value: Any) -> str:
-    """``SECTION.PARAMETER=VALUE`` with the value in JSON, which is YAML."""
-    return f"{parameter}={json.dumps(value)}"
-
-
-def _number_of(specification: Specification) -> Callable[[str], float]:
-    """A number as text; its range is checked with all other parameters."""
-
-    def convert(text: str) -> float:
-        try:
-            return float(text)
-        except ValueError:
-            raise argparse.ArgumentTypeError(f"{text!r} is not {specification.allowed}") from None
-
-    return convert
-
-
-CONNECT_LIMIT = 10.0  # s to find an autopilot
-FORMS = "udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT or serial:DEVICE:BAUD"
-SECTION = "autopilot_link"
-
-
 class _Setting(argparse.Action):
-    """An option that is a short form of ``--set autopilot_link.NAME=VALUE``, and is kept, too."""
+    """An option that is a short form of ``--set PARAMETER=VALUE``; its value is kept, too.
+
+    Args:
+        names: As of :class:`argparse.Action`.
+        parameter: As ``SECTION.PARAMETER``; by default that of the link with the option's name.
+        options: As of :class:`argparse.Action`.
+    """
+
+    def __init__(self, *names: Any, parameter: str = "", **options: Any) -> None:
+        super().__init__(*names, **options)
+        self.parameter = parameter or f"{SECTION}.{self.dest}"
 
     def __call__(
         self,
@@ -339,10 +369,14 @@ class _Setting(argparse.Action):
             values: Of the option, as converted.
             option_string: As typed.
         """
-        value = True if self.nargs == 0 else values
+        value = self.const if self.nargs == 0 else values
         setattr(namespace, self.dest, value)
-        override = f"{SECTION}.{self.dest}={json.dumps(value)}"
-        namespace.overrides = [*namespace.overrides, override]
+        namespace.overrides = [*namespace.overrides, _override(self.parameter, value)]
+
+
+def _override(parameter: str, value: Any) -> str:
+    """``SECTION.PARAMETER=VALUE`` with the value in JSON, which is YAML."""
+    return f"{parameter}={json.dumps(value)}"
 
 
 def add_link_arguments(parser: argparse.ArgumentParser, flown: bool) -> None:
@@ -384,6 +418,7 @@ def add_link_arguments(parser: argparse.ArgumentParser, flown: bool) -> None:
         "--engage",
         action=_Setting,
         nargs=0,
+        const=True,
         default=False,
         help="take command as soon as nothing speaks against it; without it "
         "`uav_tracking engage` does",

@@ -27,7 +27,6 @@ import json
 import os
 import signal
 import sys
-import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -35,7 +34,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from uav_tracking_mpc.parameters.registry import did_you_mean
+from uav_tracking_mpc.parameters.registry import did_you_mean, names_of
 from uav_tracking_mpc.parameters.specification import ParameterError
 
 if TYPE_CHECKING:
@@ -102,7 +101,6 @@ def explanation(error: BaseException) -> tuple[int, str] | None:
     from uav_tracking_mpc.mpc.compiled_method import CompilationError
     from uav_tracking_mpc.nodes.ros.ros_environment import DomainValueError, refusal_of_ros
     from uav_tracking_mpc.parameters.registry import ExtensionError
-    from uav_tracking_mpc.parameters.specification import ParameterError
     from uav_tracking_mpc.simulation.closed_loop import SimulationError
     from uav_tracking_mpc.studies.executors import WorkerError
 
@@ -238,6 +236,8 @@ def check_writable(folder: Path) -> None:
     Raises:
         ParameterError: They cannot be.
     """
+    import tempfile
+
     missing = [place for place in (folder, *folder.parents) if not place.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -321,42 +321,14 @@ def _import_when_used(name: str) -> None:
     sys.modules.setdefault(name, later)
 
 
-def _configurations() -> Iterable[str]:
-    from uav_tracking_mpc.settings.configuration import configuration_names
-
-    return configuration_names()
-
-
-def _scenarios() -> Iterable[str]:
-    from uav_tracking_mpc.settings.configuration import scenario_names
-
-    return scenario_names()
-
-
-def _campaigns() -> Iterable[str]:
-    from uav_tracking_mpc.settings.configuration import campaign_names
-
-    return campaign_names()
-
-
-def _extensions(room: str) -> Callable[[], Iterable[str]]:
-    def names() -> Iterable[str]:
-        from uav_tracking_mpc.parameters.registry import names_of
-
-        return names_of(f"uav_tracking_mpc.{room}")
-
-    return names
-
-
-NAMES: dict[str, Callable[[], Iterable[str]]] = {
-    "--config": _configurations,
-    "--scenario": _scenarios,
-    "campaign": _campaigns,
-    "--law": _extensions("laws"),
-    "--plant": _extensions("simulation.plants"),
-    "--limit": _extensions("limits"),
-    "--link": _extensions("links"),
+# Functions that list names, and rooms whose files have them, by the option or argument that takes
+# one of them.
+LISTS = {
+    "--config": "configuration_names",
+    "--scenario": "scenario_names",
+    "campaign": "campaign_names",
 }
+ROOMS = {"--law": "laws", "--plant": "simulation.plants", "--limit": "limits", "--link": "links"}
 
 
 def _names(action: argparse.Action) -> Callable[..., Iterable[str]] | None:
@@ -365,8 +337,14 @@ def _names(action: argparse.Action) -> Callable[..., Iterable[str]] | None:
         return None
     if action.metavar == "SECTION.PARAMETER=VALUE":
         return lambda prefix, **_: settings(prefix)
-    names = NAMES.get(action.option_strings[0] if action.option_strings else action.dest)
-    return None if names is None else lambda **_: names()
+    name = action.option_strings[0] if action.option_strings else action.dest
+    if name in ROOMS:
+        return lambda **_: names_of(f"uav_tracking_mpc.{ROOMS[name]}")
+    if name in LISTS:
+        from uav_tracking_mpc.settings import configuration
+
+        return lambda **_: getattr(configuration, LISTS[name])()
+    return None
 
 
 def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:

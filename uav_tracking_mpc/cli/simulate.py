@@ -24,16 +24,12 @@ from uav_tracking_mpc.cli.options import (
     add_excite_argument,
     add_mission_arguments,
     add_output_arguments,
-    chosen_configuration,
-)
-from uav_tracking_mpc.cli.page_options import (
     add_view_argument,
-    check_page,
-    opened_page,
-    serve_until_signal,
+    chosen_configuration,
     told_page_arguments,
 )
 from uav_tracking_mpc.cli.program import answer
+from uav_tracking_mpc.cli.view import check_page, opened_page, serve_until_signal
 
 if TYPE_CHECKING:
     from uav_tracking_mpc.settings.configuration import Configuration

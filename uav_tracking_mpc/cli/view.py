@@ -12,29 +12,29 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""``uav_tracking view``: a page that shows a flight, live or recorded, and steers it."""
+"""``uav_tracking view``: a page that shows a flight, live or recorded, and steers it; its start."""
 
 from __future__ import annotations
 
 import argparse
+import importlib
 import os
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from uav_tracking_mpc.cli.options import (
     add_configuration_arguments,
     add_domain_argument,
-    chosen_configuration,
-)
-from uav_tracking_mpc.cli.page_options import (
     add_page_arguments,
-    check_page,
-    opened_page,
-    serve_until_signal,
+    chosen_configuration,
 )
 
 if TYPE_CHECKING:
     from uav_tracking_mpc.settings.tracking import TrackingParameters
+    from uav_tracking_mpc.view.page import Page
     from uav_tracking_mpc.view.watched_flight import FlightSource
 
 HELP = "show a flight on a page: one that is flown, or a bag"
@@ -101,3 +101,66 @@ def _live(arguments: argparse.Namespace) -> FlightSource:
     from uav_tracking_mpc.view.live_source import LiveSource
 
     return LiveSource(arguments.domain_id)
+
+
+def check_page() -> None:
+    """Find out before a flight whether its page can be shown.
+
+    Raises:
+        ModuleNotFoundError: viser is not installed.
+    """
+    importlib.import_module("viser")
+
+
+@contextmanager
+def opened_page(source: FlightSource, arguments: argparse.Namespace) -> Iterator[Page]:
+    """A page that is served until the context ends; its address is printed on stderr.
+
+    Args:
+        source: What is shown; closed with the page.
+        arguments: Of a parser with :func:`add_page_arguments`.
+
+    Raises:
+        OSError: There is no listening at the address that was asked for.
+    """
+    import rich
+
+    from uav_tracking_mpc.view.page import Page
+    from uav_tracking_mpc.view.serving.browser import is_watched, open_browser
+
+    rich.reconfigure(stderr=True)  # viser speaks through this console; stdout is for answers
+    try:
+        page = Page(source, arguments.host, arguments.port)
+    except BaseException:
+        source.close()
+        raise
+    try:
+        print(f"page: {page.address}", file=sys.stderr, flush=True)
+        with ExitStack() as window:
+            if arguments.host is None and not arguments.no_browser and is_watched():
+                window.enter_context(open_browser(page.address))
+            yield page
+    finally:
+        page.close()
+
+
+def serve_until_signal(page: Page, source: FlightSource) -> None:
+    """Serve until SIGINT or SIGTERM, and tell in the terminal what is waited for.
+
+    Args:
+        page: That is served.
+        source: What it shows.
+    """
+    from uav_tracking_mpc.launch.flight import signals
+
+    told = ""
+
+    def ended() -> bool:
+        nonlocal told
+        if (words := source.words) not in ("", told):
+            told = words
+            print(words, file=sys.stderr)
+        return bool(received)
+
+    with signals() as received:  # what comes after it can be interrupted as ever
+        page.serve(ended)

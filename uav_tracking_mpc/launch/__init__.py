@@ -14,11 +14,10 @@
 
 """Nodes as processes: started, watched over and ended.
 
-================  ===============================================================================
-``flight``        one flight with real nodes, recorded; its pace, and the death of its controller
-``supervisor``    all node processes of a flight: started, frozen, killed, restarted, ended
-``node_process``  a node, the page or an autopilot as a process that cannot outlive its launcher
-``preflight``     what a real autopilot says before, and the envelope that follows
-``fleet``         several aircraft under one launch file of ROS 2: namespaces, starts, views
-================  ===============================================================================
+==============  ===============================================================================
+``flight``      one flight with real nodes, recorded; its page and its simulated autopilot
+``supervisor``  all node processes of a flight: started, frozen, killed, restarted, ended
+``preflight``   what a real autopilot says before, and the envelope that follows
+``fleet``       several aircraft under one launch file of ROS 2: namespaces, starts, views
+==============  ===============================================================================
 """

@@ -18,9 +18,11 @@ from __future__ import annotations
 
 import math
 import signal
+import socket
+import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any
@@ -29,8 +31,16 @@ from rich.console import Console
 from rich.progress import Progress, TextColumn
 
 from uav_tracking_mpc.control.guidance import compiled_into
-from uav_tracking_mpc.launch.node_process import STOP_LIMIT
-from uav_tracking_mpc.launch.supervisor import LaunchError, Supervisor, supervised
+from uav_tracking_mpc.launch.supervisor import (
+    CONTROLLER,
+    SIMULATOR,
+    STOP_LIMIT,
+    LaunchError,
+    NodeProcess,
+    SharedMemoryFiles,
+    Supervisor,
+    supervised,
+)
 from uav_tracking_mpc.mpc import machine_code
 from uav_tracking_mpc.nodes.ros.ros_environment import VARIABLE, exported_domain
 from uav_tracking_mpc.settings.configuration import Configuration
@@ -45,13 +55,13 @@ if TYPE_CHECKING:
     from uav_tracking_mpc.nodes.flight_recorder import Progress as Standing
 
 
-CONTROLLER, SIMULATOR = "nmpc_controller", "uav_simulator"
 REAL_TIME = 1.0  # -, simulated over wall time: the factor of a real clock
 START_LIMIT = 120.0  # s of wall time for the first command
 DRAIN_TIME = 0.3  # s of wall time for the nodes' last messages
 NOTE_PERIOD = 0.5  # s of wall time between looks at the nodes' shared-memory files
 LOOK_PERIOD = 0.2  # s of wall time between looks at where the flight stands
 REPORT_PERIOD = 5.0  # s of wall time between lines where there is no terminal
+COMMAND = "uav_tracking_mpc.cli.main"  # module of the page and of the simulated autopilot
 
 
 class FlightInterruptedError(LaunchError):
@@ -91,7 +101,7 @@ class SimulatedPace:
     """
 
     def __init__(self, configuration: Configuration, node: Node, console: Console) -> None:
-        from uav_tracking_mpc.nodes.watching.steering_requests import RemoteParameters
+        from uav_tracking_mpc.nodes.watching import RemoteParameters
 
         self._wanted, self._console = configuration.mission.speed, console
         self._folder = compiled_into(configuration.controller)
@@ -199,9 +209,7 @@ def _fly(
 ) -> int | None:
     from rclpy.experimental.events_executor import EventsExecutor
 
-    from uav_tracking_mpc.launch.flight import ControllerKill, SimulatedPace
-    from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
-    from uav_tracking_mpc.nodes.flight_recorder import FlightRecorder
+    from uav_tracking_mpc.nodes.flight_recorder import FlightBag, FlightRecorder
 
     with ExitStack() as stack:
         bag = None
@@ -213,24 +221,21 @@ def _fly(
         executor = EventsExecutor()
         stack.callback(executor.shutdown)
         executor.add_node(recorder)
-        pace = None if link else SimulatedPace(configuration, recorder, console)
-        meanwhile: list[Callable[[], None]] = []
-        if pace is not None:  # nobody kills what commands a real aircraft
-            meanwhile = [pace.follow, ControllerKill(recorder, supervisor).follow]
+        follow: list[Callable[[], None]] = []
         limit, died = START_LIMIT, None
         try:
-            if link:
+            if not link:  # nobody kills what commands a real aircraft
+                pace = SimulatedPace(configuration, recorder, console)
+                follow = [pace.follow, ControllerKill(recorder, supervisor).follow]
+                supervisor.start_flight(configuration, pace.speed)
+            else:
                 supervisor.start_link_flight(configuration)
                 if not configuration.link.engage:
                     console.print(
                         _how_to_engage(configuration.link, supervisor.domain), soft_wrap=True
                     )
                     limit = math.inf
-            elif pace is not None:
-                supervisor.start_flight(configuration, pace.speed)
-            _watch(
-                configuration, supervisor, recorder, executor, received, console, limit, meanwhile
-            )
+            _watch(configuration, supervisor, recorder, executor, received, console, limit, follow)
         except LaunchError as error:
             died = error
         finally:
@@ -255,7 +260,7 @@ def _watch(
     received: list[int],
     console: Console,
     limit: float,
-    meanwhile: Sequence[Callable[[], None]],
+    follow: Sequence[Callable[[], None]],
 ) -> None:
     """Spin the recorder and show progress until the mission ends, a signal comes or a node dies."""
     duration = configuration.mission.duration
@@ -276,8 +281,8 @@ def _watch(
             if now - looked < LOOK_PERIOD:  # decoding costs what the recorder needs to keep up
                 continue
             looked = now
-            for follow in meanwhile:
-                follow()
+            for act in follow:
+                act()
             progress = recorder.progress()
             if progress.time is None:
                 if now - begin > limit:
@@ -343,3 +348,66 @@ def signals() -> Iterator[list[int]]:
     finally:
         for number, handler in previous.items():
             signal.signal(number, handler)
+
+
+@contextmanager
+def page_process(
+    domain: int, arguments: Sequence[str], console: Console
+) -> Iterator[Callable[[], None]]:
+    """Serve a page by a process while the context lasts; its death ends no flight.
+
+    Args:
+        domain: ROS domain that is shown.
+        arguments: More of ``uav_tracking view``.
+        console: Where its output goes, its address among it.
+
+    Yields:
+        Waits until Ctrl-C, or until the page has ended.
+    """
+    words = ["view", "--domain-id", str(domain), *arguments]
+    process = NodeProcess("page", COMMAND, words, console)
+
+    def stay() -> None:
+        if process.exit_code is None:
+            console.print("the page shows the end of the flight until Ctrl-C", highlight=False)
+        with suppress(KeyboardInterrupt):
+            while process.exit_code is None:
+                time.sleep(LOOK_PERIOD)
+
+    try:
+        yield stay
+    finally:
+        files = SharedMemoryFiles()
+        files.note([process.identity])
+        process.stop(signal.SIGTERM)
+        files.remove_orphans()
+
+
+@contextmanager
+def autopilot_process(configuration: Configuration, console: Console) -> Iterator[str]:
+    """Fly a simulated autopilot of the link's kind while the context lasts.
+
+    Args:
+        configuration: Its section ``uav_simulator`` is what flies, ``autopilot_link`` says how the
+            autopilot behaves.
+        console: Where its output goes.
+
+    Yields:
+        The connection at which the link finds it.
+    """
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        place = f"127.0.0.1:{free.getsockname()[1]}"
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / f"{configuration.name}.yaml"
+        file.write_text(configuration.yaml(), encoding="utf-8")
+        arguments = ["autopilot", "--dialect", configuration.link.link]
+        arguments += ["--config", str(file), "--connection", f"udpout:{place}"]
+        if configuration.link.origin:
+            # One word: South of the equator two would look like an option.
+            arguments.append("--origin=" + ",".join(map(str, configuration.link.origin)))
+        process = NodeProcess("autopilot", COMMAND, arguments, console)
+        try:
+            yield f"udpin:{place}"
+        finally:
+            process.stop(signal.SIGTERM)

@@ -29,7 +29,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.vehicle import velocity
-from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import VEHICLE_LINK, Inspection, LinkRefusedError, VehicleLink
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import Configuration
@@ -199,9 +198,6 @@ def _wind(link: VehicleLink) -> NDArray[np.float64] | None:
     while len(winds) < WIND_STATES and link.now() < end:
         measurement = link.measured(0.1)
         if measurement is not None and measurement.airspeed is not None:
-            winds.append(_triangle(measurement, measurement.airspeed))
+            through_air = velocity(measurement.state(measurement.airspeed))
+            winds.append(measurement.ground_velocity - through_air)
     return np.asarray(np.median(winds, axis=0)) if winds else None
-
-
-def _triangle(measurement: Measurement, airspeed: float) -> NDArray[np.float64]:
-    return measurement.ground_velocity - velocity(measurement.state(airspeed))

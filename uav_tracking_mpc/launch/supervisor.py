@@ -14,26 +14,35 @@
 
 """The one supervisor of node processes: starts, watches, freezes, kills, restarts and ends them.
 
+No process outlives its launcher, whatever ended that.
 Discovery stays on this machine and each launch has a domain of its own, so that two do not mix.
 """
 
 from __future__ import annotations
 
+import ctypes
 import os
 import signal
 import socket
+import subprocess
+import sys
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from rich.console import Console
 
-from uav_tracking_mpc.launch.node_process import NodeProcess, SharedMemoryFiles
 from uav_tracking_mpc.nodes.ros.ros_environment import VARIABLE, ensure_log_folder
 from uav_tracking_mpc.settings.configuration import Configuration
 
 FIRST_DOMAIN, LAST_DOMAIN = 1, 101  # what Linux's ephemeral ports leave free
+FOLDER = Path("/dev/shm")
+STOP_LIMIT = 5.0  # s of wall time for a node to end after a signal
+NODES = SIMULATOR, TARGET, CONTROLLER = "uav_simulator", "target_publisher", "nmpc_controller"
+LINK = "autopilot_link"  # in the simulator's place
 
 
 class DomainError(RuntimeError):
@@ -71,8 +80,125 @@ def own_domain(domain: int | None) -> Iterator[int]:
     raise DomainError(f"all ROS domains from {FIRST_DOMAIN} to {LAST_DOMAIN} are in use")
 
 
-NODES = ("uav_simulator", "target_publisher", "nmpc_controller")
-LINK = "autopilot_link"  # in the simulator's place
+class SharedMemoryFiles:
+    """Remembers which files a group of processes maps, and removes them when nobody does.
+
+    On systems without /proc and /dev/shm it does nothing.
+    """
+
+    def __init__(self) -> None:
+        self._seen: set[Path] = set()
+
+    def note(self, processes: Iterable[int]) -> None:
+        """Remember the files that processes map now.
+
+        Args:
+            processes: Their process ids.
+        """
+        for process in processes:
+            self._seen |= _mapped(Path(f"/proc/{process}"))
+
+    def remove_orphans(self) -> None:
+        """Remove every remembered file that no other living process maps.
+
+        This process itself is done with them, though Fast DDS keeps some open until it ends.
+        """
+        for process in Path("/proc").glob("[0-9]*"):
+            if process.name != str(os.getpid()):
+                self._seen -= _mapped(process)
+        for file in self._seen:
+            # Its lock and its semaphore are never mapped: they go with the file that they guard.
+            for name in (file.name, f"{file.name}_el", f"sem.{file.name}_mutex"):
+                with suppress(OSError):
+                    (FOLDER / name).unlink()
+        self._seen.clear()
+
+
+def _mapped(process: Path) -> set[Path]:
+    try:
+        lines = (process / "maps").read_text(errors="replace").splitlines()
+    except OSError:  # it has ended, or belongs to somebody else
+        return set()
+    names = {line.rpartition(" ")[2] for line in lines if f" {FOLDER}/" in line}
+    return {Path(name) for name in names if "fastrtps" in name}
+
+
+class NodeProcess:
+    """One node as a process; its output is printed line by line behind its name.
+
+    Args:
+        name: By which its output is marked.
+        module: Full name of its Python module.
+        arguments: Its command line.
+        console: Where its output goes.
+
+    Attributes:
+        name: By which its output is marked.
+        started: When it was started, by the steady clock [s].
+    """
+
+    def __init__(self, name: str, module: str, arguments: Sequence[str], console: Console) -> None:
+        self.name = name
+        self.started = time.monotonic()
+        self._process = subprocess.Popen(
+            [sys.executable, "-u", "-m", module, *arguments],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            # A session of its own: Ctrl-C reaches the launcher alone, which passes it on.
+            start_new_session=True,
+            preexec_fn=_end_with_parent,
+        )
+        self._reader = threading.Thread(target=self._print, args=(console,), daemon=True)
+        self._reader.start()
+
+    def _print(self, console: Console) -> None:
+        assert self._process.stdout is not None
+        for line in self._process.stdout:
+            # The loggers of ROS tell the name again.
+            words = line.rstrip().replace(f" [{self.name}]:", ":", 1)
+            console.print(f"[{self.name}] {words}", markup=False, highlight=False, soft_wrap=True)
+
+    @property
+    def identity(self) -> int:
+        """Process id."""
+        return self._process.pid
+
+    @property
+    def exit_code(self) -> int | None:
+        """None while it runs."""
+        return self._process.poll()
+
+    def send_signal(self, number: int) -> None:
+        """Send a signal, if the process still runs.
+
+        Args:
+            number: Of the signal.
+        """
+        if self.exit_code is None:
+            self._process.send_signal(number)
+
+    def stop(self, number: int) -> None:
+        """End the process: by a signal, and by force if that takes longer than STOP_LIMIT.
+
+        Args:
+            number: Of the signal.
+        """
+        self.send_signal(number)
+        try:
+            self._process.wait(STOP_LIMIT)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._reader.join(STOP_LIMIT)
+
+
+def _end_with_parent() -> None:
+    """In the child: ask Linux for SIGTERM when the launcher dies, whatever ended it."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG
 
 
 class LaunchError(RuntimeError):
@@ -126,19 +252,13 @@ class Supervisor:
                 ["uav/odometry:=raw/uav/odometry"]}``.
         """
         self._parameters.write_text(configuration.yaml(), encoding="utf-8")
+        # Time starts when the controller and one more listener hear the state, the vehicle when it
+        # is commanded.
+        driven = ["publish_clock:=true", "wait_for_subscribers:=2", "start_on_command:=true"]
         for name in NODES:
-            arguments = ["--ros-args", "--params-file", str(self._parameters)]
-            for rule in (remaps or {}).get(name, ()):
-                arguments += ["-r", rule]
-            assignments = ["use_sim_time:=true"]
-            if name == "uav_simulator":
-                # Time starts when the controller and one more listener hear the state, the
-                # vehicle when it is commanded.
-                assignments = ["publish_clock:=true", "wait_for_subscribers:=2"]
-                assignments += ["start_on_command:=true", f"speed:={speed!r}"]
-            for assignment in assignments:
-                arguments += ["-p", assignment]
-            self.start(name, f"uav_tracking_mpc.nodes.{name}", arguments)
+            follows = ["use_sim_time:=true"]
+            assignments = [*driven, f"speed:={speed!r}"] if name == SIMULATOR else follows
+            self._start_node(name, assignments, (remaps or {}).get(name, ()))
 
     def start_link_flight(self, configuration: Configuration) -> None:
         """Start the nodes of a flight with a real autopilot, in wall time.
@@ -147,12 +267,18 @@ class Supervisor:
             configuration: What they fly; its link may bring the target, too.
         """
         self._parameters.write_text(configuration.yaml(), encoding="utf-8")
-        names = [LINK, *NODES[1:]]
-        if configuration.link.target_system:
-            names.remove("target_publisher")
-        for name in names:
-            arguments = ["--ros-args", "--params-file", str(self._parameters)]
-            self.start(name, f"uav_tracking_mpc.nodes.{name}", arguments)
+        target = () if configuration.link.target_system else (TARGET,)
+        for name in (LINK, *target, CONTROLLER):
+            self._start_node(name)
+
+    def _start_node(
+        self, name: str, assignments: Sequence[str] = (), rules: Sequence[str] = ()
+    ) -> None:
+        """Start a node of the package with the parameter file, further parameters and remaps."""
+        flags = [word for rule in rules for word in ("-r", rule)]
+        flags += [word for assignment in assignments for word in ("-p", assignment)]
+        arguments = ["--ros-args", "--params-file", str(self._parameters), *flags]
+        self.start(name, f"uav_tracking_mpc.nodes.{name}", arguments)
 
     def restart(self, name: str) -> None:
         """Start a node that has ended or was killed as it was started before.

@@ -50,11 +50,12 @@ from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.links.mavlink.findings import (
     BANK_KEPT,
-    FENCE_MARGIN,
     RATE_SHARE,
     HomeFence,
     VehicleEnvelope,
+    applying,
     climb_angle,
+    known,
 )
 from uav_tracking_mpc.links.mavlink.mavlink_link import MavlinkLink
 from uav_tracking_mpc.links.mavlink.requests import NOT_ANSWERED
@@ -86,41 +87,39 @@ class ArduPlaneEnvelope(VehicleEnvelope):
     def __init__(self, vehicle: Mapping[str, float], true_over_equivalent: float) -> None:
         super().__init__(vehicle, true_over_equivalent)
         cruise = self._first("AIRSPEED_CRUISE", "TRIM_ARSPD_CM")
-        self.cruise = None if cruise is None else cruise * true_over_equivalent
+        self.cruise = None if math.isnan(cruise) else cruise * true_over_equivalent
 
-    def _first(self, *names: str) -> float | None:
-        """The first that there is of a parameter's names; older ones may be in hundredths."""
-        found = next((name for name in names if name in self.vehicle), None)
-        if found is None:
-            return None
-        return self.vehicle[found] * (1e-2 if found.endswith(("_CM", "_CD")) else 1.0)
+    def _first(self, *names: str) -> float:
+        """The first that there is of its names, nan for none; old ones may be in hundredths."""
+        found = next((name for name in names if name in self.vehicle), names[0])
+        (value,) = self.told(found)
+        return value * 1e-2 if found.endswith(("_CM", "_CD")) else value
 
     def values(self, airspeed: float) -> dict[str, Any]:
         """See :meth:`VehicleEnvelope.values`."""
-        vehicle, values = self.vehicle, dict[str, Any]()
         bank = self.bank_max(airspeed)
-        if bank is not None:
-            values["bank_max"] = bank - BANK_KEPT
         least = self._first("AIRSPEED_MIN", "ARSPD_FBW_MIN")
         most = self._first("AIRSPEED_MAX", "ARSPD_FBW_MAX")
-        if least is not None and most is not None:
-            values["airspeed_min"], values["airspeed_max"] = least * self.ratio, most * self.ratio
-        if "RLL2SRV_TCONST" in vehicle:
-            # AP_RollController asks for a roll rate of error / TCONST. Nothing else is commanded.
-            values["rate_lag"] = (vehicle["RLL2SRV_TCONST"],) * 3
-        if vehicle.get("RLL2SRV_RMAX", 0.0) > 0.0:
-            values["roll_rate_max"] = RATE_SHARE * math.radians(vehicle["RLL2SRV_RMAX"])
-        if "TECS_CLMB_MAX" in vehicle and "TECS_SINK_MAX" in vehicle:
-            climb, sink = vehicle["TECS_CLMB_MAX"], vehicle["TECS_SINK_MAX"]
-            values["path_angle_max"] = climb_angle(climb, airspeed)
-            values["path_angle_min"] = climb_angle(-sink, airspeed)
-            values["hold_climb_max"], values["hold_sink_max"] = climb, sink
-        if "TECS_SINK_MIN" in vehicle:
-            values["hold_sink_idle"] = vehicle["TECS_SINK_MIN"]
-        if "TECS_TIME_CONST" in vehicle:
-            constant = vehicle["TECS_TIME_CONST"]
-            values["hold_time"] = (constant, 1.0, constant)
-        return values
+        climb, sink, idle, constant = self.told(
+            "TECS_CLMB_MAX", "TECS_SINK_MAX", "TECS_SINK_MIN", "TECS_TIME_CONST"
+        )
+        lag, rate = self.told("RLL2SRV_TCONST", "RLL2SRV_RMAX")
+        return known(
+            {
+                "bank_max": math.nan if bank is None else bank - BANK_KEPT,
+                "airspeed_min": least * self.ratio,
+                "airspeed_max": most * self.ratio,
+                # AP_RollController asks for a roll rate of error / TCONST; no other is commanded.
+                "rate_lag": (lag, lag, lag),
+                "roll_rate_max": RATE_SHARE * math.radians(rate) if rate > 0.0 else math.nan,
+                "path_angle_max": climb_angle(climb, airspeed),
+                "path_angle_min": climb_angle(-sink, airspeed),
+                "hold_climb_max": climb,
+                "hold_sink_max": sink,
+                "hold_sink_idle": idle,
+                "hold_time": (constant, 1.0, constant),
+            }
+        )
 
     def bank_max(self, airspeed: float) -> float | None:
         """See :meth:`VehicleEnvelope.bank_max`: what the autopilot flies.
@@ -132,58 +131,55 @@ class ArduPlaneEnvelope(VehicleEnvelope):
             airspeed: True, in [m/s].
         """
         limit = self._first("ROLL_LIMIT_DEG", "LIM_ROLL_CD")
-        if limit is None:
+        if math.isnan(limit):
             return None
         stall = self.vehicle.get("AIRSPEED_STALL") or self._first("AIRSPEED_MIN", "ARSPD_FBW_MIN")
-        return self.turning(
-            limit, airspeed, stall if self.vehicle.get("STALL_PREVENTION", 1.0) else None
-        )
+        prevented = self.vehicle.get("STALL_PREVENTION", 1.0)
+        return self.turning(limit, airspeed, stall if prevented else math.nan)
 
     def fence(self) -> HomeFence | None:
         """See :meth:`VehicleEnvelope.fence`."""
         vehicle = self.vehicle
         if not vehicle.get("FENCE_ENABLE"):
             return None
-        kinds = int(vehicle.get("FENCE_TYPE", 0.0))
-        lowest = vehicle.get("FENCE_ALT_MIN") if kinds & FENCE_ALTITUDE_MIN else None
-        highest = vehicle.get("FENCE_ALT_MAX") if kinds & FENCE_ALTITUDE_MAX else None
-        radius = vehicle.get("FENCE_RADIUS") if kinds & FENCE_CIRCLE else None
+        kinds, free = int(vehicle.get("FENCE_TYPE", 0.0)), math.inf
         return HomeFence(
-            -math.inf if lowest is None else lowest + FENCE_MARGIN,
-            math.inf if highest is None else highest - FENCE_MARGIN,
-            math.inf if radius is None else radius - FENCE_MARGIN,
-        )
+            vehicle.get("FENCE_ALT_MIN", -free) if kinds & FENCE_ALTITUDE_MIN else -free,
+            vehicle.get("FENCE_ALT_MAX", free) if kinds & FENCE_ALTITUDE_MAX else free,
+            vehicle.get("FENCE_RADIUS", free) if kinds & FENCE_CIRCLE else free,
+        ).kept
 
     def refusals(self) -> list[str]:
         """See :meth:`VehicleEnvelope.refusals`."""
-        known = self.bank_max(1.0) is not None
-        return [] if known else ["neither ROLL_LIMIT_DEG nor LIM_ROLL_CD can be read"]
+        words = "neither ROLL_LIMIT_DEG nor LIM_ROLL_CD can be read"
+        return applying((self.bank_max(1.0) is None, words))
 
     def warnings(self, telemetry_rate: float) -> list[str]:
         """See :meth:`VehicleEnvelope.warnings`."""
-        vehicle, words = self.vehicle, []
-        loop = vehicle.get("SCHED_LOOP_RATE")
-        if loop is not None and SHARE_OF_LOOP * loop < telemetry_rate:
-            words.append(
+        loop, timeout = self.told("SCHED_LOOP_RATE", "GUIDED_TIMEOUT")
+        vehicle, action = self.vehicle, self.vehicle.get("FENCE_ACTION", 1.0)
+        fenced = bool(vehicle.get("FENCE_ENABLE"))
+        return applying(
+            (
+                SHARE_OF_LOOP * loop < telemetry_rate,
                 f"SCHED_LOOP_RATE is {loop:g} Hz: telemetry comes at {SHARE_OF_LOOP * loop:g} Hz, "
-                f"not at {telemetry_rate:g}"
-            )
-        timeout = vehicle.get("GUIDED_TIMEOUT")
-        if timeout is not None and not 0.0 < timeout <= 5.0:
-            words.append(
+                f"not at {telemetry_rate:g}",
+            ),
+            (
+                timeout <= 0.0 or timeout > 5.0,
                 f"GUIDED_TIMEOUT is {timeout:g} s: it decides how long the last bank is held when "
-                "the companion falls silent, must be from 0 to 5 s"
-            )
-        if vehicle.get("FENCE_ENABLE") and vehicle.get("FENCE_ACTION", 1.0) not in FENCE_RTL:
-            words.append(
-                f"FENCE_ACTION is {vehicle['FENCE_ACTION']:g}: a breach does not take GUIDED away, "
-                "1 (RTL) would"
-            )
-        if not vehicle.get("FENCE_ENABLE"):
-            words.append("FENCE_ENABLE is 0: the autopilot has no fence of its own")
-        if vehicle.get("STICK_MIXING", 0.0):
-            words.append("STICK_MIXING is on: the pilot's sticks add to our bank in GUIDED")
-        return words
+                "the companion falls silent, must be from 0 to 5 s",
+            ),
+            (
+                fenced and action not in FENCE_RTL,
+                f"FENCE_ACTION is {action:g}: a breach does not take GUIDED away, 1 (RTL) would",
+            ),
+            (not fenced, "FENCE_ENABLE is 0: the autopilot has no fence of its own"),
+            (
+                bool(vehicle.get("STICK_MIXING")),
+                "STICK_MIXING is on: the pilot's sticks add to our bank in GUIDED",
+            ),
+        )
 
 
 GUIDED = 15  # code of the mode
@@ -200,9 +196,9 @@ AIRSPEED = 0.0  # code of the airspeed in GUIDED_CHANGE_SPEED
 CLOCKWISE, COUNTER_CLOCKWISE = 0.0, 1.0  # codes: param4 of DO_REPOSITION
 ALTITUDE_STEP, AIRSPEED_STEP = 0.2, 0.05  # m, m/s by which a set-point must change to be sent
 SETPOINT_PERIOD = 0.5  # s, at least, between altitudes and between airspeeds
-SET_POINTS = {
-    "altitude": mavlink.MAV_CMD_GUIDED_CHANGE_ALTITUDE,
-    "airspeed": mavlink.MAV_CMD_GUIDED_CHANGE_SPEED,
+STEPS = {
+    mavlink.MAV_CMD_GUIDED_CHANGE_ALTITUDE: ALTITUDE_STEP,
+    mavlink.MAV_CMD_GUIDED_CHANGE_SPEED: AIRSPEED_STEP,
 }
 RENEWAL_PERIOD = 2.0  # s, at least, between loiters
 SAME_PLACE = 2.0  # m between a place as it was told and as it comes back
@@ -233,7 +229,7 @@ class ArduPilotLink(MavlinkLink):
 
     def _forget(self) -> None:
         super()._forget()
-        self._told: dict[str, tuple[float, float]] = {}  # value and time of each set-point
+        self._told: dict[int, tuple[float, float]] = {}  # value and time of each set-point
         self._loiter: tuple[FlownOrbit, float] | None = None
         self._places: deque[NDArray[np.float64]] = deque(maxlen=PLACES)  # of our loiters
         self._heeded = False  # whether it has had one of them since the commands began
@@ -264,8 +260,7 @@ class ArduPilotLink(MavlinkLink):
 
     def accompany(self, now: float) -> None:
         """See :meth:`MavlinkLink.accompany`."""
-        heard, orbit = self.heard, self.orbit
-        frame = heard.telemetry.frame
+        orbit, frame = self.orbit, self.heard.telemetry.frame
         if orbit is None or frame is None:
             return
         if refusal := self.refusal(orbit):
@@ -275,26 +270,24 @@ class ArduPilotLink(MavlinkLink):
         if self._moved(orbit, now):
             self._reposition(orbit, now, 0.0, "a loiter about the target")
         _, _, altitude = frame.place(orbit.centre)
-        if self._changed("altitude", altitude, ALTITUDE_STEP, now):
-            # A rate would be taken for a fraction of itself: ModeGuided::update_target_altitude.
-            heard.requests.ask_there(
-                now,
-                mavlink.MAV_CMD_GUIDED_CHANGE_ALTITUDE,
-                f"the altitude of {altitude:.1f} m above sea level",
-                (0.0, 0.0, 0.0, 0.0),
-                (0, 0, _no_zero(altitude)),
-                quiet=True,
-            )
         equivalent = orbit.airspeed / true_over_equivalent(altitude)
-        if self._changed("airspeed", equivalent, AIRSPEED_STEP, now):
-            heard.requests.ask_there(
-                now,
-                mavlink.MAV_CMD_GUIDED_CHANGE_SPEED,
-                f"the airspeed of {equivalent:.1f} m/s",
-                (AIRSPEED, equivalent, 0.0, 0.0),
-                (0, 0, 0.0),
-                quiet=True,
-            )
+        self._set(
+            mavlink.MAV_CMD_GUIDED_CHANGE_ALTITUDE,
+            altitude,
+            f"the altitude of {altitude:.1f} m above sea level",
+            # A rate would be taken for a fraction of itself: ModeGuided::update_target_altitude.
+            (0.0, 0.0, 0.0, 0.0),
+            _no_zero(altitude),
+            now,
+        )
+        self._set(
+            mavlink.MAV_CMD_GUIDED_CHANGE_SPEED,
+            equivalent,
+            f"the airspeed of {equivalent:.1f} m/s",
+            (AIRSPEED, equivalent, 0.0, 0.0),
+            0.0,
+            now,
+        )
 
     def _see(self, message: Any, arrival: float) -> None:
         """See :class:`MavlinkLink`: a place to fly to that is not ours ends our commands."""
@@ -314,9 +307,9 @@ class ArduPilotLink(MavlinkLink):
     def _tell_again(self) -> None:
         """What was not answered while the link was dead counts as never told."""
         result = self.heard.requests.result
-        for name, command in SET_POINTS.items():
+        for command in STEPS:
             if result(command) == NOT_ANSWERED:
-                self._told.pop(name, None)
+                self._told.pop(command, None)
         if result(mavlink.MAV_CMD_DO_REPOSITION) == NOT_ANSWERED:
             self._loiter = None
 
@@ -334,13 +327,21 @@ class ArduPilotLink(MavlinkLink):
             )
         )  # fmt: skip
 
-    def _changed(self, name: str, value: float, step: float, now: float) -> bool:
-        """Whether a set-point is to be told; it then counts as told."""
-        told, at = self._told.get(name, (math.nan, -math.inf))
-        if now - at < SETPOINT_PERIOD or abs(value - told) < step:
-            return False
-        self._told[name] = value, now
-        return True
+    def _set(
+        self,
+        command: int,
+        value: float,
+        words: str,
+        parameters: tuple[float, float, float, float],
+        altitude: float,
+        now: float,
+    ) -> None:
+        """Tell a set-point that has changed, unless it was told just before."""
+        told, at = self._told.get(command, (math.nan, -math.inf))
+        if now - at >= SETPOINT_PERIOD and not abs(value - told) < STEPS[command]:
+            self._told[command] = value, now
+            place = (0, 0, altitude)
+            self.heard.requests.ask_there(now, command, words, parameters, place, quiet=True)
 
     def _moved(self, orbit: FlownOrbit, now: float) -> bool:
         """Whether the loiter is to be renewed."""

@@ -53,11 +53,12 @@ from uav_tracking_mpc.links.mavlink.energy_law import EnergyLaw, EnergyLimits, F
 from uav_tracking_mpc.links.mavlink.engagement import State
 from uav_tracking_mpc.links.mavlink.findings import (
     BANK_KEPT,
-    FENCE_MARGIN,
     RATE_SHARE,
     HomeFence,
     VehicleEnvelope,
+    applying,
     climb_angle,
+    known,
 )
 from uav_tracking_mpc.links.mavlink.listener import FIXED_WING
 from uav_tracking_mpc.links.mavlink.mavlink_link import MavlinkLink
@@ -111,32 +112,26 @@ class Px4Envelope(VehicleEnvelope):
 
     def values(self, airspeed: float) -> dict[str, Any]:
         """See :meth:`VehicleEnvelope.values`."""
-        vehicle, values = self._all, dict[str, Any]()
-        if (bank := self.bank_max(airspeed)) is not None:
-            values["bank_max"] = bank - BANK_KEPT
-        values["roll_rate_max"] = RATE_SHARE * self.roll_slew
-        values["pitch_rate_max"] = vehicle["FW_T_VERT_ACC"] / airspeed
-        climb, sink = vehicle["FW_T_CLMB_MAX"], vehicle["FW_T_SINK_MAX"]
-        values["path_angle_max"] = climb_angle(climb, airspeed)
-        values["path_angle_min"] = climb_angle(-sink, airspeed)
-        if {"FW_AIRSPD_MIN", "FW_AIRSPD_MAX"} <= self.vehicle.keys():
-            least = vehicle["FW_AIRSPD_MIN"] * self.ratio
-            most = vehicle["FW_AIRSPD_MAX"] * self.ratio
-            values["airspeed_min"], values["airspeed_max"] = least, most
-            values.update(self._forces(most))
-        return values
-
-    def _forces(self, most: float) -> dict[str, Any]:
-        """Thrust less drag at the ends of the airspeed, the drag growing with its square."""
-        if self.cruise is None:
-            return {}
-        climb, idle = self._all["FW_T_CLMB_MAX"], self._all["FW_T_SINK_MIN"]
-        per_climb = GRAVITY / self.cruise
-        fast = max(climb - idle * ((most / self.cruise) ** 2 - 1.0), FORCE_SHARE * climb)
-        return {
-            "force_max": (per_climb * climb, per_climb * fast),
-            "force_min": (-per_climb * idle, -per_climb * idle),
-        }
+        vehicle, bank = self._all, self.bank_max(airspeed)
+        least, most = (self.ratio * v for v in self.told("FW_AIRSPD_MIN", "FW_AIRSPD_MAX"))
+        climb, sink, idle = (vehicle[f"FW_T_{n}"] for n in ("CLMB_MAX", "SINK_MAX", "SINK_MIN"))
+        # Thrust less drag at the ends of the airspeed, the drag growing with its square.
+        cruise = math.nan if self.cruise is None else self.cruise
+        fast = max(climb - idle * ((most / cruise) ** 2 - 1.0), FORCE_SHARE * climb)
+        per_climb = GRAVITY / cruise
+        return known(
+            {
+                "bank_max": math.nan if bank is None else bank - BANK_KEPT,
+                "roll_rate_max": RATE_SHARE * self.roll_slew,
+                "pitch_rate_max": vehicle["FW_T_VERT_ACC"] / airspeed,
+                "path_angle_max": climb_angle(climb, airspeed),
+                "path_angle_min": climb_angle(-sink, airspeed),
+                "airspeed_min": least,
+                "airspeed_max": most,
+                "force_max": (per_climb * climb, per_climb * fast),
+                "force_min": (-per_climb * idle, -per_climb * idle),
+            }
+        )
 
     def bank_max(self, airspeed: float) -> float | None:
         """See :meth:`VehicleEnvelope.bank_max`: what is ever commanded.
@@ -147,15 +142,13 @@ class Px4Envelope(VehicleEnvelope):
         Args:
             airspeed: True, in [m/s].
         """
-        limit = self.vehicle.get("FW_R_LIM")
-        slowest = self.vehicle.get("FW_AIRSPD_MIN")
-        return None if limit is None else self.turning(limit, airspeed, slowest)
+        limit, slowest = self.told("FW_R_LIM", "FW_AIRSPD_MIN")
+        return None if math.isnan(limit) else self.turning(limit, airspeed, slowest)
 
     @property
     def roll_slew(self) -> float:
         """How quickly the commanded bank changes at most in [rad/s]."""
-        slew = min(self._all["FW_R_RMAX"], self._all["FW_PN_R_SLEW_MAX"])
-        return math.radians(slew)
+        return math.radians(min(self._all["FW_R_RMAX"], self._all["FW_PN_R_SLEW_MAX"]))
 
     def energy_limits(self) -> EnergyLimits:
         """What the energy law is to know and to keep."""
@@ -183,93 +176,99 @@ class Px4Envelope(VehicleEnvelope):
 
     def fence(self) -> HomeFence | None:
         """See :meth:`VehicleEnvelope.fence`."""
-        vehicle = self.vehicle
-        highest = vehicle.get("GF_MAX_VER_DIST", 0.0)
-        radius = vehicle.get("GF_MAX_HOR_DIST", 0.0)
-        if not vehicle.get("GF_ACTION") or (highest <= 0.0 and radius <= 0.0):
+        bounds = self.told("GF_MAX_VER_DIST", "GF_MAX_HOR_DIST")
+        highest, radius = (bound if bound > 0.0 else math.inf for bound in bounds)
+        if not self.vehicle.get("GF_ACTION") or highest == radius == math.inf:
             return None
-        return HomeFence(
-            -math.inf,
-            highest - FENCE_MARGIN if highest > 0.0 else math.inf,
-            radius - FENCE_MARGIN if radius > 0.0 else math.inf,
-        )
+        return HomeFence(-math.inf, highest, radius).kept
 
     def refusals(self) -> list[str]:
         """See :meth:`VehicleEnvelope.refusals`."""
         vehicle = self.vehicle
-        words = [f"{name} cannot be read" for name in NEEDED if name not in vehicle]
-        if vehicle.get("MAV_TYPE", 1.0) not in FIXED_WING:
-            words.append(
-                f"MAV_TYPE is {vehicle['MAV_TYPE']:g}: its thrust would be another vehicle's, must "
-                "be 1 (fixed wing)"
-            )
-        if vehicle.get("MAV_FWDEXTSP", 1.0) != 1.0:
-            words.append("MAV_FWDEXTSP is 0: it drops a companion's set-points, must be 1")
-        action = vehicle.get("COM_OBL_RC_ACT")
-        if action is not None and action not in ENDS_WELL:
-            name = LOSS_ACTIONS.get(int(action), "unknown")
-            words.append(
-                f"COM_OBL_RC_ACT is {action:g} ({name}): where the companion falls silent it must "
-                "end in 5 (Hold) or 3 (Return)"
-            )
-        loss = vehicle.get("COM_OF_LOSS_T")
-        if loss is not None and not SHORTEST_LOSS <= loss <= LONGEST_LOSS:
-            words.append(
+        kind, action = vehicle.get("MAV_TYPE", 1.0), vehicle.get("COM_OBL_RC_ACT", ENDS_WELL[0])
+        slow, cruise, fast, loss = self.told(*NEEDED[1:], "COM_OF_LOSS_T")
+        low, trim, high = (self._all[f"FW_THR_{end}"] for end in ("MIN", "TRIM", "MAX"))
+        return [f"{name} cannot be read" for name in NEEDED if name not in vehicle] + applying(
+            (
+                kind not in FIXED_WING,
+                f"MAV_TYPE is {kind:g}: its thrust would be another vehicle's, must be 1 (fixed "
+                "wing)",
+            ),
+            (
+                vehicle.get("MAV_FWDEXTSP", 1.0) != 1.0,
+                "MAV_FWDEXTSP is 0: it drops a companion's set-points, must be 1",
+            ),
+            (
+                action not in ENDS_WELL,
+                f"COM_OBL_RC_ACT is {action:g} ({LOSS_ACTIONS.get(int(action), 'unknown')}): where "
+                "the companion falls silent it must end in 5 (Hold) or 3 (Return)",
+            ),
+            (
+                loss < SHORTEST_LOSS or loss > LONGEST_LOSS,
                 f"COM_OF_LOSS_T is {loss:g} s: the last attitude and thrust are held that long "
                 f"when the companion falls silent, must be from {SHORTEST_LOSS:g} to "
-                f"{LONGEST_LOSS:g} s"
-            )
-        low, trim, high = (self._all[f"FW_THR_{end}"] for end in ("MIN", "TRIM", "MAX"))
-        if not 0.0 <= low < trim < high <= 1.0:
-            words.append(
+                f"{LONGEST_LOSS:g} s",
+            ),
+            (
+                not 0.0 <= low < trim < high <= 1.0,
                 f"FW_THR_TRIM is {trim:g}, must be between FW_THR_MIN = {low:g} and FW_THR_MAX = "
-                f"{high:g}, from 0 to 1"
-            )
-        if not words:
-            slow, cruise, fast = (vehicle[name] for name in NEEDED[1:])
-            if not 0.0 < slow < cruise < fast:
-                words.append(
-                    f"FW_AIRSPD_TRIM is {cruise:g} m/s, must be between FW_AIRSPD_MIN = {slow:g} "
-                    f"and FW_AIRSPD_MAX = {fast:g} m/s"
-                )
-        return words
+                f"{high:g}, from 0 to 1",
+            ),
+            (
+                slow <= 0.0 or slow >= cruise or cruise >= fast,
+                f"FW_AIRSPD_TRIM is {cruise:g} m/s, must be between FW_AIRSPD_MIN = {slow:g} and "
+                f"FW_AIRSPD_MAX = {fast:g} m/s",
+            ),
+        )
 
     def warnings(self, telemetry_rate: float) -> list[str]:
         """See :meth:`VehicleEnvelope.warnings`."""
-        vehicle, words = self.vehicle, []
-        for name in ("COM_OBL_RC_ACT", "COM_OF_LOSS_T"):
-            if name not in vehicle:
-                words.append(f"{name} cannot be read: see what PX4 does when the companion dies")
-        if int(vehicle.get("COM_RCL_EXCEPT", 0.0)) & OFFBOARD_BIT:
-            words.append(
-                f"COM_RCL_EXCEPT is {vehicle['COM_RCL_EXCEPT']:g}: OFFBOARD goes on without the "
-                "pilot's transmitter, who then cannot take over; without bit 2 it would not"
-            )
-        for name, lost in {"NAV_RCL_ACT": "transmitter", "NAV_DLL_ACT": "ground station"}.items():
-            action = int(vehicle.get(name, 0.0))
-            if fatal := FATAL.get(action):
-                words.append(
-                    f"{name} is {action}: the loss of the {lost} {fatal}, 2 (Return) would not"
+        vehicle = self.vehicle
+        radio, ground = (int(vehicle.get(f"NAV_{n}_ACT", 0.0)) for n in ("RCL", "DLL"))
+        exceptions, fence = vehicle.get("COM_RCL_EXCEPT", 0.0), self.fence()
+        unread = "{} cannot be read: see what PX4 does when the companion dies"
+        lost = "{} is {}: the loss of the {} {}, 2 (Return) would not"
+        return applying(
+            *(
+                (name not in vehicle, unread.format(name))
+                for name in ("COM_OBL_RC_ACT", "COM_OF_LOSS_T")
+            ),
+            (
+                bool(int(exceptions) & OFFBOARD_BIT),
+                f"COM_RCL_EXCEPT is {exceptions:g}: OFFBOARD goes on without the pilot's "
+                "transmitter, who then cannot take over; without bit 2 it would not",
+            ),
+            *(
+                (action in FATAL, lost.format(name, action, whose, FATAL.get(action)))
+                for name, action, whose in (
+                    ("NAV_RCL_ACT", radio, "transmitter"),
+                    ("NAV_DLL_ACT", ground, "ground station"),
                 )
-        if vehicle.get("NAV_DLL_ACT"):
-            words.append(
-                f"NAV_DLL_ACT is {vehicle['NAV_DLL_ACT']:g}: OFFBOARD ends "
+            ),
+            (
+                bool(vehicle.get("NAV_DLL_ACT")),
+                f"NAV_DLL_ACT is {vehicle.get('NAV_DLL_ACT', 0.0):g}: OFFBOARD ends "
                 f"{vehicle.get('COM_DL_LOSS_T', 10.0):g} s after the last heartbeat of a ground "
-                "station, which a companion's does not replace"
-            )
-        if self.fence() is None:
-            words.append(
-                "GF_ACTION, GF_MAX_HOR_DIST and GF_MAX_VER_DIST set no fence of the autopilot's own"
-            )
-        elif vehicle.get("GF_ACTION") == FENCE_TERMINATES:
-            words.append("GF_ACTION is 4: a breach of the fence terminates the flight")
-        if vehicle.get("FW_USE_AIRSPD", 1.0) == 0.0:
-            words.append(
-                "FW_USE_AIRSPD is 0: the attitude loops take every airspeed for FW_AIRSPD_TRIM"
-            )
-        if vehicle.get("MAV_SIGN_CFG", 0.0):
-            words.append("MAV_SIGN_CFG is on: only messages signed with its key are heard")
-        return words
+                "station, which a companion's does not replace",
+            ),
+            (
+                fence is None,
+                "GF_ACTION, GF_MAX_HOR_DIST and GF_MAX_VER_DIST set no fence of the autopilot's "
+                "own",
+            ),
+            (
+                fence is not None and vehicle.get("GF_ACTION") == FENCE_TERMINATES,
+                "GF_ACTION is 4: a breach of the fence terminates the flight",
+            ),
+            (
+                vehicle.get("FW_USE_AIRSPD", 1.0) == 0.0,
+                "FW_USE_AIRSPD is 0: the attitude loops take every airspeed for FW_AIRSPD_TRIM",
+            ),
+            (
+                bool(vehicle.get("MAV_SIGN_CFG")),
+                "MAV_SIGN_CFG is on: only messages signed with its key are heard",
+            ),
+        )
 
 
 # Codes of main and sub mode of custom_mode: src/modules/commander/px4_custom_mode.h

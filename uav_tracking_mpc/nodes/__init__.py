@@ -14,19 +14,19 @@
 
 """ROS 2 nodes: parameters and messages in, one call, messages out.
 
-====================  =======================================================
-``uav_simulator``     the vehicle and its autopilot
-``target_publisher``  where the target is
-``autopilot_link``    a real aircraft in the simulator's place
-``nmpc_controller``   messages to the controller, its commands to the vehicle
-``monitor``           a live table in the terminal
-``flight_recorder``   every topic of a flight
-``topics``            names, types and qualities of service
-``messages``          room: arrays to messages and back
-``ros``               room: what every node needs of ROS
-``controller``        room: parts of the controller's node
-``vehicle``           room: parts of the simulator's node and of the link's
-``watching``          room: looking at a flight, and asking its nodes
-``bag``               room: a flight as an MCAP bag, written and read back
-====================  =======================================================
+=====================  =====================================================================
+``uav_simulator``      the vehicle and its autopilot
+``target_publisher``   where the target is
+``autopilot_link``     a real aircraft in the simulator's place, read by a thread of its own
+``vehicle_node``       what these two share: a vehicle's state out, commands in
+``nmpc_controller``    messages to the controller, its commands to the vehicle
+``controller_report``  what it says: in the log, as diagnostics, on topics for people
+``monitor``            a live table in the terminal
+``flight_recorder``    every topic of a flight, into an MCAP bag
+``bag_log``            the log of a flight from its bag, and what its nodes complained of last
+``watching``           every aircraft of a domain, and requests to the nodes of one
+``topics``             names, types and qualities of service; what may stand in a message
+``messages``           room: arrays to messages and back
+``ros``                room: what every node needs of ROS
+=====================  =====================================================================
 """

@@ -16,25 +16,34 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import sys
+import threading
 import time
+from collections.abc import Callable
 from typing import Any
 
-from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
 from std_srvs.srv import SetBool
 
 from uav_tracking_mpc.control.event import Level
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.links import VEHICLE_LINK, LinkError, VehicleLink
-from uav_tracking_mpc.nodes.messages.message_checks import MessageError
+from uav_tracking_mpc.links import VEHICLE_LINK, LinkError, LinkRefusedError, Sighting, VehicleLink
+from uav_tracking_mpc.nodes.messages.conversions import set_point, set_truth
 from uav_tracking_mpc.nodes.ros import diagnostics
-from uav_tracking_mpc.nodes.ros.endpoints import publish
+from uav_tracking_mpc.nodes.ros.endpoints import publish, steady_timer
 from uav_tracking_mpc.nodes.ros.process import run
-from uav_tracking_mpc.nodes.topics import ENGAGED
-from uav_tracking_mpc.nodes.vehicle.link_reader import ClockOffset, LinkReader, SightingPublisher
-from uav_tracking_mpc.nodes.vehicle.vehicle_node import VehicleNode
+from uav_tracking_mpc.nodes.topics import (
+    ENGAGED,
+    FRAMES,
+    TARGET,
+    TARGET_ODOMETRY,
+    FrameNames,
+    MessageError,
+)
+from uav_tracking_mpc.nodes.vehicle_node import VehicleNode
 from uav_tracking_mpc.parameters.registry import ExtensionError
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.link import LinkParameters
@@ -44,6 +53,154 @@ TELL_PERIOD = 1.0  # s between messages that say whether the commands are flown
 SILENCE = 1.0  # s without a state, after which it is missed
 SWITCH_INTERVAL = 1e-4  # s that a thread may keep another, which has a set-point to send, waiting
 ORBIT_AGE = 2.0  # s by which an orbit may be older than the command
+
+SHARE = 0.02  # -, of a new reading in the offset
+STEP = 5e-3  # s by which a reading may differ before the clocks count as set anew
+WITNESSES = 3  # readings in a row that say so: one may lie where the process was interrupted
+CONNECT_LIMIT = 4.0  # s of one attempt to reach the aircraft
+RETRY_PERIOD = 1.0  # s from one attempt to the next
+WAIT = 0.1  # s for a measurement, and so to notice that it is to stop
+STOP_LIMIT = 1.0  # s for the thread to end
+
+
+class ClockOffset:
+    """Offset of ROS time to the clock of a vehicle link.
+
+    Args:
+        ros: Reads ROS time in [ns].
+        other: Reads the other clock in [s].
+    """
+
+    def __init__(self, ros: Callable[[], int], other: Callable[[], float]) -> None:
+        self._ros, self._other = ros, other
+        self._offset: int | None = None
+        self._doubts = 0
+
+    def read(self) -> int:
+        """ROS time minus the other clock in [ns], read anew and averaged."""
+        before = self._other()
+        ros = self._ros()
+        now = ros - round(0.5e9 * (before + self._other()))
+        if self._offset is None:
+            self._offset = now
+        off = now - self._offset
+        self._doubts = self._doubts + 1 if abs(off) > STEP * 1e9 else 0
+        if self._doubts >= WITNESSES:
+            self._offset, self._doubts = now, 0
+        elif not self._doubts:
+            self._offset += round(SHARE * off)
+        return self._offset
+
+    def ros(self, time: float) -> int:
+        """ROS time in [ns] of a time of the other clock.
+
+        Args:
+            time: Of the other clock in [s].
+        """
+        return round(time * 1e9) + self.read()
+
+    def other(self, stamp: int) -> float:
+        """The other clock's time in [s] of a ROS time.
+
+        Args:
+            stamp: ROS time in [ns].
+        """
+        return (stamp - (self.read() if self._offset is None else self._offset)) * 1e-9
+
+
+class LinkReader:
+    """Connects, again and again while there is no aircraft, and reads until it is stopped.
+
+    Args:
+        link: To be read; this thread alone connects it.
+        taken: Called with each measurement, in this thread; what it raises is reported among
+            the link's events.
+
+    Attributes:
+        connected: Whether the aircraft was reached.
+        trouble: Why there is no aircraft, in words; empty while there is one.
+        refusal: Why it is given up, in words; empty while it is not.
+    """
+
+    def __init__(self, link: VehicleLink, taken: Callable[[Measurement], None]) -> None:
+        self._link, self._taken = link, taken
+        self.connected, self.trouble, self.refusal = False, "not connected yet", ""
+        self._told = ""
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="link", daemon=True)
+
+    def start(self) -> None:
+        """Begin."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the thread, then the link; the aircraft does as the link's ``when_silent`` says."""
+        self._stop.set()
+        with contextlib.suppress(Exception):  # whatever a user's link raises, it is let go
+            self._link.disengage()
+        self._thread.join(STOP_LIMIT)
+        with contextlib.suppress(Exception):
+            self._link.close()
+
+    def _run(self) -> None:
+        while not self._stop.is_set():
+            try:
+                self._link.connect(CONNECT_LIMIT)
+                self.connected, self.trouble = True, ""
+                self._read()
+            except LinkRefusedError as error:
+                self.refusal = str(error)
+                return
+            except LinkError as error:
+                self.trouble = str(error)
+            except Exception as error:  # whatever a user's link raises, it is tried again
+                self.trouble = _failed(error)
+            self.connected = False
+            if self._stop.wait(RETRY_PERIOD):
+                return
+            with contextlib.suppress(Exception):  # connecting begins anew
+                self._link.close()
+
+    def _read(self) -> None:
+        while not self._stop.is_set():
+            measurement = self._link.measured(WAIT)
+            if measurement is None or self._stop.is_set():
+                continue
+            try:
+                self._taken(measurement)
+            except Exception as error:  # not the link's: it is flown on
+                words = f"a measurement is not published: {type(error).__name__}: {error}"
+                if words != self._told:
+                    self._told = words
+                    self._link.events.add(Level.WARNING, words)
+
+
+class SightingPublisher:
+    """On ``target/odometry`` where the velocity is told, on ``target/position`` where it is not.
+
+    Args:
+        node: Through which it publishes.
+        frames: Of the messages.
+    """
+
+    def __init__(self, node: Node, frames: FrameNames = FRAMES) -> None:
+        self._frames = frames
+        self._points, self._tracks = (publish(node, topic) for topic in (TARGET, TARGET_ODOMETRY))
+        self._point, self._track = TARGET.type(), TARGET_ODOMETRY.type()
+
+    def publish(self, stamp: int, sighting: Sighting) -> None:
+        """Publish a sighting.
+
+        Args:
+            stamp: Its time in [ns].
+            sighting: Of the vehicle.
+        """
+        if sighting.velocity is None:
+            set_point(self._point, stamp, sighting.position, self._frames)
+            self._points.publish(self._point)
+            return
+        set_truth(self._track, stamp, sighting.position, sighting.velocity, self._frames)
+        self._tracks.publish(self._track)
 
 
 class AutopilotLink(VehicleNode):
@@ -77,8 +234,7 @@ class AutopilotLink(VehicleNode):
         self._reader = LinkReader(self._link, self._on_measured)
         self._open(self.parameters.telemetry_rate)
         self.create_service(SetBool, "~/engage", self._on_engage)
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(LOOK_PERIOD, self._look, clock=steady)
+        steady_timer(self, LOOK_PERIOD, self._look)
         self._reader.start()
 
     @property
@@ -93,22 +249,22 @@ class AutopilotLink(VehicleNode):
         self._publish(self._clocks.ros(seen.stamp), seen, state)
         self._states += 1
         self._state_time = time.monotonic()
-        sighting = None if self._sightings is None else self._link.sighting()
-        if self._sightings is not None and sighting is not None:
+        if self._sightings is not None and (sighting := self._link.sighting()) is not None:
             self._sightings.publish(self._clocks.ros(sighting.stamp), sighting)
 
     def _on_command(self, data: bytes) -> None:
         try:
             stamp, plan, step = self._wire.read(data)
-            if not self._reader.connected:
-                return
-            begin, orbit = self._clocks.other(stamp), self._orbit_at(stamp)
-            refusal = self._link.command(begin, plan, step, orbit)
-            self._ready = not refusal and orbit is not None
         except MessageError as error:
             refusal = str(error)
-        except Exception as error:  # whatever a user's link raises, the node goes on
-            refusal = f"the link failed: {type(error).__name__}: {error}"
+        else:
+            if not self._reader.connected:
+                return
+            orbit = self._orbit_at(stamp)
+            refusal = self._guarded(
+                lambda: self._link.command(self._clocks.other(stamp), plan, step, orbit)
+            )
+            self._ready = not refusal and orbit is not None
         self._received += 1
         self._refusal = refusal
         if refusal:
@@ -133,7 +289,7 @@ class AutopilotLink(VehicleNode):
 
     def _on_engage(self, request: Any, response: Any) -> Any:
         self._wanted = False
-        words = self._engage() if request.data else self._disengage()
+        words = self._engage() if request.data else self._guarded(self._link.disengage)
         response.success, response.message = not words, words
         return response
 
@@ -141,18 +297,15 @@ class AutopilotLink(VehicleNode):
         """Take command; why not, in words."""
         if not self._reader.connected:
             return f"there is no aircraft: {self._reader.trouble}"
-        try:
-            return self._link.engage()
-        except Exception as error:  # whatever a user's link raises, the node goes on
-            return f"the link failed: {type(error).__name__}: {error}"
+        return self._guarded(self._link.engage)
 
-    def _disengage(self) -> str:
-        """Give command back; why not, in words."""
+    @staticmethod
+    def _guarded(ask: Callable[[], str | None]) -> str:
+        """Why the link does not what it is asked for, in words; whatever it raises, we go on."""
         try:
-            self._link.disengage()
-        except Exception as error:  # whatever a user's link raises, the node goes on
-            return f"the link failed: {type(error).__name__}: {error}"
-        return ""
+            return ask() or ""
+        except Exception as error:
+            return _failed(error)
 
     def _look(self) -> None:
         """Report what has happened to the link, and how it is."""
@@ -213,10 +366,14 @@ class AutopilotLink(VehicleNode):
     def finish(self) -> None:
         """Give command back, let go of the aircraft and publish the last diagnostics."""
         self._wanted = False
-        self._disengage()
+        self._guarded(self._link.disengage)
         self._look()
         super().finish()
         self._reader.stop()
+
+
+def _failed(error: Exception) -> str:
+    return f"the link failed: {type(error).__name__}: {error}"
 
 
 def _link(parameters: LinkParameters) -> VehicleLink:

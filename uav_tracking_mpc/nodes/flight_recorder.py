@@ -12,45 +12,199 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Node ``flight_recorder``: every topic of a flight into a bag, and what a progress line shows."""
+"""Node ``flight_recorder``: every topic of a flight into an MCAP bag, and where it stands."""
 
 from __future__ import annotations
 
 import functools
 import math
+import shutil
+import tempfile
 import time
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from rclpy.serialization import deserialize_message
-
-from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
-from uav_tracking_mpc.nodes.messages.conversions import (
-    air_velocity_from_twist,
-    measurement_from_odometry,
-    nanoseconds,
-    position_from_point,
+from rosbags.interfaces import (
+    Connection,
+    Qos,
+    QosDurability,
+    QosHistory,
+    QosLiveliness,
+    QosReliability,
+    QosTime,
 )
-from uav_tracking_mpc.nodes.messages.message_checks import ANY_FRAMES, MessageError
-from uav_tracking_mpc.nodes.messages.target_messages import target_from_odometry
-from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+from rosbags.rosbag2.storage_mcap import McapWriter
+
+from uav_tracking_mpc.dynamics.frames import FORWARD_RIGHT_DOWN, NORTH_EAST_DOWN
+from uav_tracking_mpc.nodes.messages.conversions import nanoseconds
+from uav_tracking_mpc.nodes.messages.heard_values import VALUES
+from uav_tracking_mpc.nodes.messages.wires import deserialized
+from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription, steady_timer
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     ALL,
     COMMAND,
     ENGAGED,
     ODOMETRY,
+    STATIC_TRANSFORMS,
     TARGET,
     TARGET_ODOMETRY,
     TRACKING,
+    TRANSFORMS,
+    MessageError,
+    Quality,
     Topic,
 )
+from uav_tracking_mpc.report.bag import decoded, typestore
 
+SHOWN = (ODOMETRY, AIR_VELOCITY, TARGET, TARGET_ODOMETRY, ENGAGED, TRACKING["solve_time"])
 QUEUE = 100  # messages of a topic; as many as come while a chunk of the bag is compressed
+METADATA = "metadata.yaml"  # as ROS 2 calls it
+INFINITE = QosTime(*divmod(2**63 - 1, 10**9))
+HERE = (0.0, 0.0, 0.0)  # m, translation to a frame with other axes alone
+
+Frame = tuple[str, str, Sequence[float], Sequence[float]]  # parent, child, position, quaternion
+
+
+class FlightBag:
+    """Bag being written: one MCAP file, moved to its place when it is complete.
+
+    Where it holds ``uav/odometry``, it also holds the aircraft's transform on ``/tf`` and the
+    frames of autopilots on ``/tf_static``.
+
+    Args:
+        path: The file to write; replaced if it exists.
+        topics: What it may hold.
+        alone: It is the only bag in its folder: ``metadata.yaml`` is put beside it, by which the
+            folder is a bag of ROS 2.
+
+    Raises:
+        OSError: The folder cannot be written.
+    """
+
+    def __init__(self, path: Path, topics: Sequence[Topic] = ALL, alone: bool = False) -> None:
+        self.path, self._alone = path, alone
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self._folder = Path(tempfile.mkdtemp(prefix=".recording-", dir=path.parent))
+        # The metadata name the file after the folder in which it is written.
+        self._writer = _Writer(
+            self._folder / path.stem,
+            version=Writer.VERSION_LATEST,
+            storage_plugin=StoragePlugin.MCAP,
+        )
+        self._writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+        self._writer.open()
+        self._store = typestore()
+        frames = (TRANSFORMS, STATIC_TRANSFORMS) if ODOMETRY in topics else ()
+        self._connections = {topic.name: self._connect(topic) for topic in (*topics, *frames)}
+        self._named = False  # whether the frames of autopilots are written
+
+    def _connect(self, topic: Topic) -> Connection:
+        return self._writer.add_connection(
+            f"/{topic.name.lstrip('/')}",
+            topic.type_name,
+            typestore=self._store,
+            offered_qos_profiles=[_offered(topic.quality)],
+        )
+
+    def write(self, topic: Topic, time: int, message: bytes) -> None:
+        """Append a message.
+
+        Args:
+            topic: On which it was sent.
+            time: When it was heard in [ns].
+            message: Serialized.
+        """
+        self._writer.write(self._connections[topic.name], time, message)
+        if topic is ODOMETRY:
+            self._write_transforms(time, message)
+
+    def _write_transforms(self, time: int, odometry: bytes) -> None:
+        """The transform that a state says, and once the frames of autopilots beside its two."""
+        try:
+            state = decoded(odometry, ODOMETRY.type_name)
+        except ValueError:  # who published it sent no such message
+            return
+        place, turn, header = state.pose.pose.position, state.pose.pose.orientation, state.header
+        position, rotation = (place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w)
+        if not all(map(math.isfinite, (*position, *rotation))):
+            return
+        frames = [(header.frame_id, state.child_frame_id, position, rotation)]
+        self._write_frames(TRANSFORMS, time, header, frames)
+        if not self._named:
+            self._named = True
+            frames = [
+                (header.frame_id, f"{header.frame_id}_ned", HERE, NORTH_EAST_DOWN),
+                (state.child_frame_id, f"{state.child_frame_id}_frd", HERE, FORWARD_RIGHT_DOWN),
+            ]
+            self._write_frames(STATIC_TRANSFORMS, time, header, frames)
+
+    def _write_frames(self, topic: Topic, time: int, header: Any, frames: Sequence[Frame]) -> None:
+        types = self._store.types
+        transforms = [
+            types["geometry_msgs/msg/TransformStamped"](
+                replace(header, frame_id=parent),
+                child,
+                types["geometry_msgs/msg/Transform"](
+                    types["geometry_msgs/msg/Vector3"](*position),
+                    types["geometry_msgs/msg/Quaternion"](*rotation),
+                ),
+            )
+            for parent, child, position, rotation in frames
+        ]
+        message = types[topic.type_name](transforms)
+        data = self._store.serialize_cdr(message, topic.type_name)
+        self._writer.write(self._connections[topic.name], time, data)
+
+    def close(self) -> None:
+        """Complete the file and move it to its place."""
+        self._writer.close()
+        written = self._folder / self.path.stem
+        (written / self.path.name).replace(self.path)
+        if self._alone:
+            text = _by_jazzy((written / METADATA).read_text())
+            (self.path.parent / METADATA).write_text(text)
+        shutil.rmtree(self._folder)
+
+    def discard(self) -> None:
+        """Drop what was written; nothing, once the file is complete."""
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+
+class _File(McapWriter):
+    """Keeps in the file the same metadata as stand beside it."""
+
+    def close(self, version: int, metadata: str) -> None:
+        super().close(version, _by_jazzy(metadata))
+
+
+class _Writer(Writer):
+    STORAGE_PLUGINS: Mapping[StoragePlugin, type[Any]] = {StoragePlugin.MCAP: _File}
+
+
+def _by_jazzy(metadata: str) -> str:
+    """Metadata in which rosbags has named itself in the place of the distribution."""
+    return metadata.replace("distro: rosbags", "distro: jazzy")
+
+
+def _offered(quality: Quality) -> Qos:
+    """What a bag says that was offered; ``ros2 bag play`` publishes with it."""
+    return Qos(
+        history=QosHistory.KEEP_LAST,
+        depth=quality.depth,
+        reliability=(QosReliability.RELIABLE if quality.reliable else QosReliability.BEST_EFFORT),
+        durability=QosDurability.TRANSIENT_LOCAL if quality.kept else QosDurability.VOLATILE,
+        deadline=INFINITE,
+        lifespan=QosTime(quality.lifespan, 0) if quality.lifespan else INFINITE,
+        liveliness=QosLiveliness.AUTOMATIC,
+        liveliness_lease_duration=INFINITE,
+        avoid_ros_namespace_conventions=False,
+    )
 
 
 @dataclass(frozen=True)
@@ -68,10 +222,10 @@ class Progress:
 
     time: float | None = None
     engaged: bool | None = None
-    range: float = float("nan")
-    altitude: float = float("nan")
-    speed: float = float("nan")
-    solve_time: float = float("nan")
+    range: float = math.nan
+    altitude: float = math.nan
+    speed: float = math.nan
+    solve_time: float = math.nan
 
 
 class FlightRecorder(Node):
@@ -93,9 +247,7 @@ class FlightRecorder(Node):
         # the simulator, only when it hears everything else.
         others = [(topic, self._listen(topic)) for topic in ALL if topic is not ODOMETRY]
         self._needed = [overhearing for topic, overhearing in others if not topic.optional]
-        self._waiting = self.create_timer(
-            0.05, self._release, clock=Clock(clock_type=ClockType.STEADY_TIME)
-        )
+        self._waiting = steady_timer(self, 0.05, self._release)
 
     def _listen(self, topic: Topic) -> FollowingSubscription:
         callback = functools.partial(self._on_message, topic)
@@ -110,7 +262,7 @@ class FlightRecorder(Node):
         now = time.time_ns()
         self._latest[topic.name] = data
         if self._start is None and topic is (ENGAGED if self._link else COMMAND):
-            self._begin(deserialize_message(data, topic.type), now)
+            self._begin(deserialized(topic, data), now)
         if self._bag is not None:
             self._bag.write(topic, now, data)
 
@@ -121,44 +273,26 @@ class FlightRecorder(Node):
         elif message.data:
             self._start = now
 
-    def _target(self) -> NDArray[np.float64]:
-        """Where the target was measured last, shape (3,), in [m]; nan if it never was."""
-        if (point := self._message(TARGET)) is not None:
-            return position_from_point(point, ANY_FRAMES)
-        track = self._message(TARGET_ODOMETRY)
-        return (
-            np.full(3, np.nan)
-            if track is None
-            else target_from_odometry(track, ANY_FRAMES).position
-        )
-
     def progress(self) -> Progress:
         """Where the flight stands by the latest messages."""
-        odometry, air = self._message(ODOMETRY), self._message(AIR_VELOCITY)
-        engaged = self._message(ENGAGED)
-        if odometry is None:
-            return Progress()
         try:
-            motion, position = (
-                measurement_from_odometry(odometry, frames=ANY_FRAMES),
-                self._target(),
-            )
-            velocity = (
-                motion.ground_velocity if air is None else air_velocity_from_twist(air, ANY_FRAMES)
-            )
+            state, airspeed, place, tracked, engaged, solve_time = map(self._said, SHOWN)
         except MessageError:
             return Progress()
-        solve_time = self._message(TRACKING["solve_time"])
-        stamp = nanoseconds(odometry.header.stamp)
+        if state is None:
+            return Progress()
+        seen = (where for where in (place, tracked) if where is not None)
+        target = next(seen, np.full(3, math.nan))
         return Progress(
-            time=None if self._start is None else (stamp - self._start) * 1e-9,
-            engaged=None if engaged is None else engaged.data,
-            range=float(np.linalg.norm(motion.position - position)),
-            altitude=float(motion.position[2] - position[2]),
-            speed=math.hypot(*velocity),
-            solve_time=float("nan") if solve_time is None else solve_time.data,
+            time=None if self._start is None else state.stamp - self._start * 1e-9,
+            engaged=engaged,
+            range=float(np.linalg.norm(state.position - target)),
+            altitude=float(state.position[2] - target[2]),
+            speed=math.hypot(*state.ground_velocity) if airspeed is None else airspeed,
+            solve_time=math.nan if solve_time is None else solve_time,
         )
 
-    def _message(self, topic: Topic) -> Any:
+    def _said(self, topic: Topic) -> Any:
+        """What the latest message of a topic says; None before the first."""
         data = self._latest.get(topic.name)
-        return None if data is None else deserialize_message(data, topic.type)
+        return None if data is None else VALUES[topic.name](deserialized(topic, data))

@@ -26,7 +26,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rich.console import Console, Group
 from rich.live import Live
@@ -38,19 +37,20 @@ from uav_tracking_mpc.nodes.messages.conversions import (
     measurement_from_odometry,
     plan_from_command,
     position_from_point,
+    target_from_odometry,
 )
-from uav_tracking_mpc.nodes.messages.message_checks import ANY_FRAMES, MessageError
-from uav_tracking_mpc.nodes.messages.target_messages import target_from_odometry
-from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription
+from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription, steady_timer
 from uav_tracking_mpc.nodes.ros.process import run
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
+    ANY_FRAMES,
     COMMAND,
     DIAGNOSTICS,
     ODOMETRY,
     TARGET,
     TARGET_ODOMETRY,
     TRACKING,
+    MessageError,
     Topic,
 )
 
@@ -80,8 +80,7 @@ class Monitor(Node):
             FollowingSubscription(self, topic, functools.partial(self._on_message, topic), QUEUE)
         self._live = Live(self.table(), console=console, refresh_per_second=4)
         self._live.start()
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(REFRESH_PERIOD, self._refresh, clock=steady)
+        steady_timer(self, REFRESH_PERIOD, self._refresh)
 
     def _refresh(self) -> None:
         own = self.get_namespace()

@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
 
 from uav_tracking_mpc.control.certification import ClaimWatch
 from uav_tracking_mpc.control.command import Command
@@ -37,20 +37,22 @@ from uav_tracking_mpc.control.record import RecordingController
 from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
 from uav_tracking_mpc.formulation.formulation import solver_at_once
 from uav_tracking_mpc.margins.margin_check import MarginWatch
-from uav_tracking_mpc.nodes.controller.controller_report import ControllerReport
-from uav_tracking_mpc.nodes.controller.controller_views import ControllerViews
-from uav_tracking_mpc.nodes.controller.message_times import MessageTimes, StallGuard
+from uav_tracking_mpc.nodes.controller_report import ControllerReport, ControllerViews
 from uav_tracking_mpc.nodes.messages import conversions
-from uav_tracking_mpc.nodes.messages.message_checks import frame_names
+from uav_tracking_mpc.nodes.messages.conversions import target_from_odometry
 from uav_tracking_mpc.nodes.messages.named_figures import orbit_message, set_orbit
-from uav_tracking_mpc.nodes.messages.target_messages import target_from_odometry
-from uav_tracking_mpc.nodes.messages.wires import CommandWire, OdometryWire
+from uav_tracking_mpc.nodes.messages.wires import CommandWire, deserialized
 from uav_tracking_mpc.nodes.ros.declared_parameters import declare_parameters, follow_parameters
-from uav_tracking_mpc.nodes.ros.endpoints import PublishDeadline, listen, publish
-from uav_tracking_mpc.nodes.ros.managed_node import ManagedNode, Stage, TransitionError
-from uav_tracking_mpc.nodes.ros.node_services import DISENGAGED, CommandGate
+from uav_tracking_mpc.nodes.ros.diagnostics import DuplicateSenders
+from uav_tracking_mpc.nodes.ros.endpoints import PacedPublisher, listen, publish, steady_timer
+from uav_tracking_mpc.nodes.ros.managed_node import (
+    DISENGAGED,
+    CommandGate,
+    ManagedNode,
+    Stage,
+    TransitionError,
+)
 from uav_tracking_mpc.nodes.ros.process import run
-from uav_tracking_mpc.nodes.ros.sole_sender import DuplicateSenders
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     COMMAND,
@@ -59,7 +61,9 @@ from uav_tracking_mpc.nodes.topics import (
     ORBIT,
     TARGET,
     TARGET_ODOMETRY,
+    MessageError,
     Topic,
+    frame_names,
 )
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import configuration_folder
@@ -68,7 +72,103 @@ from uav_tracking_mpc.settings.tracking import TrackingParameters
 HEARD = (ODOMETRY, AIR_VELOCITY, TARGET, TARGET_ODOMETRY)
 MARGIN_PATIENCE = 3.0  # s, in which a flight begins before its margins are judged
 MARGIN_REST = 1.0  # s without another change, after which they are judged anew
+BEGINNING = 1_000_000_000  # ns; before this zero is a time of a simulation that has just begun
+DRAIN = 0.1  # s after a stop in which the queued messages arrive
 STALL_MARGIN = 0.15  # s, by which the watchdog may be late without the process having stood still
+
+
+class MessageTimes:
+    """Times in [s] at which messages were measured, since the first stamp that was seen.
+
+    A stamp of zero is none. People publish points by hand without one, so a target's message
+    without a stamp counts as measured when it arrives. A driver that does not stamp the aircraft's
+    state is broken: how old the state is must be known.
+
+    Args:
+        node: Whose clock says when a message arrives.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._origin: int | None = None
+        self._told: set[str] = set()  # topics without stamps
+
+    def now(self) -> float:
+        """The node's clock; 0 before the first message."""
+        return 0.0 if self._origin is None else (self._clock() - self._origin) * 1e-9
+
+    def measured(self, topic: Topic, message: Any) -> float:
+        """Time of a message that must have a stamp.
+
+        Args:
+            topic: From which it came.
+            message: With a header.
+
+        Raises:
+            MessageError: It has none.
+        """
+        stamp = conversions.nanoseconds(message.header.stamp)
+        if stamp == 0 and self._clock() >= BEGINNING:
+            raise MessageError(
+                f"{topic.name}: header.stamp is 0, must be when it was measured: is the driver "
+                "right?"
+            )
+        return self._since_origin(stamp)
+
+    def measured_or_now(self, topic: Topic, message: Any) -> float:
+        """Time of a message; without a stamp that of its arrival, which is logged once.
+
+        Args:
+            topic: From which it came.
+            message: With a header.
+        """
+        stamp = conversions.nanoseconds(message.header.stamp)
+        if stamp == 0 and (now := self._clock()) >= BEGINNING:
+            stamp = now
+            if topic.name not in self._told:
+                self._told.add(topic.name)
+                self._node.get_logger().info(
+                    f"{topic.name}: header.stamp is 0: such messages count as measured when they "
+                    "arrive"
+                )
+        return self._since_origin(stamp)
+
+    def _clock(self) -> int:
+        return int(self._node.get_clock().now().nanoseconds)
+
+    def _since_origin(self, stamp: int) -> float:
+        if self._origin is None:
+            self._origin = stamp
+        return (stamp - self._origin) * 1e-9
+
+
+class StallGuard:
+    """Notices by the wall clock that the process was stopped or starved.
+
+    Messages that came meanwhile are delivered one after the other, oldest first. In simulated time
+    nothing in them tells their age, for time itself is a message.
+
+    Args:
+        limit: Time without a call of :meth:`alive` that counts as a stop, in [s]; longer than
+            the period of whatever calls it regularly.
+    """
+
+    def __init__(self, limit: float) -> None:
+        self._limit, self._last, self._until = limit, math.inf, -math.inf
+
+    def alive(self, now: float) -> bool:
+        """Note that the process runs.
+
+        Args:
+            now: Time of the steady clock in [s].
+
+        Returns:
+            Whether a message that arrives now is new.
+        """
+        if now - self._last > self._limit:
+            self._until = now + DRAIN
+        self._last = now
+        return now >= self._until
 
 
 class NmpcController(ManagedNode):
@@ -96,28 +196,22 @@ class NmpcController(ManagedNode):
         self._activated = -math.inf  # when it was activated, steady [s]
         self._engaged = True  # until an autopilot's link says otherwise
         self._paths = CommandPaths()
-        self._views, self._odometry = ControllerViews(self), OdometryWire()
+        self._views = ControllerViews(self)
         self._name_frames()
         self.report = ControllerReport(self)
         self._senders = DuplicateSenders(self, (*HEARD, COMMAND), self.report.alarm)
         simulated = bool(self.get_parameter("use_sim_time").value)
-        self._deadline = PublishDeadline(None if simulated else self.parameters.control_rate)
-        self._commands = publish(
-            self,
-            COMMAND,
-            self._deadline.qos(COMMAND.qos),
-            event_callbacks=self._deadline.callbacks(self.report.late),
-        )
+        rate = None if simulated else self.parameters.control_rate
+        self._commands = PacedPublisher(self, COMMAND, rate, self.report.late)
         self._orbits = publish(self, ORBIT)
         listen(self, ENGAGED, self._on_engaged)
         self._consent = CommandGate(self, self._on_consent)
         callbacks = self._on_state, self._on_air, self._on_target, self._on_target_odometry
         for topic, callback in zip(HEARD, callbacks, strict=True):
-            heard, events = self._refusing(topic, callback), self.report.peers.listening(topic)
-            listen(self, topic, heard, event_callbacks=events, raw=topic is ODOMETRY)
+            self.report.peers.listen(topic, self._refusing(topic, callback), topic is ODOMETRY)
         period = self.parameters.state_timeout / 2.0
         self._stall = StallGuard(period + STALL_MARGIN)
-        self.create_timer(period, self._watch, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        steady_timer(self, period, self._watch)
         if self.parameters.autostart:
             self.trigger_configure()
             if self.controller is None:
@@ -133,7 +227,7 @@ class NmpcController(ManagedNode):
         parameters = self.parameters
         try:
             folder = configuration_folder() / "certificates"
-            claims = ClaimWatch(parameters, folder, self.report.claimed)
+            claims = ClaimWatch(parameters, folder, self.get_logger().info)
             self._name_frames()
             formulation = formulation_of(parameters, solver_at_once(self.get_logger().info))
             if parameters.record:
@@ -194,7 +288,7 @@ class NmpcController(ManagedNode):
 
     def _take(self, parameters: TrackingParameters) -> None:
         self.parameters = parameters
-        self._deadline.rate = parameters.control_rate
+        self._commands.rate = parameters.control_rate
         if self.controller is not None:
             self.controller.change(**asdict(parameters))
             if self._margins is not None:
@@ -260,7 +354,7 @@ class NmpcController(ManagedNode):
             self.controller.engage(self._engaged and commanding)
 
     def _on_state(self, data: bytes, controller: Controller) -> None:
-        self._on_odometry(self._odometry.read(data), controller)
+        self._on_odometry(deserialized(ODOMETRY, data), controller)
 
     def _on_odometry(self, message: Any, controller: Controller) -> None:
         arrival, before = time.monotonic(), controller.state_time
@@ -302,7 +396,7 @@ class NmpcController(ManagedNode):
         if time.monotonic() - arrival > self.parameters.state_timeout:
             self.report.refuse("uav/odometry: the process was stopped while it answered")
             return
-        self._commands.publish(data)
+        self._commands.publisher.publish(data)
         self.report.command(command, (time.monotonic() - arrival) * 1e6)
         if command.flown_orbit is not None:
             set_orbit(self._orbit, answered, command.flown_orbit)

@@ -22,16 +22,20 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from uav_tracking_mpc.nodes.messages.conversions import set_point
+from uav_tracking_mpc.nodes.messages.conversions import position_from_point, set_point, set_truth
 from uav_tracking_mpc.nodes.messages.diagnostic_values import target_words
-from uav_tracking_mpc.nodes.messages.message_checks import FrameNames, MessageError, map_frame
-from uav_tracking_mpc.nodes.messages.target_messages import goal_from_point, set_truth
 from uav_tracking_mpc.nodes.ros import diagnostics
 from uav_tracking_mpc.nodes.ros.declared_parameters import declare_parameters, follow_parameters
-from uav_tracking_mpc.nodes.ros.endpoints import listen, publish
-from uav_tracking_mpc.nodes.ros.node_services import SimulatedOutage
+from uav_tracking_mpc.nodes.ros.endpoints import SimulatedOutage, listen, publish
 from uav_tracking_mpc.nodes.ros.process import run
-from uav_tracking_mpc.nodes.topics import TARGET, TARGET_GOAL, TARGET_TRUTH
+from uav_tracking_mpc.nodes.topics import (
+    TARGET,
+    TARGET_GOAL,
+    TARGET_TRUTH,
+    FrameNames,
+    MessageError,
+    map_frame,
+)
 from uav_tracking_mpc.settings.simulator import TargetParameters
 from uav_tracking_mpc.simulation.steered_target import STATIONARY, SteeredTarget, TargetSensor
 
@@ -85,7 +89,7 @@ class TargetPublisher(Node):
     def _on_goal(self, message: Any) -> None:
         """Go and stand there: the parameters say so as well."""
         try:
-            goal = goal_from_point(message, self._frames)
+            goal = position_from_point(message, self._frames, TARGET_GOAL)
         except MessageError as error:
             self._refused += 1
             self.get_logger().warning(f"goal refused: {error}")

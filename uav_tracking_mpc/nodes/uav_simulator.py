@@ -20,7 +20,6 @@ import sys
 from typing import Any
 
 from builtin_interfaces.msg import Time as TimeMessage
-from rclpy.clock import Clock, ClockType
 from rclpy.time import Time
 from rclpy.timer import Timer
 from std_srvs.srv import SetBool, Trigger
@@ -30,12 +29,11 @@ from uav_tracking_mpc.nodes.messages.conversions import set_stamp
 from uav_tracking_mpc.nodes.messages.diagnostic_values import vehicle_status
 from uav_tracking_mpc.nodes.ros import diagnostics
 from uav_tracking_mpc.nodes.ros.declared_parameters import follow_parameters
-from uav_tracking_mpc.nodes.ros.endpoints import publish
-from uav_tracking_mpc.nodes.ros.node_services import SimulatedOutage
+from uav_tracking_mpc.nodes.ros.endpoints import SimulatedOutage, publish, steady_timer
 from uav_tracking_mpc.nodes.ros.process import run
 from uav_tracking_mpc.nodes.ros.rclpy_internals import NAMELESS
 from uav_tracking_mpc.nodes.topics import CLOCK
-from uav_tracking_mpc.nodes.vehicle.vehicle_node import VehicleNode
+from uav_tracking_mpc.nodes.vehicle_node import VehicleNode
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.plants import Plant, SimulationError, plant_named
@@ -80,8 +78,7 @@ class UavSimulator(VehicleNode):
         period = self._tick * 1e-9
         if not self.parameters.publish_clock:
             return self.create_timer(period, self._step)
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        return self.create_timer(period / self.parameters.speed, self._step, clock=steady)
+        return steady_timer(self, period / self.parameters.speed, self._step)
 
     def _check(self, parameters: SimulatorParameters) -> None:
         speed = self.parameters.speed
@@ -167,7 +164,7 @@ class UavSimulator(VehicleNode):
 
     def _listeners(self) -> int:
         """How many listen to the state, without who only looks."""
-        known = self.get_subscriptions_info_by_topic(self._odometry_publisher.topic_name)
+        known = self.get_subscriptions_info_by_topic(self._state_publisher.publisher.topic_name)
         return sum(one.node_name not in PASSIVE_NODES for one in known)
 
     def _elapsed(self) -> int:

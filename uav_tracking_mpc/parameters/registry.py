@@ -34,10 +34,12 @@ import re
 import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from importlib import metadata
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 
 def did_you_mean(name: object, known: Iterable[object]) -> str:
@@ -165,12 +167,14 @@ def _own_modules(room: str) -> dict[str, str]:
 
 
 @functools.cache  # it looks into every package that is installed
-def entry_points(group: str) -> tuple[metadata.EntryPoint, ...]:
+def entry_points(group: str) -> tuple[EntryPoint, ...]:
     """Entry points of a group, looked up once.
 
     Args:
         group: Its name.
     """
+    from importlib import metadata  # only now: it takes as long as all else that help needs
+
     return tuple(metadata.entry_points(group=group))
 
 

@@ -30,8 +30,12 @@ from uav_tracking_mpc.nodes.ros.endpoints import NewestMessage
 from uav_tracking_mpc.nodes.ros.process import BackgroundNode
 from uav_tracking_mpc.nodes.ros.ros_environment import exported_domain
 from uav_tracking_mpc.nodes.topics import ODOMETRY
-from uav_tracking_mpc.nodes.watching.flight_watcher import FlightWatcher, HeardAircraft
-from uav_tracking_mpc.nodes.watching.steering_requests import NoAnswerError, SteeringRequests
+from uav_tracking_mpc.nodes.watching import (
+    FlightWatcher,
+    HeardAircraft,
+    NoAnswerError,
+    SteeringRequests,
+)
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.view.snapshot import flown_mode, heard_sight, number
 from uav_tracking_mpc.view.watched_flight import (

@@ -251,7 +251,7 @@ class RecordedFlight(WatchedFlight):
             age = time - topic.time(place)
             if age > (FORGOTTEN if whole else GONE):
                 break
-            for namespace, *status in self._value(DIAGNOSTICS, place) or ():
+            for namespace, *status, _ in self._value(DIAGNOSTICS, place) or ():
                 if namespace == self._namespace:
                     found.setdefault(status[0], (NodeStatus(*status), age))
             place = topic.before(place)

@@ -67,7 +67,8 @@ def listener():
     ],
 )
 def test_its_serial_number_tells_it_apart_or_else_its_number_on_mavlink(version, identity):
-    autopilot = SimpleNamespace(version=version, system=3)
+    latest = {} if version is None else {"AUTOPILOT_VERSION": version}
+    autopilot = SimpleNamespace(latest=latest, system=3)
     assert Listener.identity.fget(autopilot) == identity
 
 

@@ -45,7 +45,7 @@ from uav_tracking_mpc.nodes.messages.conversions import (
     set_command,
     set_measurement,
 )
-from uav_tracking_mpc.nodes.messages.message_checks import MessageError
+from uav_tracking_mpc.nodes.topics import MessageError
 
 STATES = st.tuples(
     *[st.floats(-1e5, 1e5)] * 3, st.floats(-3.1, 3.1), st.floats(-1.4, 1.4), st.floats(0, 300)

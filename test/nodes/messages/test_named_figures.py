@@ -26,7 +26,6 @@ from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.nodes.messages.conversions import nanoseconds
-from uav_tracking_mpc.nodes.messages.message_checks import MessageError
 from uav_tracking_mpc.nodes.messages.named_figures import (
     orbit_from_message,
     orbit_message,
@@ -36,6 +35,7 @@ from uav_tracking_mpc.nodes.messages.named_figures import (
     tracking_figures,
     tracking_message,
 )
+from uav_tracking_mpc.nodes.topics import MessageError
 
 ORBIT = FlownOrbit(np.array([1.0, -2.0, 130.0]), np.array([5.0, 0.5, 0.0]), -275.0, 22.0)
 STAMP = 12_345_678_901

@@ -129,7 +129,7 @@ def test_what_is_not_there_yet_at_the_start_is_a_warning_only_after_a_while(told
     told.by._repeat()
     told.by._repeat()
     assert told.log[1:] == [("warning", "waiting for a state")]
-    assert told.by.level == WARN
+    assert told.by.status.level == WARN
 
 
 def test_later_it_is_one_at_once_and_its_reason_stands_in_the_log_alone(told):
@@ -137,7 +137,7 @@ def test_later_it_is_one_at_once_and_its_reason_stands_in_the_log_alone(told):
     told.by.report(ERROR, "flying a law", "the target is lost")
     told.by.report(ERROR, "flying a law", "the target is lost still")
     assert told.log == [("info", "flying"), ("error", "flying a law: the target is lost")]
-    assert told.by.message == "flying a law"
+    assert told.by.status.message == "flying a law"
 
 
 def test_a_status_that_alternates_is_logged_once(told):

@@ -24,7 +24,7 @@ from rclpy.experimental.events_executor import EventsExecutor
 
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 from uav_tracking_mpc.nodes.ros import diagnostics
-from uav_tracking_mpc.nodes.ros.sole_sender import (
+from uav_tracking_mpc.nodes.ros.diagnostics import (
     FALLS,
     UNNUMBERED,
     WINDOW,

@@ -24,8 +24,7 @@ from fault_streams import FIRST, STREAM_FAULTS, arrivals, healthy
 
 from uav_tracking_mpc.launch.supervisor import NODES
 from uav_tracking_mpc.nodes.messages.conversions import plan_from_command, position_from_point
-from uav_tracking_mpc.nodes.messages.message_checks import MessageError
-from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, COMMAND, ODOMETRY, TARGET
+from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, COMMAND, ODOMETRY, TARGET, MessageError
 from uav_tracking_mpc.studies.faults.stream_fault import (
     FAMILIES,
     LATEST_STAMP,

@@ -229,6 +229,7 @@ class Connection:
 
     Attributes:
         address: As above.
+        closed: Whether it was closed on purpose.
         lost: Messages of the watched system that never came.
         bad: Frames that were no message: garbled, cut, or wrongly signed.
         watched: System whose losses count; 0 for none.
@@ -257,7 +258,7 @@ class Connection:
             LinkError: It cannot be opened.
         """
         self.close()
-        self._closed = False
+        self.closed = False
         try:
             wire = self._opened()
         except Exception as error:  # of sockets, serial ports, names, numbers
@@ -271,7 +272,7 @@ class Connection:
             signing.timestamp = int(max(time.time() - SIGNING_EPOCH, 0.0) * 1e5)
             signing.allow_unsigned_callback = _unsigned
         self._wire = wire
-        if self._closed:  # by another thread meanwhile
+        if self.closed:  # by another thread meanwhile
             self._drop()
 
     def _opened(self) -> Wire:
@@ -283,7 +284,7 @@ class Connection:
 
     def close(self) -> None:
         """Let go of the wire."""
-        self._closed = True
+        self.closed = True
         self._drop()
 
     def _drop(self) -> None:
@@ -295,12 +296,7 @@ class Connection:
     @property
     def lost_wire(self) -> bool:
         """Whether there is no wire though nobody closed it."""
-        return self._wire is None and not self._closed
-
-    @property
-    def closed(self) -> bool:
-        """Whether it was closed on purpose."""
-        return self._closed
+        return self._wire is None and not self.closed
 
     def speak_as(self, system: int) -> None:
         """Send as a component of that system from now on: the companion of its autopilot.

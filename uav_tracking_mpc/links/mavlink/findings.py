@@ -18,8 +18,10 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
 
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.links import Inspection
@@ -40,6 +42,12 @@ class HomeFence(NamedTuple):
     lowest: float
     highest: float
     radius: float
+
+    @property
+    def kept(self) -> HomeFence:
+        """What is left inside of it with a margin."""
+        lowest, highest, radius = self
+        return HomeFence(lowest + FENCE_MARGIN, highest - FENCE_MARGIN, radius - FENCE_MARGIN)
 
     def values(self, telemetry: Telemetry) -> dict[str, Any]:
         """The fence as parameters of the controller, by name, in [m]; empty while home is unknown.
@@ -124,6 +132,8 @@ class VehicleEnvelope(ABC):
 
     Attributes:
         names: Parameters that are asked for.
+        vehicle: As above.
+        ratio: True over equivalent airspeed [-].
         cruise: Cruise airspeed, true, in [m/s]; None where it is not told.
     """
 
@@ -132,6 +142,14 @@ class VehicleEnvelope(ABC):
 
     def __init__(self, vehicle: Mapping[str, float], true_over_equivalent: float) -> None:
         self.vehicle, self.ratio = vehicle, true_over_equivalent
+
+    def told(self, *names: str) -> list[float]:
+        """Parameters in their own units [SI or deg]; nan, with which no comparison holds, for none.
+
+        Args:
+            names: Of the parameters.
+        """
+        return [self.vehicle.get(name, math.nan) for name in names]
 
     @abstractmethod
     def values(self, airspeed: float) -> dict[str, Any]:
@@ -165,7 +183,7 @@ class VehicleEnvelope(ABC):
             telemetry_rate: Asked for, in [Hz].
         """
 
-    def turning(self, limit: float, airspeed: float, slowest: float | None) -> float:
+    def turning(self, limit: float, airspeed: float, slowest: float) -> float:
         """Bank in [rad] that a limit and the load factor leave.
 
         The least airspeed grows with the root of the load factor; a small bank is always left.
@@ -173,16 +191,16 @@ class VehicleEnvelope(ABC):
         Args:
             limit: In [deg].
             airspeed: True, in [m/s].
-            slowest: Least equivalent airspeed of level flight in [m/s]; 0 or None for none.
+            slowest: Least equivalent airspeed of level flight in [m/s]; 0 or nan for none.
         """
-        if not slowest:
+        if not slowest or math.isnan(slowest):
             return math.radians(limit)
         load = max((airspeed / self.ratio / slowest) ** 2, 1.0)
         return min(math.radians(limit), max(math.acos(1.0 / load), LEAST_TURN_BANK))
 
 
 def inspection(
-    heard: Listener, title: str, mode: str, handed_over: Iterable[str], envelope: VehicleEnvelope
+    heard: Listener, title: str, mode: str, handed_over: Sequence[str], envelope: VehicleEnvelope
 ) -> Inspection:
     """What was found at the other end.
 
@@ -199,7 +217,7 @@ def inspection(
         values.update(fence.values(heard.telemetry))
     found = {
         "system": str(heard.system),
-        "firmware": f"{title} {firmware(heard.version)}",
+        "firmware": f"{title} {firmware(heard.latest.get('AUTOPILOT_VERSION'))}",
         "mode": mode,
         "armed": "yes" if heard.armed else "no",
         "in the air": "yes" if heard.in_air else "no",
@@ -208,8 +226,8 @@ def inspection(
     if envelope.cruise is not None:
         found["cruise airspeed, true"] = f"{envelope.cruise:.1f} m/s"
     refusals = (
-        position_refusal(heard.telemetry, heard.status),
-        airspeed_refusal(heard.telemetry, heard.sensors, heard.in_air),
+        position_refusal(heard),
+        airspeed_refusal(heard),
         state_refusal(heard, mode, handed_over),
         *envelope.refusals(),
     )
@@ -217,13 +235,14 @@ def inspection(
     return Inspection(found, values, tuple(warnings), tuple(filter(None, refusals)))
 
 
-def position_refusal(telemetry: Telemetry, status: Any) -> str:
+def position_refusal(heard: Listener) -> str:
     """Why the position cannot be flown by, in words; empty if it can.
 
     Args:
-        telemetry: What was heard.
-        status: EKF_STATUS_REPORT or ESTIMATOR_STATUS, or None.
+        heard: Of the autopilot.
     """
+    telemetry, latest = heard.telemetry, heard.latest
+    status = latest.get("EKF_STATUS_REPORT", latest.get("ESTIMATOR_STATUS"))
     if status is not None and status.flags & NEEDED != NEEDED:
         return f"no position estimate: the filter's flags are {status.flags:#x}, lack {NEEDED:#x}"
     if telemetry.frame is None:
@@ -234,7 +253,7 @@ def position_refusal(telemetry: Telemetry, status: Any) -> str:
     return ""
 
 
-def state_refusal(heard: Listener, mode: str, handed_over: Iterable[str]) -> str:
+def state_refusal(heard: Listener, mode: str, handed_over: Sequence[str]) -> str:
     """Why command cannot be taken as the aircraft is, in words; empty if it can.
 
     Args:
@@ -246,28 +265,43 @@ def state_refusal(heard: Listener, mode: str, handed_over: Iterable[str]) -> str
         return "disarmed: arm and take off first, this program does neither"
     if not heard.in_air:
         return "on the ground: take off first, this program does not"
-    allowed = tuple(handed_over)
-    if mode not in allowed:
-        return f"mode is {mode}, must be one of {', '.join(allowed)} to take command from"
+    if mode not in handed_over:
+        return f"mode is {mode}, must be one of {', '.join(handed_over)} to take command from"
     return ""
 
 
-def airspeed_refusal(telemetry: Telemetry, sensors: Any, flying: bool) -> str:
+def airspeed_refusal(heard: Listener) -> str:
     """Why the airspeed cannot be flown by, in words; empty if it can.
 
     Args:
-        telemetry: What was heard.
-        sensors: SYS_STATUS, or None.
-        flying: Whether the aircraft is in the air.
+        heard: Of the autopilot.
     """
-    if sensors is not None:
+    if (sensors := heard.latest.get("SYS_STATUS")) is not None:
         for name in ("present", "enabled", "health"):
             if not getattr(sensors, f"onboard_control_sensors_{name}") & AIRSPEED_SENSOR:
                 fault = "is not healthy" if name == "health" else f"is not {name}"
                 return f"no airspeed: the sensor {fault}"
-    if flying and (telemetry.airspeed or 0.0) < LEAST_AIRSPEED:
+    if heard.in_air and (heard.telemetry.airspeed or 0.0) < LEAST_AIRSPEED:
         return "no airspeed: VFR_HUD tells none"
     return ""
+
+
+def applying(*findings: tuple[bool, str]) -> list[str]:
+    """Words of what applies.
+
+    Args:
+        findings: Whether each applies, and its words.
+    """
+    return [words for applies, words in findings if applies]
+
+
+def known(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Values that are known as a whole.
+
+    Args:
+        values: Numbers, or several numbers, by name; nan for what is not known.
+    """
+    return {name: value for name, value in values.items() if not np.isnan(value).any()}
 
 
 def climb_angle(climb: float, airspeed: float) -> float:
@@ -277,4 +311,4 @@ def climb_angle(climb: float, airspeed: float) -> float:
         climb: In [m/s].
         airspeed: In [m/s], positive.
     """
-    return math.asin(max(-1.0, min(1.0, climb / airspeed)))
+    return math.asin(max(min(climb / airspeed, 1.0), -1.0))  # in this order nan stays nan

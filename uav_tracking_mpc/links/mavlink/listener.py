@@ -34,7 +34,7 @@ from uav_tracking_mpc.links import LinkError, LinkRefusedError, Sighting
 from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
 from uav_tracking_mpc.links.mavlink.connection import Connection
 from uav_tracking_mpc.links.mavlink.dialect import mavlink, name_of
-from uav_tracking_mpc.links.mavlink.requests import Requests
+from uav_tracking_mpc.links.mavlink.requests import Requests, long_command
 from uav_tracking_mpc.links.mavlink.telemetry import DEGREE_SCALE, LEAST_AIRSPEED, Telemetry
 from uav_tracking_mpc.settings.link import LinkParameters
 
@@ -127,12 +127,9 @@ class Listener:
         telemetry: What it told of its flight.
         target: The vehicle to circle.
         heartbeat: Its newest HEARTBEAT; None before the first.
-        version: AUTOPILOT_VERSION, or None.
-        status: EKF_STATUS_REPORT or ESTIMATOR_STATUS, or None.
-        sensors: SYS_STATUS, or None.
+        latest: Its newest message of each kind, by name.
         measurements: Not taken yet.
-        on_heartbeat: Called with each of its HEARTBEATs and our time in [s].
-        on_message: Called with each of its other messages and our time in [s].
+        on_message: Called with each of its messages and our time in [s].
         on_measurement: Called with each measurement and our time in [s].
         on_restart: Called when it has booted anew.
     """
@@ -156,13 +153,9 @@ class Listener:
         self.telemetry = Telemetry(self.clock, origin)
         self.target = VehicleSighting()
         self.heartbeat: Any = None
-        self.version: Any = None
-        self.status: Any = None
-        self.sensors: Any = None
-        self._landed: Any = None
+        self.latest: dict[str, Any] = {}
         self.measurements: deque[Measurement] = deque(maxlen=4)
         nothing: Callable[..., None] = lambda *_: None  # noqa: E731
-        self.on_heartbeat: Callable[[Any, float], None] = nothing
         self.on_message: Callable[[Any, float], None] = nothing
         self.on_measurement: Callable[[Measurement, float], None] = nothing
         self.on_restart: Callable[[], None] = nothing
@@ -188,7 +181,7 @@ class Listener:
     @property
     def identity(self) -> str:
         """Which autopilot it is: the serial number of its processor, or its number on MAVLink."""
-        version = self.version
+        version = self.latest.get("AUTOPILOT_VERSION")
         if version is not None and any(version.uid2):
             return bytes(version.uid2).hex()
         if version is not None and version.uid:
@@ -203,8 +196,9 @@ class Listener:
     @property
     def in_air(self) -> bool:
         """Whether it says so or, if it says nothing of it, flies by its airspeed."""
-        if self._landed is not None and self._landed.landed_state:
-            return bool(self._landed.landed_state != mavlink.MAV_LANDED_STATE_ON_GROUND)
+        told = self.latest.get("EXTENDED_SYS_STATE")
+        if told is not None and told.landed_state:
+            return bool(told.landed_state != mavlink.MAV_LANDED_STATE_ON_GROUND)
         return (self.telemetry.airspeed or 0.0) >= LEAST_AIRSPEED
 
     def find(self, autopilot: int, timeout: float) -> None:
@@ -255,17 +249,15 @@ class Listener:
         self.heartbeat, self._heartbeat_at = message, self.connection.now()
 
     def ask_for_telemetry(self) -> None:
-        """Ask for all messages; an autopilot that has restarted has forgotten them."""
-        for message, rate in self._rates.items():
-            self._command(mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, message, 1e6 / rate)
-        self._command(mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION)
+        """Ask for all messages; an autopilot that has restarted has forgotten them.
 
-    def _command(self, command: int, *parameters: float) -> None:
-        """Send a command whose acknowledgement nobody waits for: the telemetry itself is one."""
-        values = (*parameters, *[0.0] * (7 - len(parameters)))
-        self.connection.send(
-            mavlink.MAVLink_command_long_message(self.system, 1, command, 0, *values)
-        )
+        Nobody waits for the acknowledgements: the telemetry itself is one.
+        """
+        interval = mavlink.MAV_CMD_SET_MESSAGE_INTERVAL
+        asked = [(interval, message, 1e6 / rate) for message, rate in self._rates.items()]
+        version = mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION
+        for command in (*asked, version):
+            self.connection.send(long_command(self.system, *command))
 
     def receive(self, timeout: float) -> list[Any]:
         """Take in what has come; nothing comes over a lost wire, see :meth:`restore`.
@@ -320,6 +312,7 @@ class Listener:
     def _see(self, message: Any, arrival: float) -> None:
         """Take in a message of the autopilot."""
         kind = message.get_type()
+        self.latest[kind] = message
         if hasattr(message, "time_boot_ms"):
             restarts = self.clock.restarts
             self.clock.see_stamp(message.time_boot_ms * 1e-3, arrival)
@@ -332,22 +325,12 @@ class Listener:
                 self.clock.see_answer(message.ts1 * 1e-9, message.tc1 * 1e-9, arrival)
         elif kind == "COMMAND_ACK":
             self.requests.see(message, arrival)
-        elif kind == "AUTOPILOT_VERSION":
-            self.version = message
-        elif kind in ("EKF_STATUS_REPORT", "ESTIMATOR_STATUS"):
-            self.status = message
-            self.telemetry.see(message, arrival)
-        elif kind == "SYS_STATUS":
-            self.sensors = message
-        elif kind == "EXTENDED_SYS_STATE":
-            self._landed = message
         elif kind == "STATUSTEXT":
             level = Level.WARNING if message.severity <= SEVERE else Level.INFO
             self._events.add(level, f"autopilot: {message.text}")
-        else:
-            measurement = self.telemetry.see(message, arrival)
-            self._counted += measurement is not None
-            if measurement is not None and arrival - measurement.stamp <= HISTORY:
+        elif (measurement := self.telemetry.see(message, arrival)) is not None:
+            self._counted += 1
+            if arrival - measurement.stamp <= HISTORY:
                 self.measurements.append(measurement)
                 self.on_measurement(measurement, arrival)
         self.on_message(message, arrival)
@@ -366,7 +349,6 @@ class Listener:
             self._events.add(Level.INFO, "the autopilot is heard again")
             self.ask_for_telemetry()
         self.heartbeat, self._heartbeat_at = message, arrival
-        self.on_heartbeat(message, arrival)
 
     def tend(self, now: float) -> None:
         """Send what keeps the connection alive, where it is due.

@@ -246,22 +246,21 @@ class MavlinkLink(VehicleLink):
             self.address, mavlink.MAV_COMP_ID_ONBOARD_COMPUTER, self.parameters.signing_key
         )
         end = connection.now() + timeout
-        heard = Listener(
+        self._heard = heard = Listener(
             connection, self.parameters, self.events, self.slow_messages, self.quick_messages
         )
-        self._heard = heard
-        heard.on_heartbeat = self._see_heartbeat
         heard.on_measurement = lambda measured, at: self._latency.arrived(measured.stamp, at)
         heard.on_message = self._see
         heard.on_restart = lambda: self.engagement.give_up("the autopilot has restarted")
         try:
             heard.find(self.autopilot, timeout)
-            names, bits = self.limits.names, self.by_bits
             self.vehicle = read_parameters(
-                heard.connection, heard.system, names, bits, heard.receive
+                connection, heard.system, self.limits.names, self.by_bits, heard.receive
             )
             # What is still missing at the end of the time, inspect() says.
-            while (heard.telemetry.newest is None or heard.version is None) and self.now() < end:
+            while self.now() < end and (
+                heard.telemetry.newest is None or "AUTOPILOT_VERSION" not in heard.latest
+            ):
                 heard.receive(PERIOD)
                 heard.tend(self.now())
         except LinkError:
@@ -391,6 +390,8 @@ class MavlinkLink(VehicleLink):
 
     def _see(self, message: Any, arrival: float) -> None:
         """Take in any message of the autopilot."""
+        if message is self.heard.heartbeat:  # not that of another program that speaks for it
+            self._see_heartbeat(message, arrival)
         self.engagement.heard(arrival)
 
     def _see_heartbeat(self, message: Any, arrival: float) -> None:

@@ -38,6 +38,18 @@ PROGRESS = 10.0  # s that an autopilot may be at it
 NOT_ANSWERED = "not answered"  # as the answer to a request
 
 
+def long_command(system: int, command: int, *parameters: float) -> Any:
+    """A COMMAND_LONG to an autopilot.
+
+    Args:
+        system: MAVLink system of the autopilot.
+        command: Of MAV_CMD.
+        parameters: Its parameters, up to seven, in the command's units [SI]; the rest is 0.
+    """
+    values = (*parameters, *[0.0] * (7 - len(parameters)))
+    return mavlink.MAVLink_command_long_message(system, 1, command, 0, *values)
+
+
 @dataclass
 class _Request:
     message: Any
@@ -73,10 +85,9 @@ class Requests:
             now: Our time in [s].
             command: Of MAV_CMD.
             words: What it asks for, for people.
-            parameters: Its parameters, up to seven, in the command's units [SI]; the rest is 0.
+            parameters: As of :func:`long_command`.
         """
-        values = (*parameters, *[0.0] * (7 - len(parameters)))
-        message = mavlink.MAVLink_command_long_message(self.system, 1, command, 0, *values)
+        message = long_command(self.system, command, *parameters)
         self._send(now, command, message, words, quiet=False)
 
     def ask_there(

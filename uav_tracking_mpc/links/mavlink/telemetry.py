@@ -62,8 +62,7 @@ class Accuracies:
     """The newest that were told."""
 
     def __init__(self) -> None:
-        self._filtered = self._received = self._velocity = UNKNOWN
-        self._filtered_at = self._received_at = -math.inf
+        self._told: dict[str, tuple[tuple[float, float, float], float]] = {}  # and when, in s
 
     def see(self, message: Any, arrival: float) -> None:
         """Take in a message.
@@ -72,15 +71,14 @@ class Accuracies:
             message: Of the autopilot.
             arrival: Our time in [s].
         """
-        kind = message.get_type()
-        if kind == "ESTIMATOR_STATUS":
-            accuracies = message.pos_horiz_accuracy, message.pos_vert_accuracy
-            self._filtered, self._filtered_at = _axes("position", *accuracies), arrival
-        elif kind == "GPS_RAW_INT":
-            accuracies = MILLI * message.h_acc, MILLI * message.v_acc
-            self._received, self._received_at = _axes("position", *accuracies), arrival
+        if message.get_type() == "ESTIMATOR_STATUS":
+            axes = _axes("position", message.pos_horiz_accuracy, message.pos_vert_accuracy)
+            self._told["filter"] = axes, arrival
+        elif message.get_type() == "GPS_RAW_INT":
             speed = MILLI * message.vel_acc
-            self._velocity = _axes("velocity", speed, speed)
+            axes = _axes("position", MILLI * message.h_acc, MILLI * message.v_acc)
+            self._told["receiver"] = axes, arrival
+            self._told["velocity"] = _axes("velocity", speed, speed), arrival
 
     def noise(self, now: float) -> SensorNoise:
         """What is told of the noise, in words that are not too old.
@@ -88,14 +86,13 @@ class Accuracies:
         Args:
             now: Our time in [s].
         """
-        position = velocity = UNKNOWN
-        if now - self._received_at <= AGE:
-            position, velocity = self._received, self._velocity
-        if now - self._filtered_at <= AGE and self._filtered != UNKNOWN:
-            position = self._filtered
-        if position == velocity == UNKNOWN:
-            return SILENT
-        return SensorNoise(position, velocity)
+        fresh = {
+            name: axes
+            for name, (axes, at) in self._told.items()
+            if now - at <= AGE and axes != UNKNOWN
+        }
+        position = fresh.get("filter", fresh.get("receiver", UNKNOWN))
+        return SensorNoise(position, fresh.get("velocity", UNKNOWN)) if fresh else SILENT
 
 
 def _axes(name: str, level: float, vertical: float) -> tuple[float, float, float]:

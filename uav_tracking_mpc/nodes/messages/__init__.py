@@ -15,12 +15,10 @@
 """Messages to arrays and back.
 
 =====================  ===============================================================
-``conversions``        state, air velocity, positions and commands, with their noise
+``conversions``        state, air velocity, target and commands, with their noise
 ``named_figures``      the orbit and what the controller tracks by, as figures by name
-``target_messages``    what a tracker says of the target; where it truly is, and is sent
 ``diagnostic_values``  what nodes say of themselves: level, words, values, and some back
 ``heard_values``       what messages say to who only looks, live or from a bag
 ``wires``              odometry and commands as bytes, read and written in place
-``message_checks``     frames by name, and what may stand in a message
 =====================  ===============================================================
 """

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Messages to arrays and back: state with its noise, air velocity, positions, commands.
+"""Messages to arrays and back: state with its noise, air velocity, target, commands.
 
 Reading needs no ROS: messages of a bag, decoded by another library, will do.
 
@@ -32,7 +32,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,13 +49,19 @@ from uav_tracking_mpc.dynamics.frames import (
 )
 from uav_tracking_mpc.estimation.measurement import SILENT, Measurement, SensorNoise
 from uav_tracking_mpc.estimation.told_noise import UNKNOWN, axes_noise, makes_sense, scalar_noise
-from uav_tracking_mpc.nodes.messages.message_checks import (
+from uav_tracking_mpc.nodes.topics import (
+    AIR_VELOCITY,
+    COMMAND,
     FRAMES,
+    ODOMETRY,
     POSITION_LIMIT,
     RATE_LIMIT,
     SPEED_LIMIT,
+    TARGET,
+    TARGET_ODOMETRY,
     FrameNames,
     MessageError,
+    Topic,
     check_frame,
     check_header,
     finite_vector,
@@ -67,6 +73,8 @@ if TYPE_CHECKING:
     from nav_msgs.msg import Odometry
     from trajectory_msgs.msg import MultiDOFJointTrajectory
 
+VARIANCE_LIMIT = 1e8  # m^2 or m^2/s^2, beyond which it says nothing
+ROUNDING = 1e-9  # -, rounding: share of the greatest variance by which another may be negative
 VARIANCES = slice(0, 15, 7)  # of x, y, z among the 36 entries
 BLOCK = (slice(0, 3), slice(6, 9), slice(12, 15))  # rows of x, y, z among them
 HEADING = 35  # index of the rotation about the axis up
@@ -77,7 +85,6 @@ def set_noise(message: Odometry, noise: SensorNoise, rotation: NDArray[np.float6
     """Fill the covariances of an Odometry message.
 
     Args:
-        message: Changed in place.
         noise: Of the measurement; an unknown part gets zeros.
         rotation: From ``base_link`` to ``map`` at the measurement, shape (3, 3).
     """
@@ -153,6 +160,16 @@ def set_stamp(stamp: Time, value: int) -> None:
     stamp.sec, stamp.nanosec = divmod(int(value), 1_000_000_000)
 
 
+def set_header(message: Any, stamp: int, frame: str) -> None:
+    """Write stamp and frame of a message.
+
+    Args:
+        stamp: In [ns].
+    """
+    set_stamp(message.header.stamp, stamp)
+    message.header.frame_id = frame
+
+
 def set_odometry(
     message: Odometry,
     stamp: int,
@@ -164,15 +181,13 @@ def set_odometry(
     """Fill an Odometry message.
 
     Args:
-        message: Changed in place.
         stamp: Time of the state in [ns].
         state: (x, y, z, psi, chi, v), shape (6,).
         rates: (u_psi, u_chi, u_v) flown at the time, shape (3,).
         ground_velocity: In ``map``, shape (3,), in [m/s]; None in still air.
-        frames: Of the message.
     """
-    set_stamp(message.header.stamp, stamp)
-    message.header.frame_id, message.child_frame_id = frames
+    set_header(message, stamp, frames.map)
+    message.child_frame_id = frames.base
     set_vector(message.pose.pose.position, state[:3])
     _, _, _, heading, path_angle, speed = state.tolist()
     set_orientation(message.pose.pose.orientation, heading, path_angle)
@@ -191,10 +206,8 @@ def set_measurement(
     """Fill an Odometry message with what was measured.
 
     Args:
-        message: Changed in place.
         stamp: Time of the measurement in [ns].
         seen: Of the aircraft.
-        frames: Of the message.
     """
     rates = np.array([seen.turn_rate, seen.path_angle_rate, 0.0])
     state = seen.state(math.nan if seen.airspeed is None else seen.airspeed)
@@ -223,13 +236,10 @@ def set_air_velocity(
     """Fill the velocity through the air: along the body's x axis.
 
     Args:
-        message: Changed in place.
         stamp: When it was measured in [ns].
         speed: Airspeed v in [m/s].
-        frames: Of the message.
     """
-    set_stamp(message.header.stamp, stamp)
-    message.header.frame_id = frames.base
+    set_header(message, stamp, frames.base)
     set_vector(message.twist.linear, (speed, 0.0, 0.0))
 
 
@@ -239,13 +249,10 @@ def set_point(
     """Fill a stamped point in ``map``.
 
     Args:
-        message: Changed in place.
         stamp: When it was measured in [ns].
         position: Shape (3,), in [m].
-        frames: Of the message.
     """
-    set_stamp(message.header.stamp, stamp)
-    message.header.frame_id = frames.map
+    set_header(message, stamp, frames.map)
     set_vector(message.point, position)
 
 
@@ -257,27 +264,31 @@ def measurement_from_odometry(
     Args:
         message: As in ``uav/odometry``.
         stamp: Its time by whatever clock the measurement is to have, in [s].
-        frames: In which it must be.
 
     Raises:
         MessageError: Wrong frame, no time, not finite, absurd, or no unit quaternion.
     """
-    check_header("uav/odometry", message.header, frames.map)
-    check_frame("uav/odometry", "child_frame_id", message.child_frame_id, frames.base)
+    check_header(ODOMETRY, message.header, frames.map)
+    check_frame(ODOMETRY, "child_frame_id", message.child_frame_id, frames.base)
     pose, twist = message.pose.pose, message.twist.twist
-    position = finite_vector("uav/odometry", "pose.position", pose.position, POSITION_LIMIT)
-    ground = finite_vector("uav/odometry", "twist.linear", twist.linear, SPEED_LIMIT)
-    angular = finite_vector("uav/odometry", "twist.angular", twist.angular, RATE_LIMIT)
+    position = finite_vector(ODOMETRY, "pose.position", pose.position, POSITION_LIMIT)
+    ground = finite_vector(ODOMETRY, "twist.linear", twist.linear, SPEED_LIMIT)
+    angular = finite_vector(ODOMETRY, "twist.angular", twist.angular, RATE_LIMIT)
     q = pose.orientation
-    try:
-        heading, path_angle = course_from_quaternion(q.x, q.y, q.z, q.w)
-    except (ValueError, OverflowError) as error:
-        raise MessageError(f"uav/odometry: pose.orientation: {error}") from error
+    heading, path_angle = _course(ODOMETRY, q)
     rotation = rotation_from_quaternion(q.x, q.y, q.z, q.w)
     turn_rate, path_angle_rate = course_rates(rotation, angular)
     course = heading, path_angle, turn_rate, path_angle_rate
     noise, bank = noise_from_odometry(message, rotation), bank_from_quaternion(q.x, q.y, q.z, q.w)
     return Measurement(stamp, position, rotation @ ground, *course, noise=noise, bank=bank)
+
+
+def _course(topic: Topic, q: Quaternion) -> tuple[float, float]:
+    """Heading and path angle in [rad] of an orientation of a topic."""
+    try:
+        return course_from_quaternion(q.x, q.y, q.z, q.w)
+    except (ValueError, OverflowError) as error:
+        raise MessageError(f"{topic.name}: pose.orientation: {error}") from error
 
 
 def air_velocity_from_twist(
@@ -287,27 +298,28 @@ def air_velocity_from_twist(
 
     Args:
         message: As in ``uav/air_velocity``.
-        frames: In which it must be.
 
     Raises:
         MessageError: Wrong frame, no time, not finite, or absurd.
     """
-    check_header("uav/air_velocity", message.header, frames.base)
-    return finite_vector("uav/air_velocity", "twist.linear", message.twist.linear, SPEED_LIMIT)
+    check_header(AIR_VELOCITY, message.header, frames.base)
+    return finite_vector(AIR_VELOCITY, "twist.linear", message.twist.linear, SPEED_LIMIT)
 
 
-def position_from_point(message: PointStamped, frames: FrameNames = FRAMES) -> NDArray[np.float64]:
+def position_from_point(
+    message: PointStamped, frames: FrameNames = FRAMES, topic: Topic = TARGET
+) -> NDArray[np.float64]:
     """Position, shape (3,), in [m].
 
     Args:
-        message: As in ``target/position``.
-        frames: In which it must be.
+        message: As in ``target/position`` or ``target/goal``, whose stamp may be 0.
+        topic: From which it came.
 
     Raises:
         MessageError: Wrong frame, no time, not finite, or absurd.
     """
-    check_header("target/position", message.header, frames.map)
-    return finite_vector("target/position", "point", message.point, POSITION_LIMIT)
+    check_header(topic, message.header, frames.map)
+    return finite_vector(topic, "point", message.point, POSITION_LIMIT)
 
 
 def set_command(
@@ -320,38 +332,23 @@ def set_command(
     """Fill a command: the inputs now and the plan after them.
 
     Args:
-        message: Changed in place; its points are reused.
         stamp: Time at which the plan begins in [ns].
         plan: (u_psi, u_chi, u_v) at 0, step, 2 step, ..., shape (n, 3).
         step: T_s in [s].
         frames: Of the message: that of its header, and the joint's name.
     """
-    set_stamp(message.header.stamp, stamp)
-    message.header.frame_id = frames.map
-    message.joint_names = [frames.base]
-    if len(message.points) != len(plan) or nanoseconds(message.points[-1].time_from_start) != round(
-        (len(plan) - 1) * step * 1e9
-    ):
-        _set_points(message, len(plan), step)
-    for point, inputs in zip(message.points, plan.tolist(), strict=True):
-        angular = point.velocities[0].angular
-        angular.y = pitch_rate_from_path_angle_rate(inputs[1])
-        angular.z = inputs[0]
-        point.accelerations[0].linear.x = inputs[2]
-
-
-def _set_points(message: MultiDOFJointTrajectory, count: int, step: float) -> None:
-    """As many points as the plan has, with their times."""
     from geometry_msgs.msg import Twist
     from trajectory_msgs.msg import MultiDOFJointTrajectoryPoint
 
-    while len(message.points) < count:
-        point = MultiDOFJointTrajectoryPoint()
-        point.velocities, point.accelerations = [Twist()], [Twist()]
-        message.points.append(point)
-    del message.points[count:]
-    for index, point in enumerate(message.points):
+    set_header(message, stamp, frames.map)
+    message.joint_names, message.points = [frames.base], []
+    for index, (turn_rate, path_angle_rate, acceleration) in enumerate(plan.tolist()):
+        point = MultiDOFJointTrajectoryPoint(velocities=[Twist()], accelerations=[Twist()])
         set_stamp(point.time_from_start, round(index * step * 1e9))
+        angular = point.velocities[0].angular
+        angular.y, angular.z = pitch_rate_from_path_angle_rate(path_angle_rate), turn_rate
+        point.accelerations[0].linear.x = acceleration
+        message.points.append(point)
 
 
 def plan_from_command(
@@ -361,7 +358,6 @@ def plan_from_command(
 
     Args:
         message: As in ``uav/command``.
-        frames: In which it must be.
 
     Returns:
         Inputs (u_psi, u_chi, u_v), shape (n, 3), and the times from the stamp at which each
@@ -371,7 +367,7 @@ def plan_from_command(
         MessageError: Wrong frame or joint, no time, no points, a point without rates or
             accelerations, values that are not finite.
     """
-    check_header("uav/command", message.header, frames.map)
+    check_header(COMMAND, message.header, frames.map)
     if frames.base and list(message.joint_names) != [frames.base]:
         raise MessageError(
             f"uav/command: joint_names is {list(message.joint_names)}, must be ['{frames.base}']"
@@ -393,11 +389,113 @@ def plan_from_command(
     return plan, starts
 
 
+class TargetMeasurement(NamedTuple):
+    """What :meth:`Controller.see_target` takes, but for the stamp.
+
+    Attributes:
+        position: In ``map``, shape (3,), in [m].
+        velocity: In ``map``, shape (3,), in [m/s]; None if it is not known.
+        covariance: Of position and velocity, shape (6, 6), in SI units, zeros for what is not
+            known; None if neither is known.
+    """
+
+    position: NDArray[np.float64]
+    velocity: NDArray[np.float64] | None
+    covariance: NDArray[np.float64] | None
+
+
+def target_from_odometry(message: Odometry, frames: FrameNames = FRAMES) -> TargetMeasurement:
+    """Measurement of the target.
+
+    Args:
+        message: As in ``target/odometry``.
+
+    Raises:
+        MessageError: Wrong frame, no time, not finite, absurd, or no unit quaternion where the
+            velocity is to be rotated.
+    """
+    check_header(TARGET_ODOMETRY, message.header, frames.map)
+    place = message.pose.pose.position
+    position = finite_vector(TARGET_ODOMETRY, "pose.position", place, POSITION_LIMIT)
+    spread = _covariance(message.pose.covariance)
+    velocity, velocity_spread = _velocity(message)
+    if spread is None and velocity_spread is None:
+        return TargetMeasurement(position, velocity, None)
+    covariance = np.zeros((6, 6))
+    if spread is not None:
+        covariance[:3, :3] = spread
+    if velocity_spread is not None:
+        covariance[3:, 3:] = velocity_spread
+    return TargetMeasurement(position, velocity, covariance)
+
+
+def _velocity(message: Odometry) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None]:
+    """Velocity in ``map`` in [m/s] and its covariance; None for what is not known."""
+    twist = message.twist
+    velocity = finite_vector(TARGET_ODOMETRY, "twist.linear", twist.twist.linear, SPEED_LIMIT)
+    spread = _covariance(twist.covariance)
+    if twist.covariance[0] < 0.0 or (spread is None and not velocity.any()):
+        return None, None
+    if message.child_frame_id in ("", message.header.frame_id):
+        return velocity, spread
+    q = message.pose.pose.orientation
+    _course(TARGET_ODOMETRY, q)
+    rotation = rotation_from_quaternion(q.x, q.y, q.z, q.w)
+    if spread is not None:
+        spread = rotation @ spread @ rotation.T
+    return rotation @ velocity, spread
+
+
+def _covariance(entries: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """The first three rows and columns of a covariance of six; None if it says nothing."""
+    matrix = np.array(entries, dtype=float).reshape(6, 6)[:3, :3]
+    if not (np.isfinite(matrix).all() and matrix[0, 0] > 0.0):
+        return None
+    if max(matrix[0, 0], matrix[1, 1]) > VARIANCE_LIMIT:  # that of a height may be anything
+        return None
+    matrix = 0.5 * (matrix + matrix.T)
+    variances = np.linalg.eigvalsh(matrix)
+    return matrix if variances[0] >= -ROUNDING * variances[-1] else None
+
+
+def set_truth(
+    message: Odometry,
+    stamp: int,
+    position: NDArray[np.float64],
+    velocity: NDArray[np.float64],
+    frames: FrameNames = FRAMES,
+) -> None:
+    """Fill ``target/truth``, or ``target/odometry`` of a tracker that tells the velocity.
+
+    Args:
+        stamp: In [ns].
+        position: In ``map``, shape (3,), in [m].
+        velocity: In ``map``, shape (3,), in [m/s].
+    """
+    set_header(message, stamp, frames.map)
+    message.child_frame_id = frames.map
+    set_vector(message.pose.pose.position, position)
+    set_vector(message.twist.twist.linear, velocity)
+
+
+def truth_from_odometry(message: Odometry) -> tuple[int, NDArray[np.float64], NDArray[np.float64]]:
+    """What ``target/truth`` says.
+
+    Args:
+        message: As :func:`set_truth` fills it.
+
+    Returns:
+        Stamp in [ns]; position and velocity in ``map``, shape (3,), in [m] and [m/s].
+    """
+    place, speed = message.pose.pose.position, message.twist.twist.linear
+    position, velocity = (np.array([part.x, part.y, part.z]) for part in (place, speed))
+    return nanoseconds(message.header.stamp), position, velocity
+
+
 def set_vector(message: Point | Vector3, values: Sequence[float] | NDArray[np.float64]) -> None:
     """Fill a vector.
 
     Args:
-        message: Changed in place.
         values: Shape (3,), in the unit of the field.
     """
     message.x, message.y, message.z = float(values[0]), float(values[1]), float(values[2])
@@ -407,7 +505,6 @@ def set_orientation(message: Quaternion, heading: float, path_angle: float) -> N
     """Fill the orientation of ``base_link`` in ``map``, wings level.
 
     Args:
-        message: Changed in place.
         heading: psi in [rad].
         path_angle: chi in [rad].
     """

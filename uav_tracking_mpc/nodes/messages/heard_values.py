@@ -28,16 +28,15 @@ from uav_tracking_mpc.nodes.messages.conversions import (
     measurement_from_odometry,
     nanoseconds,
     position_from_point,
-)
-from uav_tracking_mpc.nodes.messages.message_checks import ANY_FRAMES, MessageError
-from uav_tracking_mpc.nodes.messages.named_figures import orbit_from_message, tracking_figures
-from uav_tracking_mpc.nodes.messages.target_messages import (
     target_from_odometry,
     truth_from_odometry,
 )
+from uav_tracking_mpc.nodes.messages.named_figures import orbit_from_message, tracking_figures
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
+    ANY_FRAMES,
     DIAGNOSTICS,
+    ENGAGED,
     ODOMETRY,
     ORBIT,
     TARGET,
@@ -45,6 +44,7 @@ from uav_tracking_mpc.nodes.topics import (
     TARGET_TRUTH,
     TRACKING,
     TRACKING_ERRORS,
+    MessageError,
 )
 
 
@@ -64,6 +64,7 @@ class NodeReport(NamedTuple):
         level: As of diagnostic_msgs.
         words: What people read.
         values: Keys with units, and figures.
+        arrival: When it came, steady, in [s].
     """
 
     namespace: str
@@ -71,6 +72,12 @@ class NodeReport(NamedTuple):
     level: int
     words: str
     values: dict[str, str]
+    arrival: float = math.nan
+
+    @property
+    def path(self) -> str:
+        """Its name with its namespace, absolute."""
+        return "/" + f"{self.namespace}/{self.node}".strip("/")
 
 
 def _reports(message: Any) -> list[NodeReport]:
@@ -93,6 +100,7 @@ VALUES: dict[str, Callable[[Any], Any]] = {
     TARGET_ODOMETRY.name: lambda message: target_from_odometry(message, ANY_FRAMES).position,
     TARGET_TRUTH.name: _truth,
     DIAGNOSTICS.name: _reports,
+    ENGAGED.name: lambda message: bool(message.data),
     ORBIT.name: lambda message: orbit_from_message(message, ANY_FRAMES),
     TRACKING_ERRORS.name: tracking_figures,
     TRACKING["cost"].name: lambda message: float(message.data),

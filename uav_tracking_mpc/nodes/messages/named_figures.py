@@ -26,11 +26,13 @@ from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit, Orbit
 from uav_tracking_mpc.estimation.situation import Situation
-from uav_tracking_mpc.nodes.messages.conversions import set_stamp
-from uav_tracking_mpc.nodes.messages.message_checks import (
+from uav_tracking_mpc.nodes.messages.conversions import set_header, set_stamp
+from uav_tracking_mpc.nodes.topics import (
     FRAMES,
+    ORBIT,
     POSITION_LIMIT,
     SPEED_LIMIT,
+    TRACKING_ERRORS,
     FrameNames,
     MessageError,
     check_header,
@@ -39,7 +41,6 @@ from uav_tracking_mpc.nodes.messages.message_checks import (
 if TYPE_CHECKING:
     from sensor_msgs.msg import JointState
 
-ORBIT = "uav/orbit"
 NAMES = ["east", "north", "up", "radius", "airspeed"]
 # m, m, m, m, m/s: of centre, radius and airspeed
 LIMITS = np.array([POSITION_LIMIT] * 4 + [SPEED_LIMIT])
@@ -85,7 +86,7 @@ def orbit_from_message(message: JointState, frames: FrameNames = FRAMES) -> Flow
     """
     check_header(ORBIT, message.header, frames.map)
     if list(message.name) != NAMES:
-        raise MessageError(f"{ORBIT}: name is {list(message.name)}, must be {NAMES}")
+        raise MessageError(f"{ORBIT.name}: name is {list(message.name)}, must be {NAMES}")
     position = _checked("position", message.position, LIMITS)
     velocity = _checked("velocity", message.velocity, np.full(len(NAMES), SPEED_LIMIT))
     _, _, _, radius, airspeed = position.tolist()
@@ -96,13 +97,12 @@ def _checked(field: str, values: object, limits: NDArray[np.float64]) -> NDArray
     numbers = np.array(values, dtype=float)
     if numbers.shape != limits.shape or not (np.abs(numbers) <= limits).all():
         raise MessageError(
-            f"{ORBIT}: {field} is {numbers.tolist()}, must be {len(NAMES)} finite numbers "
-            f"within {limits.tolist()}"
+            f"{ORBIT.name}: {field} is {numbers.tolist()}, must be {len(NAMES)} finite "
+            f"numbers within {limits.tolist()}"
         )
     return numbers
 
 
-TRACKING_ERRORS = "uav/tracking_errors"
 ERRORS = ["range_error", "bearing_error", "altitude_error", "pitch_error", "speed_error"]
 TARGET = ["target_east", "target_north", "target_up"]
 WIND = ["wind_east", "wind_north", "wind_up"]
@@ -139,8 +139,7 @@ def set_tracking(
         mode: What is flown.
         frames: Of the message.
     """
-    set_stamp(message.header.stamp, stamp)
-    message.header.frame_id = frames.map
+    set_header(message, stamp, frames.map)
     turn_rate, _, _ = situation.rates.tolist()
     figures = [
         *situation.tracking_error(orbit).tolist(),
@@ -165,8 +164,8 @@ def tracking_figures(message: JointState) -> dict[str, float]:
     """
     if len(message.name) != len(message.position):
         raise MessageError(
-            f"{TRACKING_ERRORS}: name has {len(message.name)} entries, must have as many as "
-            f"position, {len(message.position)}"
+            f"{TRACKING_ERRORS.name}: name has {len(message.name)} entries, must have as many "
+            f"as position, {len(message.position)}"
         )
     pairs = zip(message.name, message.position, strict=True)
     return {name: figure for name, figure in pairs if math.isfinite(figure)}

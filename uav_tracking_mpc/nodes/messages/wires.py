@@ -12,11 +12,11 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Commands and odometry as bytes: written and read in place.
+"""Commands as bytes: written and read in place.
 
-Two messages of one form differ in stamp and numbers alone: where these stand is learnt once, from
-the middleware's own bytes. That takes a tenth of the time that it takes by objects, and an eighth
-off what the nodes take from a state to its command.
+Two commands of one form differ in stamp and numbers alone: where these stand is learnt once, from
+the middleware's own bytes. That takes 14 us to write and 8 us to read one of 20 points, by objects
+it takes more than 220 and 410 us.
 """
 
 from __future__ import annotations
@@ -26,7 +26,6 @@ from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import Transform
-from nav_msgs.msg import Odometry
 from numpy.typing import NDArray
 from rclpy.serialization import deserialize_message, serialize_message
 from trajectory_msgs.msg import MultiDOFJointTrajectoryPoint
@@ -34,13 +33,14 @@ from trajectory_msgs.msg import MultiDOFJointTrajectoryPoint
 from uav_tracking_mpc.control.commanded_path import PlannedPath
 from uav_tracking_mpc.dynamics.frames import pitch_rate_from_path_angle_rate, quaternion_from_course
 from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, plan_from_command, set_command
-from uav_tracking_mpc.nodes.messages.message_checks import (
+from uav_tracking_mpc.nodes.topics import (
+    COMMAND,
     FRAMES,
     POSITION_LIMIT,
     FrameNames,
     MessageError,
+    Topic,
 )
-from uav_tracking_mpc.nodes.topics import COMMAND, ODOMETRY, Topic
 
 ENCAPSULATION = 4  # bytes before the first field: how the rest is encoded
 LITTLE_ENDIAN = 1  # code in the second of them
@@ -55,8 +55,6 @@ INPUTS = [-7, -8, -6]  # indices of (u_psi, u_chi, u_v), from the end
 PITCH_SIGN = pitch_rate_from_path_angle_rate(1.0)
 SINGLE_SEGMENT = 1.0  # s that a plan of one segment lasts
 UNEVEN = 1e-6  # s, tolerance by which segments of a plan may differ
-COVARIANCE = 36  # numbers of an odometry's, behind the 7 of its pose and the 6 of its twist
-LENGTH = 4  # bytes that tell how long a name is; each begins at a multiple of them
 
 
 class Form:
@@ -65,9 +63,6 @@ class Form:
     Args:
         message: Whose first field is its header, with all parts of the form; all its numbers are
             overwritten.
-
-    Attributes:
-        count: How many numbers it has.
     """
 
     def __init__(self, message: Any) -> None:
@@ -79,32 +74,25 @@ class Form:
         first, second = map(self._all, written)
         self._numbers = first
         self._places = np.flatnonzero((first == MARKS[0]) & (second == MARKS[1]))
-        self.count = len(self._places)
-        self._compared, self._same = np.zeros(0, dtype=int), b""
+        fixed = np.ones(len(self._buffer), dtype=bool)  # what is neither stamp nor number
+        fixed[ENCAPSULATION:BEHIND_STAMP] = False
+        fixed[ENCAPSULATION:][: 8 * self._size].reshape(-1, 8)[self._places] = False
+        self._fixed, self._same = np.flatnonzero(fixed), b""
 
     def _all(self, data: bytes | bytearray) -> NDArray[np.float64]:
         return np.ndarray(self._size, "<f8", data, ENCAPSULATION)
 
-    def learn(self, data: bytes, compared: NDArray[np.int_] | None = None) -> None:
+    def learn(self, data: bytes) -> None:
         """Take note of a message, unless it is encoded in another way.
 
         Args:
             data: Serialized.
-            compared: Places of the bytes in which others are to be as this one, shape (n,); by
-                default of all that are neither stamp nor number.
         """
-        if len(data) != len(self._buffer) or data[:2] != self._buffer[:2]:
-            return
-        if compared is None:
-            fixed = np.ones(len(data), dtype=bool)
-            fixed[ENCAPSULATION:BEHIND_STAMP] = False
-            fixed[ENCAPSULATION:][: 8 * self._size].reshape(-1, 8)[self._places] = False
-            compared = np.flatnonzero(fixed)
-        self._compared, self._same = compared, self._shared(data, compared)
+        if len(data) == len(self._buffer) and data[:2] == self._buffer[:2]:
+            self._same = self._shared(data)
 
-    @staticmethod
-    def _shared(data: bytes, compared: NDArray[np.int_]) -> bytes:
-        return np.frombuffer(data, np.uint8)[compared].tobytes()
+    def _shared(self, data: bytes) -> bytes:
+        return np.frombuffer(data, np.uint8)[self._fixed].tobytes()
 
     def fits(self, data: bytes) -> bool:
         """Whether a message differs from the one that was learnt in stamp and numbers alone.
@@ -113,10 +101,10 @@ class Form:
             data: Serialized.
         """
         alike = len(data) == len(self._buffer) and bool(self._same)
-        return alike and self._shared(data, self._compared) == self._same
+        return alike and self._shared(data) == self._same
 
     def numbers(self, data: bytes) -> NDArray[np.float64]:
-        """The numbers of a message in order, shape (count,).
+        """The numbers of a message in order, shape (n,).
 
         Args:
             data: Serialized; it fits.
@@ -128,7 +116,7 @@ class Form:
 
         Args:
             stamp: In [ns].
-            numbers: In order, shape (count,) or of as many rows as there are points.
+            numbers: In order, shape (n,) or of as many rows as there are points.
         """
         self._numbers[self._places] = numbers.ravel()
         STAMP.pack_into(self._buffer, ENCAPSULATION, *divmod(stamp, SECOND))
@@ -149,7 +137,16 @@ def _filled(message: Any, value: float) -> Any:
     return message
 
 
-def _deserialized(topic: Topic, data: bytes) -> Any:
+def deserialized(topic: Topic, data: bytes) -> Any:
+    """The message that bytes are.
+
+    Args:
+        topic: From which it came.
+        data: Serialized.
+
+    Raises:
+        MessageError: They are no such message.
+    """
     try:
         return deserialize_message(data, topic.type)
     except Exception as error:  # whatever the middleware says of bytes that are no message
@@ -236,7 +233,7 @@ class CommandWire:
             plan[:, 1] *= PITCH_SIGN
             if rest < SECOND and np.isfinite(plan).all():
                 return seconds * SECOND + rest, plan, self._starts
-        message = _deserialized(COMMAND, data)
+        message = deserialized(COMMAND, data)
         plan, self._starts = plan_from_command(message, self._frames)
         self._step = _step(self._starts)
         placed = bool(message.points[0].transforms)
@@ -303,48 +300,3 @@ def _step(starts: NDArray[np.float64]) -> float | None:
     step = float(steps[0]) if len(steps) else SINGLE_SEGMENT
     even = step > 0.0 and (len(steps) == 0 or float(np.ptp(steps)) <= UNEVEN)
     return step if even else None
-
-
-class OdometryWire:
-    """Reads serialized Odometry messages."""
-
-    def __init__(self) -> None:
-        self._message, self._form = Odometry(), Form(Odometry())
-
-    def read(self, data: bytes) -> Odometry:
-        """The message that bytes are; overwritten by the next call.
-
-        Args:
-            data: Serialized.
-
-        Raises:
-            MessageError: They are no such message.
-        """
-        if not self._form.fits(data):
-            self._message = _deserialized(ODOMETRY, data)
-            self._learn(data, self._message.header.frame_id, self._message.child_frame_id)
-            return self._message
-        stamp, pose, twist = self._message.header.stamp, self._message.pose, self._message.twist
-        stamp.sec, stamp.nanosec = STAMP.unpack_from(data, ENCAPSULATION)
-        numbers = self._form.numbers(data)
-        place, q = pose.pose.position, pose.pose.orientation
-        place.x, place.y, place.z, q.x, q.y, q.z, q.w = numbers[:TRANSFORM].tolist()
-        pose.covariance[:], numbers = numbers[TRANSFORM:][:COVARIANCE], numbers[-6 - COVARIANCE :]
-        linear, angular = twist.twist.linear, twist.twist.angular
-        linear.x, linear.y, linear.z, angular.x, angular.y, angular.z = numbers[:6].tolist()
-        twist.covariance[:] = numbers[6:]
-        return self._message
-
-    def _learn(self, data: bytes, frame: str, child: str) -> None:
-        """Where the numbers stand in messages with these names of frames.
-
-        The names alone are compared: CDR leaves undefined what stands in the gaps behind them.
-        """
-        alike = Odometry(child_frame_id=child)
-        alike.header.frame_id = frame
-        self._form, names, end = Form(alike), [np.arange(2)], BEHIND_STAMP
-        for name in (frame, child):  # its length in four bytes, its letters and a zero
-            begin = -(-end // LENGTH) * LENGTH
-            end = begin + LENGTH + len(name.encode()) + 1
-            names.append(np.arange(begin, end))
-        self._form.learn(data, np.concatenate(names))

@@ -18,11 +18,9 @@
 ``process``              start, spin, stop, exit codes; a node in the background
 ``ros_environment``      domain, log folder, and why ROS does not start
 ``declared_parameters``  parameter dataclasses as ROS parameters
-``endpoints``            publishers and subscriptions of topics, who is there
-``sole_sender``          whether a topic has two senders that should have one
-``diagnostics``          /diagnostics, its steady status, and warnings that come with messages
-``managed_node``         the transitions of a managed node: reported, and survived
-``node_services``        an outage for trials; taking the commands away and giving them back
+``endpoints``            publishers and subscriptions of topics, who is there; outages for trials
+``diagnostics``          /diagnostics, its steady status, warnings, and whether two send
+``managed_node``         a managed node: its transitions survived, its commands taken away
 ``node_reference``       what a node prints with --help, and the tables of the documentation
 ``rclpy_internals``      what rclpy keeps to itself and nodes need all the same
 =======================  =====================================================================

@@ -20,6 +20,7 @@ import math
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+import numpy as np
 from rcl_interfaces.msg import (
     FloatingPointRange,
     IntegerRange,
@@ -71,7 +72,7 @@ def declare_parameters(node: Node, parameters: type[T], changeable: bool = False
         specification.name: _plain(
             node.declare_parameter(
                 specification.name,
-                _ros_value(specification.default),
+                ros_value(specification.default),
                 _descriptor(specification, changeable, isinstance(node, LifecycleNode)),
             ).value
         )
@@ -159,13 +160,20 @@ def _descriptor(
     return descriptor
 
 
-def _ros_value(value: Any) -> Any:
-    return list(value) if isinstance(value, tuple) else value
+def ros_value(value: Any) -> Any:
+    """A value as ROS takes it: a list of numbers holds floats alone.
+
+    Args:
+        value: Of a parameter.
+    """
+    if isinstance(value, (tuple, list, np.ndarray)):
+        return [float(number) for number in value]
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def _same(value: Any, present: Any) -> bool:
     """Whether a value is the present one, of the same type."""
-    return repr(value) == repr(_plain(_ros_value(present)))
+    return repr(value) == repr(_plain(ros_value(present)))
 
 
 def _plain(value: Any) -> Any:

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""/diagnostics of a node, and warnings that may come with every message.
+"""/diagnostics of a node, warnings that may come with every message, and doubled senders.
 
 A worse status is shown at once. A better one, or another as bad, is shown when the present one has
 not been reported for some seconds, or had itself stood that long: what alternates twenty times a
@@ -22,15 +22,17 @@ second is shown as its worse half, and a state of affairs that lasted ends at on
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from uav_tracking_mpc.nodes.ros.endpoints import publish
-from uav_tracking_mpc.nodes.topics import DIAGNOSTICS
+from uav_tracking_mpc.nodes.ros.endpoints import publish, steady_timer
+from uav_tracking_mpc.nodes.ros.rclpy_internals import NumberedSubscription
+from uav_tracking_mpc.nodes.topics import DIAGNOSTICS, Topic
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 STALE = DiagnosticStatus.STALE  # of a node that has ended
@@ -112,6 +114,7 @@ class Diagnostics:
 
     Attributes:
         hardware_id: Which aircraft it is: the namespace, or what its autopilot says of itself.
+        status: That is shown.
     """
 
     def __init__(
@@ -124,23 +127,11 @@ class Diagnostics:
         self._now = now or (lambda: node.get_clock().now().to_msg())
         self._name = f"{node.get_fully_qualified_name().lstrip('/')}: status"
         self.hardware_id = node.get_namespace().strip("/") or AIRCRAFT
-        self._status = SteadyStatus(WARN, "starting")
+        self.status = SteadyStatus(WARN, "starting")
         self._alarm = ""
         self._unlogged, self._since = "", 0.0  # a warning logged as information, and when [s]
         self._publisher = publish(node, DIAGNOSTICS)
-        self._timer = node.create_timer(
-            1.0, self._repeat, clock=Clock(clock_type=ClockType.STEADY_TIME)
-        )
-
-    @property
-    def level(self) -> bytes:
-        """That is shown: OK, WARN or ERROR."""
-        return self._status.level
-
-    @property
-    def message(self) -> str:
-        """That is shown."""
-        return self._status.message
+        steady_timer(node, 1.0, self._repeat)
 
     def report(self, level: bytes, message: str, reason: str = "") -> None:
         """Say how the node is; published and logged when another status is shown.
@@ -150,7 +141,7 @@ class Diagnostics:
             message: For people.
             reason: Added to the line in the log: why, with figures that may change.
         """
-        if self._status.see(level, message, time.monotonic()):
+        if self.status.see(level, message, time.monotonic()):
             self._log(f"{message}: {reason}" if reason else message)
             self.publish()
 
@@ -161,7 +152,7 @@ class Diagnostics:
             level: OK, WARN or ERROR.
             message: For people.
         """
-        self._status.begin(level, message)
+        self.status.begin(level, message)
         self._unlogged = ""
         self.publish()
 
@@ -185,7 +176,8 @@ class Diagnostics:
 
     def publish(self) -> None:
         """Publish the present state."""
-        level, words = (ERROR, self._alarm) if self._alarm else (self.level, self.message)
+        shown = self.status
+        level, words = (ERROR, self._alarm) if self._alarm else (shown.level, shown.message)
         status = DiagnosticStatus(level=level, name=self._name, message=words)
         status.hardware_id = self.hardware_id
         status.values = [
@@ -198,12 +190,12 @@ class Diagnostics:
 
     def _log(self, words: str) -> None:
         # rclpy ties each call site to one severity, hence one line each.
-        logger, self._unlogged = self._node.get_logger(), ""
-        if self.level == WARN and self._status.starting:
+        logger, level, self._unlogged = self._node.get_logger(), self.status.level, ""
+        if level == WARN and self.status.starting:
             self._unlogged, self._since = words, time.monotonic()
-        if self.level == OK or self._unlogged:
+        if level == OK or self._unlogged:
             logger.info(words)
-        elif self.level == WARN:
+        elif level == WARN:
             logger.warning(words)
         else:
             logger.error(words)
@@ -240,3 +232,101 @@ class ThrottledWarnings:
         if now - self._last.get(subject, -PERIOD) >= PERIOD:
             self._last[subject] = now
             self._node.get_logger().warning(words)
+
+
+LOOK_PERIOD = 1.0  # s between looks
+WINDOW = 5.0  # s in which numbers fall often enough where two send
+FALLS = 3  # in that time: more than restarts explain
+UNNUMBERED = 30.0  # s that two publishers are known, where messages have no numbers
+QUEUE = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)  # hears both kinds
+
+
+class InterleavedSequences:
+    """Whether the sequence numbers of a topic's messages are those of several publishers.
+
+    Args:
+        now: Steady time at which a second publisher became known in [s].
+    """
+
+    def __init__(self, now: float) -> None:
+        self._since = now
+        self._last: int | None = None
+        self._falls: deque[float] = deque(maxlen=FALLS)
+        self._unnumbered = False
+
+    def see(self, number: int | None, now: float) -> None:
+        """Take note of a message.
+
+        Args:
+            number: Its sequence number; None from a middleware that has none.
+            now: Steady time in [s].
+        """
+        self._unnumbered = number is None
+        if number is None:
+            return
+        if self._last is not None and number <= self._last:
+            self._falls.append(now)
+        self._last = number
+
+    def holds(self, now: float) -> bool:
+        """Whether several send.
+
+        Args:
+            now: Steady time in [s].
+        """
+        if self._unnumbered:
+            return now - self._since > UNNUMBERED
+        return len(self._falls) == FALLS and now - self._falls[0] <= WINDOW
+
+
+class DuplicateSenders:
+    """Looks once a second whether topics have more than one sender: they would fight.
+
+    A node that was killed stays known until its lease has run out, 20 s in Fast DDS; restarted in
+    that time it is no second sender. So it counts who sends, not who is known: while a topic has
+    two publishers, its messages are listened to beside the node's own subscription for their
+    sequence numbers. Those of one publisher only rise. Where two take turns they fall again and
+    again, after a restart once. A middleware that does not number its messages is given
+    :data:`UNNUMBERED` instead, after which a dead publisher is known no longer.
+
+    The messages are taken from the middleware by hand: the executor for control loops calls nobody
+    with sequence numbers.
+
+    Args:
+        node: That looks.
+        topics: That have one sender each.
+        tell: Called with words when several send, and with none when it is over.
+    """
+
+    def __init__(self, node: Node, topics: Sequence[Topic], tell: Callable[[str], None]) -> None:
+        self._node, self._tell, self._told = node, tell, ""
+        self._topics = [(topic, node.resolve_topic_name(topic.name)) for topic in topics]
+        self._heard: dict[str, tuple[InterleavedSequences, NumberedSubscription]] = {}
+        steady_timer(node, LOOK_PERIOD, self._look)
+
+    def _look(self) -> None:
+        now = time.monotonic()
+        words = "; ".join(filter(None, (self._judged(*each, now) for each in self._topics)))
+        if words != self._told:
+            self._told = words
+            self._tell(words)
+
+    def _judged(self, topic: Topic, name: str, now: float) -> str:
+        """What is wrong with the senders of a topic, in words; "" if nothing is."""
+        if self._node.count_publishers(name) < 2:
+            if name in self._heard:
+                self._heard.pop(name)[1].close()
+            return ""
+        if name not in self._heard:
+            listened = NumberedSubscription(self._node, topic.type, name, QUEUE)
+            self._heard[name] = InterleavedSequences(now), listened
+        sequences, listened = self._heard[name]
+        for number in listened.numbers():
+            sequences.see(number, now)
+        if not sequences.holds(now):
+            return ""
+        senders = sorted(
+            f"{each.node_namespace.rstrip('/')}/{each.node_name}"
+            for each in self._node.get_publishers_info_by_topic(name)
+        )
+        return f"{name} has {len(senders)} senders, must have one: {', '.join(senders)}"

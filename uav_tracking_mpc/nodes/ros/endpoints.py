@@ -23,7 +23,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from rclpy.clock import Clock, ClockType
@@ -34,6 +33,8 @@ from rclpy.publisher import Publisher
 from rclpy.qos import HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
+from rclpy.timer import Timer
+from std_srvs.srv import Trigger
 
 from uav_tracking_mpc.estimation.measurement import MeasurementError
 from uav_tracking_mpc.nodes.ros.rclpy_internals import declared_parameters, parameter_overrides
@@ -146,102 +147,131 @@ def listen(
     )
 
 
+def steady_timer(node: Node, period: float, callback: Callable[[], None]) -> Timer:
+    """A timer by the steady clock, which goes on while simulated time stands.
+
+    Args:
+        node: Whose timer it is.
+        period: In [s].
+        callback: Called each time.
+    """
+    return node.create_timer(period, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+
 def _copy(qos: QoSProfile) -> QoSProfile:
     """A profile of its own: rclpy writes the overrides into the one that it is given."""
     return QoSProfile(**{name.lstrip("_"): getattr(qos, name) for name in qos.__slots__})
 
 
+OUTAGE = 15.0  # s of the node's time: longer than a plan, and than the target's default timeout
 LEASE = 1.0  # s in which a publisher says that it is alive, for those who ask for it
 LATE = 2.0  # -, periods from message to message, beyond which the deadline is missed
-
-
-@dataclass(frozen=True)
-class _Matched:
-    """What rclpy says of a match: how many there are now, and what that changed."""
-
-    current_count: int
-    current_count_change: int
 
 
 class PublisherWatch:
     """Publishers that a node listens to.
 
     Args:
+        node: That listens.
         lost: Called with words when the last publisher of a topic is gone.
     """
 
-    def __init__(self, lost: Callable[[str], None]) -> None:
-        self._lost = lost
+    def __init__(self, node: Node, lost: Callable[[str], None]) -> None:
+        self._node, self._lost = node, lost
         self._counts: dict[str, int] = {}
 
-    def listening(self, topic: Topic) -> SubscriptionEventCallbacks:
-        """Callbacks for the subscription of a topic.
+    def listen(self, topic: Topic, callback: Callable[[Any], None], raw: bool = False) -> None:
+        """Subscribe to a topic, and count its publishers.
 
         Args:
-            topic: That is listened to.
+            topic: What is listened to.
+            callback: Called with each message.
+            raw: Whether it is called with the message as bytes.
         """
         self._counts[topic.name] = 0
 
-        def matched(event: _Matched) -> None:
+        def matched(event: Any) -> None:
             self._counts[topic.name] = event.current_count
             if event.current_count == 0 and event.current_count_change < 0:
                 self._lost(f"nobody publishes {topic.name} any more")
 
-        return SubscriptionEventCallbacks(matched=matched)
+        listen(self._node, topic, callback, SubscriptionEventCallbacks(matched=matched), raw)
 
     def values(self) -> dict[str, object]:
         """For /diagnostics."""
         return {f"publishers of {name}": count for name, count in self._counts.items()}
 
 
-class PublishDeadline:
-    """A rate that a publisher promises, in wall time.
+class PacedPublisher:
+    """A publisher that promises a rate, in wall time.
 
     Args:
+        node: That publishes.
+        topic: What is published.
         rate: Messages a second in [Hz]; None in simulated time, of which the wall clock says
             nothing.
+        late: Called when the next message is too late.
 
     Attributes:
+        publisher: The publisher itself.
         rate: Messages a second that are meant to be sent in [Hz]; a lower one than offered is no
             message too late.
         missed: How often the next message was too late.
     """
 
-    def __init__(self, rate: float | None) -> None:
-        self._rate = self.rate = rate
-        self.missed = 0
-
-    def qos(self, qos: QoSProfile) -> QoSProfile:
-        """The profile of a topic, with deadline and liveliness.
-
-        Args:
-            qos: Of the topic.
-        """
-        deadline = Duration() if self._rate is None else Duration(seconds=LATE / self._rate)
-        return QoSProfile(
-            depth=qos.depth,
-            reliability=qos.reliability,
+    def __init__(
+        self, node: Node, topic: Topic, rate: float | None, late: Callable[[], None] = lambda: None
+    ) -> None:
+        self.rate = self._offered = rate or 0.0
+        self._late, self.missed = late, 0
+        qos = QoSProfile(
+            depth=topic.qos.depth,
+            reliability=topic.qos.reliability,
             liveliness=LivelinessPolicy.AUTOMATIC,
             liveliness_lease_duration=Duration(seconds=LEASE),
-            deadline=deadline,
+            deadline=Duration(seconds=LATE / rate) if rate else Duration(),
         )
+        events = PublisherEventCallbacks(deadline=self._on_missed if rate else None)
+        self.publisher = publish(node, topic, qos, events)
 
-    def callbacks(self, missed: Callable[[], None]) -> PublisherEventCallbacks:
-        """Callbacks for the publisher.
-
-        Args:
-            missed: Called when the next message is too late.
-        """
-        if (offered := self._rate) is None:
-            return PublisherEventCallbacks()
-
-        def on_missed(event: object) -> None:
-            if self.rate is None or self.rate < offered:
-                return
+    def _on_missed(self, event: object) -> None:
+        if self.rate >= self._offered:
             self.missed += 1
-            missed()
+            self._late()
 
-        return PublisherEventCallbacks(deadline=on_missed)
+
+class SimulatedOutage:
+    """Service ``~/lose_...`` (std_srvs/Trigger): it begins an outage that ends by itself.
+
+    Whoever asked for it need not be there at its end. Asked again, it lasts from then on.
+
+    Args:
+        node: That keeps something back.
+        service: Name of the service, without the node's.
+        what: That is kept back, in words.
+        time: Time by which it lasts in [s].
+    """
+
+    def __init__(self, node: Node, service: str, what: str, time: Callable[[], float]) -> None:
+        self._node, self._service, self._what, self._time = node, service, what, time
+        self._begin: float | None = None
+        node.create_service(Trigger, f"~/{service}", self._on_request)
+
+    @property
+    def lasts(self) -> bool:
+        """Whether it goes on now; where time goes back before its begin, it is over."""
+        return self._begin is not None and 0.0 <= self._time() - self._begin < OUTAGE
+
+    @property
+    def words(self) -> str:
+        """What is kept back, and for how long."""
+        return f"{self._what} is kept back for {OUTAGE:g} s by the service {self._service}"
+
+    def _on_request(self, request: Any, response: Any) -> Any:
+        self._begin = self._time()
+        response.success, response.message = True, self.words
+        self._node.get_logger().info(f"{self._service}: {self.words}")
+        return response
 
 
 class FollowingSubscription:
@@ -291,8 +321,7 @@ class FollowingSubscription:
     def _on_incompatible(self, event: object) -> None:
         # The subscription cannot be destroyed while its own event is handled.
         if self._change is None:
-            steady = Clock(clock_type=ClockType.STEADY_TIME)
-            self._change = self._node.create_timer(0.0, self._follow, clock=steady)
+            self._change = steady_timer(self._node, 0.0, self._follow)
 
     def _follow(self) -> None:
         self._change.cancel()

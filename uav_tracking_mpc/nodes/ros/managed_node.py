@@ -23,11 +23,13 @@ from functools import partialmethod
 from typing import Any
 
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from std_srvs.srv import SetBool
 
 from uav_tracking_mpc.nodes.ros.rclpy_internals import wrap_transitions
 
 SUCCESS, FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 ERROR = TransitionCallbackReturn.ERROR
+DISENGAGED = "disengaged by the service engage"
 
 
 class Stage(Enum):
@@ -149,3 +151,40 @@ class ManagedNode(LifecycleNode):
     def _tell(self, trouble: str) -> None:
         self.get_logger().error(f"{trouble}; now {self.stage.value}")
         self.show(trouble)
+
+
+class CommandGate:
+    """Takes the commands away from an active controller and gives them back.
+
+    It is engaged at the start, and stays as it was told to be through deactivation and cleanup:
+    what a pilot has stopped, a lifecycle manager does not start. Whether an autopilot *flies* what
+    is sent is another matter, which its link decides (``autopilot_link/engage``).
+
+    Args:
+        node: The controller's.
+        told: Called when an active node is to send commands from now on, or none any more.
+
+    Attributes:
+        engaged: Whether commands are to be sent.
+    """
+
+    def __init__(self, node: ManagedNode, told: Callable[[], None]) -> None:
+        self.engaged = True
+        self._node, self._told = node, told
+        node.create_service(SetBool, "~/engage", self._on_request)
+
+    def _on_request(self, request: Any, response: Any) -> Any:
+        response.success, response.message = self._answer(request.data)
+        self._node.get_logger().info(f"engage {str(request.data).lower()}: {response.message}")
+        return response
+
+    def _answer(self, wanted: bool) -> tuple[bool, str]:
+        active = self._node.stage is Stage.ACTIVE
+        if wanted and not active:
+            return False, "not engaged: the node is not active, activate it first"
+        self.engaged = wanted
+        if active:
+            self._told()
+        if wanted:
+            return True, "engaged: states are answered with commands"
+        return True, "disengaged: the vehicle flies its plan to the end, then holds"

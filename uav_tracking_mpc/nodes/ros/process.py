@@ -26,7 +26,6 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise, takewhile
 from pathlib import Path
-from types import FrameType
 from typing import Any, Generic, TypeVar
 
 import rclpy
@@ -71,13 +70,11 @@ def run(name: str, create: Callable[[], Node], arguments: Sequence[str] | None =
     Returns:
         Exit code.
     """
-    stopped = False
-
-    def stop(signum: int, frame: FrameType | None) -> None:
-        nonlocal stopped
-        stopped = True
-
-    previous = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
+    received: list[int] = []
+    previous = {
+        number: signal.signal(number, lambda number, _: received.append(number))
+        for number in (signal.SIGINT, signal.SIGTERM)
+    }
     node: Node | None = None
     logging.basicConfig(
         level=logging.INFO, format=f"[%(levelname)s] [{name}]: %(message)s", stream=sys.stderr
@@ -101,7 +98,7 @@ def run(name: str, create: Callable[[], Node], arguments: Sequence[str] | None =
         warn_of_vain_overrides(node)
         _warn_of_vain_files(node, name, arguments)
         try:
-            return _spun(name, node, lambda: stopped)
+            return _spun(name, node, received)
         finally:
             finish = getattr(node, "finish", None)
             if finish is not None and rclpy.ok():
@@ -122,18 +119,18 @@ def run(name: str, create: Callable[[], Node], arguments: Sequence[str] | None =
         rclpy.try_shutdown()
         for number, handler in previous.items():
             # The process ends: whoever signals it once more must not break that off.
-            signal.signal(number, signal.SIG_IGN if stopped else handler)
+            signal.signal(number, signal.SIG_IGN if received else handler)
 
 
-def _spun(name: str, node: Node, stopped: Callable[[], bool]) -> int:
-    """Spin a node until it is stopped or gives up; exit code."""
+def _spun(name: str, node: Node, received: Sequence[int]) -> int:
+    """Spin a node until a signal was received or it gives up; exit code."""
     # What exists now lives as long as the node: the collector need not look at it again, which
     # would take tens of milliseconds in the middle of a flight.
     gc.collect()
     gc.freeze()
     executor = EventsExecutor()
     executor.add_node(node)
-    while rclpy.ok() and not stopped():
+    while rclpy.ok() and not received:
         executor.spin_once(timeout_sec=0.1)
         if words := getattr(node, "refusal", ""):
             return _fatal(name, words)

@@ -20,6 +20,7 @@ It was written against rclpy of Jazzy; another version may name these things oth
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import Any
 
 from rclpy.impl.implementation_singleton import rclpy_implementation
@@ -63,32 +64,32 @@ def wrap_transitions(node: LifecycleNode, wrap: Callable[[Callable[..., Any]], A
 class NumberedSubscription:
     """The sequence numbers of a topic's messages: executors call nobody with them.
 
+    Where a security policy forbids to listen, there are none.
+
     Args:
         node: That listens.
         kind: Type of the messages.
         name: Of the topic.
         qos: That is asked for.
-
-    Raises:
-        PermissionError: A security policy forbids it.
     """
 
     def __init__(self, node: Node, kind: type, name: str, qos: QoSProfile) -> None:
-        self._type = kind
-        try:
-            with node.handle:
-                self._subscription = rclpy_implementation.Subscription(
-                    node.handle, kind, name, qos.get_c_qos_profile()
-                )
-        except rclpy_implementation.RCLError as error:
-            raise PermissionError(str(error)) from error
+        self._type, self._subscription = kind, None
+        with suppress(rclpy_implementation.RCLError), node.handle:
+            self._subscription = rclpy_implementation.Subscription(
+                node.handle, kind, name, qos.get_c_qos_profile()
+            )
 
     def numbers(self) -> Iterator[int | None]:
-        """Those of the messages since the last call; None from a middleware that has none."""
+        """Those of the messages since the last call; None where there are none to be had."""
+        if self._subscription is None:
+            yield None
+            return
         with self._subscription:
             while (taken := self._subscription.take_message(self._type, True)) is not None:
                 yield taken[1]["publication_sequence_number"]
 
     def close(self) -> None:
         """Listen no longer."""
-        self._subscription.destroy_when_not_in_use()
+        if self._subscription is not None:
+            self._subscription.destroy_when_not_in_use()

@@ -116,13 +116,13 @@ class TimedSimulator(UavSimulator):
         listen(self, ECHO_COMMAND, lambda data: self.echo.arrive(command_stamp(data)), raw=True)
         self._echo_timer = self.create_timer(0.5 / self.parameters.state_rate, self._send_echo)
         self._echo_timer.cancel()
-        publish_state = self._odometry_publisher.publish
+        publish_state = self._state_publisher.publisher.publish
 
         def noted(message: Any) -> None:
             self.trips.send(nanoseconds(message.header.stamp))
             publish_state(message)
 
-        self._odometry_publisher.publish = noted  # type: ignore[method-assign]
+        self._state_publisher.publisher.publish = noted  # type: ignore[method-assign]
 
     def _publish(self, stamp: int, seen: Measurement, state: bool = True) -> None:
         super()._publish(stamp, seen, state)

@@ -29,7 +29,7 @@ from typing import Any
 
 from rich.console import Console
 
-from uav_tracking_mpc.autopilot.stepped_autopilot import SteppedAutopilot
+from uav_tracking_mpc.autopilot.simulated_autopilot import SteppedAutopilot
 from uav_tracking_mpc.autopilot.wire_faults import WIRE_FAULTS
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.estimation.measurement import MeasurementError

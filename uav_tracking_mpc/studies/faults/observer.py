@@ -31,7 +31,7 @@ import numpy as np
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
-from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
+from uav_tracking_mpc.nodes.flight_recorder import FlightBag
 from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription
 from uav_tracking_mpc.nodes.topics import COMMAND, DIAGNOSTICS, ODOMETRY, TARGET, Topic
 from uav_tracking_mpc.studies.faults.invariants import (

@@ -24,7 +24,7 @@ from pathlib import Path
 
 import numpy as np
 
-from uav_tracking_mpc.launch.node_process import NodeProcess
+from uav_tracking_mpc.launch.supervisor import NodeProcess
 
 WARM_UP = 15.0  # s after its start that a process has for loading, compiling, filling its buffers
 SHORTEST = 120.0  # s of samples below which a slope says nothing: histories are being filled

@@ -23,8 +23,14 @@ pytest.importorskip("rclpy")
 from fault_streams import FIRST, REACH, STREAM_FAULTS, arrivals, healthy
 
 from uav_tracking_mpc.nodes.messages.conversions import plan_from_command, position_from_point
-from uav_tracking_mpc.nodes.messages.message_checks import MessageError
-from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY, TARGET
+from uav_tracking_mpc.nodes.topics import (
+    AIR_VELOCITY,
+    CLOCK,
+    COMMAND,
+    ODOMETRY,
+    TARGET,
+    MessageError,
+)
 
 
 @pytest.mark.parametrize(

@@ -29,10 +29,9 @@ from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 from uav_tracking_mpc.dynamics.frames import rotation_from_course, rotation_from_quaternion
 from uav_tracking_mpc.nodes.messages.conversions import nanoseconds
-from uav_tracking_mpc.nodes.messages.message_checks import FRAMES, FrameNames
-from uav_tracking_mpc.nodes.topics import ODOMETRY
+from uav_tracking_mpc.nodes.topics import FRAMES, ODOMETRY, FrameNames
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
-from uav_tracking_mpc.nodes.vehicle.vehicle_node import static_transforms, vehicle_transform
+from uav_tracking_mpc.nodes.vehicle_node import static_transforms, vehicle_transform
 
 
 def odometry(stamp=5_000_000_007, frames=FRAMES):
@@ -105,7 +104,7 @@ def tf2(monkeypatch):
 @pytest.mark.nodes
 def test_each_state_is_a_transform_in_the_aircrafts_own_frame(nodes, tf2):
     node, states = nodes.add(Simulator, namespace="/uav1"), []
-    node._odometry_publisher.publish = states.append
+    node._state_publisher.publisher.publish = states.append
     node._step()
     moving, static = node.tf["/tf"], node.tf["/tf_static"]
     (state,), (transform,) = states, moving.sent
@@ -145,7 +144,7 @@ def test_without_tf2_msgs_that_is_said_once_and_states_are_published(nodes):
             return logger
 
     node = nodes.add(Logged)
-    node._odometry_publisher.publish = states.append
+    node._state_publisher.publisher.publish = states.append
     node._step()
     node._step()
     assert len(states) == 2

@@ -19,7 +19,7 @@ from types import SimpleNamespace
 import pytest
 from std_srvs.srv import Trigger
 
-from uav_tracking_mpc.nodes.ros.node_services import DURATION, SimulatedOutage
+from uav_tracking_mpc.nodes.ros.endpoints import OUTAGE, SimulatedOutage
 
 
 @pytest.fixture
@@ -39,7 +39,7 @@ def test_it_begins_when_it_is_asked_for_and_ends_by_itself(node):
     assert answer.message == "the state is kept back for 15 s by the service lose_state"
     assert node.told == [f"lose_state: {answer.message}"]
     assert node.outage.lasts
-    node.time += DURATION - 1e-6
+    node.time += OUTAGE - 1e-6
     assert node.outage.lasts
     node.time += 2e-6
     assert not node.outage.lasts
@@ -51,7 +51,7 @@ def test_asked_again_it_lasts_from_then_on(node):
     node.ask()
     node.time += 10.0
     assert node.outage.lasts
-    node.time += DURATION - 10.0
+    node.time += OUTAGE - 10.0
     assert not node.outage.lasts
 
 

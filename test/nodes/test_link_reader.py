@@ -21,8 +21,8 @@ from paced_link import PacedLink
 from processes import wait_for
 
 from uav_tracking_mpc.links import LinkError
-from uav_tracking_mpc.nodes.vehicle import link_reader
-from uav_tracking_mpc.nodes.vehicle.link_reader import ClockOffset, LinkReader
+from uav_tracking_mpc.nodes import autopilot_link
+from uav_tracking_mpc.nodes.autopilot_link import ClockOffset, LinkReader
 
 APART = 1_700_000_000.0  # s
 
@@ -82,7 +82,7 @@ def test_a_clock_that_drifts_is_followed(clocks, offset):
 
 @pytest.fixture(autouse=True)
 def _quick(monkeypatch):
-    monkeypatch.setattr(link_reader, "RETRY_PERIOD", 0.01)
+    monkeypatch.setattr(autopilot_link, "RETRY_PERIOD", 0.01)
 
 
 @pytest.fixture

@@ -12,17 +12,24 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Requests to the nodes of one aircraft from another node: parameters, services, a goal."""
+"""Every aircraft of a domain, for who only looks; and requests to the nodes of one of them.
+
+Who only looks must not slow down who flies: subscriptions are best effort, which connects with
+every publisher, and what comes is kept as it came and read when it is looked at. A node that flies
+is asked for its parameters once, and again when it says that they have changed.
+"""
 
 from __future__ import annotations
 
+import functools
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 from rcl_interfaces.msg import ParameterEvent
 from rclpy.context import Context
 from rclpy.node import Node
@@ -33,19 +40,42 @@ from rclpy.serialization import deserialize_message
 from rclpy.task import Future
 from std_srvs.srv import SetBool, Trigger
 
+from uav_tracking_mpc.dynamics.orbit import FlownOrbit
+from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes.messages.conversions import set_vector
-from uav_tracking_mpc.nodes.ros.endpoints import NewestMessage
-from uav_tracking_mpc.nodes.topics import TARGET_GOAL, TARGET_TRUTH
+from uav_tracking_mpc.nodes.messages.heard_values import VALUES, NodeReport
+from uav_tracking_mpc.nodes.messages.wires import CommandWire, deserialized
+from uav_tracking_mpc.nodes.ros.declared_parameters import ros_value
+from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription, NewestMessage, steady_timer
+from uav_tracking_mpc.nodes.topics import (
+    AIR_VELOCITY,
+    ANY_FRAMES,
+    COMMAND,
+    DIAGNOSTICS,
+    ODOMETRY,
+    ORBIT,
+    TARGET,
+    TARGET_GOAL,
+    TARGET_ODOMETRY,
+    TARGET_TRUTH,
+    TRACKING,
+    TRACKING_ERRORS,
+    Topic,
+)
 from uav_tracking_mpc.parameters.specification import (
     ParameterError,
     Parameters,
     from_mapping,
     specifications,
 )
+from uav_tracking_mpc.settings.tracking import TrackingParameters
 
 T = TypeVar("T", bound=Parameters)
+CONTROLLER = "nmpc_controller"
 EVENTS = "/parameter_events"
 LIMIT = 5.0  # s of wall time for an answer
+LOOK_PERIOD = 0.5  # s between looks for aircraft
+QUEUE = 50  # reports that may wait: several aircraft send them on one topic
 
 
 def asking_node(context: Context) -> Node:
@@ -123,7 +153,7 @@ class RemoteParameters:
             values: By name.
         """
         return self._client.set_parameters_atomically(
-            [Parameter(name, value=_ros_value(value)) for name, value in values.items()]
+            [Parameter(name, value=ros_value(value)) for name, value in values.items()]
         )
 
 
@@ -308,13 +338,6 @@ class SteeringRequests:
         return goal
 
 
-def _ros_value(value: Any) -> Any:
-    """As ROS takes it: a list of numbers holds floats alone."""
-    if isinstance(value, (tuple, list, np.ndarray)):
-        return [float(number) for number in value]
-    return value.item() if isinstance(value, np.generic) else value
-
-
 def _result(future: Future[Any]) -> Any:
     """What was answered; None where nothing was, as when the node ended meanwhile."""
     return None if future.cancelled() or future.exception() else future.result()
@@ -328,3 +351,139 @@ def _answer(owner: str, future: Future[Any]) -> Any:
     if answer is None:
         raise NoAnswerError(f"{owner} did not answer within {LIMIT:g} s")
     return answer
+
+
+class Plan(NamedTuple):
+    """Where a command leads.
+
+    Attributes:
+        stamp: Of the state that it answers in [s].
+        positions: In ``map``, shape (n, 3), in [m]; n = 0 where it does not say.
+        times: Since the stamp, shape (n,), in [s].
+    """
+
+    stamp: float
+    positions: NDArray[np.float64]
+    times: NDArray[np.float64]
+
+
+class HeardAircraft:
+    """The newest of each topic of one namespace.
+
+    Args:
+        node: That listens.
+        namespace: Absolute, such as ``/red``; ``/`` for none.
+
+    Attributes:
+        namespace: Absolute.
+        state: Of the aircraft, stamped in [s].
+        airspeed: Measured, in [m/s].
+        sighting: Where the target was measured in ``map``, shape (3,), in [m].
+        tracked: Where a tracker says that the target is instead, as ``sighting``.
+        truth: Where the target truly is in ``map``, shape (3,), in [m].
+        plan: Where the newest command leads.
+        orbit: What it leads to.
+        figures: What the controller tracks by, by name: see ``tracking_message``.
+        cost: Of the newest plan [-].
+        solve_time: Of it in [s].
+        reports: What the nodes say of themselves, by their names without the namespace.
+    """
+
+    def __init__(self, node: Node, namespace: str) -> None:
+        self.namespace = namespace
+        self._node, self._commands = node, CommandWire(ANY_FRAMES)
+        self.state: NewestMessage[Measurement] = self._hear(ODOMETRY)
+        self.plan: NewestMessage[Plan] = self._hear(COMMAND, self._plan)
+        self.airspeed: NewestMessage[float] = self._hear(AIR_VELOCITY)
+        self.sighting: NewestMessage[NDArray[np.float64]] = self._hear(TARGET)
+        self.tracked: NewestMessage[NDArray[np.float64]] = self._hear(TARGET_ODOMETRY)
+        self.truth: NewestMessage[NDArray[np.float64]] = self._hear(TARGET_TRUTH)
+        self.orbit: NewestMessage[FlownOrbit] = self._hear(ORBIT)
+        self.figures: NewestMessage[dict[str, float]] = self._hear(TRACKING_ERRORS)
+        self.cost: NewestMessage[float] = self._hear(TRACKING["cost"])
+        self.solve_time: NewestMessage[float] = self._hear(TRACKING["solve_time"])
+        self.reports: dict[str, NodeReport] = {}
+
+    def _hear(self, topic: Topic, read: Callable[[bytes], Any] | None = None) -> NewestMessage[Any]:
+        name = f"{self.namespace.rstrip('/')}/{topic.name}"
+        read = functools.partial(_read, topic) if read is None else read
+        return NewestMessage(self._node, replace(topic, name=name), read)
+
+    def report(self, said: NodeReport) -> None:
+        """Take in what one of its nodes says of itself.
+
+        Args:
+            said: Of ``/diagnostics``.
+        """
+        node = said.path.removeprefix(self.namespace).strip("/")
+        # One step, for another thread looks: what it goes through is not changed.
+        self.reports = {**self.reports, node: said._replace(node=node, arrival=time.monotonic())}
+
+    def _plan(self, data: bytes) -> Plan:
+        stamp, positions, times = self._commands.places(data)
+        return Plan(stamp * 1e-9, positions, times)
+
+
+def _read(topic: Topic, data: bytes) -> Any:
+    """What the bytes of a message say."""
+    return VALUES[topic.name](deserialized(topic, data))
+
+
+class FlightWatcher(Node):
+    """Keeps what each aircraft, its controller and its target said last.
+
+    An aircraft is wherever somebody publishes ``uav/odometry``; it stays when it falls silent.
+
+    Args:
+        options: Of rclpy's Node.
+
+    Attributes:
+        aircraft: By namespace, absolute.
+        parameters: Of their controllers, by namespace.
+    """
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("flight_watcher", start_parameter_services=False, **options)
+        # Another thread looks: both are replaced, never changed.
+        self.aircraft: dict[str, HeardAircraft] = {}
+        self.parameters: dict[str, FollowedParameters[TrackingParameters]] = {}
+        FollowingSubscription(self, DIAGNOSTICS, self._on_diagnostics, QUEUE)
+        self.create_subscription(
+            ParameterEvent, EVENTS, self._on_change, qos_profile_parameter_events
+        )
+        steady_timer(self, LOOK_PERIOD, self._look)
+
+    def _look(self) -> None:
+        """Listen to aircraft that are new, and ask controllers that have changed."""
+        suffix = f"/{ODOMETRY.name}"
+        for topic, _ in self.get_topic_names_and_types():
+            namespace = topic.removesuffix(suffix) or "/"
+            known = namespace in self.aircraft or not topic.endswith(suffix)
+            if not known and self.count_publishers(topic):
+                self._listen(namespace)
+        for parameters in self.parameters.values():
+            parameters.follow()
+
+    def _listen(self, namespace: str) -> None:
+        controller = f"{namespace.rstrip('/')}/{CONTROLLER}"
+        asked = FollowedParameters(self, controller, TrackingParameters)
+        self.parameters = {**self.parameters, namespace: asked}
+        self.aircraft = {**self.aircraft, namespace: HeardAircraft(self, namespace)}
+
+    def _on_diagnostics(self, message: Any) -> None:
+        for said in VALUES[DIAGNOSTICS.name](message):
+            if (heard := self._whose(said.path)) is not None:
+                heard.report(said)
+
+    def _whose(self, path: str) -> HeardAircraft | None:
+        """The aircraft to which a node belongs: that of the longest namespace it is in."""
+        namespace = path
+        while namespace:
+            namespace = namespace.rpartition("/")[0]
+            if (heard := self.aircraft.get(namespace or "/")) is not None:
+                return heard
+        return None
+
+    def _on_change(self, event: ParameterEvent) -> None:
+        for parameters in self.parameters.values():
+            parameters.see(event)

@@ -27,7 +27,11 @@ from scipy.interpolate import CubicHermiteSpline
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, plan_from_command
+from uav_tracking_mpc.nodes.messages.conversions import (
+    nanoseconds,
+    plan_from_command,
+    truth_from_odometry,
+)
 from uav_tracking_mpc.nodes.messages.diagnostic_values import (
     ERROR,
     STALE,
@@ -38,10 +42,9 @@ from uav_tracking_mpc.nodes.messages.diagnostic_values import (
     reported_orbit,
 )
 from uav_tracking_mpc.nodes.messages.heard_values import VALUES, NodeReport
-from uav_tracking_mpc.nodes.messages.message_checks import ANY_FRAMES
-from uav_tracking_mpc.nodes.messages.target_messages import truth_from_odometry
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
+    ANY_FRAMES,
     COMMAND,
     DIAGNOSTICS,
     ENGAGED,
@@ -359,27 +362,8 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
     )
 
 
-class Complaint(NamedTuple):
-    """A status that was not fine.
-
-    Attributes:
-        node: Whose it was.
-        time: Since the first command in [s]; None where there was none.
-        words: What it said.
-    """
-
-    node: str
-    time: float | None
-    words: str
-
-    def __str__(self) -> str:
-        """For people."""
-        when = "" if self.time is None else f" at {self.time:.1f} s"
-        return f"{self.node} said{when}: {self.words}"
-
-
-def last_complaint(path: Path) -> Complaint | None:
-    """The last error that any node reported; without one, a warning that stood at the end.
+def last_complaint(path: Path) -> str:
+    """The last error that any node reported; without one, a warning that stood at the end; or "".
 
     What is said after the last state counts for nothing: the nodes end one after the other.
 
@@ -393,7 +377,7 @@ def last_complaint(path: Path) -> Complaint | None:
     for topic, _, message in messages(path, COMMAND, ODOMETRY, DIAGNOSTICS):
         if topic is ODOMETRY:
             for stamp, said in waiting:
-                standing[f"{said.namespace}/{said.node}"] = stamp, said
+                standing[said.path] = stamp, said
                 error = (stamp, said) if said.level == ERROR else error
             waiting.clear()
             continue
@@ -405,23 +389,22 @@ def last_complaint(path: Path) -> Complaint | None:
     warnings = [each for each in standing.values() if each[1].level == WARN]
     last = error or max(warnings, key=lambda each: each[0], default=None)
     if last is None:
-        return None
+        return ""
     stamp, said = last
     reason = said.values.get(REASON, "")
     words = f"{said.words} ({reason})" if reason and reason not in said.words else said.words
-    time = None if start is None else (stamp - start) * 1e-9
-    return Complaint(f"{said.namespace}/{said.node}".strip("/"), time, words)
+    when = "" if start is None else f" at {(stamp - start) * 1e-9:.1f} s"
+    return f"{said.path.strip('/')} said{when}: {words}"
 
 
 READ: dict[Topic, Callable[[Any], Any]] = {
     **{
         topic: VALUES[topic.name]
         for topic in (
-            ODOMETRY, AIR_VELOCITY, TARGET, TARGET_ODOMETRY, DIAGNOSTICS,
+            ODOMETRY, AIR_VELOCITY, TARGET, TARGET_ODOMETRY, ENGAGED, DIAGNOSTICS,
             TRACKING["cost"], TRACKING["solve_time"],
         )
     },
     TARGET_TRUTH: truth_from_odometry,
     COMMAND: lambda message: plan_from_command(message, ANY_FRAMES)[0][0],
-    ENGAGED: lambda message: message.data,
 }  # fmt: skip

@@ -31,16 +31,19 @@ from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes.messages.conversions import (
     nanoseconds,
     set_air_velocity,
+    set_header,
     set_measurement,
-    set_stamp,
 )
-from uav_tracking_mpc.nodes.messages.message_checks import FrameNames, MessageError, frame_names
 from uav_tracking_mpc.nodes.messages.named_figures import orbit_from_message
 from uav_tracking_mpc.nodes.messages.wires import CommandWire
 from uav_tracking_mpc.nodes.ros.declared_parameters import declare_parameters
-from uav_tracking_mpc.nodes.ros.diagnostics import WARN, Diagnostics, ThrottledWarnings
-from uav_tracking_mpc.nodes.ros.endpoints import PublishDeadline, PublisherWatch, listen, publish
-from uav_tracking_mpc.nodes.ros.sole_sender import DuplicateSenders
+from uav_tracking_mpc.nodes.ros.diagnostics import (
+    WARN,
+    Diagnostics,
+    DuplicateSenders,
+    ThrottledWarnings,
+)
+from uav_tracking_mpc.nodes.ros.endpoints import PacedPublisher, PublisherWatch, listen, publish
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     COMMAND,
@@ -48,6 +51,9 @@ from uav_tracking_mpc.nodes.topics import (
     ORBIT,
     STATIC_TRANSFORMS,
     TRANSFORMS,
+    FrameNames,
+    MessageError,
+    frame_names,
 )
 
 FLOWN = (COMMAND, ODOMETRY, AIR_VELOCITY)  # topics with one sender
@@ -82,21 +88,14 @@ class VehicleNode(Node):
             now: Stamp of diagnostics, where the node itself makes the time.
         """
         self._odometry, self._air_velocity = ODOMETRY.type(), AIR_VELOCITY.type()
-        self._deadline = PublishDeadline(rate)
-        self._odometry_publisher = publish(
-            self,
-            ODOMETRY,
-            self._deadline.qos(ODOMETRY.qos),
-            event_callbacks=self._deadline.callbacks(lambda: None),
-        )
+        self._state_publisher = PacedPublisher(self, ODOMETRY, rate)
         self._air_publisher = publish(self, AIR_VELOCITY)
         self._transforms = TransformBroadcaster(self, self._frames)
         self._diagnostics = Diagnostics(self, self._values, now)
         self._senders = DuplicateSenders(self, FLOWN, self._diagnostics.alarm)
-        self._commanders = PublisherWatch(lambda words: self._diagnostics.report(WARN, words))
+        self._commanders = PublisherWatch(self, lambda words: self._diagnostics.report(WARN, words))
         self._wire, self._warnings = CommandWire(self._frames), ThrottledWarnings(self)
-        events = self._commanders.listening(COMMAND)
-        listen(self, COMMAND, self._on_command, event_callbacks=events, raw=True)
+        self._commanders.listen(COMMAND, self._on_command, raw=True)
         listen(self, ORBIT, self._on_orbit)
 
     def _publish(self, stamp: int, seen: Measurement, state: bool = True) -> None:
@@ -109,7 +108,7 @@ class VehicleNode(Node):
         """
         set_measurement(self._odometry, stamp, seen, self._frames)
         if state:
-            self._odometry_publisher.publish(self._odometry)
+            self._state_publisher.publisher.publish(self._odometry)
             self._transforms.publish(self._odometry)
         if seen.airspeed is not None:
             set_air_velocity(self._air_velocity, stamp, seen.airspeed, self._frames)
@@ -136,7 +135,7 @@ class VehicleNode(Node):
 
     def _values(self) -> dict[str, object]:
         """Keys, with units, and values for /diagnostics."""
-        return {"state deadlines missed": self._deadline.missed, **self._commanders.values()}
+        return {"state deadlines missed": self._state_publisher.missed, **self._commanders.values()}
 
     def finish(self) -> None:
         """Publish the last diagnostics."""
@@ -193,8 +192,8 @@ def static_transforms(stamp: int, frames: FrameNames) -> list[TransformStamped]:
         (frames.base, "_frd", FORWARD_RIGHT_DOWN),
     ):
         message = TransformStamped()
-        set_stamp(message.header.stamp, stamp)
-        message.header.frame_id, message.child_frame_id = parent, parent + ending
+        set_header(message, stamp, parent)
+        message.child_frame_id = parent + ending
         q = message.transform.rotation
         q.x, q.y, q.z, q.w = rotation
         transforms.append(message)

@@ -24,33 +24,32 @@ import pytest
 from filled_messages import filled_air, filled_command, filled_odometry, filled_point
 from node_harness import callback, tapped
 
+from uav_tracking_mpc.links import Sighting
 from uav_tracking_mpc.nodes.autopilot_link import AutopilotLink
 from uav_tracking_mpc.nodes.messages.conversions import (
     air_velocity_from_twist,
     measurement_from_odometry,
     plan_from_command,
     position_from_point,
-)
-from uav_tracking_mpc.nodes.messages.message_checks import (
-    ANY_FRAMES,
-    FRAMES,
-    FrameNames,
-    MessageError,
-    frame_names,
+    target_from_odometry,
 )
 from uav_tracking_mpc.nodes.messages.named_figures import orbit_from_message, orbit_message
-from uav_tracking_mpc.nodes.messages.target_messages import target_from_odometry
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
+    ANY_FRAMES,
     COMMAND,
+    FRAMES,
     MARKERS,
     ODOMETRY,
     ORBIT,
     PREDICTED_PATH,
     TARGET,
     TARGET_ODOMETRY,
+    FrameNames,
+    MessageError,
+    frame_names,
 )
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.parameters.specification import ParameterError
@@ -167,10 +166,12 @@ def test_a_frame_that_is_none_ends_the_node(nodes, node_class):
 
 @pytest.mark.nodes
 def test_a_link_takes_frames(nodes):
-    sent, link = {}, f"{Path(__file__).parents[2] / 'paced_link.py'}:PacedLink"
+    sent, link = {}, f"{Path(__file__).parents[1] / 'paced_link.py'}:PacedLink"
     frames = {"frame_prefix": "a/", "map_frame": "odom", "namespace": "/uav1"}
     kind, parameters = keeping(AutopilotLink, sent), {"connection": "nobody", "target_system": 2}
     node = nodes.add(kind, link=link, **parameters, **frames)
     assert node._frames == ("odom", "a/base_link")
-    assert node._sightings._track.header.frame_id == "odom"
     assert TARGET_ODOMETRY.name not in sent
+    node._sightings.publish(1, Sighting(0.0, np.zeros(3), np.ones(3)))
+    (track,) = sent[TARGET_ODOMETRY.name]
+    assert (track.header.frame_id, track.child_frame_id) == ("odom", "odom")

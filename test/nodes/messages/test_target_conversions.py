@@ -20,15 +20,15 @@ import pytest
 from filled_messages import filled_point
 from nav_msgs.msg import Odometry
 
-from uav_tracking_mpc.nodes.messages.conversions import set_orientation, set_vector
-from uav_tracking_mpc.nodes.messages.message_checks import MessageError
-from uav_tracking_mpc.nodes.messages.target_messages import (
-    goal_from_point,
+from uav_tracking_mpc.nodes.messages.conversions import (
+    position_from_point,
+    set_orientation,
     set_truth,
+    set_vector,
     target_from_odometry,
     truth_from_odometry,
 )
-from uav_tracking_mpc.nodes.topics import TARGET_TRUTH
+from uav_tracking_mpc.nodes.topics import TARGET_GOAL, TARGET_TRUTH, MessageError
 
 
 def message(position=(1.0, 2.0, 3.0), velocity=(5.0, 0.0, 0.0), child="", heading=0.0):
@@ -153,8 +153,9 @@ def test_a_goal_that_is_none_is_refused(frame, goal, words):
     message = filled_point(0, goal)
     message.header.frame_id = frame
     with pytest.raises(MessageError, match=words):
-        goal_from_point(message)
+        position_from_point(message, topic=TARGET_GOAL)
 
 
 def test_a_goal_needs_no_stamp():
-    np.testing.assert_array_equal(goal_from_point(filled_point(0, POSITION)), POSITION)
+    goal = position_from_point(filled_point(0, POSITION), topic=TARGET_GOAL)
+    np.testing.assert_array_equal(goal, POSITION)

@@ -24,13 +24,17 @@ import pytest
 from filled_messages import SECOND, filled_air, filled_odometry, filled_point
 from node_harness import callback
 
-from uav_tracking_mpc.nodes.controller.message_times import DRAIN, MessageTimes, StallGuard
 from uav_tracking_mpc.nodes.messages.conversions import set_stamp
-from uav_tracking_mpc.nodes.messages.message_checks import MessageError
-from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
+from uav_tracking_mpc.nodes.nmpc_controller import DRAIN, MessageTimes, NmpcController, StallGuard
 from uav_tracking_mpc.nodes.ros import diagnostics
 from uav_tracking_mpc.nodes.ros.diagnostics import PERIOD, ThrottledWarnings
-from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, ODOMETRY, TARGET, TARGET_ODOMETRY
+from uav_tracking_mpc.nodes.topics import (
+    AIR_VELOCITY,
+    ODOMETRY,
+    TARGET,
+    TARGET_ODOMETRY,
+    MessageError,
+)
 
 STATE = [180.0, 0.0, 40.0, 2.0, 0.0, 4.0]
 

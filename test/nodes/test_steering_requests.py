@@ -18,7 +18,7 @@ import pytest
 from heard_flight import AnsweringNode
 from rcl_interfaces.msg import ParameterEvent
 
-from uav_tracking_mpc.nodes.watching.steering_requests import NoAnswerError, SteeringRequests
+from uav_tracking_mpc.nodes.watching import NoAnswerError, SteeringRequests
 
 
 @pytest.fixture

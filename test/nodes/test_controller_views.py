@@ -18,7 +18,7 @@ import pytest
 from filled_messages import over_the_wire
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.nodes.controller.controller_views import markers_message, path_message
+from uav_tracking_mpc.nodes.controller_report import markers_message, path_message
 
 
 def test_what_viewers_get_can_be_serialized():
