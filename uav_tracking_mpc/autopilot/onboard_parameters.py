@@ -23,7 +23,7 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from uav_tracking_mpc.dynamics.air import GRAVITY
+from uav_tracking_mpc.dynamics.frames import turn_rate_from_bank
 from uav_tracking_mpc.settings.configuration import Configuration
 
 LARGEST = 2**31 - 1  # code, of the integers that PARAM_VALUE can hold
@@ -116,7 +116,7 @@ def vehicle_numbers(configuration: Configuration, density_factor: float) -> Vehi
     envelope, plant = configuration.controller, configuration.simulator
     cruise = envelope.airspeed
     sink = cruise * math.sin(-envelope.path_angle_min)
-    turn = cruise**2 / (GRAVITY * math.tan(LOITER_BANK))
+    turn = cruise / turn_rate_from_bank(-LOITER_BANK, cruise)
     return VehicleNumbers(
         cruise=round(cruise / density_factor, 2),
         slowest=max(envelope.airspeed_min, plant.speed_min) / density_factor,

@@ -25,6 +25,7 @@ from typing import Any
 from uav_tracking_mpc.autopilot.stepped_autopilot import SteppedAutopilot
 from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.control.controller import Controller
+from uav_tracking_mpc.dynamics.frames import bank_from_quaternion
 from uav_tracking_mpc.estimation.measurement import MeasurementError
 from uav_tracking_mpc.launch.preflight import with_envelope
 from uav_tracking_mpc.links import VEHICLE_LINK, LinkError
@@ -119,7 +120,7 @@ class SentMessages:
             self.blame("engaged", "a set-point was sent while nobody was engaged")
         bank_max, pitch_min, pitch_max, thrust_min, thrust_max = self._limits()
         w, x, y, z = message.q
-        bank = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+        bank = bank_from_quaternion(x, y, z, w)
         pitch = math.asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x))))
         if abs(bank) > bank_max + ROUNDING:
             self.blame("bank", f"{math.degrees(bank):.1f} deg, may {math.degrees(bank_max):.1f}")
@@ -199,10 +200,7 @@ class LinkFlight:
         """True errors of range and altitude about the target in [m]."""
         state = self.autopilot.core.state
         x, y, z = self._motion.position(self.time).tolist()
-        east, north, up = state.east - x, state.north - y, state.up - z
-        orbit = self.parameters.orbit
-        distance = math.sqrt(east * east + north * north + up * up)
-        return distance - orbit.range, up - orbit.altitude
+        return self.parameters.orbit.errors_at(state.east - x, state.north - y, state.up - z)
 
     @property
     def speed(self) -> float:
