@@ -201,11 +201,13 @@ def replay(path: Path) -> Iterator[ReplayedStep]:
             solver = call.pop("solver", solver)
             readings[:] = call.pop("stopwatch", ())
             recorded = call.pop("command", None)
+            if recorded is not None:
+                recorded = RecordedCommand(np.array(recorded.pop("inputs")), **recorded)
             if controller.formulation is not None:
                 controller.formulation.solver.time_limit = math.inf
             command = _repeat(controller, **call)
             if call["call"] == "step":
-                yield ReplayedStep(recorded and _recorded(recorded), command)
+                yield ReplayedStep(recorded, command)
 
 
 def recorded_parameters(path: Path) -> TrackingParameters:
@@ -234,19 +236,14 @@ def _repeat(
 ) -> Command | None:
     """Make a call again; one that was refused is refused again."""
     if call in ("step", "see_state"):
-        values = arguments[0]
-        noise = values["noise"]
-        axes = {name: tuple(noise[name]) for name in ("position", "velocity")}
-        arguments[0] = Measurement(**{**values, "noise": SensorNoise(**{**noise, **axes})})
+        noise = arguments[0].pop("noise")
+        noise |= {name: tuple(noise[name]) for name in ("position", "velocity")}
+        arguments[0] = Measurement(**arguments[0], noise=SensorNoise(**noise))
     try:
         answer = getattr(controller, call)(*arguments, **named)
     except (MeasurementError, ParameterError):
         return None
     return answer if call == "step" else None
-
-
-def _recorded(values: dict[str, Any]) -> RecordedCommand:
-    return RecordedCommand(**{**values, "inputs": np.array(values["inputs"])})
 
 
 def _plain(value: Any) -> Any:

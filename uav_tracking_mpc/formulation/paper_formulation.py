@@ -30,7 +30,6 @@ from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.formulation import Plan, SolverMaker, solver_of
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem, TerminalSet, quadratic_problem
-from uav_tracking_mpc.mpc.solver import Solver
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.symbolic.functions import one_at_a_time
@@ -63,18 +62,15 @@ def stability_problem(parameters: TrackingParameters, name: str = "unnamed") -> 
     )
 
 
-def terminal_level(
-    parameters: TrackingParameters, problem: StabilityProblem | None = None
-) -> float | None:
+def terminal_level(parameters: TrackingParameters, problem: StabilityProblem) -> float | None:
     """Varrho of X_f (25), as large as U allows; None where no terminal set is asked for.
 
     Args:
         parameters: What is flown.
-        problem: Of these parameters; made from them by default.
+        problem: Of these parameters.
     """
     if parameters.terminal_constraint == "none":
         return None
-    problem = problem or stability_problem(parameters)
     return LEVEL_MARGIN * input_limited_level(problem.ingredients(), *problem.deviation_bounds())
 
 
@@ -143,20 +139,16 @@ class PaperFormulation:
 
     Args:
         parameters: What is flown.
-        solver: Of this problem; made by default.
-        make_solver: Makes it, as the parameters say.
+        make_solver: Makes the solver of its problem.
     """
 
     def __init__(
-        self,
-        parameters: TrackingParameters,
-        solver: Solver | None = None,
-        make_solver: SolverMaker = solver_of,
+        self, parameters: TrackingParameters, make_solver: SolverMaker = solver_of
     ) -> None:
         self.step = parameters.horizon_step
         self._flown = _About(parameters)
         self._next = self._flown
-        self.solver = solver or make_solver(self._flown.problem, parameters)
+        self.solver = make_solver(self._flown.problem, parameters)
         self.decrease = self._flown.decrease
         self._target = np.full(3, np.nan)
 
