@@ -40,7 +40,7 @@ test: $(VENV)/test
 	$(PYTEST) -m "alone and not long" $$(grep -lr --include='test_*.py' mark.alone test)
 
 together: $(VENV)/test
-	$(PYTEST) -m "not alone and not long" -n $(WORKERS) --dist loadfile --no-loadscope-reorder
+	$(PYTEST) -m "not alone and not long" -n $(WORKERS) --dist loadfile
 
 test-long: $(VENV)/test
 	$(PYTEST) --hypothesis-profile=full -m "not nodes and not browser" -n 2 --dist loadfile

@@ -25,7 +25,7 @@ ROOT = Path(__file__).resolve().parent
 
 setup(
     name=NAME,
-    version="0.2.0",
+    version="0.3.0",
     description="Nonlinear MPC of a fixed-wing UAV that circles a ground target in 3-D",
     long_description=(ROOT / "README.md").read_text(encoding="utf-8"),
     long_description_content_type="text/markdown",

@@ -106,8 +106,3 @@ class OptionalModule(pytest.Module):
 def pytest_pycollect_makemodule(module_path, parent):
     """Every file may need an extra: `colcon test` runs with what package.xml declares."""
     return OptionalModule.from_parent(parent, path=module_path)
-
-
-def pytest_collection_modifyitems(items):
-    """What waits for browsers and nodes begins first: the workers end together."""
-    items.sort(key=lambda item: not ({"browser", "nodes"} & {m.name for m in item.iter_markers()}))

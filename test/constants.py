@@ -38,6 +38,7 @@ PACKAGE = ROOT / "uav_tracking_mpc"
 PAGE = ROOT / "docs/reference/constants.md"
 TRIED = ROOT / "docs/reference/constants_tried.json"  # written by test/constant_trial.py
 WAYS = ("halved", "doubled")
+UNTRIED = ("display", "code")  # nobody tunes a protocol or a layout
 MARK = "<!-- table constants -->"
 HEADER = (
     "| constant | module | value | unit | kind | what it is for | source "
@@ -170,7 +171,7 @@ def is_number(node: ast.AST | None) -> bool:
 
 def noticed(constant: Constant, tried: dict[str, dict[str, str]]) -> list[str]:
     """The test that fails with half of it, and that with twice as much."""
-    if constant.kind == "display":
+    if constant.kind in UNTRIED:
         return ["", ""]
     said = tried.get(constant.key, dict.fromkeys(WAYS, "not run"))
     return [said[way] or "by no test of its file" for way in WAYS]

@@ -22,18 +22,13 @@ from collections import deque
 from typing import ClassVar
 
 import numpy as np
+from filled_messages import filled_clock, sensed
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, rule
 from message_strategies import changed
 
 from uav_tracking_mpc.dynamics.air import GRAVITY
-from uav_tracking_mpc.nodes.messages.conversions import (
-    nanoseconds,
-    set_air_velocity,
-    set_odometry,
-    set_point,
-    set_stamp,
-)
+from uav_tracking_mpc.nodes.messages.conversions import nanoseconds
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY, TARGET
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.studies.faults.invariants import ROUNDING, Invariants
@@ -189,16 +184,10 @@ class ControllerFlight(RuleBasedStateMachine):
         self.time += self.period
         self.harness.clock += self.period
         stamp = self.start + round(self.time * 1e9)
-        clock = CLOCK.type()
-        set_stamp(clock.clock, stamp + 1_000_000)
-        self.harness.tell(CLOCK.name, clock)
-        target, air, odometry = TARGET.type(), AIR_VELOCITY.type(), ODOMETRY.type()
-        set_point(target, stamp, self.place(self.state))
-        set_air_velocity(air, stamp, float(self.state[5]))
-        set_odometry(odometry, stamp, self.state, inputs)
+        self.harness.tell(CLOCK.name, filled_clock(stamp + 1_000_000))
         late = list(self.held.values())
         self.held.clear()
-        return [(TARGET, target), (AIR_VELOCITY, air), (ODOMETRY, odometry), *late]
+        return [*sensed(stamp, self.state, self.place(self.state), inputs).items(), *late]
 
     def arrive(self, topic, message):
         if topic is AIR_VELOCITY:

@@ -19,15 +19,16 @@ from __future__ import annotations
 import random
 
 import numpy as np
+from filled_messages import (
+    SECOND,
+    filled_air,
+    filled_clock,
+    filled_command,
+    filled_odometry,
+    filled_point,
+)
 from rclpy.serialization import deserialize_message, serialize_message
 
-from uav_tracking_mpc.nodes.messages.conversions import (
-    set_air_velocity,
-    set_command,
-    set_odometry,
-    set_point,
-    set_stamp,
-)
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY, TARGET
 from uav_tracking_mpc.studies.faults.schedule import catalogue
 from uav_tracking_mpc.studies.faults.stream_fault import StreamFault
@@ -42,19 +43,14 @@ STREAM_FAULTS = {
 
 def healthy(topic, seconds=FIRST):
     """A good message of a topic, with that stamp in [s]."""
-    message, stamp = topic.type(), seconds * 10**9
-    if topic is ODOMETRY:
-        set_odometry(message, stamp, STATE, np.zeros(3))
-    elif topic is TARGET:
-        set_point(message, stamp, np.array([1.0, 2.0, 0.0]))
-    elif topic is COMMAND:
-        set_command(message, stamp, np.zeros((3, 3)), 1.0)
-    elif topic is AIR_VELOCITY:
-        set_air_velocity(message, stamp, 4.0)
-    else:
-        assert topic is CLOCK
-        set_stamp(message.clock, stamp)
-    return message
+    fill, *values = {
+        ODOMETRY: (filled_odometry, STATE),
+        TARGET: (filled_point, [1.0, 2.0, 0.0]),
+        COMMAND: (filled_command, np.zeros((3, 3))),
+        AIR_VELOCITY: (filled_air, 4.0),
+        CLOCK: (filled_clock,),
+    }[topic]
+    return fill(seconds * SECOND, *values)
 
 
 def arrivals(label, topic, count=200, seed=0):

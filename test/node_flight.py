@@ -14,17 +14,17 @@
 
 """Simulator, target and controller in one process, and somebody who listens and asks."""
 
-import dataclasses
+from dataclasses import asdict
 
 import numpy as np
-import rclpy
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
-from processes import PATIENCE, spin
+from node_harness import Nodes
+from processes import PATIENCE
 from rcl_interfaces.srv import SetParametersAtomically
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 
+from uav_tracking_mpc.nodes.autopilot_link import AutopilotLink
 from uav_tracking_mpc.nodes.messages.conversions import plan_from_command
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
@@ -32,68 +32,50 @@ from uav_tracking_mpc.nodes.topics import COMMAND, DIAGNOSTICS, ODOMETRY
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.settings.configuration import load_configuration
 
-# On the orbit, in its clockwise turn; solves may take their time on a slow machine.
+NODES = {
+    "uav_simulator": UavSimulator,
+    "target_publisher": TargetPublisher,
+    "nmpc_controller": NmpcController,
+    "autopilot_link": AutopilotLink,
+}
+# On the orbit, in its clockwise turn.
 ON_ORBIT = (
     "nmpc_controller.direction=clockwise",
-    "nmpc_controller.solve_time_max=1.0",
     "uav_simulator.initial_position=[274.95454169735043, 0.0, 120.0]",
     "uav_simulator.initial_heading=-1.5707963267948966",
 )
+PATIENT = "nmpc_controller.solve_time_max=1.0"  # solves may take their time on a slow machine
 
 
-class Flight:
+class Flight(Nodes):
     """Simulator, target, controller and somebody who listens and asks, in one process.
 
     The simulator drives the time, which stands while nothing is spun.
     """
 
-    def __init__(self, name="small_uav", *overrides):
-        self.context = rclpy.Context()
-        self.context.init(args=[])
-        self.executor = SingleThreadedExecutor(context=self.context)
-        chosen = [*ON_ORBIT, *overrides] if name == "small_uav" else list(overrides)
+    def __init__(self, name="small_uav", *changes):
+        super().__init__()
+        chosen = [*ON_ORBIT, PATIENT, *changes] if name == "small_uav" else changes
         self.configuration = load_configuration(name, chosen)
-        self.asker = rclpy.create_node("asker", context=self.context)
-        self.executor.add_node(self.asker)
-        self.commands, self.diagnostics, self.states = [], [], []
-        for topic, heard in (
-            (COMMAND, self.commands),
-            (ODOMETRY, self.states),
-            (DIAGNOSTICS, self.diagnostics),
-        ):
-            self.asker.create_subscription(topic.type, topic.name, heard.append, 100)
-
-    def add(self, node_class, section, **more):
-        parameters = getattr(self.configuration, section)
-        values = {
-            field.name: getattr(parameters, field.name) for field in dataclasses.fields(parameters)
-        }
-        node = node_class(
-            context=self.context,
-            parameter_overrides=[
-                Parameter(name, value=list(value) if isinstance(value, tuple) else value)
-                for name, value in (values | more).items()
-            ],
-        )
-        self.executor.add_node(node)
-        return node
+        self.asker = self.peer("asker")
+        heard = self.listen(COMMAND, ODOMETRY, DIAGNOSTICS, by=self.asker)
+        self.commands, self.states, self.diagnostics = heard.values()
 
     def add_all(self, speed=5.0, **controller):
         """The three nodes in simulated time, at this speed; None for the wall's time."""
         follow = {"use_sim_time": True} if speed else {}
         drive = {"publish_clock": True, "speed": speed} if speed else {}
-        self.target = self.add(TargetPublisher, "target", **follow)
-        self.simulator = self.add(UavSimulator, "simulator", **drive)
-        self.controller = self.add(NmpcController, "controller", **controller, **follow)
-
-    def spin(self, until, limit=PATIENCE):
-        return spin(self.executor, until, limit)
+        flown = self.configuration
+        self.target = self.add(TargetPublisher, **asdict(flown.target), **follow)
+        self.simulator = self.add(UavSimulator, **{**asdict(flown.simulator), **drive})
+        self.controller = self.add(
+            NmpcController, **{**asdict(flown.controller), **controller, **follow}
+        )
 
     def fly(self, seconds):
         """Spin until so much simulated time has passed in [s]."""
-        now = lambda: self.simulator._now * 1e-9  # noqa: E731
-        end = now() + seconds
-        assert self.spin(lambda: now() >= end)
+        end = self.simulator._now + seconds * 1e9
+        assert self.spin(lambda: self.simulator._now >= end)
 
     def ask(self, kind, service, node="nmpc_controller", **request):
         client = self.asker.create_client(kind, f"{node}/{service}")
@@ -103,17 +85,28 @@ class Flight:
         self.asker.destroy_client(client)
         return future.result()
 
-    def change(self, transition):
-        return self.ask(ChangeState, "change_state", transition=Transition(id=transition)).success
+    def change(self, *transitions):
+        """Whether the controller goes through transitions, as ``configure``."""
+        return all(
+            self.ask(
+                ChangeState,
+                "change_state",
+                transition=Transition(id=getattr(Transition, f"TRANSITION_{name.upper()}")),
+            ).success
+            for name in transitions
+        )
 
-    def state(self):
-        return self.ask(GetState, "get_state").current_state.id
+    def state(self, node="nmpc_controller"):
+        """Of the controller's lifecycle, in its word."""
+        return self.ask(GetState, "get_state", node).current_state.label
 
     def set(self, node="nmpc_controller", **values):
+        """Why parameters are refused, "" if they are accepted."""
         wanted = [Parameter(name, value=value).to_parameter_msg() for name, value in values.items()]
-        return self.ask(
+        result = self.ask(
             SetParametersAtomically, "set_parameters_atomically", node, parameters=wanted
         ).result
+        return "" if result.successful else result.reason or "no reason"
 
     def commanded(self, count=10, limit=PATIENCE):
         """Whether commands come from now on."""
@@ -125,15 +118,13 @@ class Flight:
         status = self.says(node)[-1]
         return status.message, {value.key: value.value for value in status.values}
 
+    def tells(self, words, node="nmpc_controller"):
+        """Whether a node comes to say so."""
+        return self.spin(lambda: words in self.told(node)[0])
+
     def says(self, node="nmpc_controller"):
         """All that a node has said in diagnostics, oldest first."""
         return [s for message in self.diagnostics for s in message.status if node in s.name]
 
     def inputs(self):
         return np.array([plan_from_command(message)[0][0] for message in self.commands])
-
-    def end(self):
-        for node in self.executor.get_nodes():
-            node.destroy_node()
-        self.executor.shutdown()
-        self.context.try_shutdown()

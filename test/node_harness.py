@@ -12,18 +12,21 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A real node without an executor: messages go into its callbacks by hand."""
+"""Nodes in the process of a test: spun together, or one by hand without an executor."""
 
 from __future__ import annotations
 
-import dataclasses
+import contextlib
 import math
 import time
 import traceback
+from dataclasses import asdict
 from unittest import mock
 
 import rclpy
 from fingerprint import PACKAGE, fingerprints
+from processes import PATIENCE, spin
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.signals import SignalHandlerOptions
@@ -33,11 +36,116 @@ from uav_tracking_mpc.nodes.messages.conversions import measurement_from_odometr
 FLOWN_BY = ("control", "estimation", "simulation")  # rooms whose objects a node flies by
 
 
-def _listener(subscription):
-    """Its callback, for messages, though it may ask for their bytes."""
+def overrides(parameters):
+    """Parameters of a node by name, as rclpy takes them."""
+    return [
+        Parameter(name, value=list(value) if isinstance(value, tuple) else value)
+        for name, value in parameters.items()
+    ]
+
+
+def tapped(node_class, heard):
+    """A kind of node that thinks somebody listens, and hands over what it has published.
+
+    Args:
+        node_class: Of the node.
+        heard: Called with the name of the topic and the message, before the node goes on.
+    """
+
+    class Tapped(node_class):
+        """The node, with a listener on every publisher."""
+
+        def create_publisher(self, kind, topic, *rest, **options):
+            publisher = super().create_publisher(kind, topic, *rest, **options)
+            publish = publisher.publish
+
+            def told(message):
+                publish(message)  # what cannot be serialized raises here
+                data = message if isinstance(message, bytes) else serialize_message(message)
+                heard(topic, deserialize_message(data, kind))
+
+            publisher.publish, publisher.get_subscription_count = told, lambda: 1
+            return publisher
+
+    return Tapped
+
+
+def callback(node, topic):
+    """What a node does with a message of a topic, though it may ask for its bytes."""
+    (subscription,) = [s for s in node.subscriptions if s.topic_name.strip("/") == topic.strip("/")]
     if not subscription.raw:
         return subscription.callback
     return lambda message: subscription.callback(serialize_message(message))
+
+
+class Nodes:
+    """Nodes of one context, spun by one executor; they go as it ends."""
+
+    def __init__(self, executor=SingleThreadedExecutor, **options):
+        self.context = rclpy.Context()
+        self.context.init(args=[], **options)
+        self.executor = executor(context=self.context)
+        self.made = []
+
+    def add(self, node_class, cli_args=(), namespace="", **parameters):
+        """A node with parameters."""
+        return self.join(
+            node_class(
+                context=self.context,
+                cli_args=[*cli_args],
+                namespace=namespace,
+                parameter_overrides=overrides(parameters),
+            )
+        )
+
+    def peer(self, name):
+        """A node without anything."""
+        return self.join(rclpy.create_node(name, context=self.context))
+
+    def join(self, node):
+        """Spin a node with the others."""
+        self.made.append(node)
+        self.executor.add_node(node)
+        return node
+
+    def remove(self, node):
+        """A node goes before the others."""
+        self.made.remove(node)
+        self.executor.remove_node(node)
+        node.destroy_node()
+
+    def listen(self, *topics, by=None):
+        """Messages that come from now on, to a node if it is named, by name of the topic."""
+        node, heard = by or self.peer("listener"), {topic.name: [] for topic in topics}
+        for topic in topics:
+            node.create_subscription(topic.type, topic.name, heard[topic.name].append, 100)
+        return heard
+
+    def send(self, messages, period=0.05, qos=None):
+        """Publish again and again what a function gives, by topic; the publishers by topic."""
+        node, publishers = self.peer("sender"), {}
+
+        def send():
+            for topic, message in messages().items():
+                if topic not in publishers:
+                    publishers[topic] = node.create_publisher(
+                        topic.type, topic.name, qos or topic.qos
+                    )
+                publishers[topic].publish(message)
+
+        node.create_timer(period, send)
+        return publishers
+
+    def spin(self, until, limit=PATIENCE, also=lambda: None):
+        """Whether a condition comes to hold while the nodes are spun."""
+        return spin(self.executor, until, limit, also)
+
+    def end(self):
+        for node in self.made:
+            getattr(node, "finish", lambda: None)()
+            node.destroy_node()
+        self.executor.shutdown()
+        self.context.try_shutdown()
 
 
 class NodeHarness:
@@ -59,40 +167,12 @@ class NodeHarness:
     """
 
     def __init__(self, node_class, parameters, refusals, may_change, **more):
-        harness = self
-
-        class Tapped(node_class):
-            """The node, with a listener on every publisher."""
-
-            def create_publisher(self, kind, topic, *rest, **options):
-                publisher = super().create_publisher(kind, topic, *rest, **options)
-                publish = publisher.publish
-
-                def tapped(message):
-                    publish(message)  # what cannot be serialized raises here
-                    if isinstance(message, bytes):
-                        message = deserialize_message(message, kind)
-                    harness.published(topic, message)
-
-                publisher.publish, publisher.get_subscription_count = tapped, lambda: 1
-                return publisher
-
-        values = {
-            field.name: getattr(parameters, field.name) for field in dataclasses.fields(parameters)
-        }
-        overrides = [
-            Parameter(name, value=list(value) if isinstance(value, tuple) else value)
-            for name, value in {**values, **more}.items()
-        ]
         self.published = lambda topic, message: None
         self.clock = 1000.0
         self.first_error = ""
         self._refusals, self._may_change = refusals, may_change
-        self.node = Tapped(parameter_overrides=overrides)
-        self._callbacks = {
-            subscription.topic_name.lstrip("/"): _listener(subscription)
-            for subscription in self.node.subscriptions
-        }
+        kind = tapped(node_class, lambda topic, message: self.published(topic, message))
+        self.node = kind(parameter_overrides=overrides({**asdict(parameters), **more}))
 
     def deliver(self, topic, message):
         """Hand a message over; returns whether the node refused it.
@@ -110,7 +190,7 @@ class NodeHarness:
 
     def tell(self, topic, message):
         """Hand a message over."""
-        self._call(self._callbacks[topic.lstrip("/")], message)
+        self._call(callback(self.node, topic), message)
 
     def fire(self):
         """Let every timer be due."""
@@ -146,10 +226,14 @@ class NodeHarness:
         return fingerprints(flown_by, self._may_change)
 
 
-def start_ros():
+@contextlib.contextmanager
+def silent_ros():
     """ROS in this process, silent: thousands of refused messages are thousands of warnings."""
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     rclpy.logging.set_logger_level("", rclpy.logging.LoggingSeverity.FATAL)
+    yield
+    rclpy.try_shutdown()
+    rclpy.logging.set_logger_level("", rclpy.logging.LoggingSeverity.INFO)
 
 
 def vehicle_from_odometry(message):

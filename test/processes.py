@@ -95,6 +95,18 @@ def ended(process, stop=None, limit=120.0):
     return process.returncode, process.said + rest
 
 
+def outcome(module, *arguments, env=None, limit=300.0):
+    """Exit code, output and errors of a process that ends by itself."""
+    finished = subprocess.run(
+        command(module, *map(str, arguments)),
+        capture_output=True,
+        text=True,
+        env=environment() if env is None else env,
+        timeout=limit,
+    )
+    return finished.returncode, finished.stdout, finished.stderr
+
+
 def run(module, *arguments, stop=None, after="", env=None):
     """Exit code and output of a process, to which ``stop`` is sent after it has said ``after``."""
     with started(module, *arguments, after=after, env=env) as process:
@@ -103,6 +115,21 @@ def run(module, *arguments, stop=None, after="", env=None):
 
 def run_node(name, *arguments, **how):
     return run(f"nodes.{name}", *arguments, **how)
+
+
+def fatal_words(name, code, output):
+    """Why a node could not start: the one line with which it ended, in code 2, without its name."""
+    fatal = [line for line in output.splitlines() if line.startswith("[FATAL]")]
+    assert code == 2, output
+    assert len(fatal) == 1, output
+    assert "Traceback" not in output
+    assert fatal[0].startswith(f"[FATAL] [{name}]: ")
+    return fatal[0].removeprefix(f"[FATAL] [{name}]: ")
+
+
+def refused_start(name, *arguments):
+    """Why a process of a node does not start with arguments of ROS."""
+    return fatal_words(name, *run_node(name, "--ros-args", *arguments))
 
 
 def nodes_of(launcher):

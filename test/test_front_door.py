@@ -17,6 +17,8 @@
 import ast
 import doctest
 import importlib
+import pydoc
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -60,6 +62,19 @@ def test_the_example_of_the_docstring_runs():
     results = doctest.testmod(uav_tracking_mpc, verbose=False)
     assert results.attempted > 5
     assert results.failed == 0
+
+
+def test_new_places_of_the_migration_page_are_there():
+    page = Path(__file__).parents[1] / "docs" / "migration.md"
+    table = page.read_text().split("## Imports")[1].split("## ")[0]
+    places = [
+        place
+        for line in table.splitlines()[4:]
+        for place in re.findall(r"`(uav_tracking_mpc[\w.]+)`", line.partition(" | ")[2])
+    ]
+    assert len(places) > 20
+    for place in places:
+        assert pydoc.locate(place) is not None, place
 
 
 def test_what_examples_taught_to_import_is_there_and_tells_its_new_place():

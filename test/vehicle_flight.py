@@ -20,12 +20,13 @@ import copy
 import math
 
 import numpy as np
+from filled_messages import filled_command
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, rule
 from message_strategies import changed
 from node_harness import NodeHarness
 
-from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, set_command
+from uav_tracking_mpc.nodes.messages.conversions import nanoseconds
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.settings.configuration import load_configuration
@@ -68,9 +69,9 @@ class VehicleFlight(RuleBasedStateMachine):
     )
     def command(self, inputs, step, age, data, wrong, copies):
         """A plan up to half as much again beyond the limits."""
-        parameters, message = self.parameters, COMMAND.type()
-        limit = (parameters.yaw_rate_max, parameters.pitch_rate_max, parameters.acceleration_max)
-        set_command(message, max(0, self.now - age), np.array(inputs) * limit, step)
+        known = self.parameters
+        limit = (known.yaw_rate_max, known.pitch_rate_max, known.acceleration_max)
+        message = filled_command(max(0, self.now - age), np.array(inputs) * limit, step)
         if wrong:
             message = data.draw(changed(message))
         for _ in range(copies):

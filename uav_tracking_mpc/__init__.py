@@ -47,7 +47,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"
 
 if TYPE_CHECKING:
     from uav_tracking_mpc.control.command import Command as Command
@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     from uav_tracking_mpc.laws import GuidanceLaw as GuidanceLaw
     from uav_tracking_mpc.laws.conformance import check_law as check_law
     from uav_tracking_mpc.limits import Limit as Limit
+    from uav_tracking_mpc.limits.conformance import check_limit as check_limit
     from uav_tracking_mpc.limits.envelope import Envelope as Envelope
     from uav_tracking_mpc.links import VehicleLink as VehicleLink
     from uav_tracking_mpc.links._check import check_link as check_link
@@ -80,6 +81,7 @@ if TYPE_CHECKING:
     from uav_tracking_mpc.simulation.plants import Plant as Plant
     from uav_tracking_mpc.simulation.plants.conformance import check_plant as check_plant
     from uav_tracking_mpc.studies.faults.kinds import Fault as Fault
+    from uav_tracking_mpc.studies.faults.kinds.conformance import check_fault as check_fault
 
 # Where each name lives. It is imported when it is first asked for: the import of the package alone
 # costs next to nothing.
@@ -106,7 +108,9 @@ _HOMES = {
     "VehicleLink": "links",
     "VehicleModel": "dynamics.vehicle_models",
     "VehicleState": "dynamics.vehicle_models",
+    "check_fault": "studies.faults.kinds.conformance",
     "check_law": "laws.conformance",
+    "check_limit": "limits.conformance",
     "check_link": "links._check",
     "check_model": "dynamics.vehicle_models.conformance",
     "check_motion": "simulation.motions.conformance",

@@ -15,14 +15,10 @@
 """The simulated autopilot from the command line."""
 
 import os
-import signal
-import subprocess
-import sys
 
 import pytest
+from processes import TERMINATE, ended, started
 from pymavlink import mavutil
-
-from uav_tracking_mpc.cli.main import main
 
 PORT = 20000 + os.getpid() % 20000 + 50
 
@@ -30,17 +26,13 @@ PORT = 20000 + os.getpid() % 20000 + 50
 def test_it_flies_until_it_is_told_to_end():
     connection = mavutil.mavlink_connection(f"udpin:127.0.0.1:{PORT}")
     where = ["--connection", f"udpout:127.0.0.1:{PORT}", "--origin=-33.9,18.4,40", "--system", "7"]
-    command = [sys.executable, "-m", "uav_tracking_mpc", "autopilot", *where, "--dialect", "px4"]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-    try:
+    with started("cli.main", "autopilot", *where, "--dialect", "px4") as process:
         position = connection.recv_match(type="GLOBAL_POSITION_INT", blocking=True, timeout=60.0)
-        assert position.get_srcSystem() == 7
-        assert position.lat == pytest.approx(-339000000, abs=1e5)
-    finally:
-        process.send_signal(signal.SIGTERM)
-        _, words = process.communicate(timeout=60)
         connection.close()
-    assert process.returncode == 0
+        code, words = ended(process, TERMINATE)
+    assert position.get_srcSystem() == 7
+    assert position.lat == pytest.approx(-339000000, abs=1e5)
+    assert code == 0
     assert words.startswith("px4: system 7, mode LOITER, at udpout:")
 
 
@@ -52,16 +44,13 @@ def test_it_flies_until_it_is_told_to_end():
         (["--set", "uav_simulator.plant=balloon"], "'balloon'"),
     ],
 )
-def test_what_is_wrong_is_one_line(arguments, words, capsys):
-    assert main(["autopilot", *arguments]) == 2
-    error = capsys.readouterr().err
+def test_what_is_wrong_is_one_line(arguments, words, uav_tracking):
+    error = uav_tracking.refused("autopilot", *arguments)
     assert words in error
     assert len(error.splitlines()) == 1
 
 
 @pytest.mark.parametrize("origin", ["here", "95,0,0", "nan,0,0"])
-def test_an_origin_that_is_none_is_told(origin, capsys):
-    with pytest.raises(SystemExit) as ended:
-        main(["autopilot", "--origin", origin])
-    assert ended.value.code == 2
-    assert f"'{origin}' is not LAT,LON,ALT" in capsys.readouterr().err
+def test_an_origin_that_is_none_is_told(origin, uav_tracking):
+    error = uav_tracking.refused("autopilot", "--origin", origin)
+    assert f"'{origin}' is not LAT,LON,ALT" in error

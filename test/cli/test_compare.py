@@ -15,13 +15,10 @@
 """The command from end to end, and what it refuses."""
 
 import json
-import subprocess
 
 import pytest
 from example_flights import KEYS
-from processes import command, environment
 
-from uav_tracking_mpc.cli.main import main
 from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.studies import executors
 from uav_tracking_mpc.studies.comparison import results
@@ -38,23 +35,11 @@ class Circler(GuidanceLaw):
 """
 
 
-def run(*arguments, limit=280):
-    return subprocess.run(
-        command("cli.main", "compare", *map(str, arguments)),
-        capture_output=True,
-        text=True,
-        env=environment(),
-        timeout=limit,
-    )
-
-
-def test_two_laws_through_one_scenario(tmp_path):
-    finished = run(
-        "--config", "small_uav", "--scenario", "wind", "--laws", "nmpc", "l1",
-        "--set", "mission.duration=30", "--output", tmp_path, "--json",
+def test_two_laws_through_one_scenario(tmp_path, uav_tracking):
+    content = uav_tracking.json(
+        "compare", "--config", "small_uav", "--scenario", "wind", "--laws", "nmpc", "l1",
+        "--set", "mission.duration=30", "--output", tmp_path,
     )  # fmt: skip
-    assert finished.returncode == 0, finished.stderr
-    content = json.loads(finished.stdout)
     flights = content["scenarios"]["wind"]
     assert list(flights) == ["nmpc", "l1"]
     assert all(set(flight) == KEYS for flight in flights.values())
@@ -65,12 +50,12 @@ def test_two_laws_through_one_scenario(tmp_path):
     assert (tmp_path / "compare.html").is_file()
 
 
-def test_people_get_a_table():
-    finished = run("--scenario", "still", "--laws", "l1", "--set", "mission.duration=5")
-    assert finished.returncode == 0, finished.stderr
-    assert "range RMS" in finished.stdout
-    assert "never" in finished.stdout
-    assert "missed" not in finished.stdout  # without the controller nothing is judged
+def test_people_get_a_table(uav_tracking):
+    few = ("--scenario", "still", "--laws", "l1", "--set", "mission.duration=5")
+    told = uav_tracking.told("compare", *few)
+    assert "range RMS" in told
+    assert "never" in told
+    assert "missed" not in told  # without the controller nothing is judged
 
 
 @pytest.mark.parametrize(
@@ -84,11 +69,8 @@ def test_people_get_a_table():
         (["--mismatch", "lag_0", "--scenario", "still"], "not allowed with argument --mismatch"),
     ],
 )
-def test_mistakes_are_explained(arguments, words):
-    finished = run(*arguments)
-    assert finished.returncode == 2
-    assert words in finished.stderr
-    assert finished.stdout == ""
+def test_mistakes_are_explained(arguments, words, uav_tracking):
+    assert words in uav_tracking.refused("compare", *arguments)
 
 
 class Interrupting:
@@ -104,19 +86,24 @@ class Interrupting:
         return simulate(configuration)
 
 
-def interrupted(monkeypatch, at, *words):
-    monkeypatch.setattr(executors.os, "sched_getaffinity", lambda _: {0})  # in this process
-    monkeypatch.setattr(results, "simulate", Interrupting(at))
-    laws = ("--laws", "l1", "vector_field", "--set", "mission.duration=20")
-    return main(["compare", *laws, *words])
+@pytest.fixture
+def interrupted(monkeypatch, uav_tracking):
+    """Compares two laws, and is interrupted at some flight; what it says then."""
+
+    def interrupted(at, *words):
+        monkeypatch.setattr(executors.os, "sched_getaffinity", lambda _: {0})  # in this process
+        monkeypatch.setattr(results, "simulate", Interrupting(at))
+        laws = ("--laws", "l1", "vector_field", "--set", "mission.duration=20")
+        ended = uav_tracking("compare", *laws, *words)
+        assert ended.code == 130
+        return ended.err.strip()
+
+    return interrupted
 
 
-def test_an_interrupted_comparison_keeps_the_scenarios_that_were_flown(
-    monkeypatch, tmp_path, capsys
-):
-    words = ("--scenario", "still", "wind", "--output", str(tmp_path))
-    assert interrupted(monkeypatch, 4, *words) == 130
-    assert "interrupted: 1 of 2 were flown by every law" in capsys.readouterr().err
+def test_an_interrupted_comparison_keeps_the_scenarios_that_were_flown(interrupted, tmp_path):
+    words = interrupted(4, "--scenario", "still", "wind", "--output", tmp_path)
+    assert "interrupted: 1 of 2 were flown by every law" in words
     content = json.loads((tmp_path / "compare.json").read_text())
     assert {name: set(laws) for name, laws in content["scenarios"].items()} == {
         "still": {"l1", "vector_field"}
@@ -124,39 +111,34 @@ def test_an_interrupted_comparison_keeps_the_scenarios_that_were_flown(
     assert (tmp_path / "compare.html").is_file()
 
 
-def test_interrupted_mismatches_are_kept(monkeypatch, tmp_path):
-    words = ("--mismatch", "lag_0", "lag_2", "--output", str(tmp_path))
-    assert interrupted(monkeypatch, 3, *words) == 130
+def test_interrupted_mismatches_are_kept(interrupted, tmp_path):
+    interrupted(3, "--mismatch", "lag_0", "lag_2", "--output", tmp_path)
     content = json.loads((tmp_path / "mismatches.json").read_text())
     assert list(content["mismatches"]) == ["lag_0"]
 
 
-def test_before_any_scenario_is_whole_there_is_nothing_to_keep(monkeypatch, tmp_path, capsys):
-    words = ("--scenario", "still", "wind", "--output", str(tmp_path / "out"))
-    assert interrupted(monkeypatch, 2, *words) == 130
-    assert capsys.readouterr().err.strip().endswith("uav_tracking: interrupted")
+def test_before_any_scenario_is_whole_there_is_nothing_to_keep(interrupted, tmp_path):
+    words = interrupted(2, "--scenario", "still", "wind", "--output", tmp_path / "out")
+    assert words.endswith("uav_tracking: interrupted")
     assert not (tmp_path / "out" / "compare.json").exists()
 
 
-def test_a_law_of_ones_own_flies_beside_the_others(tmp_path):
+def test_a_law_of_ones_own_flies_beside_the_others(tmp_path, uav_tracking):
     path = tmp_path / "circler.py"
     path.write_text(LAW)
-    finished = run(
-        "--scenario", "still", "--laws", "l1", "--law", f"{path}:Circler",
-        "--set", "mission.duration=5", "--output", tmp_path / "out", "--json",
+    content = uav_tracking.json(
+        "compare", "--scenario", "still", "--laws", "l1", "--law", f"{path}:Circler",
+        "--set", "mission.duration=5", "--output", tmp_path / "out",
     )  # fmt: skip
-    assert finished.returncode == 0, finished.stderr
-    assert list(json.loads(finished.stdout)["scenarios"]["still"]) == ["l1", "circler"]
+    assert list(content["scenarios"]["still"]) == ["l1", "circler"]
     assert (tmp_path / "out" / "still.png").is_file()
 
 
-def test_laws_that_are_told_wrong(tmp_path):
-    finished = run(
-        "--mismatch", "zigzag", "lag_0.5", "--laws", "nmpc", "npfg",
-        "--set", "mission.duration=20", "--output", tmp_path, "--json",
+def test_laws_that_are_told_wrong(tmp_path, uav_tracking):
+    content = uav_tracking.json(
+        "compare", "--mismatch", "zigzag", "lag_0.5", "--laws", "nmpc", "npfg",
+        "--set", "mission.duration=20", "--output", tmp_path,
     )  # fmt: skip
-    assert finished.returncode == 0, finished.stderr
-    content = json.loads(finished.stdout)
     assert list(content["mismatches"]) == ["lag_0.5", "zigzag"]
     for flown in content["mismatches"].values():
         assert list(flown) == ["nmpc", "npfg"]

@@ -14,9 +14,8 @@
 
 from __future__ import annotations
 
-import json
+import pytest
 
-from uav_tracking_mpc.cli.main import main
 from uav_tracking_mpc.control import guidance
 from uav_tracking_mpc.mpc import compiled_method, machine_code
 
@@ -29,36 +28,35 @@ class Quick(compiled_method.Compilation):
         (self.folder / machine_code.DESCRIPTION).write_text("{}")
 
 
-def test_it_says_what_was_compiled_and_where_it_is_kept(monkeypatch, tmp_path, capsys):
+@pytest.fixture
+def quick(monkeypatch, tmp_path):
+    """Nothing is compiled, into an empty cache."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(guidance, "Compilation", Quick)
-    assert main(["compile", "--config", "small_uav", "--json"]) == 0
-    first = json.loads(capsys.readouterr().out)
+
+
+def test_it_says_what_was_compiled_and_where_it_is_kept(quick, tmp_path, uav_tracking):
+    words = ("compile", "--config", "small_uav")
+    first = uav_tracking.json(*words)
     assert first["compiled"] is True
     assert first["config"] == "small_uav"
     assert first["folder"].startswith(str(tmp_path))
-    assert main(["compile", "--config", "small_uav", "--json"]) == 0
-    second = json.loads(capsys.readouterr().out)
-    assert second == {**first, "compiled": False, "seconds": 0.0}
-    assert main(["compile", "--config", "small_uav"]) == 0
-    assert "solver is compiled already, kept in" in capsys.readouterr().out
+    assert uav_tracking.json(*words) == {**first, "compiled": False, "seconds": 0.0}
+    assert "solver is compiled already, kept in" in uav_tracking.told(*words)
 
 
-def test_another_problem_is_compiled_anew(monkeypatch, tmp_path, capsys):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(guidance, "Compilation", Quick)
-    folders = []
-    for setting in ("nmpc_controller.horizon=12", "nmpc_controller.horizon=13"):
-        assert main(["compile", "--set", setting, "--json"]) == 0
-        folders.append(json.loads(capsys.readouterr().out)["folder"])
-    assert folders[0] != folders[1]
+def test_another_problem_is_compiled_anew(quick, uav_tracking):
+    one, other = (
+        uav_tracking.json("compile", "--set", f"nmpc_controller.horizon={stages}")["folder"]
+        for stages in (12, 13)
+    )
+    assert one != other
 
 
-def test_a_law_needs_nothing(capsys):
-    assert main(["compile", "--set", "nmpc_controller.law=l1"]) == 0
-    assert capsys.readouterr().out == "paper: nothing has to be compiled for it\n"
+def test_a_law_needs_nothing(uav_tracking):
+    told = uav_tracking.told("compile", "--set", "nmpc_controller.law=l1")
+    assert told == "paper: nothing has to be compiled for it\n"
 
 
-def test_what_is_not_allowed_is_refused(capsys):
-    assert main(["compile", "--config", "no_such"]) == 2
-    assert "no_such" in capsys.readouterr().err
+def test_what_is_not_allowed_is_refused(uav_tracking):
+    assert "no_such" in uav_tracking.refused("compile", "--config", "no_such")

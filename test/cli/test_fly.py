@@ -29,18 +29,17 @@ LIMIT = 240.0  # s; for what is broken, not a measure of what works
 
 
 @pytest.mark.parametrize("words", [("--port", "0"), ("--host", "0.0.0.0"), ("--no-browser",)])
-def test_options_of_a_page_need_one(words, tmp_path, capsys):
-    assert main(["fly", *words, "--output", str(tmp_path)]) == 2
-    assert f"{words[0]} needs --view" in capsys.readouterr().err
+def test_options_of_a_page_need_one(words, tmp_path, uav_tracking):
+    refusal = uav_tracking.refused("fly", *words, "--output", tmp_path)
+    assert f"{words[0]} needs --view" in refusal
 
 
-def test_what_does_not_fly_leaves_the_last_flight_as_it_is(tmp_path, monkeypatch, capsys):
+def test_what_does_not_fly_leaves_the_last_flight_as_it_is(tmp_path, monkeypatch, uav_tracking):
     last = {name: f"the last {name}" for name in ("mission.mcap", "controller.jsonl")}
     for name, content in last.items():
         (tmp_path / name).write_text(content)
     monkeypatch.setenv("ROS_DOMAIN_ID", "far")
-    assert main(["fly", "--output", str(tmp_path)]) == 2
-    assert "ROS_DOMAIN_ID is 'far'" in capsys.readouterr().err
+    assert "ROS_DOMAIN_ID is 'far'" in uav_tracking.refused("fly", "--output", tmp_path)
     assert {file.name: file.read_text() for file in tmp_path.iterdir()} == last
 
 

@@ -14,8 +14,6 @@
 
 """From an excited flight to the YAML to paste, on the command line."""
 
-import json
-
 import pytest
 
 from uav_tracking_mpc.cli.main import main
@@ -29,10 +27,9 @@ def flight(tmp_path_factory):
     return folder
 
 
-def test_a_flight_is_identified(flight, tmp_path, capsys):
-    record, output = flight / "record.csv", tmp_path / "out"
-    assert main(["identify", str(record), "--json", "--output", str(output)]) == 0
-    content = json.loads(capsys.readouterr().out)
+def test_a_flight_is_identified(flight, tmp_path, uav_tracking):
+    output = tmp_path / "out"
+    content = uav_tracking.json("identify", flight / "record.csv", "--output", output)
     truth = {"turn": (0.3, 0.17), "path": (0.13, 0.2), "speed": (0.16, 0.1)}
     for name, (lag, dead_time) in truth.items():
         channel = content["channels"][name]
@@ -48,20 +45,18 @@ def test_a_flight_is_identified(flight, tmp_path, capsys):
     }
 
 
-def test_people_get_a_table_and_the_yaml(flight, capsys):
-    assert main(["identify", str(flight / "record.csv")]) == 0
-    out = capsys.readouterr().out
+def test_people_get_a_table_and_the_yaml(flight, uav_tracking):
+    out = uav_tracking.told("identify", flight / "record.csv")
     assert "How the aircraft answers commands" in out
     assert "/**/nmpc_controller:" in out
 
 
 @pytest.mark.parametrize(
-    ("arguments", "code", "words"),
+    ("arguments", "words"),
     [
-        ([], 2, "either a bag or CSV file, or --validate N"),
-        (["nowhere.mcap"], 2, "there is no bag or CSV file 'nowhere.mcap'"),
+        ([], "either a bag or CSV file, or --validate N"),
+        (["nowhere.mcap"], "there is no bag or CSV file 'nowhere.mcap'"),
     ],
 )
-def test_what_cannot_be_done_is_said_in_a_line(arguments, code, words, capsys):
-    assert main(["identify", *arguments]) == code
-    assert words in capsys.readouterr().err
+def test_what_cannot_be_done_is_said_in_a_line(arguments, words, uav_tracking):
+    assert words in uav_tracking.refused("identify", *arguments)

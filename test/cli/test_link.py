@@ -15,7 +15,6 @@
 """``uav_tracking link check``, and the options that choose a link."""
 
 import argparse
-import json
 import os
 import subprocess
 import sys
@@ -23,28 +22,18 @@ from pathlib import Path
 
 import pytest
 
-from uav_tracking_mpc.cli.main import main
-from uav_tracking_mpc.cli.options import (
-    add_link_arguments,
-    check_link_arguments,
-    place,
-    with_connection,
-)
+from uav_tracking_mpc.cli.options import add_link_arguments, check_link_arguments, place
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration
 
 LINK = f"{Path(__file__).parents[1] / 'paced_link.py'}:PacedLink"
 
 
-def check(capsys, *arguments):
-    code = main(["link", "check", "--link", LINK, *arguments])
-    said = capsys.readouterr()
-    return code, said.out, said.err
+CHECK = ("link", "check", "--link", LINK)
 
 
-def test_what_was_found_is_told(capsys):
-    code, out, err = check(capsys)
-    assert (code, err) == (0, "")
+def test_what_was_found_is_told(uav_tracking):
+    out = uav_tracking.told(*CHECK)
     for words in (
         "firmware: paced 1.0",
         "wind: ",
@@ -56,10 +45,8 @@ def test_what_was_found_is_told(capsys):
         assert words in out
 
 
-def test_the_same_as_one_object(capsys):
-    code, out, err = check(capsys, "--json")
-    assert (code, err) == (0, "")
-    content = json.loads(out)
+def test_the_same_as_one_object(uav_tracking):
+    content = uav_tracking.json(*CHECK)
     assert content["found"] == {"firmware": "paced 1.0"}
     assert content["envelope"]["bank_max"] == 0.7
     assert content["warnings"] == ["no fence"]
@@ -82,9 +69,10 @@ def test_the_same_as_one_object(capsys):
         (["--link", "ardupilot", "--signing-key", "/nowhere"], "signing key '/nowhere'"),
     ],
 )
-def test_what_cannot_be_flown_is_one_line_and_code_2(capsys, arguments, words):
-    code, _, err = check(capsys, "--timeout", "0.2", *arguments)
-    assert code == 2
+def test_what_cannot_be_flown_is_one_line_and_code_2(uav_tracking, arguments, words):
+    ended = uav_tracking(*CHECK, "--timeout", 0.2, *arguments)
+    assert ended.code == 2
+    err = ended.err
     assert err.startswith("uav_tracking: ")
     assert words in err
     assert err.count("\n") == 1
@@ -133,12 +121,6 @@ def test_what_is_no_place_is_refused(text):
     with pytest.raises(argparse.ArgumentTypeError, match="is not LAT,LON,ALT"):
         place(text)
     assert place("47.4,8.5,488") == (47.4, 8.5, 488.0)
-
-
-def test_a_connection_goes_into_the_parameters_of_the_node():
-    flown = with_connection(load_configuration("small_uav"), "udpin:127.0.0.1:1")
-    assert flown.link.connection == "udpin:127.0.0.1:1"
-    assert "connection: udpin:127.0.0.1:1" in flown.yaml()
 
 
 def test_an_autopilot_is_looked_at_without_ros():

@@ -18,19 +18,9 @@ import subprocess
 import sys
 
 import pytest
-from processes import command, environment
+from processes import run
 
-from uav_tracking_mpc.cli.main import COMMANDS, main
-
-
-def run(*arguments, limit=280):
-    return subprocess.run(
-        command("cli.main", *arguments),
-        capture_output=True,
-        text=True,
-        env=environment(),
-        timeout=limit,
-    )
+from uav_tracking_mpc.cli.main import COMMANDS
 
 
 @pytest.mark.parametrize(
@@ -59,26 +49,29 @@ def run(*arguments, limit=280):
         ([], 2, "required: COMMAND"),
     ],
 )
-def test_mistakes_are_explained_without_a_traceback(arguments, code, words):
-    finished = run(*arguments)
-    assert finished.returncode == code
-    assert words in finished.stderr
-    assert "Traceback" not in finished.stderr
-    assert finished.stdout == ""
+def test_mistakes_are_explained_without_a_traceback(arguments, code, words, uav_tracking):
+    refusal = uav_tracking.refused(*arguments, code=code)
+    assert words in refusal
+    assert "Traceback" not in refusal
+
+
+def test_a_process_ends_with_its_code():
+    code, output = run("cli.main", "hover")
+    assert code == 2
+    assert "invalid choice: 'hover'" in output
+    assert "Traceback" not in output
 
 
 def test_help_teaches():
-    text = run("--help").stdout
+    code, text = run("cli.main", "--help")
+    assert code == 0
     for word in (*COMMANDS, "examples:"):
         assert word in text
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_every_command_says_what_it_does(name, capsys):
-    with pytest.raises(SystemExit) as ended:
-        main([name, "--help"])
-    assert ended.value.code == 0
-    text = capsys.readouterr().out
+def test_every_command_says_what_it_does(name, uav_tracking):
+    text = uav_tracking.told(name, "--help")
     module = importlib.import_module(f"uav_tracking_mpc.cli.{name}")
     assert " ".join(module.DESCRIPTION.split()) in " ".join(text.split())
     options = re.findall(r"^  (--\S+)( .*)?$", text, re.MULTILINE)

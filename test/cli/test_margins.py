@@ -20,7 +20,6 @@ import numpy as np
 import pytest
 import yaml
 
-from uav_tracking_mpc.cli.main import main
 from uav_tracking_mpc.margins.orbit_loop import OrbitLoop
 from uav_tracking_mpc.studies.margins import margin_study, weight_search
 from uav_tracking_mpc.studies.margins.margin_study import FlownLoop
@@ -37,12 +36,11 @@ def no_flights(monkeypatch):
     monkeypatch.setattr(margin_study, "AZIMUTHS", 2)
 
 
-def test_json_and_files(tmp_path, capsys):
+def test_json_and_files(tmp_path, uav_tracking):
     page = tmp_path / "page.md"
     page.write_text("<!-- table margins -->\n<!-- end -->\n")
-    arguments = ["--config", "small_uav", "--output", str(tmp_path), "--page", str(page), "--json"]
-    assert main(["margins", *arguments]) == 0
-    content = json.loads(capsys.readouterr().out)
+    where = ("--output", tmp_path, "--page", page)
+    content = uav_tracking.json("margins", "--config", "small_uav", *where)
     assert set(content["channels"]) == {"turn", "path", "speed"}
     assert content["wind"]["drift_mps"] == [-5.0, 8.0, 0.0]  # of crosswind
     assert json.loads((tmp_path / "margins.json").read_text()) == content
@@ -50,34 +48,30 @@ def test_json_and_files(tmp_path, capsys):
     assert "| turn |" in page.read_text()
 
 
-def test_the_papers_controller_knows_no_wind(capsys):
-    assert main(["margins", "--config", "paper", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["wind"] is None
+def test_the_papers_controller_knows_no_wind(uav_tracking):
+    assert uav_tracking.json("margins", "--config", "paper")["wind"] is None
 
 
-def test_people_are_told_what_is_too_small(capsys):
-    asked = ["--scenario", "still", "--set", "nmpc_controller.gain_margin_min=60.0"]
-    assert main(["margins", *asked]) == 0
-    out = capsys.readouterr().out
+def test_people_are_told_what_is_too_small(uav_tracking):
+    asked = ("--scenario", "still", "--set", "nmpc_controller.gain_margin_min=60.0")
+    out = uav_tracking.told("margins", *asked)
     assert "gain up" in out
     assert "too small, still air, turn bears" in out
 
 
-def test_a_search_prints_what_to_paste(monkeypatch, tmp_path, capsys):
+def test_a_search_prints_what_to_paste(monkeypatch, tmp_path, uav_tracking):
     weights = tuple(float(each) for each in range(1, 15))
     best = weight_search.Candidate(weights, 0.4, 9.0, [], {}, 1.0)
     monkeypatch.setattr(
         weight_search,
         "search_weights",
-        lambda config, overrides: weight_search.Search(config, [best], best),
+        lambda config, overrides: weight_search.search_study(config, [best], best),
     )
-    assert main(["margins", "--search", "--output", str(tmp_path)]) == 0
-    out = capsys.readouterr().out
+    out = uav_tracking.told("margins", "--search", "--output", tmp_path)
     pasted = yaml.safe_load(out[out.index("/**") :])
     assert pasted["/**/nmpc_controller"]["ros__parameters"]["rate_weights"] == [9.0, 10.0, 11.0]
     assert json.loads((tmp_path / "search.json").read_text())["best"]["cost"] == 1.0
 
 
-def test_an_unknown_scenario_is_refused(capsys):
-    assert main(["margins", "--scenario", "storm"]) == 2
-    assert "scenario is 'storm'" in capsys.readouterr().err
+def test_an_unknown_scenario_is_refused(uav_tracking):
+    assert "scenario is 'storm'" in uav_tracking.refused("margins", "--scenario", "storm")

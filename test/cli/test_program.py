@@ -22,7 +22,7 @@ from unittest import mock
 import pytest
 
 from uav_tracking_mpc.cli import launch_tracking
-from uav_tracking_mpc.cli.main import COMMANDS, main
+from uav_tracking_mpc.cli.main import COMMANDS
 from uav_tracking_mpc.cli.program import CommandParser, answer, check_writable, explained
 from uav_tracking_mpc.launch.flight import FlightInterruptedError
 from uav_tracking_mpc.launch.supervisor import LaunchError
@@ -207,18 +207,14 @@ def test_a_file_in_its_place_and_a_folder_that_cannot_be_made_are_refused(tmp_pa
     ],
     ids=lambda arguments: arguments[0],
 )
-def test_every_command_looks_before_it_works(arguments, tmp_path, capsys):
+def test_every_command_looks_before_it_works(arguments, tmp_path, uav_tracking):
     file = tmp_path / "file"
     file.write_text("")
-    assert main([*arguments, "--output", str(file)]) == 2
-    said = capsys.readouterr()
-    assert "must be a folder that can be written: it is a file" in said.err
-    assert said.out == ""
-    assert "simulating" not in said.err
+    refusal = uav_tracking.refused(*arguments, "--output", file)
+    assert "must be a folder that can be written: it is a file" in refusal
+    assert "simulating" not in refusal
 
 
-def test_a_page_that_is_not_there_is_refused_at_once(tmp_path, capsys):
-    with pytest.raises(SystemExit) as ended:
-        main(["campaign", "robustness", "--page", str(tmp_path / "nowhere.md")])
-    assert ended.value.code == 2
-    assert "there is no file" in capsys.readouterr().err
+def test_a_page_that_is_not_there_is_refused_at_once(tmp_path, uav_tracking):
+    words = ("campaign", "robustness", "--page", tmp_path / "nowhere.md")
+    assert "there is no file" in uav_tracking.refused(*words)

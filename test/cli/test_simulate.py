@@ -18,16 +18,9 @@ import json
 
 import pytest
 
-from uav_tracking_mpc.cli.main import main
 
-
-def run(*arguments):
-    return main(["simulate", *map(str, arguments)])
-
-
-def test_json_is_one_object_and_the_report_is_written(tmp_path, capsys):
-    assert run("--duration", "40", "--output", tmp_path / "out", "--json") == 0
-    metrics = json.loads(capsys.readouterr().out)
+def test_json_is_one_object_and_the_report_is_written(tmp_path, uav_tracking):
+    metrics = uav_tracking.json("simulate", "--duration", 40, "--output", tmp_path / "out")
     assert metrics["config"] == "paper"
     assert metrics["settling_s"]["altitude"] == 16.0
     assert json.loads((tmp_path / "out" / "metrics.json").read_text()) == metrics
@@ -35,22 +28,21 @@ def test_json_is_one_object_and_the_report_is_written(tmp_path, capsys):
     assert names == {"metrics.json", "trajectory.png", "states.png", "report.html"}
 
 
-def test_people_are_told_in_three_lines(tmp_path, capsys):
-    assert run("--duration", "40", "--output", tmp_path) == 0
-    lines = capsys.readouterr().out.splitlines()
+def test_people_are_told_in_three_lines(tmp_path, uav_tracking):
+    told = uav_tracking.told("simulate", "--duration", 40, "--output", tmp_path)
+    lines = told.splitlines()
     assert lines[0].startswith("settled: range 20.0 s")
     assert lines[-1] == f"report: {tmp_path / 'report.html'}"
 
 
-def test_a_mission_shorter_than_a_step_is_one_step(tmp_path):
-    few = ["--duration", "1", "--set", "nmpc_controller.horizon_step=5", "--output", tmp_path]
-    assert run(*few, "--set", "nmpc_controller.solver=ipopt") == 0
+def test_a_mission_shorter_than_a_step_is_one_step(tmp_path, uav_tracking):
+    few = ("--duration", 1, "--set", "nmpc_controller.horizon_step=5", "--output", tmp_path)
+    uav_tracking.told("simulate", *few, "--set", "nmpc_controller.solver=ipopt")
 
 
-def test_another_law_flies_in_the_place_of_the_controller(tmp_path, capsys):
-    few = ["--config", "small_uav", "--duration", "5", "--output", tmp_path, "--json"]
-    assert run(*few, "--law", "l1") == 0
-    assert json.loads(capsys.readouterr().out)["solver"]["name"] == "none"
+def test_another_law_flies_in_the_place_of_the_controller(tmp_path, uav_tracking):
+    few = ("--config", "small_uav", "--duration", 5, "--output", tmp_path)
+    assert uav_tracking.json("simulate", *few, "--law", "l1")["solver"]["name"] == "none"
 
 
 @pytest.mark.parametrize("command", ["simulate", "fly"])
@@ -58,13 +50,8 @@ def test_another_law_flies_in_the_place_of_the_controller(tmp_path, capsys):
     "told", [["--law", "nofile.py:X"], ["--set", "nmpc_controller.law=nofile.py:X"]]
 )
 def test_a_law_that_is_not_there_is_said_once_before_anything_flies(
-    command, told, tmp_path, capfd, caplog
+    command, told, tmp_path, uav_tracking, caplog
 ):
-    try:
-        code = main([command, *told, "--output", str(tmp_path / "out")])
-    except SystemExit as ending:
-        code = ending.code
-    assert code == 2
-    found = capfd.readouterr()
-    assert (found.out + found.err + caplog.text).count("nofile.py") == 1
+    refusal = uav_tracking.refused(command, *told, "--output", tmp_path / "out")
+    assert (refusal + caplog.text).count("nofile.py") == 1
     assert not (tmp_path / "out").exists()

@@ -18,54 +18,44 @@ import json
 
 import pytest
 
-from uav_tracking_mpc.cli.main import main
-
 QUICK = ("--set", "nmpc_controller.model=paper")  # (11) is proved in a tenth of the exact's time
 
 
-def run(*arguments):
-    return main(["stability", *map(str, arguments)])
-
-
-def test_json_is_one_object_and_the_certificate_verifies(tmp_path, capsys):
-    assert run(*QUICK, "--json", "--output", tmp_path, "--figures") == 0
-    content = json.loads(capsys.readouterr().out)
+def test_json_is_one_object_and_the_certificate_verifies(tmp_path, uav_tracking):
+    content = uav_tracking.json("stability", *QUICK, "--output", tmp_path, "--figures")
     assert content["certified"] is True
     assert content["paper_as_printed"]["holds"] is False
     assert content["config"] == "paper"
     assert json.loads((tmp_path / "stability.json").read_text()) == content
     for name in ("ellipsoid.png", "decrease.png"):
         assert (tmp_path / name).stat().st_size < 300_000
-    assert run("--verify", tmp_path / "certificate.json", "--json") == 0
-    assert json.loads(capsys.readouterr().out)["accepted"] is True
+    verified = uav_tracking.json("stability", "--verify", tmp_path / "certificate.json")
+    assert verified["accepted"] is True
 
 
 @pytest.mark.parametrize("text", ["{}", "[]", "no JSON"])
-def test_what_is_no_certificate_is_rejected(text, tmp_path, capsys):
+def test_what_is_no_certificate_is_rejected(text, tmp_path, uav_tracking):
     path = tmp_path / "c.json"
     path.write_text(text)
-    assert run("--verify", path) == 1
-    assert "REJECTED" in capsys.readouterr().out
+    ended = uav_tracking("stability", "--verify", path)
+    assert ended.code == 1
+    assert "REJECTED" in ended.out
 
 
-def test_a_missing_file_is_bad_usage(tmp_path, capsys):
-    with pytest.raises(SystemExit) as ended:
-        run("--verify", tmp_path / "none.json")
-    assert ended.value.code == 2
-    assert "none.json" in capsys.readouterr().err
+def test_a_missing_file_is_bad_usage(tmp_path, uav_tracking):
+    refusal = uav_tracking.refused("stability", "--verify", tmp_path / "none.json")
+    assert "none.json" in refusal
 
 
-def test_an_artificial_orbit_has_guarantees_instead(capsys):
-    assert run("--config", "small_uav") == 0
-    text = capsys.readouterr().out
+def test_an_artificial_orbit_has_guarantees_instead(uav_tracking):
+    text = uav_tracking.told("stability", "--config", "small_uav")
     for words in ("Guaranteed.", "Not guaranteed.", "ellipsoid"):
         assert words in text
 
 
-def test_a_campaign_is_one_object(tmp_path, capsys):
-    arguments = ["--campaign", "2", "--jobs", "1", "--json", "--output", tmp_path]
-    assert run("--config", "small_uav", *arguments) == 0
-    content = json.loads(capsys.readouterr().out)
+def test_a_campaign_is_one_object(tmp_path, uav_tracking):
+    few = ("--campaign", 2, "--jobs", 1, "--output", tmp_path)
+    content = uav_tracking.json("stability", "--config", "small_uav", *few)
     assert content["terminal_constraint"] == "artificial_orbit"
     assert (content["states"], content["steps"]) == (2, 80)
     assert content["clean"] is True
@@ -73,6 +63,6 @@ def test_a_campaign_is_one_object(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("option", ["--design", "--maps", "--figures"])
-def test_what_belongs_to_the_ellipsoid_is_refused(option, capsys):
-    assert run("--config", "small_uav", option) == 2
-    assert f"{option} is about the ellipsoid" in capsys.readouterr().err
+def test_what_belongs_to_the_ellipsoid_is_refused(option, uav_tracking):
+    refusal = uav_tracking.refused("stability", "--config", "small_uav", option)
+    assert f"{option} is about the ellipsoid" in refusal

@@ -17,7 +17,6 @@
 import pytest
 from recorded_bag import write_bag
 
-from uav_tracking_mpc.cli.main import main
 from uav_tracking_mpc.nodes.topics import TARGET
 
 
@@ -38,22 +37,20 @@ def bag(tmp_path):
         (lambda data: b"#" * 100, "is no bag"),
     ],
 )
-def test_a_file_that_holds_no_flight(bag, capsys, change, words):
+def test_a_file_that_holds_no_flight(bag, uav_tracking, change, words):
     bag.write_bytes(change(bag.read_bytes()))
-    assert main(["view", str(bag)]) == 2
-    said = capsys.readouterr().err
+    said = uav_tracking.refused("view", bag)
     assert said.count("\n") == 1
     assert str(bag) in said
     assert words in said
 
 
-def test_a_file_that_is_not_there(tmp_path, capsys):
-    assert main(["view", str(tmp_path / "none.mcap")]) == 1
-    said = capsys.readouterr().err
+def test_a_file_that_is_not_there(tmp_path, uav_tracking):
+    said = uav_tracking.refused("view", tmp_path / "none.mcap", code=1)
     assert said.count("\n") == 1
     assert "there is no bag" in said and "none.mcap" in said
 
 
-def test_overrides_need_a_configuration(bag, capsys):
-    assert main(["view", str(bag), "--set", "nmpc_controller.range=300.0"]) == 2
-    assert "needs --config" in capsys.readouterr().err
+def test_overrides_need_a_configuration(bag, uav_tracking):
+    refusal = uav_tracking.refused("view", bag, "--set", "nmpc_controller.range=300.0")
+    assert "needs --config" in refusal

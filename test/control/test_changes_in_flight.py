@@ -209,6 +209,12 @@ def test_what_the_papers_problem_rests_on_is_fixed_in_flight(controller, start, 
     assert controller._fly(0.0, start).orbit == PAPER.orbit
 
 
+def test_a_law_takes_other_limits_in_flight():
+    controller = Controller(replace(PAPER, law="vector_field"))
+    controller.change(yaw_rate_max=0.5)
+    assert controller.parameters.envelope.yaw_rate_max == 0.5
+
+
 def test_the_papers_problem_takes_a_new_orbit(controller, start):
     try:
         controller.change(range=160.0, direction=COUNTER_CLOCKWISE)

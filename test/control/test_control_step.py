@@ -47,6 +47,20 @@ def constant():
     return Controller(replace(FLIGHT, control_rate=10.0), formulation, stopwatch=lambda: 0.0)
 
 
+@pytest.fixture
+def seeing(constant):
+    """It has seen the target."""
+    constant.see_target(0.0, STILL)
+    return constant
+
+
+@pytest.fixture
+def flying(seeing):
+    """It has answered a state, too."""
+    assert seeing.step(measured(0.0), 0.0) is not None
+    return seeing
+
+
 def test_without_a_target_there_is_no_command_and_that_is_said_once(constant):
     assert [constant.step(measured(k * TICK), k * TICK) for k in range(5)] == [None] * 5
     assert constant.modes.reason == "no target position"
@@ -54,38 +68,32 @@ def test_without_a_target_there_is_no_command_and_that_is_said_once(constant):
     assert constant.events.take() == []  # it was silent before
 
 
-def test_commands_keep_the_control_rate(constant):
-    constant.see_target(0.0, STILL)
-    answers = [constant.step(measured(k * TICK), k * TICK) for k in range(8)]
+def test_commands_keep_the_control_rate(seeing):
+    answers = [seeing.step(measured(k * TICK), k * TICK) for k in range(8)]
     assert [answer is not None for answer in answers] == [True, False] * 4
     assert answers[2].stamp == 2 * TICK
-    np.testing.assert_array_equal(answers[0].inputs, constant.formulation.plan)
+    np.testing.assert_array_equal(answers[0].inputs, seeing.formulation.plan)
 
 
-def test_a_clock_that_stands_ahead_puts_no_command_into_the_future(constant):
-    constant.see_target(0.0, STILL)
+def test_a_clock_that_stands_ahead_puts_no_command_into_the_future(seeing):
     sent = []
-    constant.navigator.commanded = lambda stamp, delay, *plan: sent.append(delay)
-    assert constant.step(measured(0.0), 0.02) is not None
-    assert constant.step(measured(0.1), 3600.0) is not None
-    assert sent == [0.02, constant.parameters.state_timeout]
+    seeing.navigator.commanded = lambda stamp, delay, *plan: sent.append(delay)
+    assert seeing.step(measured(0.0), 0.02) is not None
+    assert seeing.step(measured(0.1), 3600.0) is not None
+    assert sent == [0.02, seeing.parameters.state_timeout]
 
 
-def test_a_target_that_was_never_lost_but_forgotten_leaves_the_wings_level(constant):
-    constant.see_target(0.0, STILL)
-    assert constant.step(measured(0.0), 0.0) is not None
-    constant.navigator.target.reset()
-    command = constant.step(measured(0.1, path_angle_rate=0.1), 0.1)
+def test_a_target_that_was_never_lost_but_forgotten_leaves_the_wings_level(flying):
+    flying.navigator.target.reset()
+    command = flying.step(measured(0.1, path_angle_rate=0.1), 0.1)
     assert (command.mode, command.reason) == (FallbackMode.HOLD, "no target position")
 
 
-def test_a_target_of_another_clock_is_refused(constant):
-    constant.see_target(0.0, STILL)
-    constant.step(measured(0.0), 0.0)
+def test_a_target_of_another_clock_is_refused(flying):
     with pytest.raises(ValueError, match=r"3600.000 s ahead of the vehicle's, may be .*clocks"):
-        constant.see_target(3600.0, STILL)
+        flying.see_target(3600.0, STILL)
     with pytest.raises(ValueError, match="must be three finite numbers"):
-        constant.see_target(0.1, [np.nan, 0.0, 0.0])
+        flying.see_target(0.1, [np.nan, 0.0, 0.0])
 
 
 def test_one_stamp_that_is_ahead_does_not_blind_the_track(constant):
@@ -119,15 +127,13 @@ def test_an_answer_that_comes_too_late_was_never_given():
     assert controller.step(measured(0.2), 0.2).mode is FallbackMode.LOITER  # no earlier plan
 
 
-def test_periods_of_silence_are_not_missed(constant):
-    constant.see_target(0.0, STILL)
-    constant.step(measured(0.0), 0.0)
-    constant.fall_silent("vehicle state is lost")
-    constant.see_target(600.0, STILL)
+def test_periods_of_silence_are_not_missed(flying):
+    flying.fall_silent("vehicle state is lost")
+    flying.see_target(600.0, STILL)
     for tick in range(10):
-        constant.step(measured(600.0 + tick * TICK), 600.0 + tick * TICK)
-    assert constant.modes.mode is FallbackMode.OPTIMAL
-    assert (constant.rate.missed, constant.rate.late) == (0, 0)
+        flying.step(measured(600.0 + tick * TICK), 600.0 + tick * TICK)
+    assert flying.modes.mode is FallbackMode.OPTIMAL
+    assert (flying.rate.missed, flying.rate.late) == (0, 0)
 
 
 def test_where_no_law_has_an_answer_level_flight_is_flown_and_said(constant, monkeypatch):
@@ -143,23 +149,20 @@ def test_where_no_law_has_an_answer_level_flight_is_flown_and_said(constant, mon
     np.testing.assert_array_equal(command.inputs, [[0.0, 0.0, 0.0]])
 
 
-def test_an_old_target_is_circled_by_the_loiter_law(constant):
-    constant.see_target(0.0, STILL)
+def test_an_old_target_is_circled_by_the_loiter_law(seeing):
     late = FLIGHT.target_timeout + 0.01
-    command = constant.step(measured(late), late)
+    command = seeing.step(measured(late), late)
     assert (command.mode, command.reason) == (FallbackMode.LOITER, "target position is lost")
-    constant.see_target(late, STILL)
-    assert constant.step(measured(late + 0.1), late + 0.1).mode is FallbackMode.OPTIMAL
+    seeing.see_target(late, STILL)
+    assert seeing.step(measured(late + 0.1), late + 0.1).mode is FallbackMode.OPTIMAL
 
 
-def test_an_outlier_is_not_answered_and_said_so(constant):
-    constant.see_target(0.0, STILL)
-    constant.step(measured(0.0), 0.0)
-    assert constant.step(measured(0.1, (9e3, 0.0, 0.0)), 0.1) is None
-    (event,) = [e for e in constant.events.take() if e.level is Level.REFUSAL]
+def test_an_outlier_is_not_answered_and_said_so(flying):
+    assert flying.step(measured(0.1, (9e3, 0.0, 0.0)), 0.1) is None
+    (event,) = [e for e in flying.events.take() if e.level is Level.REFUSAL]
     assert "jumped by" in event.words
-    assert constant.state_time == 0.0
-    assert constant.step(measured(0.1), 0.1) is not None
+    assert flying.state_time == 0.0
+    assert flying.step(measured(0.1), 0.1) is not None
 
 
 def test_when_time_has_gone_back_everything_begins_anew(constant):
@@ -197,58 +200,53 @@ def test_an_answer_that_took_too_long_is_not_given():
     assert "answered only after" in words(controller)[-2]
 
 
-def test_without_air_data_the_air_is_taken_as_still_and_that_is_said_once(constant):
-    constant.see_target(0.0, STILL)
+def test_without_air_data_the_air_is_taken_as_still_and_that_is_said_once(seeing):
     wind = np.array([5.0, 0.0, 0.0])
     for k in range(10):
-        constant.see_target(0.1 * k, STILL)
-        constant.step(measured(0.1 * k, wind=wind, airspeed=None), 0.1 * k)
-    assert [w for w in words(constant) if "air" in w] == [
+        seeing.see_target(0.1 * k, STILL)
+        seeing.step(measured(0.1 * k, wind=wind, airspeed=None), 0.1 * k)
+    assert [w for w in words(seeing) if "air" in w] == [
         "no airspeed is measured: the air is taken as still"
     ]
-    np.testing.assert_allclose(constant.drift, 0.0, atol=1e-12)
-    constant.see_air(1.0, 22.0)
-    command = constant.step(measured(1.0, wind=wind, airspeed=None), 1.0)
-    assert constant.drift[0] == pytest.approx(5.0, abs=0.5)  # part may be a bias, or a gust
+    np.testing.assert_allclose(seeing.drift, 0.0, atol=1e-12)
+    seeing.see_air(1.0, 22.0)
+    command = seeing.step(measured(1.0, wind=wind, airspeed=None), 1.0)
+    assert seeing.drift[0] == pytest.approx(5.0, abs=0.5)  # part may be a bias, or a gust
     assert command.present.airspeed == pytest.approx(22.0, abs=0.1)
 
 
-def test_the_first_airspeed_is_heard_after_the_first_state_and_awaited(constant):
+def test_the_first_airspeed_is_heard_after_the_first_state_and_awaited(seeing):
     """As from a simulator or a driver, which sends one after the other."""
-    constant.see_target(0.0, STILL)
     wind, commands = np.array([5.0, 0.0, 0.0]), []
     for k in range(8):
-        commands.append(constant.step(measured(0.1 * k, wind=wind, airspeed=None), 0.1 * k))
-        constant.see_air(0.1 * k, 22.0)
+        commands.append(seeing.step(measured(0.1 * k, wind=wind, airspeed=None), 0.1 * k))
+        seeing.see_air(0.1 * k, 22.0)
     assert commands[0] is None
     assert all(command.mode is FallbackMode.OPTIMAL for command in commands[1:])
     assert commands[1].present.airspeed == pytest.approx(22.0, abs=0.1)
-    assert not [w for w in words(constant) if "air" in w]
+    assert not [w for w in words(seeing) if "air" in w]
 
 
-def test_a_target_is_ahead_only_of_a_vehicle_that_is_heard(constant):
+def test_a_target_is_ahead_only_of_a_vehicle_that_is_heard(flying):
     """A vehicle that is silent tells nothing of the clocks; once it is heard again it does."""
-    constant.see_target(0.0, STILL)
-    constant.step(measured(0.0), 0.0)
     late = FLIGHT.target_timeout + 1.0
     with pytest.raises(MeasurementError, match="ahead of the vehicle's"):
-        constant.see_target(late, STILL)
-    constant.fall_silent("vehicle state is lost")
-    assert constant.see_target(late, STILL)
+        flying.see_target(late, STILL)
+    flying.fall_silent("vehicle state is lost")
+    assert flying.see_target(late, STILL)
     for k in range(4):
-        constant.see_state(measured(late + TICK * k))
+        flying.see_state(measured(late + TICK * k))
     with pytest.raises(MeasurementError, match="ahead of the vehicle's"):
-        constant.see_target(3.0 * late, STILL)
+        flying.see_target(3.0 * late, STILL)
 
 
-def test_an_airspeed_that_ends_in_flight_is_told(constant):
-    constant.see_target(0.0, STILL)
+def test_an_airspeed_that_ends_in_flight_is_told(seeing):
     for k in range(20):
-        constant.see_target(0.1 * k, STILL)
-        constant.step(measured(0.1 * k, airspeed=None), 0.1 * k)
+        seeing.see_target(0.1 * k, STILL)
+        seeing.step(measured(0.1 * k, airspeed=None), 0.1 * k)
         if k < 5:
-            constant.see_air(0.1 * k, 22.0)
-    told = [w for w in words(constant) if "air" in w]
+            seeing.see_air(0.1 * k, 22.0)
+    told = [w for w in words(seeing) if "air" in w]
     assert told == ["no airspeed is measured: the air is taken as still"]
 
 
@@ -297,13 +295,11 @@ def test_reset_begins_anew_whatever_the_time(constant):
     assert constant.step(measured(2.0), 2.0).mode is FallbackMode.OPTIMAL
 
 
-def test_what_is_planned_is_flown_from_when_it_was_sent(constant):
+def test_what_is_planned_is_flown_from_when_it_was_sent(flying):
     """A late answer: until then the aircraft flew what it had been told before."""
-    constant.see_target(0.0, STILL)
-    constant.step(measured(0.0), 0.0)
-    constant.formulation.plan = constant.formulation.plan + np.array([0.0, 0.1, 0.0])
-    constant.step(measured(0.1), 0.14)
-    history = constant.navigator._history
+    flying.formulation.plan = flying.formulation.plan + np.array([0.0, 0.1, 0.0])
+    flying.step(measured(0.1), 0.14)
+    history = flying.navigator._history
     assert [history.demanded(time, 1) for time in (0.0, 0.13, 0.15)] == [0.0, 0.0, 0.1]
 
 

@@ -181,6 +181,29 @@ def test_a_file_that_cannot_be_written_is_named(tmp_path):
         RecordingController(replace(FLIGHT, law="l1"), tmp_path / "file" / "record.jsonl")
 
 
+@pytest.mark.parametrize("noise", [None, {"position": 3.0, "velocity": 0.1, "attitude": 0.01}])
+def test_a_record_of_0_2_is_flown_again(noise, tmp_path):
+    """There the noise was unknown, or one number for all axes."""
+    new, old = tmp_path / "new.jsonl", tmp_path / "old.jsonl"
+    known = noise and SensorNoise((3.0,) * 3, (0.1,) * 3, 0.01, 0.01)
+    recorder = RecordingController(FLIGHT, new)
+    recorder.see_target(0.0, np.zeros(3))
+    for stamp in (0.0, TICK):
+        place = np.array([22.0 * stamp, 300.0, 120.0])
+        velocity = np.array([22.0, 0.0, 0.0])
+        measurement = Measurement(stamp, place, velocity, 0.0, 0.0, airspeed=22.0)
+        recorder.step(replace(measurement, **({"noise": known} if known else {})), stamp)
+    recorder.close()
+    calls = [json.loads(line) for line in new.read_text().splitlines()]
+    for call in calls:
+        if call.get("call") == "step":
+            call["arguments"][0]["noise"] = noise
+    old.write_text("\n".join(map(json.dumps, calls)))
+    steps = list(replay(old))
+    assert len(steps) == 2
+    assert all(step.same and step.command is not None for step in steps)
+
+
 def test_what_is_no_record_is_refused(tmp_path):
     path = tmp_path / "no_record.jsonl"
     path.write_text("{}\n")

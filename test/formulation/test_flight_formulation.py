@@ -24,8 +24,10 @@ from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
 from uav_tracking_mpc.mpc.solver import Status, solutions
+from uav_tracking_mpc.parameters.specification import taken
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.studies.flight_start import flight_start
+from uav_tracking_mpc.settings.tracking import FlightParameters
+from uav_tracking_mpc.studies.feasibility_study import flight_start
 
 FLIGHT = small_uav.parameters()
 N = FLIGHT.horizon
@@ -55,6 +57,11 @@ def guess_of(now, orbit=FLIGHT.orbit, parameters=FLIGHT):
     with pytest.raises(RuntimeError, match="answers nothing"):
         plan_of(FlightFormulation(parameters, asked), now, orbit)
     return asked
+
+
+def test_the_flight_parameters_alone_pose_the_problem():
+    own, now = formulation(taken(FlightParameters, FLIGHT)), small_uav.situation()
+    np.testing.assert_array_equal(plan_of(own, now).inputs, plan_of(formulation(), now).inputs)
 
 
 def test_the_guess_is_a_flight_that_leads_to_an_orbit_that_can_be_flown():

@@ -28,8 +28,8 @@ from uav_tracking_mpc.formulation.paper_formulation import (
     stability_problem,
 )
 from uav_tracking_mpc.mpc.stage_code import stage_module
-from uav_tracking_mpc.parameters.specification import ParameterError
-from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.parameters.specification import ParameterError, taken
+from uav_tracking_mpc.settings.tracking import PaperParameters, TrackingParameters
 from uav_tracking_mpc.terminal import ingredients as terminal
 
 PARAMETERS = TrackingParameters(solve_time_max=5.0)  # the load of the machine is not tested
@@ -64,6 +64,11 @@ def test_the_plan_is_the_solution_about_the_steady_turn(formulation, paper_start
     np.testing.assert_array_equal(plan.inputs, expected)
     np.testing.assert_allclose(plan.inputs[0], [0.6754, 0.7854, 1.0], atol=6e-5)
     assert plan.step == 1.0
+
+
+def test_the_papers_parameters_alone_pose_its_problem(formulation, paper_start):
+    own, now = PaperFormulation(taken(PaperParameters, PARAMETERS)), situation_of(paper_start)
+    np.testing.assert_array_equal(plan_of(own, now).inputs, plan_of(formulation, now).inputs)
 
 
 def test_only_the_relative_motion_matters(formulation, paper_start):

@@ -19,7 +19,12 @@ import sys
 from pathlib import Path
 
 GOLDEN = Path(__file__).with_name("golden.py")
-RECORDS = ("paper: mission: nmpc", "small_uav: scenario gusts: nmpc", "small_uav: mission: l1")
+RECORDS = (
+    "paper: mission: nmpc",
+    "small_uav: scenario gusts: nmpc",
+    "small_uav: mission: l1",
+    "bag",
+)
 
 
 def test_recorded_flights_are_flown_again():

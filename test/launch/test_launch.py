@@ -19,8 +19,8 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -33,9 +33,11 @@ from processes import (
     KILL,
     TERMINATE,
     alive,
-    command,
     environment,
     nodes_of,
+    outcome,
+    run,
+    started,
     undecided,
     wait_for,
 )
@@ -46,51 +48,29 @@ from uav_tracking_mpc.launch.node_process import SharedMemoryFiles
 from uav_tracking_mpc.launch.supervisor import LAST_DOMAIN, own_domain
 from uav_tracking_mpc.nodes.bag.bag_log import flight_log, messages
 from uav_tracking_mpc.nodes.messages.conversions import plan_from_command
-from uav_tracking_mpc.nodes.topics import (
-    ALL,
-    COMMAND,
-    DIAGNOSTICS,
-    ENGAGED,
-    ODOMETRY,
-    ORBIT,
-    ROSOUT,
-)
+from uav_tracking_mpc.nodes.topics import ALL, COMMAND, DIAGNOSTICS, ODOMETRY, ORBIT, ROSOUT
 from uav_tracking_mpc.settings.configuration import load_configuration
 
 pytestmark = pytest.mark.nodes
 
 
 def until(words, *arguments, **exported):
-    """Output of ``launch_tracking`` up to a line with these words, or its end; and exit code."""
-    process = subprocess.Popen(
-        command("cli.launch_tracking", *arguments),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        env={**environment(), **exported},
-    )
-    assert process.stdout is not None
-    said = []
-    for line in process.stdout:
-        said.append(line)
-        if words in line:
-            process.send_signal(TERMINATE)
-            break
-    rest = process.communicate(timeout=60)[0]
-    return "".join(said) + rest, process.returncode
+    """Exit code and output of ``launch_tracking``, which is ended where it says these words."""
+    env = {**environment(), **exported}
+    return run("cli.launch_tracking", *arguments, stop=TERMINATE, after=words, env=env)
 
 
 def test_an_exported_domain_is_flown_in_and_an_option_wins():
-    output, code = until("domain")
+    code, output = until("domain")
     assert output.startswith(f"domain {DOMAIN} (from ROS_DOMAIN_ID): watch with")
     assert code == 0, output
     with own_domain(None) as other:
-        output, _ = until("domain", "--domain-id", str(other))
+        _, output = until("domain", "--domain-id", other)
     assert output.startswith(f"domain {other}: watch with")
 
 
 def test_a_domain_that_is_not_allowed_is_refused():
-    output, code = until("never said", ROS_DOMAIN_ID="300")
+    code, output = until("never said", ROS_DOMAIN_ID="300")
     assert code == 2
     assert output == (
         "launch_tracking: environment variable ROS_DOMAIN_ID is '300', must be an integer from 0 "
@@ -101,7 +81,7 @@ def test_a_domain_that_is_not_allowed_is_refused():
 def test_without_a_home_and_with_an_empty_cache_it_flies_at_once(tmp_path):
     nowhere = tmp_path / "file"
     nowhere.write_text("")
-    output, code = until(
+    code, output = until(
         "flying on commands",
         HOME=str(nowhere),
         ROS_LOG_DIR="",
@@ -118,33 +98,32 @@ def test_without_a_home_and_with_an_empty_cache_it_flies_at_once(tmp_path):
 
 
 LINK = f"{Path(__file__).parents[1] / 'paced_link.py'}:PacedLink"
-FLY = ("fly", "--config", "small_uav", "--json", "--link")
 
 
-def fly(output, *arguments):
-    words = command("cli.main", *FLY, *arguments, "--output", output)
-    env = environment() | {"PYTHONPATH": str(Path(__file__).parents[1])}
-    return subprocess.run(words, capture_output=True, text=True, env=env, timeout=300)
+BY_LINK = ("cli.main", "fly", "--config", "small_uav", "--json", "--link")
+
+
+def finding_links():
+    return environment() | {"PYTHONPATH": str(Path(__file__).parents[1])}
 
 
 @pytest.mark.parametrize("link", [(LINK,), ("ardupilot", "--simulated")], ids=["own", "ardupilot"])
 def test_a_flight_counts_from_when_it_is_engaged_and_tells_of_its_link(tmp_path, link):
-    flown = fly(tmp_path, *link, "--engage", "--duration", "4")
-    assert flown.returncode == 3, flown.stderr  # 4 s are not enough
-    assert flown.stderr.splitlines()[-1].startswith("not settled in ")
-    numbers = json.loads(flown.stdout)
+    words = (*link, "--engage", "--duration", 4, "--output", tmp_path)
+    code, output, errors = outcome(*BY_LINK, *words, env=finding_links())
+    assert code == 3, errors  # 4 s are not enough
+    assert errors.splitlines()[-1].startswith("not settled in ")
+    numbers = json.loads(output)
     assert numbers["duration_s"] == pytest.approx(4.0, abs=1.5)
     assert numbers["speed"] == 1.0
     keys = {"dialect", "rate_hz", "latency_ms", "latency_p99_ms", "lost", "refused"}
     assert numbers["link"].keys() == keys
     assert numbers["link"]["rate_hz"] > 5.0
     assert numbers["solver"]["solves"] > 10
-    assert "engaged" in flown.stderr
-    assert "Traceback" not in flown.stderr
-    counts = {topic.name: 0 for topic in (COMMAND, ORBIT, ENGAGED)}
-    for topic, _, _ in messages(tmp_path / "mission.mcap", COMMAND, ORBIT, ENGAGED):
-        counts[topic.name] += 1
-    assert counts[ORBIT.name] > 0.5 * counts[COMMAND.name] > 5
+    assert "engaged" in errors
+    assert "Traceback" not in errors
+    counts = Counter(topic for topic, *_ in messages(tmp_path / "mission.mcap", COMMAND, ORBIT))
+    assert counts[ORBIT] > 0.5 * counts[COMMAND] > 5
 
 
 @pytest.mark.parametrize(
@@ -155,32 +134,20 @@ def test_a_flight_counts_from_when_it_is_engaged_and_tells_of_its_link(tmp_path,
     ],
 )
 def test_what_cannot_be_flown_starts_nothing(tmp_path, arguments, words):
-    refused = fly(tmp_path, *arguments)
-    assert refused.returncode == 2
-    assert words in refused.stderr.splitlines()[-1]
-    assert "domain" not in refused.stderr
-    assert refused.stdout == ""
+    code, output, errors = outcome(*BY_LINK, *arguments, "--output", tmp_path, env=finding_links())
+    assert (code, output) == (2, "")
+    assert words in errors.splitlines()[-1]
+    assert "domain" not in errors
     assert not list(tmp_path.iterdir())
 
 
 def test_without_engage_nothing_is_commanded_and_it_says_how(tmp_path):
-    env = environment() | {"PYTHONPATH": str(Path(__file__).parents[1])}
-    process = subprocess.Popen(
-        command("cli.main", *FLY, LINK, "--output", tmp_path),
-        stderr=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-        env=env,
-    )
-    told = ""
-    for line in process.stderr:
-        told += line
-        if "tracking: optimal plan" in line:
-            break
-    process.send_signal(INTERRUPT)
-    output, rest = process.communicate(timeout=60)
+    how = {"after": "tracking: optimal plan", "env": finding_links(), "apart": True}
+    with started(*BY_LINK, LINK, "--output", tmp_path, **how) as process:
+        process.send_signal(INTERRUPT)
+        output, rest = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert "until somebody engages: `uav_tracking engage --domain-id" in told
+    assert "until somebody engages: `uav_tracking engage --domain-id" in process.said
     assert "interrupted before the autopilot was engaged" in rest
     assert output == ""
     assert not (tmp_path / "mission.mcap").exists()
@@ -207,26 +174,18 @@ def left_behind(names):
 
 @pytest.fixture
 def launcher():
-    process = subprocess.Popen(
-        command("cli.launch_tracking", "--config", "paper"),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        env=undecided(),
-    )
-    assert process.stdout is not None
-    for line in process.stdout:
-        if "flying on commands" in line:
-            break
-    process.nodes = nodes_of(process.pid)
-    assert set(process.nodes) == {"uav_simulator", "target_publisher", "nmpc_controller"}
-    process.files = set().union(*(mapped(node) for node in process.nodes.values()))
-    assert process.files or sys.platform != "linux"
-    rests = SharedMemoryFiles()
-    rests.note(process.nodes.values())
-    yield process
-    process.kill()
-    process.wait()
+    words, after = ("--config", "paper"), "flying on commands"
+    with started("cli.launch_tracking", *words, after=after, env=undecided()) as process:
+        process.nodes = nodes_of(process.pid)
+        assert set(process.nodes) == {"uav_simulator", "target_publisher", "nmpc_controller"}
+        own = {str(process.pid), *map(str, process.nodes.values())}
+        others = {path.name for path in Path("/proc").glob("[0-9]*")} - own
+        shared = set().union(*map(mapped, others))  # by all domains
+        process.files = set().union(*map(mapped, own)) - shared
+        assert process.files or sys.platform != "linux"
+        rests = SharedMemoryFiles()
+        rests.note(process.nodes.values())
+        yield process
     assert wait_for(lambda: not any(alive(node) for node in process.nodes.values()))
     rests.remove_orphans()  # a killed launcher cannot
 
@@ -258,13 +217,10 @@ def test_nodes_do_not_outlive_a_killed_launcher(launcher):
 
 
 def test_a_launch_may_be_ended_before_it_flies():
-    process = subprocess.Popen(command("cli.launch_tracking"), stderr=subprocess.PIPE, text=True)
-    assert process.stderr is not None
-    assert "domain" in process.stderr.readline()
-    process.send_signal(INTERRUPT)
-    errors = process.communicate(timeout=60)[1]
-    assert process.returncode == 0
-    assert "Traceback" not in errors
+    code, output = run("cli.launch_tracking", stop=INTERRUPT, after="domain", env=undecided())
+    assert output.startswith("domain")
+    assert code == 0
+    assert "Traceback" not in output
 
 
 def test_two_launches_get_two_domains():
@@ -276,22 +232,13 @@ def test_two_launches_get_two_domains():
 
 
 @pytest.mark.parametrize(
-    ("after", "words"), [("domain", "interrupted"), ("t   ", "of 600 s were flown")]
+    ("after", "words"), [("domain", "interrupted"), ("\nt   ", "of 600 s were flown")]
 )
 def test_an_interrupted_flight_says_so(tmp_path, after, words):
-    process = subprocess.Popen(
-        command("cli.main", "fly", "--duration", "600", "--output", tmp_path),
-        stderr=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-        env=environment(),
-    )
-    assert process.stderr is not None
-    for line in process.stderr:
-        if line.startswith(after):
-            break
-    process.send_signal(INTERRUPT)
-    output, errors = process.communicate(timeout=60)
+    flight = ("fly", "--duration", 600, "--output", tmp_path)
+    with started("cli.main", *flight, after=after, apart=True) as process:
+        process.send_signal(INTERRUPT)
+        output, errors = process.communicate(timeout=60)
     assert process.returncode == 130
     assert words in errors
     assert "Traceback" not in errors
@@ -304,19 +251,10 @@ def test_an_interrupted_flight_says_so(tmp_path, after, words):
 
 
 def test_a_flight_whose_node_died_is_kept_and_reported(tmp_path):
-    process = subprocess.Popen(
-        command("cli.main", "fly", "--duration", "600", "--output", tmp_path),
-        stderr=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-        env=environment(),
-    )
-    assert process.stderr is not None
-    for line in process.stderr:
-        if line.startswith("t   "):
-            break
-    os.kill(nodes_of(process.pid)["nmpc_controller"], KILL)
-    output, errors = process.communicate(timeout=60)
+    flight = ("fly", "--duration", 600, "--output", tmp_path)
+    with started("cli.main", *flight, after="\nt   ", apart=True) as process:
+        os.kill(nodes_of(process.pid)["nmpc_controller"], KILL)
+        output, errors = process.communicate(timeout=60)
     assert process.returncode == 1, errors
     assert "nmpc_controller died with exit code -9" in errors
     assert "of 600 s were flown" in errors
@@ -332,14 +270,10 @@ def test_a_flight_whose_node_died_is_kept_and_reported(tmp_path):
 def flight(tmp_path_factory):
     """A mission with real processes through the command, as a user runs it."""
     output = tmp_path_factory.mktemp("flight")
-    finished = subprocess.run(
-        command("cli.main", "fly", "--duration", "60", "--output", output, "--json"),
-        capture_output=True,
-        text=True,
-        env=undecided(),
-    )
-    assert finished.returncode == 0, finished.stderr
-    return output, json.loads(finished.stdout)
+    words = ("fly", "--duration", 60, "--output", output, "--json")
+    code, told, errors = outcome("cli.main", *words, env=undecided())
+    assert code == 0, errors
+    return output, json.loads(told)
 
 
 @pytest.mark.alone
@@ -375,13 +309,10 @@ def test_what_was_flown_is_flown_again_bit_for_bit(flight):
 @pytest.mark.alone
 def test_the_bag_holds_every_topic_and_reads_back_equal(flight):
     output, _ = flight
-    counts = dict.fromkeys((topic.name for topic in ALL), 0)
-    times = []
-    for topic, time, _ in messages(output / "mission.mcap", *ALL):
-        counts[topic.name] += 1
-        times.append(time)
+    topics, times, _ = zip(*messages(output / "mission.mcap", *ALL), strict=True)
+    counts = Counter(topic.name for topic in topics)
     assert all(counts[topic.name] for topic in ALL if not topic.optional), counts
-    assert times == sorted(times)
+    assert list(times) == sorted(times)
     with Reader(output) as reader:  # the folder, by its metadata
         told = {connection.topic: connection.msgcount for connection in reader.connections}
     assert told["/tf"] == told["/uav/odometry"] == counts["uav/odometry"]

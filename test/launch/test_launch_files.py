@@ -23,7 +23,7 @@ import yaml
 from launch_stand_in import ExecuteProcess, Node
 
 from uav_tracking_mpc.launch.fleet import recorded_topics
-from uav_tracking_mpc.parameters.specification import ParameterError, resolved, specifications
+from uav_tracking_mpc.parameters.specification import ParameterError, specifications
 from uav_tracking_mpc.settings.configuration import (
     SECTIONS,
     configuration_folder,
@@ -111,7 +111,7 @@ def test_a_lifecycle_manager_may_start_the_controller():
 def test_every_parameter_is_known_to_its_node():
     for arguments in ({}, {"vehicle": "autopilot", "connection": "udpin:127.0.0.1:14550"}):
         for node in nodes(TRACKING, use_sim_time="true", **arguments).values():
-            kind = resolved(SECTIONS[node.node_executable], node.values)
+            kind = SECTIONS[node.node_executable].extended(node.values)
             known = {each.name for each in specifications(kind)}
             assert set(node.values) - {"use_sim_time"} <= known
 

@@ -34,6 +34,12 @@ class Backwards(VectorField):
         return np.array([-turn, climb, acceleration])
 
 
+class OneWay(VectorField):
+    def __init__(self, orbit, envelope):
+        super().__init__(orbit, envelope)
+        self.sense = 1.0
+
+
 class Unclipped(VectorField):
     def inputs(self, situation):
         return 5.0 * super().inputs(situation)
@@ -72,6 +78,7 @@ class Learning(VectorField):
     ("law", "words"),
     [
         (Backwards, "m from the target: do its signs agree"),
+        (OneWay, "it does not circle clockwise: does it heed"),
         (Unclipped, "is outside the envelope; see Envelope.clip"),
         (Undefined, r"0 m East, .*is \[nan, nan, nan\], must be finite"),
         (Raising, "case 0, .*ZeroDivisionError: division by zero"),

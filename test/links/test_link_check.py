@@ -16,6 +16,7 @@
 
 import dataclasses
 
+import numpy as np
 import pytest
 
 from uav_tracking_mpc.links._check import check_link
@@ -51,9 +52,20 @@ class Careless(SimulatedLink):
         return ""
 
 
+class Hasty(SimulatedLink):
+    def command(self, stamp, inputs, step, orbit=None):
+        return "" if np.isfinite(inputs[0]).all() else "not finite"
+
+
 class Clinging(SimulatedLink):
     def close(self):
         pass
+
+
+class Forgetful(SimulatedLink):
+    def measured(self, timeout):
+        self._flown.advance(1.0 / 20.0)
+        return self._flown.measured()
 
 
 @pytest.mark.parametrize(
@@ -62,8 +74,10 @@ class Clinging(SimulatedLink):
         (Mute, "`when_silent` must say"),
         (Deaf, "no state within 2 s"),
         (OtherClock, r"stamps must be of now\(\)'s clock"),
-        (Careless, "a plan that is not finite is taken"),
-        (Clinging, r"still gives states after close\(\)"),
+        (Careless, "a plan that is not finite must be refused in words, it is accepted"),
+        (Hasty, "a plan that is empty must be refused in words, it raises IndexError"),
+        (Clinging, r"after close\(\) measured\(\) must raise LinkError, it gives"),
+        (Forgetful, r"after close\(\) measured\(\) must raise LinkError, it raises AttributeError"),
     ],
 )
 def test_what_is_wrong_is_said(link, words):

@@ -54,7 +54,7 @@ def test_an_unstable_loop_lacks_everything():
 
 def test_an_orbit_that_limits_forbid_is_no_alarm_about_margins():
     words = margin_warning(small_uav.parameters("fence_radius=250.0"))
-    assert words.endswith("are not known: limits leave no steady orbit as it is asked for")
+    assert "are not known: the orbit that is asked for is left: limits" in words
 
 
 def test_a_loop_that_is_not_stable_is_told_in_one_sentence(monkeypatch):

@@ -14,26 +14,23 @@
 
 """The node in the simulator's place, on a plant behind a link."""
 
+import time
+from collections import defaultdict
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import rclpy
 from diagnostic_msgs.msg import DiagnosticStatus
-from processes import run_node, wait_for
-from rclpy.parameter import Parameter
-from rclpy.serialization import deserialize_message, serialize_message
+from filled_messages import filled_command, filled_orbit
+from node_harness import tapped
+from processes import refused_start, wait_for
+from rclpy.serialization import serialize_message
 
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.nodes import autopilot_link
 from uav_tracking_mpc.nodes.autopilot_link import AutopilotLink
-from uav_tracking_mpc.nodes.messages.conversions import (
-    measurement_from_odometry,
-    nanoseconds,
-    set_command,
-)
-from uav_tracking_mpc.nodes.messages.named_figures import orbit_message, set_orbit
+from uav_tracking_mpc.nodes.messages.conversions import measurement_from_odometry, nanoseconds
 from uav_tracking_mpc.nodes.ros.diagnostics import ERROR, OK, WARN
 from uav_tracking_mpc.nodes.topics import COMMAND, ENGAGED, ODOMETRY, TARGET_ODOMETRY
 from uav_tracking_mpc.parameters.specification import ParameterError
@@ -45,59 +42,31 @@ ORBIT = FlownOrbit(np.array([0.0, 0.0, 120.0]), np.array([5.0, 0.0, 0.0]), 275.0
 
 
 @pytest.fixture
-def node():
-    """Makes the node with parameters, with what it publishes by topic; no other node is there."""
-    context, nodes = rclpy.Context(), []
-    context.init(args=[])
-
-    class Tapped(AutopilotLink):
-        """The node, with a listener on every publisher."""
-
-        def __init__(self, **options):
-            self.sent = {}
-            super().__init__(**options)
-
-        def create_publisher(self, kind, topic, *rest, **options):
-            publisher = super().create_publisher(kind, topic, *rest, **options)
-            sent = self.sent.setdefault(topic, [])
-            publish = publisher.publish
-
-            def tapped(message):
-                publish(message)
-                sent.append((self.get_clock().now().nanoseconds, _copied(message)))
-
-            publisher.publish = tapped
-            return publisher
+def node(nodes):
+    """Makes the node with parameters, with what it publishes by topic, and when."""
 
     def make(**parameters):
-        overrides = [Parameter(name, value=v) for name, v in {"link": LINK, **parameters}.items()]
-        nodes.append(Tapped(context=context, parameter_overrides=overrides))
-        return nodes[-1]
+        sent = defaultdict(list)
+        kind = tapped(AutopilotLink, lambda topic, said: sent[topic].append((time.time_ns(), said)))
+        made = nodes.add(kind, **{"link": LINK, **parameters})
+        made.sent = sent
+        return made
 
-    yield make
-    for each in nodes:
-        each.finish()
-        each.destroy_node()
-    context.try_shutdown()
+    return make
 
 
-def _copied(message):
-    return deserialize_message(serialize_message(message), type(message))
+def command(stamp, plan=((0.05, 0.0, 0.0), (0.04, 0.0, 0.0))):
+    return serialize_message(filled_command(stamp, plan, 0.4))
 
 
-def command(stamp, plan=((0.05, 0.0, 0.0), (0.04, 0.0, 0.0)), step=0.4):
-    message = COMMAND.type()
-    set_command(message, stamp, np.array(plan), step)
-    return serialize_message(message)
-
-
-def orbit(stamp):
-    message = orbit_message()
-    set_orbit(message, stamp, ORBIT)
-    return message
+def engage(node, on=True):
+    """Ask for it as the service does."""
+    answer = node._on_engage(SimpleNamespace(data=on), SimpleNamespace())
+    return answer.success, answer.message
 
 
 def status(node):
+    node._look()
     return node._diagnostics.level, node._diagnostics.message
 
 
@@ -118,17 +87,16 @@ def test_states_are_published_with_ros_stamps_as_they_come(node):
         seen = measurement_from_odometry(message)
         assert abs(seen.position[2] - 100.0) < 5.0
     assert made.sent["uav/air_velocity"][0][1].twist.linear.x == pytest.approx(22.0, abs=0.5)
-    made._look()
     assert status(made) == (OK, "paced: not engaged, nothing is commanded")
 
 
 def test_a_command_reaches_the_link_in_its_time_with_the_orbit_carried_on(node):
     made = flying(node)
     stamp = nanoseconds(made.sent[ODOMETRY.name][-1][1].header.stamp)
-    made._on_orbit(orbit(stamp - 100_000_000))
+    made._on_orbit(filled_orbit(stamp - 100_000_000, ORBIT))
     made._on_command(command(stamp))
     link = made._link
-    now = made.get_clock().now().nanoseconds
+    now = time.time_ns()
     assert link.now() - link.stamps[-1] == pytest.approx((now - stamp) * 1e-9, abs=0.05)
     np.testing.assert_allclose(link.orbits[-1].centre, [0.5, 0.0, 120.0], atol=1e-6)
     made._on_command(command(stamp + 10_000_000_000))
@@ -140,47 +108,42 @@ def test_what_is_no_command_is_refused_in_words_and_never_reaches_the_link(node)
     made = flying(node)
     for bad in (serialize_message(COMMAND.type()), b"", command(1, plan=[[np.nan, 0.0, 0.0]])):
         made._on_command(bad)
-    made._on_orbit(orbit_message().__class__())
+    made._on_orbit(type(filled_orbit(0, ORBIT))())
     assert made._link.stamps == []
     assert made._values()["plans refused"] == 4
 
 
 def test_it_engages_by_service_and_says_so(node):
     made = flying(node)
-    answer = made._on_engage(SimpleNamespace(data=True), SimpleNamespace())
-    assert (answer.success, answer.message) == (True, "")
-    made._on_command(command(made.get_clock().now().nanoseconds))
+    assert engage(made) == (True, "")
+    made._on_command(command(time.time_ns()))
     made._look()
-    assert made.sent[ENGAGED.name][-1][1].data is True
     assert status(made) == (OK, "paced: the commands are flown")
+    assert made.sent[ENGAGED.name][-1][1].data is True
     made._link.refusal = "too windy"
-    made._on_command(command(made.get_clock().now().nanoseconds))
-    made._look()
+    made._on_command(command(time.time_ns()))
     assert status(made) == (ERROR, "paced: the commands are refused")
     assert made._values()["last refusal"] == "too windy"
-    answer = made._on_engage(SimpleNamespace(data=False), SimpleNamespace())
+    assert engage(made, False)[0]
     made._look()
-    assert answer.success
     assert made.sent[ENGAGED.name][-1][1].data is False
 
 
 def test_engaging_can_be_refused(node):
     made = flying(node, connection="stubborn")
-    answer = made._on_engage(SimpleNamespace(data=True), SimpleNamespace())
-    assert (answer.success, answer.message) == (False, "the pilot says no")
-    gone = node(connection="nobody")
-    answer = gone._on_engage(SimpleNamespace(data=True), SimpleNamespace())
-    assert not answer.success
-    assert "there is no aircraft" in answer.message
+    assert engage(made) == (False, "the pilot says no")
+    success, words = engage(node(connection="nobody"))
+    assert not success
+    assert "there is no aircraft" in words
 
 
 def test_asked_to_engage_it_does_so_once_there_is_something_to_fly(node):
     made = flying(node, engage=True)
-    now = made.get_clock().now().nanoseconds
+    now = time.time_ns()
     made._on_command(command(now))  # without an orbit there is nothing to loiter about
     made._look()
     assert not made._link.engaged
-    made._on_orbit(orbit(now))
+    made._on_orbit(filled_orbit(now, ORBIT))
     made._on_command(command(now))
     made._look()
     assert made._link.engaged
@@ -192,7 +155,6 @@ def test_asked_to_engage_it_does_so_once_there_is_something_to_fly(node):
 def test_it_waits_for_an_aircraft_and_outlives_one_that_fails(node, monkeypatch):
     made = node(connection="nobody")
     assert wait_for(lambda: made._reader.trouble == "nobody answers")
-    made._look()
     assert status(made) == (WARN, "paced: no aircraft: nobody answers")
     made._on_command(command(1))  # there is nobody to give it to
     assert made._link.stamps == []
@@ -203,7 +165,7 @@ def test_it_waits_for_an_aircraft_and_outlives_one_that_fails(node, monkeypatch)
 
     for name in ("command", "values", "engage"):
         monkeypatch.setattr(flown._link, name, fail)
-    flown._on_command(command(flown.get_clock().now().nanoseconds))
+    flown._on_command(command(time.time_ns()))
     assert "of a user" in flown._refusal
     assert "of a user" in flown._engage()
     assert "of a user" in str(flown._values()["link"])
@@ -227,7 +189,7 @@ def test_a_target_that_tells_where_it_is_is_published(node):
 
 def test_it_lets_go_at_the_end(node):
     made = flying(node)
-    made._on_engage(SimpleNamespace(data=True), SimpleNamespace())
+    engage(made)
     link = made._link
     made.finish()
     assert not link.engaged
@@ -251,8 +213,5 @@ def test_what_cannot_be_is_refused_at_the_start(node, parameters, words):
 
 
 def test_an_aircraft_that_cannot_be_flown_ends_the_process_with_one_line():
-    code, output = run_node(
-        "autopilot_link", "--ros-args", "-p", f"link:={LINK}", "-p", "connection:=copter"
-    )
-    fatal = [line for line in output.splitlines() if line.startswith("[FATAL]")]
-    assert (code, fatal) == (2, ["[FATAL] [autopilot_link]: it is a copter"])
+    arguments = ("-p", f"link:={LINK}", "-p", "connection:=copter")
+    assert refused_start("autopilot_link", *arguments) == "it is a copter"

@@ -16,8 +16,8 @@
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
-from rclpy.serialization import serialize_message
+from diagnostic_msgs.msg import DiagnosticStatus
+from filled_messages import SECOND, filled_command, filled_odometry, filled_status, write_messages
 
 from uav_tracking_mpc.nodes.bag.bag_log import (
     beside_commands,
@@ -26,13 +26,10 @@ from uav_tracking_mpc.nodes.bag.bag_log import (
     sighted_target,
     simulated_target,
 )
-from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
-from uav_tracking_mpc.nodes.messages.conversions import set_command, set_odometry, set_stamp
 from uav_tracking_mpc.nodes.topics import COMMAND, DIAGNOSTICS, ODOMETRY
 from uav_tracking_mpc.settings.configuration import load_configuration
 
 BEGAN = 1_700_000_000_000_000_000
-SECOND = 1_000_000_000
 
 
 def test_a_simulated_target_moves_from_when_it_began():
@@ -105,28 +102,20 @@ def test_a_value_belongs_to_the_command_before_it():
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 
 
-def complaint(path, *said, last_state=10):
-    """Of a bag with a state a second, the first command at 1 s, and what nodes said when."""
-    bag = FlightBag(path)
-    for second in range(20):
-        if second <= last_state:
-            message = ODOMETRY.type()
-            set_odometry(message, second * SECOND, np.array([9.0] * 6), np.zeros(3))
-            bag.write(ODOMETRY, second * SECOND, serialize_message(message))
-        if second == 1:
-            message = COMMAND.type()
-            set_command(message, second * SECOND, np.zeros((2, 3)), 1.0)
-            bag.write(COMMAND, second * SECOND, serialize_message(message))
-        for when, node, level, words, *reason in said:
-            if when == second:
-                values = [KeyValue(key="mode reason", value=text) for text in reason]
-                status = DiagnosticStatus(level=level, message=words, values=values)
-                status.name = f"{node}: status"
-                message = DIAGNOSTICS.type(status=[status])
-                set_stamp(message.header.stamp, second * SECOND)
-                bag.write(DIAGNOSTICS, second * SECOND + 1, serialize_message(message))
-    bag.close()
-    found = last_complaint(path)
+def complaint(path, *said):
+    """Of a bag with a state a second for 10 s, a command at 1 s, and what nodes said when."""
+    states = [
+        (ODOMETRY, second * SECOND, filled_odometry(second * SECOND, [9.0] * 6))
+        for second in range(11)
+    ]
+    command = COMMAND, SECOND, filled_command(SECOND, np.zeros((2, 3)))
+    statuses = []
+    for when, node, level, words, *reason in said:
+        values = dict(zip(["mode reason"], reason, strict=False))
+        status = filled_status(when * SECOND, node, words, level, values)
+        statuses.append((DIAGNOSTICS, when * SECOND + 1, status))
+    bag = write_messages(path, sorted([*states, command, *statuses], key=lambda each: each[1]))
+    found = last_complaint(bag)
     return None if found is None else str(found)
 
 
@@ -149,12 +138,8 @@ def complaint(path, *said, last_state=10):
             "pilot said at 1.0 s: slow",
         ),
         ([(2, "pilot", WARN, "slow"), (3, "other", OK, "fine")], "pilot said at 1.0 s: slow"),
+        ([(12, "pilot", ERROR, "after the last state, as the nodes end")], None),
     ],
 )
 def test_the_last_error_counts_else_a_warning_that_stands(tmp_path, said, words):
     assert complaint(tmp_path / "flight.mcap", *said) == words
-
-
-def test_what_is_said_when_the_nodes_end_counts_for_nothing(tmp_path):
-    said = (12, "pilot", ERROR, "vehicle state is lost")
-    assert complaint(tmp_path / "flight.mcap", said) is None

@@ -17,7 +17,15 @@
 import numpy as np
 import pytest
 import yaml
-from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from filled_messages import (
+    filled_air,
+    filled_command,
+    filled_measurement,
+    filled_odometry,
+    filled_point,
+    filled_status,
+    write_messages,
+)
 from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
@@ -27,13 +35,8 @@ from uav_tracking_mpc.dynamics.vehicle import velocity
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes.bag.bag_log import flight_log
 from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
-from uav_tracking_mpc.nodes.messages.conversions import (
-    set_air_velocity,
-    set_command,
-    set_measurement,
-    set_odometry,
-    set_point,
-)
+from uav_tracking_mpc.nodes.messages.conversions import nanoseconds
+from uav_tracking_mpc.nodes.messages.message_checks import FrameNames
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     COMMAND,
@@ -57,33 +60,26 @@ def states():
         yield k * STEP, np.array([200.0 - k, 3.0 * k, 50.0, 0.1 * k, 0.05, 20.0 + 0.1 * k])
 
 
+TARGET_RUNS = ("target_publisher.motion=line", "target_publisher.speed=2.0")
+
+
 def fly(path, air=lambda k: True, bank=None, astray=()):
-    bag = FlightBag(path)
-    for k, (stamp, state) in enumerate(states()):
-        message = ODOMETRY.type()
-        if bank is None:
-            set_odometry(message, stamp, state, np.zeros(3), velocity(state) + WIND)
-        else:
-            *place, heading, path_angle, _ = state
+    """The flight by simulated time, in wind."""
+
+    def said():
+        for k, (stamp, state) in enumerate(states()):
             ground = velocity(state) + WIND
-            seen = Measurement(0.0, np.array(place), ground, heading, path_angle, bank=bank(k))
-            set_measurement(message, stamp, seen)
-        if k in astray:
-            message.pose.pose.position.x = -10_837_714.0
-        bag.write(ODOMETRY, stamp + 1, serialize_message(message))
-        if air(k):
-            message = AIR_VELOCITY.type()
-            set_air_velocity(message, stamp, state[5])
-            bag.write(AIR_VELOCITY, stamp + 2, serialize_message(message))
-        if k == 0:
-            message = COMMAND.type()
-            set_command(message, stamp, np.zeros((2, 3)), 1.0)
-            bag.write(COMMAND, stamp + 3, serialize_message(message))
-    bag.close()
-    configuration = load_configuration(
-        "paper", ["target_publisher.motion=line", "target_publisher.speed=2.0"]
-    )
-    return flight_log(path, configuration)
+            seen = Measurement(0.0, state[:3], ground, state[3], state[4], bank=bank and bank(k))
+            odometry = filled_measurement(stamp, seen)
+            if k in astray:
+                odometry.pose.pose.position.x = -10_837_714.0
+            yield ODOMETRY, stamp + 1, odometry
+            if air(k):
+                yield AIR_VELOCITY, stamp + 2, filled_air(stamp, state[5])
+            if k == 0:
+                yield COMMAND, stamp + 3, filled_command(stamp, np.zeros((2, 3)))
+
+    return flight_log(write_messages(path, said()), load_configuration("paper", TARGET_RUNS))
 
 
 @pytest.mark.parametrize("air", [lambda k: True, lambda k: k % 3 == 0 or k == 19])
@@ -123,33 +119,24 @@ def test_a_state_of_no_place_on_this_earth_is_left_out_and_counted(tmp_path):
 
 def fly_with_link(path, engaged=True, target_system=0):
     """The flight of above by wall time, engaged at its fifth state; the target began before it."""
-    bag = FlightBag(path)
 
-    def write(topic, message, stamp):
-        bag.write(topic, stamp + 1, serialize_message(message))
+    def said():
+        for k, (stamp, state) in enumerate(states()):
+            stamp += WALL
+            odometry = filled_odometry(stamp, state, ground=velocity(state))
+            yield ODOMETRY, stamp + 1, odometry
+            yield COMMAND, stamp + 1, filled_command(stamp, np.zeros((2, 3)))
+            yield TARGET, stamp + 1, filled_point(stamp, [0.1 * k, 0.0, 0.0])
+            yield ENGAGED, stamp - 1, ENGAGED.type(data=engaged and k >= 5)
+        values = {"dialect": "ardupilot", "rate [Hz]": 50.0, "latency median [ms]": 2.5}
+        values |= {"messages lost": 3, "commands refused": 1, "plans refused": 2}
+        yield DIAGNOSTICS, WALL + 1, filled_status(0, "autopilot_link", values=values)
+        began = {"began [ns]": WALL - 10 * STEP}
+        yield DIAGNOSTICS, WALL + 1, filled_status(0, "target_publisher", values=began)
 
-    for k, (stamp, state) in enumerate(states()):
-        stamp += WALL
-        odometry, command, seen = ODOMETRY.type(), COMMAND.type(), TARGET.type()
-        set_odometry(odometry, stamp, state, np.zeros(3), velocity(state))
-        set_command(command, stamp, np.zeros((2, 3)), 1.0)
-        set_point(seen, stamp, np.array([0.1 * k, 0.0, 0.0]))
-        for topic, message in ((ODOMETRY, odometry), (COMMAND, command), (TARGET, seen)):
-            write(topic, message, stamp)
-        write(ENGAGED, ENGAGED.type(data=engaged and k >= 5), stamp - 2)
-    values = {"dialect": "ardupilot", "rate [Hz]": 50.0, "latency median [ms]": 2.5}
-    values |= {"messages lost": 3, "commands refused": 1, "plans refused": 2}
-    for name, entries in {
-        "autopilot_link": values,
-        "target_publisher": {"began [ns]": WALL - 10 * STEP},
-    }.items():
-        entries = [KeyValue(key=key, value=str(value)) for key, value in entries.items()]
-        status = DiagnosticStatus(name=f"{name}: status", values=entries)
-        write(DIAGNOSTICS, DIAGNOSTICS.type(status=[status]), WALL)
-    bag.close()
-    overrides = ["target_publisher.motion=line", "target_publisher.speed=2.0"]
-    overrides += ["autopilot_link.link=ardupilot", f"autopilot_link.target_system={target_system}"]
-    return flight_log(path, load_configuration("paper", overrides))
+    link = ("autopilot_link.link=ardupilot", f"autopilot_link.target_system={target_system}")
+    configuration = load_configuration("paper", [*TARGET_RUNS, *link])
+    return flight_log(write_messages(path, said()), configuration)
 
 
 def test_with_a_link_a_flight_begins_when_it_is_engaged(tmp_path):
@@ -238,23 +225,16 @@ def test_the_file_names_itself_and_its_chunks_are_compressed(tmp_path):
 def test_the_bag_holds_the_transform_of_every_state(tmp_path, frame):
     """With the frames of the state, however long their names are."""
     recorded(tmp_path / "flight.mcap", frame)
-    store = get_typestore(Stores.ROS2_JAZZY)
-    with Reader(tmp_path / "flight.mcap") as reader:
-        wanted = [c for c in reader.connections if c.topic == "/tf"]
-        found = [
-            (time, store.deserialize_cdr(data, "tf2_msgs/msg/TFMessage"))
-            for _, time, data in reader.messages(wanted)
-        ]
-    odometry = ODOMETRY.type()
-    for (time, message), (stamp, state) in zip(found, states(), strict=True):
-        set_odometry(odometry, stamp, state, np.zeros(3), velocity(state))
+    found = read(tmp_path / "flight.mcap", "/tf")
+    for (_, time, message), (stamp, state) in zip(found, states(), strict=True):
+        pose = state_message(stamp, state).pose.pose
         (transform,) = message.transforms
         assert time == stamp + 1
-        assert transform.header.stamp.sec * 10**9 + transform.header.stamp.nanosec == stamp
+        assert nanoseconds(transform.header.stamp) == stamp
         assert (transform.header.frame_id, transform.child_frame_id) == ("map", frame)
         for part, expected in (
-            (transform.transform.translation, odometry.pose.pose.position),
-            (transform.transform.rotation, odometry.pose.pose.orientation),
+            (transform.transform.translation, pose.position),
+            (transform.transform.rotation, pose.orientation),
         ):
             for name in expected.get_fields_and_field_types():
                 assert getattr(part, name) == getattr(expected, name)
@@ -264,52 +244,56 @@ def test_the_bag_holds_the_transform_of_every_state(tmp_path, frame):
 def test_the_bag_holds_the_frames_of_autopilots(tmp_path, frame):
     """Axes of map_ned in map (east, north, up), of the aircraft's _frd in its own; same origins."""
     recorded(tmp_path / "flight.mcap", frame)
-    store = get_typestore(Stores.ROS2_JAZZY)
-    with Reader(tmp_path / "flight.mcap") as reader:
-        wanted = [c for c in reader.connections if c.topic == "/tf_static"]
-        ((connection, _, data),) = reader.messages(wanted)
+    ((connection, _, message),) = read(tmp_path / "flight.mcap", "/tf_static")
     assert connection.ext.offered_qos_profiles[0].durability.name == "TRANSIENT_LOCAL"
-    ned, frd = store.deserialize_cdr(data, connection.msgtype).transforms
+    ned, frd = message.transforms
     for transform, parent, child, axes in (
         (ned, "map", "map_ned", [[0, 1, 0], [1, 0, 0], [0, 0, -1]]),
         (frd, frame, f"{frame}_frd", [[1, 0, 0], [0, -1, 0], [0, 0, -1]]),
     ):
         assert (transform.header.frame_id, transform.child_frame_id) == (parent, child)
-        place = transform.transform.translation
+        place, q = transform.transform.translation, transform.transform.rotation
         assert (place.x, place.y, place.z) == (0.0, 0.0, 0.0)
-        q = transform.transform.rotation
         turned = Rotation.from_quat([q.x, q.y, q.z, q.w]).apply(np.eye(3))
         np.testing.assert_allclose(turned, axes, atol=1e-15)
 
 
+def state_message(stamp, state, frame="base_link"):
+    frames = FrameNames("map", frame)
+    return filled_odometry(stamp, state, ground=velocity(state), frames=frames)
+
+
 def recorded(path, frame="base_link", **options):
     """A bag with the states of above and a line of the log; the number of messages by topic."""
-    bag = FlightBag(path, **options)
-    for stamp, state in states():
-        message = ODOMETRY.type()
-        set_odometry(message, stamp, state, np.zeros(3), velocity(state))
-        message.child_frame_id = frame
-        bag.write(ODOMETRY, stamp + 1, serialize_message(message))
-    bag.write(ROSOUT, STEP, serialize_message(ROSOUT.type(msg="said")))
-    bag.close()
+    flown = [(ODOMETRY, stamp + 1, state_message(stamp, x, frame)) for stamp, x in states()]
+    write_messages(path, [*flown, (ROSOUT, STEP, ROSOUT.type(msg="said"))], **options)
     return {"/uav/odometry": 20, "/tf": 20, "/tf_static": 1, "/rosout": 1, "/uav/command": 0}
 
 
+def read(path, topic):
+    """Connection, time and message of all that a bag holds of a topic."""
+    store = get_typestore(Stores.ROS2_JAZZY)
+    with Reader(path) as reader:
+        return [
+            (connection, time, store.deserialize_cdr(data, connection.msgtype))
+            for connection, time, data in reader.messages()
+            if connection.topic == topic
+        ]
+
+
 def transforms(path, *states):
-    """Messages on ``/tf`` of a bag that was written these states, as bytes."""
+    """How many messages on ``/tf`` a bag has that was written these states, as bytes."""
     bag = FlightBag(path)
     for k, data in enumerate(states):
         bag.write(ODOMETRY, k, data)
     bag.close()
-    with Reader(path) as reader:
-        return [topic.topic for topic, _, _ in reader.messages()].count("/tf")
+    return len(read(path, "/tf"))
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("part", ["position", "orientation"])
 def test_a_pose_that_is_not_finite_makes_no_transform(tmp_path, part, value):
-    message = ODOMETRY.type()
-    set_odometry(message, 1, np.array([1.0, 2.0, 3.0, 0.4, 0.1, 20.0]), np.zeros(3), np.zeros(3))
+    message = filled_odometry(1, [1.0, 2.0, 3.0, 0.4, 0.1, 20.0])
     whole = serialize_message(message)
     getattr(message.pose.pose, part).y = value
     assert transforms(tmp_path / "flight.mcap", serialize_message(message), whole) == 1

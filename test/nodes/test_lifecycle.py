@@ -23,11 +23,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from lifecycle_msgs.msg import State, Transition
-from lifecycle_msgs.srv import GetState
-from node_flight import Flight
-from processes import run_node, wait_for
-from rclpy.parameter import Parameter
+from processes import refused_start, wait_for
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.control.record import replay
@@ -37,66 +33,61 @@ from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 pytestmark = pytest.mark.nodes
 
 
-@pytest.fixture
-def flight():
-    flight = Flight()
-    yield flight
-    flight.end()
-
-
-def test_it_flies_by_itself_unless_told_otherwise(flight):
-    flight.add_all()
-    assert flight.state() == State.PRIMARY_STATE_ACTIVE
-    assert flight.commanded()
+def test_it_flies_by_itself_unless_told_otherwise(flying):
+    assert flying.state() == "active"
 
 
 def test_without_autostart_a_manager_brings_it_up_and_down(flight):
     flight.add_all(autostart=False)
-    assert flight.state() == State.PRIMARY_STATE_UNCONFIGURED
+    assert flight.state() == "unconfigured"
     assert flight.spin(lambda: len(flight.states) > 30)
     assert not flight.commands
     assert flight.spin(lambda: flight.says())
     assert flight.told()[1]["configured"] == "False"
-    assert flight.change(Transition.TRANSITION_CONFIGURE)
-    assert flight.state() == State.PRIMARY_STATE_INACTIVE
+    assert flight.change("configure")
+    assert flight.state() == "inactive"
     flight.fly(1.0)
     assert not flight.commands
-    assert flight.change(Transition.TRANSITION_ACTIVATE)
+    assert flight.change("activate")
     assert flight.commanded()
 
     # Deactivated it is silent: the vehicle flies the plan to its end, then holds.
-    assert flight.change(Transition.TRANSITION_DEACTIVATE)
-    assert flight.state() == State.PRIMARY_STATE_INACTIVE
+    assert flight.change("deactivate")
+    assert flight.state() == "inactive"
     flight.fly(0.3)
     flight.commands.clear()
-    assert flight.spin(lambda: flight.simulator._plant.plan.holding)
+    plan = flight.simulator._plant.plan
+    assert flight.spin(lambda: plan.holding)
     assert not flight.commands
     assert flight.told()[0] == "inactive: no command is sent"
-    assert flight.simulator._plant.plan.failsafes == 1
+    assert plan.failsafes == 1
 
-    assert flight.change(Transition.TRANSITION_ACTIVATE)
+    assert flight.change("activate")
     assert flight.commanded()
-    assert not flight.simulator._plant.plan.holding
+    assert not plan.holding
 
 
-@pytest.mark.parametrize("before", [(), ("deactivate",), ("deactivate", "cleanup")])
-def test_a_node_that_was_shut_down_says_so_and_sends_nothing(flight, before):
-    flight.add_all()
-    assert flight.commanded()
-    for transition in before:
-        assert flight.change(getattr(Transition, f"TRANSITION_{transition.upper()}"))
-    stage = flight.controller.stage.value.upper()
-    assert flight.change(getattr(Transition, f"TRANSITION_{stage}_SHUTDOWN"))
-    assert flight.state() == State.PRIMARY_STATE_FINALIZED
-    flight.fly(0.3)
-    flight.commands.clear(), flight.diagnostics.clear()
-    assert flight.spin(lambda: len(flight.says()) >= 2)  # it goes on saying so
-    flight.fly(2.5)
-    assert not flight.commands
-    said = flight.says()
+@pytest.mark.parametrize(
+    ("before", "shutdown"),
+    [
+        ((), "active_shutdown"),
+        (("deactivate",), "inactive_shutdown"),
+        (("deactivate", "cleanup"), "unconfigured_shutdown"),
+    ],
+)
+def test_a_node_that_was_shut_down_says_so_and_sends_nothing(flying, before, shutdown):
+    assert flying.change(*before, shutdown)
+    assert flying.state() == "finalized"
+    flying.fly(0.3)
+    flying.commands.clear()
+    flying.diagnostics.clear()
+    assert flying.spin(lambda: len(flying.says()) >= 2)  # it goes on saying so
+    flying.fly(2.5)
+    assert not flying.commands
+    said = flying.says()
     assert {status.level for status in said} == {b"\x01"}
     assert all(status.message.startswith("shut down: no command") for status in said)
-    assert {v.value for v in said[-1].values if v.key == "lifecycle state"} == {"finalized"}
+    assert flying.told()[1]["lifecycle state"] == "finalized"
 
 
 def test_after_a_rest_the_first_command_comes_from_an_optimal_plan(flight):
@@ -104,12 +95,12 @@ def test_after_a_rest_the_first_command_comes_from_an_optimal_plan(flight):
     flight.add_all(target_timeout=1.0)
     assert flight.commanded()
     for _ in range(2):
-        assert flight.change(Transition.TRANSITION_DEACTIVATE)
+        assert flight.change("deactivate")
         flight.fly(4.0)
         assert flight.told()[1]["lifecycle state"] == "inactive"
         modes = flight.controller.controller.modes
         before = dict(modes.counts)
-        assert flight.change(Transition.TRANSITION_ACTIVATE)
+        assert flight.change("activate")
         flight.commands.clear()
         assert flight.commanded(20)
         assert flight.told()[0] == "tracking: optimal plan"
@@ -122,9 +113,8 @@ def test_a_target_is_not_refused_while_the_vehicle_is_silent(flight):
     """It is the vehicle's state that is missing: nobody's clock is wrong."""
     flight.add_all(speed=None, target_timeout=1.0)
     assert flight.commanded()
-    flight.executor.remove_node(flight.simulator)
-    flight.simulator.destroy_node()
-    assert flight.spin(lambda: "vehicle state is lost" in flight.told()[0])
+    flight.remove(flight.simulator)
+    assert flight.tells("vehicle state is lost")
     assert "uav/odometry" in flight.told()[0]
     flight.spin(lambda: False, 3.0)
     assert flight.controller.report.refused == 0
@@ -143,72 +133,54 @@ def test_a_cycle_through_all_states_leaves_nothing_behind(flight, monkeypatch):
     flight.add_all(autostart=False)
     before = Counter()
     for cycle in range(6):
-        assert flight.change(Transition.TRANSITION_CONFIGURE)
-        assert flight.change(Transition.TRANSITION_ACTIVATE)
+        assert flight.change("configure", "activate")
         assert flight.commanded(3)
-        assert flight.change(Transition.TRANSITION_DEACTIVATE)
-        assert flight.change(Transition.TRANSITION_CLEANUP)
+        assert flight.change("deactivate", "cleanup")
         if cycle == 2:  # all that is loaded once is loaded
             before = own_objects()
     assert not own_objects() - before
-    judging = lambda: [t for t in threading.enumerate() if t.name == "margins"]  # noqa: E731
-    assert wait_for(lambda: not judging())
+    assert wait_for(lambda: "margins" not in {thread.name for thread in threading.enumerate()})
 
 
-def test_a_transition_that_is_not_possible_is_refused_and_the_node_flies_on(flight):
-    flight.add_all()
-    assert flight.commanded()
-    for transition in ("ACTIVATE", "CLEANUP", "CONFIGURE", "UNCONFIGURED_SHUTDOWN"):
-        assert not flight.change(getattr(Transition, f"TRANSITION_{transition}"))
-    assert flight.state() == State.PRIMARY_STATE_ACTIVE
-    assert flight.commanded()
+def test_a_transition_that_is_not_possible_is_refused_and_the_node_flies_on(flying):
+    for transition in ("activate", "cleanup", "configure", "unconfigured_shutdown"):
+        assert not flying.change(transition)
+    assert flying.state() == "active"
+    assert flying.commanded()
 
 
 def test_a_transition_that_fails_leads_back_to_unconfigured_with_the_reason(flight, monkeypatch):
     flight.add_all(autostart=False)
-    assert flight.change(Transition.TRANSITION_CONFIGURE)
+    assert flight.change("configure")
 
     def broken(self):
         raise ArithmeticError("no such number")
 
-    monkeypatch.setattr(NmpcController, "activate", broken)
-    assert not flight.change(Transition.TRANSITION_ACTIVATE)
-    monkeypatch.undo()
-    assert flight.state() == State.PRIMARY_STATE_UNCONFIGURED
+    with monkeypatch.context() as patched:
+        patched.setattr(NmpcController, "activate", broken)
+        assert not flight.change("activate")
+    assert flight.state() == "unconfigured"
     words = "cannot be activated: ArithmeticError: no such number"
     assert flight.spin(lambda: flight.told()[0] == words)
     assert flight.told()[1]["lifecycle state"] == "unconfigured"
-    assert flight.change(Transition.TRANSITION_CONFIGURE)
-    assert flight.change(Transition.TRANSITION_ACTIVATE)
+    assert flight.change("configure", "activate")
     assert flight.commanded()
 
 
-def test_parameters_may_be_set_while_inactive(flight):
-    flight.add_all()
-    assert flight.commanded()
-    assert flight.change(Transition.TRANSITION_DEACTIVATE)
-    assert flight.set(range=340.0).successful
-    refused = flight.set(horizon=30)
-    assert not refused.successful
-    flight.fly(1.5)
-    assert flight.told()[0] == "inactive: no command is sent"
-    assert flight.change(Transition.TRANSITION_ACTIVATE)
-    assert flight.commanded()
-    assert flight.controller.controller.orbit.range == 340.0
+def test_parameters_may_be_set_while_inactive(flying):
+    assert flying.change("deactivate")
+    assert flying.set(range=340.0) == ""
+    assert flying.set(horizon=30)
+    flying.fly(1.5)
+    assert flying.told()[0] == "inactive: no command is sent"
+    assert flying.change("activate")
+    assert flying.commanded()
+    assert flying.controller.controller.orbit.range == 340.0
 
 
 def test_in_a_namespace_the_services_and_the_aircraft_have_its_name(flight):
-    node = NmpcController(
-        context=flight.context,
-        namespace="red",
-        parameter_overrides=[Parameter("autostart", value=False)],
-    )
-    flight.executor.add_node(node)
-    client = flight.asker.create_client(GetState, "red/nmpc_controller/get_state")
-    assert flight.spin(client.service_is_ready)
-    future = client.call_async(GetState.Request())
-    assert flight.spin(future.done)
-    assert future.result().current_state.id == State.PRIMARY_STATE_UNCONFIGURED
+    flight.add(NmpcController, namespace="red", autostart=False)
+    assert flight.state("red/nmpc_controller") == "unconfigured"
     assert flight.spin(
         lambda: any(s.hardware_id == "red" for m in flight.diagnostics for s in m.status)
     )
@@ -217,15 +189,13 @@ def test_in_a_namespace_the_services_and_the_aircraft_have_its_name(flight):
 def test_an_orbit_that_cannot_be_flown_is_not_configured(flight):
     """Set while unconfigured: each value is allowed, together they are not."""
     flight.add_all(autostart=False)
-    refused = flight.set(range=130.0, altitude=120.0)
-    assert not refused.successful
-    assert "needs a turn rate" in refused.reason
+    assert "needs a turn rate" in flight.set(range=130.0, altitude=120.0)
     flight.controller.parameters = dataclasses.replace(
         flight.controller.parameters, certificate="/nowhere.json", terminal_constraint="none",
         rate_lag=(0.0,) * 3, dead_time=(0.0,) * 3, response_estimation=False,
     )  # fmt: skip
-    assert not flight.change(Transition.TRANSITION_CONFIGURE)
-    assert flight.state() == State.PRIMARY_STATE_UNCONFIGURED
+    assert not flight.change("configure")
+    assert flight.state() == "unconfigured"
     assert flight.spin(lambda: flight.told()[0].startswith("cannot be configured"))
     words, values = flight.told()
     assert values["configured"] == "False"
@@ -234,62 +204,39 @@ def test_an_orbit_that_cannot_be_flown_is_not_configured(flight):
 
 
 def test_with_autostart_that_ends_the_process():
-    code, output = run_node(
-        "nmpc_controller", "--ros-args", "-p", "certificate:=/nowhere.json",
-        "-p", "terminal_constraint:=hard",
-    )  # fmt: skip
-    fatal = [line for line in output.splitlines() if line.startswith("[FATAL]")]
-    assert (code, len(fatal)) == (2, 1), output
-    assert "'certificate' is '/nowhere.json'" in fatal[0]
-    assert "Traceback" not in output
+    arguments = ("-p", "certificate:=/nowhere.json", "-p", "terminal_constraint:=hard")
+    assert "'certificate' is '/nowhere.json'" in refused_start("nmpc_controller", *arguments)
 
 
-def test_what_is_compiled_changes_after_cleanup(flight):
-    flight.add_all()
-    assert flight.commanded()
-    refused = flight.set(limit_penalty=500.0)
-    assert not refused.successful
-    assert "must stay 1000.0 while the controller is configured" in refused.reason
-    assert flight.change(Transition.TRANSITION_DEACTIVATE)
-    assert flight.change(Transition.TRANSITION_CLEANUP)
-    assert flight.state() == State.PRIMARY_STATE_UNCONFIGURED
-    assert flight.set(horizon=20).successful
-    assert flight.controller.parameters.horizon == 20
-    assert flight.change(Transition.TRANSITION_CONFIGURE)
-    assert flight.change(Transition.TRANSITION_ACTIVATE)
-    flight.commands.clear()
-    assert flight.commanded()
-    assert len(flight.commands[-1].points) == 20
+def test_what_is_compiled_changes_after_cleanup(flying):
+    refusal = flying.set(limit_penalty=500.0)
+    assert "must stay 1000.0 while the controller is configured" in refusal
+    assert flying.change("deactivate", "cleanup")
+    assert flying.state() == "unconfigured"
+    assert flying.set(horizon=20) == ""
+    assert flying.controller.parameters.horizon == 20
+    assert flying.change("configure", "activate")
+    flying.commands.clear()
+    assert flying.commanded()
+    assert len(flying.commands[-1].points) == 20
 
 
 def test_peers_that_go_are_told_at_once(flight):
     flight.add_all(speed=None)
     assert flight.commanded()
     assert flight.told()[1]["publishers of uav/odometry"] == "1"
-    flight.executor.remove_node(flight.simulator)
-    flight.simulator.destroy_node()
+    flight.remove(flight.simulator)
     words = "nobody publishes uav/odometry any more"
     assert flight.spin(lambda: flight.told()[0] == words or flight.told()[0].endswith("sent"))
-    said = [s.message for message in flight.diagnostics for s in message.status]
+    said = [status.message for status in flight.says("")]
     assert said.count(words) <= 2  # the event, and the second that it may stand
-    assert flight.spin(lambda: "vehicle state is lost" in flight.told()[0])
+    assert flight.tells("vehicle state is lost")
 
 
-def test_the_vehicle_tells_that_its_controller_has_gone(flight):
-    flight.add_all()
-    assert flight.commanded()
-    flight.executor.remove_node(flight.controller)
-    flight.controller.destroy_node()
-
-    def told():
-        return [
-            status.message
-            for message in flight.diagnostics
-            for status in message.status
-            if "uav_simulator" in status.name
-        ]
-
-    assert flight.spin(lambda: "nobody publishes uav/command any more" in told())
+def test_the_vehicle_tells_that_its_controller_has_gone(flying):
+    flying.remove(flying.controller)
+    words = "nobody publishes uav/command any more"
+    assert flying.spin(lambda: words in [s.message for s in flying.says("uav_simulator")])
 
 
 def test_commands_that_are_overdue_are_counted(flight):
@@ -297,8 +244,7 @@ def test_commands_that_are_overdue_are_counted(flight):
     flight.add_all(speed=None)
     assert flight.commanded(40)
     before = flight.controller.report.deadlines_missed
-    flight.executor.remove_node(flight.simulator)
-    flight.simulator.destroy_node()
+    flight.remove(flight.simulator)
     assert flight.spin(lambda: flight.controller.report.deadlines_missed > before)
 
 
@@ -307,10 +253,9 @@ def test_what_the_node_flew_is_flown_again_bit_for_bit(flight, tmp_path):
     path = tmp_path / "controller.jsonl"
     flight.add_all(record=str(path), solve_time_max=5.0)
     assert flight.commanded(20)
-    assert flight.set(range=340.0).successful
+    assert flight.set(range=340.0) == ""
     assert flight.commanded(20)
-    assert flight.change(Transition.TRANSITION_DEACTIVATE)
-    assert flight.change(Transition.TRANSITION_CLEANUP)
+    assert flight.change("deactivate", "cleanup")
     steps = list(replay(path))
     recorded = [step.recorded for step in steps if step.recorded is not None]
     assert not any(command.out_of_time for command in recorded)

@@ -20,14 +20,10 @@ long`` flies a hundred long ones.
 
 import numpy as np
 import pytest
-
-pytest.importorskip("rclpy")
-
-import rclpy
 from controller_flight import CONFIGURATION, ControllerFlight
 from hypothesis import HealthCheck, settings
 from hypothesis.stateful import run_state_machine_as_test
-from node_harness import NodeHarness, start_ros
+from node_harness import NodeHarness, silent_ros
 from vehicle_flight import VehicleFlight
 
 from uav_tracking_mpc.nodes.messages.wires import CommandWire
@@ -38,7 +34,7 @@ from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 pytestmark = [pytest.mark.nodes, pytest.mark.timeout(600)]
 
 SHORT = settings(
-    max_examples=8,
+    max_examples=5,
     stateful_step_count=20,
     deadline=None,
     derandomize=True,
@@ -50,22 +46,21 @@ LONG = settings(SHORT, max_examples=100, stateful_step_count=60, derandomize=Fal
 
 @pytest.fixture(scope="module")
 def controller():
-    start_ros()
-    ControllerFlight.harness = NodeHarness(
-        NmpcController,
-        CONFIGURATION.controller,
-        refusals=lambda node: node.report.refused,
-        # The solver's workspace is overwritten by every solve; a doubtful state is remembered, to
-        # judge the next ones; the first stamp, whatever it is, is where times are counted from.
-        # Margins are judged in a thread, which ends when it will.
-        may_change=("formulation", "_outlier", "_agreeing", "reason", "events", "_margins"),
-        use_sim_time=True,
-        delay_margin_min=0.0,  # judged beside the flight, at times of its own
-        gain_margin_min=0.0,
-    )
-    yield ControllerFlight
-    ControllerFlight.harness.node.destroy_node()
-    rclpy.try_shutdown()
+    with silent_ros():
+        ControllerFlight.harness = NodeHarness(
+            NmpcController,
+            CONFIGURATION.controller,
+            refusals=lambda node: node.report.refused,
+            # The solver's workspace is overwritten by every solve; a doubtful state is remembered,
+            # to judge the next ones; the first stamp, whatever it is, is where times are counted
+            # from. Margins are judged in a thread, which ends when it will.
+            may_change=("formulation", "_outlier", "_agreeing", "reason", "events", "_margins"),
+            use_sim_time=True,
+            delay_margin_min=0.0,  # judged beside the flight, at times of its own
+            gain_margin_min=0.0,
+        )
+        yield ControllerFlight
+        ControllerFlight.harness.node.destroy_node()
 
 
 def fly(flight, how):
@@ -100,6 +95,7 @@ def flown(controller):
     flight = controller()
     flight.take_off(start=0, distance=1.0, azimuth=0.0, altitude=1.0, heading=0.0)
     flight.rounds(20)
+    return flight
 
 
 def test_an_exception_in_a_callback_is_found(controller, monkeypatch):
@@ -137,8 +133,7 @@ def test_a_refused_command_that_is_flown_all_the_same_is_found(controller, monke
 
 
 def test_a_process_that_is_stopped_while_it_answers_sends_nothing(controller, monkeypatch):
-    flight = controller()
-    flight.take_off(start=0, distance=1.0, azimuth=0.0, altitude=1.0, heading=0.0)
+    flight = flown(controller)
     node, commanded = flight.harness.node, flight.commanded
     step, refused = node.controller.step, node.report.refused
 

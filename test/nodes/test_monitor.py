@@ -14,12 +14,11 @@
 
 """The live table: whose flight it shows, which others there are, and which node is silent."""
 
+import functools
 import io
 
 import pytest
-import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 
 from uav_tracking_mpc.nodes import monitor as room
@@ -29,88 +28,60 @@ from uav_tracking_mpc.nodes.topics import DIAGNOSTICS, ODOMETRY
 pytestmark = pytest.mark.nodes
 
 
+def console():
+    return Console(file=io.StringIO(), width=160)
+
+
 @pytest.fixture
-def table():
-    """Feeds statuses to a monitor and returns what it shows."""
-    context = rclpy.Context()
-    context.init(args=[])
-    node = Monitor(Console(file=io.StringIO(), width=120), context=context)
-
-    def show(*statuses):
-        for name, aircraft, words in statuses:
-            status = DiagnosticStatus(level=b"\x00", name=name, message=words, hardware_id=aircraft)
-            node._on_message(DIAGNOSTICS, DiagnosticArray(status=[status]))
-        console = Console(file=io.StringIO(), width=120)
-        console.print(node.table())
-        return console.file.getvalue()
-
-    yield show
-    node.finish()
-    node.destroy_node()
-    context.try_shutdown()
+def add(nodes):
+    """Adds a monitor in a namespace."""
+    kind = functools.partial(Monitor, console())
+    return lambda namespace="": nodes.add(kind, namespace=namespace)
 
 
-def test_it_shows_whose_a_node_is_and_that_it_is_silent(table, monkeypatch):
-    now = [100.0]
+def tell(monitor, name, aircraft="", words="fine"):
+    """What a node of an aircraft says."""
+    status = DiagnosticStatus(level=b"\x00", name=f"{name}: status", message=words)
+    status.hardware_id = aircraft
+    monitor._on_message(DIAGNOSTICS, DiagnosticArray(status=[status]))
+
+
+def table(monitor):
+    monitor._refresh()
+    shown = console()
+    shown.print(monitor.table())
+    return shown.file.getvalue()
+
+
+def test_it_shows_whose_a_node_is_and_that_it_is_silent(add, monkeypatch):
+    now, monitor = [100.0], add()
     monkeypatch.setattr(room.time, "monotonic", lambda: now[0])
-    said = table(
-        ("red/nmpc_controller: status", "red", "tracking"),
-        ("autopilot_link: status", "MAVLink system 7", "flown [by us]"),
-    )
-    assert "red/nmpc_controller" in said
-    assert "MAVLink system 7" in said
-    assert "flown [by us]" in said
+    tell(monitor, "red/nmpc_controller", "red", "tracking")
+    tell(monitor, "autopilot_link", "MAVLink system 7", "flown [by us]")
+    said = table(monitor)
+    for words in ("red/nmpc_controller", "MAVLink system 7", "flown [by us]"):
+        assert words in said
     assert "silent" not in said
     now[0] += 2.0 * room.GONE
-    said = table(("autopilot_link: status", "MAVLink system 7", "flown"))
-    (silent,) = [line for line in said.splitlines() if "silent" in line]
+    tell(monitor, "autopilot_link", "MAVLink system 7", "flown")
+    (silent,) = [line for line in table(monitor).splitlines() if "silent" in line]
     assert "red/nmpc_controller" in silent
 
 
-@pytest.fixture
-def ros():
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    yield
-    rclpy.try_shutdown()
+def test_alone_it_names_nobody_else(add):
+    assert "other aircraft" not in table(add())
 
 
-def shown(monitor):
-    monitor._refresh()
-    console = Console(file=io.StringIO(), width=160)
-    console.print(monitor.table())
-    return console.file.getvalue()
-
-
-def told(monitor, *names):
-    statuses = [DiagnosticStatus(name=f"{name}: status", message="fine") for name in names]
-    monitor._on_message(DIAGNOSTICS, DiagnosticArray(status=statuses))
-
-
-@pytest.mark.usefixtures("ros")
-def test_alone_it_names_nobody_else():
-    monitor = Monitor(Console(file=io.StringIO()))
-    table = shown(monitor)
-    monitor.finish()
-    monitor.destroy_node()
-    assert "other aircraft" not in table
-
-
-@pytest.mark.usefixtures("ros")
-def test_it_shows_its_namespace_and_names_the_other_aircraft():
-    others = [rclpy.create_node("simulator", namespace=name) for name in ("red", "blue")]
-    for node in others:
-        node.create_publisher(ODOMETRY.type, ODOMETRY.name, ODOMETRY.qos)
-    red = Monitor(Console(file=io.StringIO()), namespace="red")
-    bare = Monitor(Console(file=io.StringIO()))
+def test_it_shows_its_namespace_and_names_the_other_aircraft(add, nodes):
+    other = nodes.peer("simulator")
+    for name in ("red", "blue"):
+        other.create_publisher(ODOMETRY.type, f"{name}/{ODOMETRY.name}", ODOMETRY.qos)
+    red, bare = add("red"), add()
     for monitor in (red, bare):
         monitor._refresh()
-        told(monitor, "red/nmpc_controller", "blue/nmpc_controller", "ground_station")
-    red_table, bare_table = shown(red), shown(bare)
-    for node in (red, bare):
-        node.finish()
-        node.destroy_node()
-    for node in others:
-        node.destroy_node()
+        for name in ("red/nmpc_controller", "blue/nmpc_controller", "ground_station"):
+            tell(monitor, name)
+    red_table, bare_table = table(red), table(bare)
     assert "flight of /red" in red_table
     assert "other aircraft in this domain: /blue; watch one with" in red_table
     assert "uav_tracking monitor --namespace /blue" in red_table

@@ -16,33 +16,20 @@
 
 from __future__ import annotations
 
-import time
-from unittest import mock
-
 import numpy as np
 import pytest
-import rclpy
-from controller_flight import CONFIGURATION
 from diagnostic_msgs.msg import DiagnosticStatus
-from node_harness import NodeHarness, start_ros, vehicle_from_odometry
-from processes import spin
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.parameter import Parameter
-from rclpy.serialization import serialize_message
+from filled_messages import SECOND, filled_odometry, filled_point, sensed
+from node_harness import callback, tapped, vehicle_from_odometry
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics import vehicle
 from uav_tracking_mpc.dynamics.relative import relative_state
-from uav_tracking_mpc.mpc import compiled_method
-from uav_tracking_mpc.mpc.compiled_method import CompilationError
 from uav_tracking_mpc.nodes.messages.conversions import (
     air_velocity_from_twist,
     measurement_from_odometry,
     nanoseconds,
     plan_from_command,
-    set_air_velocity,
-    set_odometry,
-    set_point,
     set_stamp,
 )
 from uav_tracking_mpc.nodes.messages.named_figures import orbit_from_message
@@ -63,50 +50,19 @@ from uav_tracking_mpc.nodes.topics import (
     TRACKING_ERRORS,
 )
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
-from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.parameters.specification import ParameterError, specifications
 
 pytestmark = pytest.mark.nodes
 ABOUT = np.array([100.0, 50.0, 3.0])
+STATE = [180.0, 0.0, 40.0, 2.0, 0.0, 4.0]
 
 
-@pytest.fixture
-def controller():
-    """The node and what it publishes, in order; the law flies, which needs no compiling."""
-    context = rclpy.Context()
-    context.init(args=[])
-    sent = []
-
-    class Tapped(NmpcController):
-        """The node, with a listener on every publisher."""
-
-        def create_publisher(self, kind, topic, *rest, **options):
-            publisher = super().create_publisher(kind, topic, *rest, **options)
-            publisher.publish = lambda message: sent.append((topic, message))
-            return publisher
-
-    node = Tapped(context=context, parameter_overrides=[Parameter("law", value="l1")])
-    yield node, sent
-    node.finish()
-    node.destroy_node()
-    context.try_shutdown()
-
-
-def answered(node, stamp):
-    """Tell the node where target and aircraft are."""
-    callbacks = {each.topic_name.lstrip("/"): each.callback for each in node.subscriptions}
-    seen, state, air = TARGET.type(), ODOMETRY.type(), AIR_VELOCITY.type()
-    set_point(seen, stamp, ABOUT)
-    set_odometry(state, stamp, np.array([300.0, 50.0, 60.0, 1.6, 0.0, 10.0]), np.zeros(3))
-    set_air_velocity(air, stamp, 10.0)
-    callbacks[AIR_VELOCITY.name](air)
-    callbacks[TARGET.name](seen)
-    callbacks[ODOMETRY.name](serialize_message(state))
-
-
-def test_the_orbit_follows_the_command_with_its_stamp(controller):
-    node, sent = controller
+def test_the_orbit_follows_the_command_with_its_stamp(nodes):
+    sent = []  # the law flies, which needs no compiling
+    node = nodes.add(tapped(NmpcController, lambda *heard: sent.append(heard)), law="l1")
     stamp = node.get_clock().now().nanoseconds
-    answered(node, stamp)
+    for topic, message in sensed(stamp, [300.0, 50.0, 60.0, 1.6, 0.0, 10.0], ABOUT).items():
+        callback(node, topic.name)(message)
     topics = [topic for topic, _ in sent]
     assert topics.index(COMMAND.name) + 1 == topics.index(ORBIT.name)
     message = dict(sent)[ORBIT.name]
@@ -118,168 +74,27 @@ def test_the_orbit_follows_the_command_with_its_stamp(controller):
     assert orbit.airspeed == wanted.speed
 
 
-def test_whether_the_commands_are_flown_reaches_the_controller(controller):
-    node, _ = controller
-    told = []
+def test_whether_the_commands_are_flown_reaches_the_controller(nodes):
+    node, told = nodes.add(NmpcController, law="l1"), []
     node.controller.engage = told.append
     node._on_engaged(ENGAGED.type(data=False))
     node._on_engaged(ENGAGED.type(data=True))
     assert told == [False, True]
 
 
-pytest.importorskip("rclpy")
-
-
-class Compiling:
-    """A compilation that goes on until it is made to fail."""
-
-    failed = False
-
-    def __init__(self, folder, aside):
-        pass
-
-    def done(self):
-        if self.failed:
-            raise CompilationError("no compiler")
-        return False
-
-
-class Flight(NodeHarness):
-    """A controller node that answers states of an aircraft on its orbit, as late as it is told."""
-
-    def __init__(self, **parameters):
-        quiet = {"delay_margin_min": 0.0, "gain_margin_min": 0.0, "use_sim_time": True}
-        super().__init__(NmpcController, CONFIGURATION.controller, None, (), **quiet, **parameters)
-        self.clock = time.monotonic()  # when it was activated
-        self.statuses, self.takes = [], 0.0
-        self.published = self.hear
-        self.node.controller._stopwatch = lambda: self.clock
-        solve = self.node.controller.formulation.solve
-        self.log = mock.Mock()
-        self.node.get_logger = lambda: self.log
-
-        def slow(*arguments):
-            self.clock += self.takes
-            return solve(*arguments)
-
-        self.node.controller.formulation.solve = slow
-
-    def hear(self, topic, message):
-        if topic.endswith("diagnostics"):
-            self.statuses += message.status
-
-    def state(self):
-        """The next state, 50 ms after the last answer, in time."""
-        self.clock += 0.05
-        stamp = round(self.clock * 1e9)
-        target, air, odometry = TARGET.type(), AIR_VELOCITY.type(), ODOMETRY.type()
-        set_point(target, stamp, np.zeros(3))
-        set_air_velocity(air, stamp, 22.0)
-        turn = self.clock * 22.0 / 300.0
-        place = [300.0 * np.cos(turn), 300.0 * np.sin(turn), 120.0, turn + np.pi / 2.0, 0.0, 22.0]
-        set_odometry(odometry, stamp, np.array(place), np.array([22.0 / 300.0, 0.0, 0.0]))
-        self.tell(TARGET.name, target)
-        self.tell(AIR_VELOCITY.name, air)
-        self.tell(ODOMETRY.name, odometry)
-
-
-@pytest.fixture
-def ros():
-    start_ros()
-    yield
-    rclpy.try_shutdown()
-
-
-def test_while_the_solver_is_compiled_that_is_the_one_status(ros, monkeypatch):
-    monkeypatch.setattr(compiled_method, "Compilation", Compiling)
-    monkeypatch.setattr(compiled_method.machine_code, "finished", lambda folder: False)
-    flight = Flight()
-    flight.state()
-    flight.statuses.clear()
-    flight.takes = 2.0
-    for _ in range(6):
-        flight.state()
-        flight.fire()
-    shown = {(status.level, status.message) for status in flight.statuses}
-    assert shown == {(b"\x01", "the solver is being compiled")}
-    assert flight.node.report.refused >= 2  # answers that came too late
-    said = [call.args[0] for call in flight.log.warning.call_args_list]
-    assert said == ["the solver is being compiled: a slower one solves meanwhile"]
-    flight.log.error.assert_not_called()
-    monkeypatch.setattr(Compiling, "failed", True)
-    for _ in range(3):
-        flight.state()
-    assert flight.statuses[-1].message == "the own solve is late: no command is sent"
-    flight.node.destroy_node()
-
-
-def test_a_lost_state_says_who_is_late(ros):
-    flight = Flight()
-    modes = flight.node.controller.modes
-    for _ in range(10):
-        flight.state()
-    flight.takes = 2.0
-    for _ in range(3):
-        flight.state()
-        flight.fire()
-        assert modes.reason == "the own solve is late"
-    flight.takes = 0.0
-    for _ in range(5):
-        flight.state()
-    assert modes.reason == ""
-    flight.clock += 0.3
-    flight.fire()
-    flight.clock += 0.3
-    flight.fire()
-    assert modes.reason.endswith("nothing usable comes on uav/odometry: its sender is late or gone")
-    flight.node.destroy_node()
-
-
-@pytest.fixture
-def executor():
-    context = rclpy.Context()
-    context.init(args=[])
-    executor = SingleThreadedExecutor(context=context)
-    executor.context_of_nodes = context
-    yield executor
-    for node in executor.get_nodes():
-        node.destroy_node()
-    executor.shutdown()
-    context.try_shutdown()
-
-
-def add(executor, node_class, **parameters):
-    node = node_class(
-        context=executor.context_of_nodes,
-        parameter_overrides=[Parameter(name, value=value) for name, value in parameters.items()],
-    )
-    executor.add_node(node)
-    return node
-
-
-def listen(executor, *topics):
-    node = rclpy.create_node("listener", context=executor.context_of_nodes)
-    heard = {topic.name: [] for topic in topics}
-    for topic in topics:
-        node.create_subscription(topic.type, topic.name, heard[topic.name].append, 100)
-    executor.add_node(node)
-    return heard
-
-
-def test_all_nodes_fly_onto_the_orbit(executor):
+def test_all_nodes_fly_onto_the_orbit(nodes):
     views = (PREDICTED_PATH, MARKERS, DIAGNOSTICS, TRACKING_ERRORS, *TRACKING.values())
-    heard = listen(executor, ODOMETRY, COMMAND, TARGET, *views)
-    add(executor, TargetPublisher, use_sim_time=True)
-    controller = add(executor, NmpcController, use_sim_time=True)
-    add(executor, UavSimulator, publish_clock=True, speed=10.0, start_on_command=True)
+    heard = nodes.listen(ODOMETRY, COMMAND, TARGET, *views)
+    nodes.add(TargetPublisher, use_sim_time=True)
+    controller = nodes.add(NmpcController, use_sim_time=True)
+    nodes.add(UavSimulator, publish_clock=True, speed=10.0, start_on_command=True)
 
-    def errors():
-        if not heard[ODOMETRY.name]:
-            return np.full(5, np.inf)
+    def settled():
         state = vehicle_from_odometry(heard[ODOMETRY.name][-1])
-        return relative_state(state, np.zeros(3)) - controller.parameters.orbit.steady_state
+        error = relative_state(state, np.zeros(3)) - controller.parameters.orbit.steady_state
+        return np.all(np.abs(error[[0, 2, 4]]) < [1.0, 1.0, 0.1])
 
-    assert spin(executor, lambda: np.all(np.abs(errors()[[0, 2, 4]]) < [1.0, 1.0, 0.1]), 60.0)
+    assert nodes.spin(lambda: heard[ODOMETRY.name] and settled())
     assert all(heard[topic.name] for topic in (TARGET, PREDICTED_PATH, MARKERS, DIAGNOSTICS))
     commands = np.array([plan_from_command(message)[0][0] for message in heard[COMMAND.name]])
     assert np.all(np.isfinite(commands))
@@ -297,85 +112,64 @@ def test_all_nodes_fly_onto_the_orbit(executor):
     assert names == {"uav_simulator: status", "target_publisher: status", "nmpc_controller: status"}
 
 
-def test_the_last_diagnostics_say_that_a_node_has_ended(executor):
-    heard = listen(executor, ODOMETRY, DIAGNOSTICS)
-    nodes = [
-        add(executor, TargetPublisher, use_sim_time=True),
-        add(executor, NmpcController, use_sim_time=True),
-        add(executor, UavSimulator, publish_clock=True, speed=10.0, start_on_command=True),
+def test_the_last_diagnostics_say_that_a_node_has_ended(nodes):
+    heard = nodes.listen(ODOMETRY, DIAGNOSTICS)
+    flying = [
+        nodes.add(TargetPublisher, use_sim_time=True),
+        nodes.add(NmpcController, use_sim_time=True),
+        nodes.add(UavSimulator, publish_clock=True, speed=10.0, start_on_command=True),
     ]
 
     def last():
         statuses = [each for message in heard[DIAGNOSTICS.name] for each in message.status]
         return {status.name.partition(":")[0]: status for status in statuses}
 
-    assert spin(executor, lambda: "tracking" in str(last().get("nmpc_controller")))
-    for node in nodes:
+    assert nodes.spin(lambda: "tracking" in str(last().get("nmpc_controller")))
+    for node in flying:
         node.finish()
-        executor.remove_node(node)
-    names = {node.get_name() for node in nodes}
-    assert spin(
-        executor, lambda: {n for n, each in last().items() if each.message == "ended"} == names
-    )
+        nodes.executor.remove_node(node)
+    names = {node.get_name() for node in flying}
+    assert nodes.spin(lambda: {n for n, each in last().items() if each.message == "ended"} == names)
     assert all(status.level == DiagnosticStatus.STALE for status in last().values())
     assert all(status.values for status in last().values())
-    for node in nodes:
-        node.destroy_node()
 
 
-def test_controller_is_silent_without_a_target(executor):
-    heard = listen(executor, COMMAND, ODOMETRY, DIAGNOSTICS)
-    add(executor, NmpcController)
-    add(executor, UavSimulator)
-    assert spin(executor, lambda: len(heard[ODOMETRY.name]) > 30)
+def test_controller_is_silent_without_a_target(nodes):
+    heard = nodes.listen(COMMAND, ODOMETRY, DIAGNOSTICS)
+    nodes.add(NmpcController)
+    nodes.add(UavSimulator)
+    assert nodes.spin(lambda: len(heard[ODOMETRY.name]) > 30)
     assert not heard[COMMAND.name]
     words = [s.message for message in heard[DIAGNOSTICS.name] for s in message.status]
     assert "no target position: no command is sent" in words
 
 
-def test_bad_messages_are_refused_and_flight_goes_on(executor):
-    heard = listen(executor, COMMAND, DIAGNOSTICS)
-    add(executor, TargetPublisher)
-    controller = add(executor, NmpcController)
-    sender = rclpy.create_node("sender", context=executor.context_of_nodes)
-    executor.add_node(sender)
-    publisher = sender.create_publisher(ODOMETRY.type, ODOMETRY.name, ODOMETRY.qos)
-    state = np.array([180.0, 0.0, 40.0, 2.0, 0.0, 4.0])
+def test_bad_messages_are_refused_and_flight_goes_on(nodes):
+    heard = nodes.listen(COMMAND, DIAGNOSTICS)
+    nodes.add(TargetPublisher)
+    controller = nodes.add(NmpcController)
+    stamp = controller.get_clock().now().nanoseconds
 
-    def send():
-        send.count += 1
-        message = ODOMETRY.type()
-        set_odometry(message, send.count * 100_000_000, state, np.zeros(3))
-        if send.count % 2:
-            message.pose.pose.position.x = float("nan")
-        publisher.publish(message)
+    def states():
+        nonlocal stamp
+        stamp += SECOND // 10
+        states.good = not states.good
+        return {ODOMETRY: filled_odometry(stamp, STATE if states.good else [np.nan, *STATE[1:]])}
 
-    send.count = sender.get_clock().now().nanoseconds // 100_000_000
-    sender.create_timer(0.05, send)
-    assert spin(executor, lambda: len(heard[COMMAND.name]) > 20)
+    states.good = True
+    nodes.send(states)
+    assert nodes.spin(lambda: len(heard[COMMAND.name]) > 20)
     assert controller.report.refused > 10
     for message in heard[COMMAND.name]:
         assert np.all(np.isfinite(plan_from_command(message)[0]))
 
 
-def test_simulator_tells_ground_velocity_airspeed_and_rates_apart(executor):
-    heard = listen(executor, ODOMETRY, AIR_VELOCITY)
-    wind = [3.0, -2.0, 0.5]
-    simulator = add(
-        executor,
-        UavSimulator,
-        publish_clock=True,
-        speed=10.0,
-        initial_speed=8.0,
-        initial_path_angle=0.3,
-        wind=wind,
-    )
-    assert spin(
-        executor,
-        lambda: min(len(heard[name]) for name in (ODOMETRY.name, AIR_VELOCITY.name)) > 5,
-        20.0,
-    )
-    odometry, air = heard[ODOMETRY.name][-2], heard[AIR_VELOCITY.name][-2]
+def test_simulator_tells_ground_velocity_airspeed_and_rates_apart(nodes):
+    heard = nodes.listen(ODOMETRY, AIR_VELOCITY)
+    wind, start = [3.0, -2.0, 0.5], {"initial_speed": 8.0, "initial_path_angle": 0.3}
+    simulator = nodes.add(UavSimulator, publish_clock=True, speed=10.0, wind=wind, **start)
+    assert nodes.spin(lambda: min(map(len, heard.values())) > 5)
+    odometry, air = (messages[-2] for messages in heard.values())
     motion = measurement_from_odometry(odometry)
     airspeed = air_velocity_from_twist(air)[0]
     assert airspeed == pytest.approx(8.0)
@@ -386,108 +180,91 @@ def test_simulator_tells_ground_velocity_airspeed_and_rates_apart(executor):
     assert simulator._values()["wind north [m/s]"] == -2.0
 
 
-def test_target_is_published_late_with_the_stamp_of_measuring(executor):
-    node = rclpy.create_node("listener", context=executor.context_of_nodes)
-    ages, stamps = [], []
+def test_target_is_published_late_with_the_stamp_of_measuring(nodes):
+    node, ages, stamps = nodes.peer("listener"), [], []
 
     def on_target(message):
         stamps.append(nanoseconds(message.header.stamp))
         ages.append((node.get_clock().now().nanoseconds - stamps[-1]) * 1e-9)
 
     node.create_subscription(TARGET.type, TARGET.name, on_target, 100)
-    executor.add_node(node)
-    add(executor, TargetPublisher, rate=20.0, delay=0.33, dropout=0.5)
-    assert spin(executor, lambda: len(ages) > 20)
+    nodes.add(TargetPublisher, rate=20.0, delay=0.33, dropout=0.5)
+    assert nodes.spin(lambda: len(ages) > 20)
     assert min(ages) >= 0.33
     assert np.median(ages) < 0.43
     assert np.median(np.diff(stamps)) > 0.049e9
     assert np.max(np.diff(stamps)) > 0.09e9  # some are lost
 
 
-def test_after_the_clock_went_back_commands_flow_again(executor):
-    heard = listen(executor, COMMAND)
-    controller = add(executor, NmpcController)
-    sender = rclpy.create_node("sender", context=executor.context_of_nodes)
-    executor.add_node(sender)
-    odometry = sender.create_publisher(ODOMETRY.type, ODOMETRY.name, ODOMETRY.qos)
-    target = sender.create_publisher(TARGET.type, TARGET.name, TARGET.qos)
-    state = np.array([180.0, 0.0, 40.0, 2.0, 0.0, 4.0])
+class Sensors:
+    """State and target every tenth of a second of time that jumps as a test says."""
 
-    def send():
-        send.stamp += 100_000_000
-        message = ODOMETRY.type()
-        set_odometry(message, send.stamp, state, np.zeros(3))
-        odometry.publish(message)
-        message = TARGET.type()
-        set_point(message, send.stamp + send.ahead, np.zeros(3))
-        target.publish(message)
+    stamp, ahead = 100 * SECOND, 0  # ahead: of the target's clock
 
-    send.stamp, send.ahead = 100_000_000_000, 0
-    sender.create_timer(0.02, send)
-    assert spin(executor, lambda: len(heard[COMMAND.name]) > 5)
-    send.stamp = 1_000_000_000
-    heard[COMMAND.name].clear()
-    assert spin(executor, lambda: len(heard[COMMAND.name]) > 5)
+    def __call__(self):
+        self.stamp += SECOND // 10
+        return {
+            TARGET: filled_point(self.stamp + self.ahead),
+            ODOMETRY: filled_odometry(self.stamp, STATE),
+        }
+
+
+def test_after_the_clock_went_back_commands_flow_again(nodes):
+    commands, sensors = nodes.listen(COMMAND)[COMMAND.name], Sensors()
+    modes = nodes.add(NmpcController).controller.modes
+    nodes.send(sensors, 0.02)
+    assert nodes.spin(lambda: len(commands) > 5)
+    sensors.stamp = SECOND
+    commands.clear()
+    assert nodes.spin(lambda: len(commands) > 5)
     # A target by another clock is no target: the last known place is circled.
-    send.ahead = 3_600_000_000_000
-    assert spin(executor, lambda: controller.controller.modes.mode is FallbackMode.LOITER)
-    heard[COMMAND.name].clear()
-    assert spin(executor, lambda: len(heard[COMMAND.name]) > 5)
+    sensors.ahead = 3600 * SECOND
+    assert nodes.spin(lambda: modes.mode is FallbackMode.LOITER)
+    commands.clear()
+    assert nodes.spin(lambda: len(commands) > 5)
     # The right clock brings it back.
-    send.ahead = 0
-    assert spin(executor, lambda: controller.controller.modes.mode is FallbackMode.OPTIMAL)
+    sensors.ahead = 0
+    assert nodes.spin(lambda: modes.mode is FallbackMode.OPTIMAL)
 
 
-def test_odometry_of_the_target_counts_instead_of_its_position(executor):
+def test_odometry_of_the_target_counts_instead_of_its_position(nodes):
     """Together, one after the other, and when the odometry stays away."""
-    controller = add(executor, NmpcController)
-    hear = {s.topic_name.lstrip("/"): s.callback for s in controller.subscriptions}
-    position, odometry = TARGET.type(), TARGET_ODOMETRY.type()
+    controller = nodes.add(NmpcController)
+    odometry, place = TARGET_ODOMETRY.type(), [0.0, 500.0, 0.0]
     odometry.header.frame_id = "map"
     odometry.twist.twist.linear.x = 5.0
     odometry.pose.covariance[0] = odometry.pose.covariance[7] = 0.01
-    target, second = controller.controller.navigator.target, 1_000_000_000
+    target = controller.controller.navigator.target
+    see, track = callback(controller, TARGET.name), callback(controller, TARGET_ODOMETRY.name)
     for k in range(20):
-        stamp = 100 * second + k * second // 10
+        stamp = 100 * SECOND + k * SECOND // 10
         set_stamp(odometry.header.stamp, stamp)
         odometry.pose.pose.position.x = 0.5 * k
-        hear[TARGET_ODOMETRY.name](odometry)
-        set_point(position, stamp + second // 20, np.array([0.0, 500.0, 0.0]))
-        hear[TARGET.name](position)
+        track(odometry)
+        see(filled_point(stamp + SECOND // 20, place))
     assert (target.rejected, target.late) == (0, 0)
     estimate = target.predict(target.time)
     np.testing.assert_allclose(estimate.position, [9.5, 0.0, 0.0], atol=0.1)
     np.testing.assert_allclose(estimate.velocity, [5.0, 0.0, 0.0], atol=0.1)
     timeout = round(controller.parameters.target_timeout * 1e9)
     for k in range(3):
-        set_point(position, stamp + timeout + (1 + k) * second, np.array([0.0, 500.0, 0.0]))
-        hear[TARGET.name](position)
+        see(filled_point(stamp + timeout + (1 + k) * SECOND, place))
     assert target.jumps == 1
 
 
-def test_one_state_with_an_old_stamp_is_not_answered(executor):
-    heard = listen(executor, COMMAND)
-    add(executor, NmpcController)
-    sender = rclpy.create_node("sender", context=executor.context_of_nodes)
-    executor.add_node(sender)
-    odometry = sender.create_publisher(ODOMETRY.type, ODOMETRY.name, ODOMETRY.qos)
-    target = sender.create_publisher(TARGET.type, TARGET.name, TARGET.qos)
-    state = np.array([180.0, 0.0, 40.0, 2.0, 0.0, 4.0])
+def test_one_state_with_an_old_stamp_is_not_answered(nodes):
+    commands, sensors = nodes.listen(COMMAND)[COMMAND.name], Sensors()
+    nodes.add(NmpcController)
 
     def send():
-        send.count += 1
-        stamp = 100_000_000_000 + send.count * 100_000_000
-        message = TARGET.type()
-        set_point(message, stamp, np.zeros(3))
-        target.publish(message)
-        message = ODOMETRY.type()
-        set_odometry(message, stamp - 5_000_000_000 * (send.count % 3 == 0), state, np.zeros(3))
-        odometry.publish(message)
+        messages = sensors()
+        if sensors.stamp % (3 * SECOND // 10) == 0:
+            set_stamp(messages[ODOMETRY].header.stamp, sensors.stamp - 5 * SECOND)
+        return messages
 
-    send.count = 0
-    sender.create_timer(0.05, send)
-    assert spin(executor, lambda: len(heard[COMMAND.name]) > 30)
-    stamps = [nanoseconds(message.header.stamp) for message in heard[COMMAND.name]]
+    nodes.send(send)
+    assert nodes.spin(lambda: len(commands) > 30)
+    stamps = [nanoseconds(message.header.stamp) for message in commands]
     assert stamps == sorted(stamps)
 
 
@@ -503,22 +280,18 @@ def test_one_state_with_an_old_stamp_is_not_answered(executor):
         (TargetPublisher, {"noise": "much"}, "'noise' is 'much'"),
     ],
 )
-def test_bad_parameters_are_refused_with_name_value_and_range(
-    executor, node_class, parameters, words
-):
+def test_bad_parameters_are_refused_with_name_value_and_range(nodes, node_class, parameters, words):
     with pytest.raises(ParameterError, match=words):
-        add(executor, node_class, **parameters)
+        nodes.add(node_class, **parameters)
 
 
-def test_integers_may_stand_for_numbers(executor):
-    assert add(executor, NmpcController, range=160).parameters.range == 160.0
+def test_integers_may_stand_for_numbers(nodes):
+    assert nodes.add(NmpcController, range=160).parameters.range == 160.0
 
 
 @pytest.mark.parametrize("node_class", [UavSimulator, TargetPublisher, NmpcController])
-def test_every_parameter_is_described(executor, node_class):
-    node = add(executor, node_class)
-    from uav_tracking_mpc.parameters.specification import specifications
-
+def test_every_parameter_is_described(nodes, node_class):
+    node = nodes.add(node_class)
     for specification in specifications(type(node.parameters)):
         descriptor = node.describe_parameter(specification.name)
         assert specification.description in descriptor.description

@@ -20,11 +20,15 @@ import time
 
 import numpy as np
 import pytest
-import rclpy
-from processes import DOMAIN, KILL, PATIENCE, TERMINATE, command, environment, spin
-from rclpy.executors import SingleThreadedExecutor
+from node_flight import ON_ORBIT
+from node_harness import Nodes
+from processes import DOMAIN, KILL, PATIENCE, TERMINATE, command, environment
 
-from uav_tracking_mpc.nodes.messages.conversions import measurement_from_odometry, plan_from_command
+from uav_tracking_mpc.nodes.messages.conversions import (
+    measurement_from_odometry,
+    plan_from_command,
+    position_from_point,
+)
 from uav_tracking_mpc.nodes.topics import COMMAND, DIAGNOSTICS, ODOMETRY, TARGET
 from uav_tracking_mpc.settings.configuration import load_configuration
 
@@ -35,11 +39,6 @@ LOADED = 3.0  # s of wall time from the start of the process until it is configu
 # next ones, which Fast DDS sends every 3 s. Mostly it is less than one.
 DISCOVERY = 3.5
 BACK = 30.0  # s to the orbit
-ON_ORBIT = (
-    "nmpc_controller.direction=clockwise",
-    "uav_simulator.initial_position=[274.95454169735043, 0.0, 120.0]",
-    "uav_simulator.initial_heading=-1.5707963267948966",
-)
 
 
 def waited(process):
@@ -51,49 +50,27 @@ def waited(process):
     return total * 1e-9
 
 
-class Nodes:
+class Processes(Nodes):
     """The nodes as processes in real time, and somebody who listens in this one."""
 
     def __init__(self, folder):
+        super().__init__(domain_id=int(DOMAIN))
         configuration = load_configuration("small_uav", ON_ORBIT)
         self.parameters = configuration.controller
-        self.file = folder / "parameters.yaml"
+        self.file, self.log = folder / "parameters.yaml", folder / "nodes.log"
         self.file.write_text(configuration.yaml())
-        self.log = (folder / "nodes.log").open("w+")
-        self.context = rclpy.Context()
-        self.context.init(args=[], domain_id=int(DOMAIN))
-        self.executor = SingleThreadedExecutor(context=self.context)
-        self.node = rclpy.create_node("listener", context=self.context)
-        self.executor.add_node(self.node)
-        self.commands, self.states = [], []
-        self.target, self.holding = None, False
-        for topic, callback in (
-            (COMMAND, lambda message: self.commands.append((time.monotonic(), message))),
-            (ODOMETRY, lambda message: self.states.append(measurement_from_odometry(message))),
-            (TARGET, self._on_target),
-            (DIAGNOSTICS, self._on_diagnostics),
-        ):
-            self.node.create_subscription(topic.type, topic.name, callback, 100)
-        self.processes = {}
+        self.heard = self.listen(COMMAND, ODOMETRY, TARGET, DIAGNOSTICS)
+        self.commands, self.processes = self.heard[COMMAND.name], {}
 
-    def _on_target(self, message):
-        self.target = np.array([message.point.x, message.point.y, message.point.z])
-
-    def _on_diagnostics(self, message):
-        for status in message.status:
-            if "uav_simulator" in status.name:
-                self.holding = "holding wings level" in status.message
-
-    def start(self, name, *more):
-        arguments = ["--ros-args", "--params-file", str(self.file)]
-        for assignment in more:
-            arguments += ["-p", assignment]
-        self.processes[name] = subprocess.Popen(
-            command(f"nodes.{name}", *arguments),
-            stdout=self.log,
-            stderr=subprocess.STDOUT,
-            env=environment(),
-        )
+    def start(self, name, *assignments):
+        arguments = [word for each in assignments for word in ("-p", each)]
+        with self.log.open("a") as log:
+            self.processes[name] = subprocess.Popen(
+                command(f"nodes.{name}", "--ros-args", "--params-file", self.file, *arguments),
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                env=environment(),
+            )
         return self.processes[name]
 
     def kill(self, name):
@@ -101,36 +78,38 @@ class Nodes:
         process.send_signal(KILL)
         process.wait()
 
-    def spin(self, until, limit=PATIENCE):
-        return spin(self.executor, until, limit)
+    @property
+    def flown(self):
+        """The latest state."""
+        return measurement_from_odometry(self.heard[ODOMETRY.name][-1])
+
+    @property
+    def holding(self):
+        """Whether the simulator says that it holds."""
+        said = [s for message in self.heard[DIAGNOSTICS.name] for s in message.status]
+        words = [status.message for status in said if "uav_simulator" in status.name]
+        return "holding wings level" in words[-1]
 
     def error(self):
-        offset = self.states[-1].position - self.target
+        offset = self.flown.position - position_from_point(self.heard[TARGET.name][-1])
         orbit = self.parameters.orbit
         return max(abs(np.linalg.norm(offset) - orbit.range), abs(offset[2] - orbit.altitude))
 
     def restart(self):
         """Start a new controller; how far its first command is from what is flown."""
         self.commands.clear()
-        begin = time.monotonic()
+        begin, before = time.monotonic(), len(self.log.read_text())
         process = self.start("nmpc_controller")
-        written = self.file.with_name("nodes.log").stat().st_size
-
-        def configured():
-            with self.file.with_name("nodes.log").open() as log:
-                log.seek(written)
-                return "orbit of 300 m" in log.read()
-
-        assert self.spin(configured)
+        assert self.spin(lambda: "orbit of 300 m" in self.log.read_text()[before:])
         loaded = time.monotonic() - begin - waited(process.pid)
         assert loaded < LOADED
         assert self.spin(lambda: self.commands, DISCOVERY)
-        plan = plan_from_command(self.commands[0][1])[0]
+        plan = plan_from_command(self.commands[0])[0]
         upper, lower = self.parameters.input_upper, self.parameters.input_lower
         assert np.all(plan <= upper + 1e-9)
         assert np.all(plan >= lower - 1e-9)
         assert np.all(np.abs(plan[:, 0]) <= self.parameters.envelope.turn_rate_max(21.0))
-        flown = self.states[-1]
+        flown = self.flown
         return np.abs(plan[0, :2] - [flown.turn_rate, flown.path_angle_rate])
 
     def end(self):
@@ -138,15 +117,12 @@ class Nodes:
             process.send_signal(TERMINATE)
         for process in self.processes.values():
             process.wait(PATIENCE)
-        self.node.destroy_node()
-        self.executor.shutdown()
-        self.context.try_shutdown()
-        self.log.close()
+        super().end()
 
 
 @pytest.fixture
 def nodes(tmp_path):
-    nodes = Nodes(tmp_path)
+    nodes = Processes(tmp_path)
     yield nodes
     nodes.end()
 
@@ -156,13 +132,13 @@ def test_a_controller_killed_in_mid_turn_is_soon_replaced(nodes):
     nodes.start("target_publisher")
     nodes.start("uav_simulator", "start_on_command:=true", "wait_for_subscribers:=1")
     assert nodes.spin(lambda: len(nodes.commands) > 60)
-    assert abs(nodes.states[-1].turn_rate) > 0.05
+    assert abs(nodes.flown.turn_rate) > 0.05
 
     # At once: the vehicle still flies the plan of the one that is gone.
     nodes.kill("nmpc_controller")
     step = nodes.restart()
     assert not nodes.holding
-    assert abs(nodes.states[-1].turn_rate) > 0.05
+    assert abs(nodes.flown.turn_rate) > 0.05
     envelope = nodes.parameters.envelope
     assert step[0] < 0.5 * envelope.turn_rate_max(22.0)
     assert nodes.error() < 10.0
@@ -174,7 +150,7 @@ def test_a_controller_killed_in_mid_turn_is_soon_replaced(nodes):
     killed = time.monotonic()
     assert nodes.spin(lambda: nodes.holding, plan_length + 5.0)
     assert time.monotonic() - killed > plan_length - 2.0
-    assert nodes.spin(lambda: abs(nodes.states[-1].turn_rate) < 0.01, 5.0)
+    assert nodes.spin(lambda: abs(nodes.flown.turn_rate) < 0.01, 5.0)
     nodes.spin(lambda: False, 5.0)  # a hundred metres and more along the tangent
     nodes.restart()
     assert nodes.error() > 10.0

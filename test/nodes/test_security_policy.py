@@ -14,14 +14,13 @@
 
 """The SROS 2 policy grants what the nodes do, no more and no less."""
 
-import time
+import functools
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import pytest
-import rclpy
-from processes import PATIENCE
-from rclpy.parameter import Parameter
+from node_harness import Nodes
+from processes import wait_for
 
 from uav_tracking_mpc.nodes.autopilot_link import AutopilotLink
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
@@ -77,37 +76,23 @@ def asked(nodes):
 @pytest.fixture(scope="module")
 def graph():
     """What each node does: kind and node to names; every clock driven and followed."""
-    context = rclpy.Context()
-    context.init(args=[])
-
-    def make(node_class, **parameters):
-        overrides = [Parameter(name, value=value) for name, value in parameters.items()]
-        return node_class(context=context, parameter_overrides=overrides)
-
-    nodes = [
-        make(UavSimulator, publish_clock=True),
-        make(TargetPublisher, use_sim_time=True),
-        make(NmpcController, use_sim_time=True),
-        make(AutopilotLink, link=LINK, connection="nobody", target_system=2),
-    ]
-    found = asked(nodes)
-    deadline = (
-        time.monotonic() + PATIENCE
-    )  # the graph learns of endpoints a moment after they are made
-    while "/uav/command" not in found[("topics", "publish"), "nmpc_controller"]:
-        assert time.monotonic() < deadline
-        time.sleep(0.5)
-        found = asked(nodes)
+    nodes = Nodes()
+    nodes.add(UavSimulator, publish_clock=True)
+    nodes.add(TargetPublisher, use_sim_time=True)
+    controller = nodes.add(NmpcController, use_sim_time=True)
+    nodes.add(AutopilotLink, link=LINK, connection="nobody", target_system=2)
+    # The graph learns of endpoints a moment after they are made.
+    sends = functools.partial(controller.get_publisher_names_and_types_by_node, "nmpc_controller")
+    assert wait_for(lambda: "/uav/command" in dict(sends("/")))
+    found = asked(nodes.made)
     # The simulator hears /clock when another drives it.
-    nodes.append(make(UavSimulator, use_sim_time=True))
-    hears = nodes[-1].get_subscriber_names_and_types_by_node("uav_simulator", "/")
+    follower = nodes.add(UavSimulator, use_sim_time=True)
+    hears = follower.get_subscriber_names_and_types_by_node("uav_simulator", "/")
     found[("topics", "subscribe"), "uav_simulator"] |= {name for name, _ in hears}
     for node in ("uav_simulator", "autopilot_link"):  # where tf2_msgs is installed
         found[("topics", "publish"), node] |= {"/tf", "/tf_static"}
     yield found
-    for node in nodes:
-        node.destroy_node()
-    context.try_shutdown()
+    nodes.end()
 
 
 def test_there_is_an_enclave_for_each_node(profiles):

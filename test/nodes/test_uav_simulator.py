@@ -14,16 +14,15 @@
 
 """The simulator node flies any plant, and outlives one that fails."""
 
-import time
+import functools
 
 import numpy as np
 import pytest
-import rclpy
-from rclpy.parameter import Parameter
+from filled_messages import filled_orbit
+from processes import wait_for
 from std_srvs.srv import Trigger
 
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
-from uav_tracking_mpc.nodes.messages.named_figures import orbit_message, set_orbit
 from uav_tracking_mpc.nodes.ros.diagnostics import ERROR
 from uav_tracking_mpc.nodes.ros.node_services import DURATION
 from uav_tracking_mpc.nodes.topics import ODOMETRY
@@ -47,38 +46,32 @@ class Failing(VehiclePlant):
 
 
 @pytest.fixture
-def simulator():
-    """Makes the node with parameters; no other node is there."""
-    context, nodes = rclpy.Context(), []
-    context.init(args=[])
+def simulator(nodes):
+    """Makes the node with parameters, with when it has published which x."""
 
     def make(**parameters):
-        overrides = [Parameter(name, value=value) for name, value in parameters.items()]
-        nodes.append(UavSimulator(context=context, parameter_overrides=overrides))
-        return nodes[-1]
+        published = []
+        node = nodes.add(UavSimulator, initial_speed=8.0, **parameters)
+        node._odometry_publisher.publish = lambda state: published.append(
+            (node._now, state.pose.pose.position.x)
+        )
+        node.published = published
+        return node
 
-    make.context, make.nodes = context, nodes
-    yield make
-    for node in nodes:
-        node.destroy_node()
-    context.try_shutdown()
+    return make
 
 
 def test_a_plant_of_ones_own_is_flown_until_it_fails(simulator, tmp_path):
     file = tmp_path / "failing.py"
     file.write_text(FAILING)
-    node = simulator(plant=f"{file}:Failing", publish_clock=True, initial_speed=8.0)
-    published = []
-    node._odometry_publisher.publish = lambda message: published.append(
-        message.pose.pose.position.x
-    )
+    node = simulator(plant=f"{file}:Failing", publish_clock=True)
     for _ in range(10):
         node._step()
-    assert len(published) == 4  # at 0.05, 0.1, 0.15 and 0.2 s
+    assert len(node.published) == 4  # at 0.05, 0.1, 0.15 and 0.2 s
     assert node._diagnostics.level == ERROR
     assert "the wing came off" in node._diagnostics.message
     assert node._now == 500_000_000  # time goes on
-    assert node._values()["x [m]"] == pytest.approx(published[-1])
+    assert node._values()["x [m]"] == pytest.approx(node.published[-1][1])
 
 
 @pytest.mark.parametrize(
@@ -95,10 +88,9 @@ def test_what_cannot_be_flown_is_refused_at_the_start(simulator, parameters, wor
 
 
 def test_an_autopilot_that_holds_altitude_and_airspeed_is_told_the_orbit(simulator):
-    node = simulator(plant="held", publish_clock=True, initial_speed=8.0)
-    message = orbit_message()
+    node = simulator(plant="held", publish_clock=True)
     orbit = FlownOrbit(np.array([0.0, 0.0, 40.0]), np.zeros(3), 100.0, 9.0)
-    set_orbit(message, 50_000_000, orbit)
+    message = filled_orbit(50_000_000, orbit)
     node._on_orbit(message)
     assert (node._plant.altitude, node._plant.airspeed) == (40.0, 9.0)
     message.position[2] = float("nan")
@@ -106,20 +98,14 @@ def test_an_autopilot_that_holds_altitude_and_airspeed_is_told_the_orbit(simulat
     assert node._plant.altitude == 40.0
 
 
-def test_time_begins_for_who_needs_the_state_and_not_for_who_looks(simulator):
+def test_time_begins_for_who_needs_the_state_and_not_for_who_looks(simulator, nodes):
     """A page or a monitor may be there first; the record would lack the begin."""
-    node = simulator(publish_clock=True, wait_for_subscribers=1, initial_speed=8.0)
+    node = simulator(publish_clock=True, wait_for_subscribers=1)
 
     def add(name):
-        listener = rclpy.create_node(name, context=simulator.context)
-        simulator.nodes.append(listener)
-        listener.create_subscription(ODOMETRY.type, ODOMETRY.name, lambda message: None, 1)
-        deadline = time.monotonic() + 60.0
-        known = []
-        while name not in known and time.monotonic() < deadline:
-            known = [one.node_name for one in node.get_subscriptions_info_by_topic(ODOMETRY.name)]
-            time.sleep(0.05)
-        assert name in known
+        nodes.peer(name).create_subscription(ODOMETRY.type, ODOMETRY.name, print, 1)
+        known = functools.partial(node.get_subscriptions_info_by_topic, ODOMETRY.name)
+        assert wait_for(lambda: name in [one.node_name for one in known()])
 
     for name in ("flight_watcher", "monitor"):
         add(name)
@@ -131,9 +117,7 @@ def test_time_begins_for_who_needs_the_state_and_not_for_who_looks(simulator):
 
 
 def test_a_lost_state_comes_again_by_itself(simulator):
-    node = simulator(publish_clock=True, initial_speed=8.0)
-    published = []
-    node._odometry_publisher.publish = lambda message: published.append(node._now)
+    node = simulator(publish_clock=True)
     node._step()
     (lose,) = [each for each in node.services if each.srv_name.endswith("lose_state")]
     assert lose.callback(Trigger.Request(), Trigger.Response()).success
@@ -142,7 +126,7 @@ def test_a_lost_state_comes_again_by_itself(simulator):
     assert node._diagnostics.message == "the state is kept back for 15 s by the service lose_state"
     for _ in range(round(DURATION * node.parameters.state_rate)):
         node._step()
-    gap = (published[1] - published[0]) * 1e-9
-    assert gap == pytest.approx(DURATION)
-    assert (published[0], node._now > begin) == (begin, True)
+    (last, _), (again, _), *_ = node.published
+    assert last == begin
+    assert (again - last) * 1e-9 == pytest.approx(DURATION)
     assert node._diagnostics.message == "waiting for the first command"

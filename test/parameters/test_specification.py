@@ -107,10 +107,10 @@ def test_every_parameter_of_the_package_is_described_and_its_default_allowed():
 
 @dataclass(frozen=True)
 class Held(Parameters):
-    """One parameter of each kind: free, fixed, and fixed unless another has a value."""
+    """Parameters of which one is fixed."""
 
     kind: str = parameter("plain", "A kind.", choices=("plain", "free"), fixed=True)
-    size: float = parameter(1.0, "A size.", lower=0.0, upper=9.0, fixed_unless=("kind", "free"))
+    size: float = parameter(1.0, "A size.", lower=0.0, upper=9.0)
     rate: float = parameter(1.0, "A rate.", lower=0.0, upper=9.0)
     law: str = parameter("none", "A law.", choices=("none",), extension=GUIDANCE_LAW.room)
 
@@ -119,9 +119,9 @@ def test_what_is_fixed_says_so_itself():
     refuse_fixed(Held(), Held(rate=2.0, law="l1"))
     with pytest.raises(ParameterError, match="'kind' is 'free', must stay 'plain' while"):
         refuse_fixed(Held(), Held(kind="free"))
-    with pytest.raises(ParameterError, match="'size' is 2.0, must stay 1.0 in flight unless kind"):
-        refuse_fixed(Held(), Held(size=2.0))
-    refuse_fixed(Held(kind="free"), Held(kind="free", size=2.0))
+    with pytest.raises(ParameterError, match="'size' is 2.0, must stay 1.0 for now"):
+        refuse_fixed(Held(), Held(size=2.0), "for now", ["rate", "size"])
+    refuse_fixed(Held(), Held(kind="free"), "for now", ["rate", "size"])
 
 
 def test_a_change_is_checked_as_every_value_is():

@@ -12,15 +12,43 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+import re
+
 import pytest
 import yaml
 
-from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.parameters.specification import ParameterError, specifications
 from uav_tracking_mpc.settings.configuration import (
+    SECTIONS,
     configuration_names,
     load_configuration,
     scenario_names,
 )
+
+# What files of 0.2 may hold.
+OF_0_2 = """
+mission: duration plant speed
+nmpc_controller: acceleration_max acceleration_min airspeed airspeed_max airspeed_min altitude
+  autostart bank_max certificate control_rate dead_time direction distance_min fence_centre
+  fence_radius force_max force_min height_min horizon horizon_step input_weights law
+  limit_penalty limits model offset_weights path_angle_max path_angle_min pitch_rate_max
+  plan_age_max range rate_lag record scheme solve_time_max solver state_timeout state_weights
+  target_agility target_noise target_timeout terminal_constraint terminal_penalty
+  terminal_scaling vehicle_model yaw_rate_max
+target_publisher: delay drive_time dropout heading jump_offset jump_time motion noise position
+  radius rate seed speed stand_time waypoints
+uav_simulator: acceleration_max acceleration_min airspeed_noise attitude_noise bank_max
+  dead_time gust_intensity initial_heading initial_path_angle initial_position initial_speed
+  pitch_rate_max plant position_noise publish_clock rate_lag seed speed speed_max speed_min
+  start_on_command state_rate velocity_noise wait_for_subscribers wind yaw_rate_max
+"""
+
+
+@pytest.mark.parametrize("section", re.findall(r"^(\w+):", OF_0_2, re.MULTILINE))
+def test_parameters_of_0_2_have_their_names(section):
+    names = re.search(rf"^{section}: ([\w\s]*?)(?=^\w+:|\Z)", OF_0_2, re.MULTILINE)[1].split()
+    assert {*names} <= {item.name for item in specifications(SECTIONS[section])}
+    assert len(names) >= 3
 
 
 @pytest.mark.parametrize("name", configuration_names())
@@ -75,6 +103,16 @@ def test_overrides_win():
     )
     assert configuration.controller.model == "paper"
     assert configuration.mission.duration == 20.0
+
+
+def test_a_change_of_a_section_is_checked_and_in_the_file():
+    base = load_configuration("small_uav", scenario="crosswind")
+    flown = base.changed("autopilot_link", {"connection": "udpin:127.0.0.1:1"})
+    assert (flown.link.connection, base.link.connection) == ("udpin:127.0.0.1:1", "")
+    assert "connection: udpin:127.0.0.1:1" in flown.yaml()
+    assert (flown.controller, flown.scenario) == (base.controller, base.scenario)
+    with pytest.raises(ParameterError, match="'nmpc_controller': parameter 'range' is -1.0"):
+        base.changed("nmpc_controller", {"range": -1.0})
 
 
 def test_yaml_is_a_ros_parameter_file_that_loads_again(tmp_path):

@@ -14,19 +14,24 @@
 
 """What is guaranteed of the artificial orbit, random flights, and the campaign that shows it."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.vehicle_models import Drift, VehicleState
 from uav_tracking_mpc.dynamics.vehicle_models.lagged import Lagged
+from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.studies.feasibility_study import (
+    COUNTED,
     GUARANTEED,
     NOT_GUARANTEED,
-    FlightCounts,
-    as_words,
     campaign,
+    feasibility_study,
+    flight_start,
     random_situations,
     summary,
 )
@@ -45,7 +50,7 @@ def test_steady_inputs_stay_on_the_orbit_without_drift():
 
 
 def test_the_words_hold_every_sentence():
-    text = as_words()
+    text = "\n".join(feasibility_study(load_configuration("small_uav")).words)
     for words in (*GUARANTEED, *NOT_GUARANTEED):
         assert words in text
 
@@ -89,15 +94,55 @@ def test_twenty_states():
     assert 0.0 < counts["warm_us"]["median"] <= counts["warm_us"]["p99"]
 
 
+def flight(drifting, counts, worst_rise, cold, warm):
+    counted = dict(zip(COUNTED, counts, strict=True))
+    return {
+        "drifting": drifting, **counted, "worst_rise": worst_rise, "cold": cold, "warm": warm,
+    }  # fmt: skip
+
+
 def test_sums():
-    good = FlightCounts(False, False, 3, 3, 3, 0, 0.0, 100.0, (10.0, 20.0))
-    bad = FlightCounts(True, True, 1, 0, 0, 0, 0.0, 300.0, ())
-    rising = FlightCounts(True, False, 3, 3, 2, 1, 0.5, 200.0, (30.0, 40.0))
+    good = flight(False, (0, 3, 3, 3, 0), 0.0, 1e-4, [1e-5, 2e-5])
+    bad = flight(True, (1, 1, 0, 0, 0), 0.0, 3e-4, [])
+    rising = flight(True, (0, 3, 3, 2, 1), 0.5, 2e-4, [3e-5, 4e-5])
     counts = summary([good, bad, rising])
     assert (counts["states"], counts["cold_failures"], counts["steps"]) == (3, 1, 7)
     assert (counts["converged"], counts["feasible"]) == (6, 5)
     assert (counts["cost_rises"], counts["worst_rise"]) == (1, 0.5)
-    assert counts["cold_us"]["median"] == 200.0
-    assert counts["warm_us"]["median"] == 25.0
+    assert counts["cold_us"]["median"] == pytest.approx(200.0)
+    assert counts["warm_us"]["median"] == pytest.approx(25.0)
     assert counts["without_drift"]["cost_rises"] == 0
     assert summary([])["warm_us"] == {"median": None, "p99": None}
+
+
+@pytest.mark.parametrize(
+    ("vehicle", "wind", "turn_rate"),
+    [
+        ((118.384, -686.401, 132.0, 0.878271, -0.121208, 28.9703), (-5.27782, 1.23583), -0.232507),
+        (
+            (-357.002, 543.012, 129.632, -1.63204, -0.0509808, 31.7371),
+            (-0.21172, 0.06444),
+            0.269491,
+        ),
+    ],
+)
+def test_a_guess_that_must_turn_half_a_circle_does_not_end_on_the_wrong_side(
+    vehicle, wind, turn_rate
+):
+    parameters = dataclasses.replace(
+        load_configuration("small_uav").controller, solve_time_max=10.0
+    )
+    formulation = FlightFormulation(parameters)
+    situation = Situation(
+        np.array(vehicle),
+        np.zeros(3),
+        np.array([*wind, 0.0]),
+        np.zeros(3),
+        np.array([turn_rate, 0.0, 0.0]),
+    )
+    start = flight_start(formulation, situation)
+    plan = formulation.solver.solve(
+        start.state, start.parameters, None, lambda: start.guess(start.state)
+    )
+    assert plan.converged
+    assert plan.violation < 1e-6

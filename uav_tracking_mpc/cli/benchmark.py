@@ -20,12 +20,13 @@ import argparse
 from typing import TYPE_CHECKING
 
 from uav_tracking_mpc.cli.options import add_output_arguments, number
-from uav_tracking_mpc.cli.program import answer, publish
+from uav_tracking_mpc.cli.program import publish
 
 if TYPE_CHECKING:
+    from uav_tracking_mpc.studies.benchmark.benchmark_study import Peers
     from uav_tracking_mpc.studies.study import Study
 
-HELP = "time the solver against fatrop, IPOPT and acados"
+HELP = "time the solver against fatrop and IPOPT"
 DESCRIPTION = (
     "Time the solver against others: same problems, same starts, one run. Exit code 0 if it "
     "converged from at least 99 % of the cold starts of every case."
@@ -65,12 +66,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--seed", type=number(int, 0), default=0, metavar="N", help="of the random states"
     )
     parser.add_argument(
-        "--acados",
-        metavar="PYTHON",
-        help="time acados, too: a Python interpreter that has acados_template (default: this one, "
-        "if it has)",
-    )
-    parser.add_argument(
         "--start",
         action="store_true",
         help="instead, time from the start of processes to the first optimal plan",
@@ -93,44 +88,32 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace, peers: Peers | None = None) -> int:
     """Run the benchmark.
 
     Args:
         arguments: As parsed.
+        peers: Further solvers; none by default.
 
     Returns:
         Exit code.
     """
     if arguments.nodes or arguments.view is not None:
-        publish(_nodes(arguments), arguments)
-        return 0
+        return publish(_nodes(arguments), arguments)
     if arguments.start:
-        from uav_tracking_mpc.studies.benchmark import start_timing
+        from uav_tracking_mpc.studies.benchmark.start_timing import start_timing
 
-        starts = [
-            start_timing.start_timing(config, repetitions=1 if arguments.quick else 5)
-            for config in start_timing.CONFIGURATIONS
-        ]
-        lines = [line for found in starts for line in start_timing.in_words(found)]
-        answer({"start": starts}, lines, arguments.json)
-        return 0
-    from uav_tracking_mpc.studies.benchmark.acados_peer import own_interpreter
-    from uav_tracking_mpc.studies.benchmark.benchmark_study import (
-        benchmark,
-        benchmark_results,
-        converged,
-    )
+        return publish(start_timing(repetitions=1 if arguments.quick else 5), arguments)
+    from uav_tracking_mpc.studies.benchmark.benchmark_study import benchmark, benchmark_study
 
     results = benchmark(
         cold=arguments.cold,
         peers_cold=arguments.peers_cold,
         seed=arguments.seed,
         quick=arguments.quick,
-        acados=arguments.acados or own_interpreter(),
+        peers=peers,
     )
-    publish(benchmark_results(results), arguments)
-    return 0 if converged(results) else 1
+    return publish(benchmark_study(results), arguments)
 
 
 def _nodes(arguments: argparse.Namespace) -> Study:

@@ -20,8 +20,8 @@ import argparse
 from contextlib import closing
 from pathlib import Path
 
-from uav_tracking_mpc.cli.options import existing_file, number
-from uav_tracking_mpc.cli.program import check_writable, interrupted, publish
+from uav_tracking_mpc.cli.options import add_output_arguments, number
+from uav_tracking_mpc.cli.program import check_writable, publish
 
 HELP = "Monte-Carlo over what is uncertain, on all cores or on a Dask cluster"
 DESCRIPTION = (
@@ -75,21 +75,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="ADDRESS",
         help="fly on a Dask cluster instead, e.g. tcp://host:8786 (needs the extra [dask])",
     )
-    parser.add_argument(
-        "--output",
-        type=Path,
-        metavar="DIR",
-        help="folder for flights.parquet, campaign.json, campaign.html and the worst flights "
+    add_output_arguments(
+        parser,
+        "flights.parquet, campaign.json, campaign.html and the worst flights "
         "(default: output/campaigns/NAME)",
-    )
-    parser.add_argument(
-        "--json", action="store_true", help="print one JSON object and nothing else"
-    )
-    parser.add_argument(
-        "--page",
-        type=existing_file,
-        metavar="FILE",
-        help="put the tables into a page of the documentation",
+        page="the tables",
     )
 
 
@@ -119,7 +109,4 @@ def run(arguments: argparse.Namespace) -> int:
     check_writable(arguments.output)
     with closing(executor):
         results = run_campaign(campaign, executor, arguments.output)
-    publish(campaign_study(results), arguments)
-    if not results.left:
-        return 0
-    return interrupted(f"{results.left} flights are left; the same command goes on with them")
+    return publish(campaign_study(results), arguments)

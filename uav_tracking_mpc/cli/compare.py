@@ -25,9 +25,8 @@ from uav_tracking_mpc.cli.options import (
     add_output_arguments,
     chosen_configuration,
     chosen_overrides,
-    existing_file,
 )
-from uav_tracking_mpc.cli.program import interrupted, publish
+from uav_tracking_mpc.cli.program import publish
 
 HELP = "the controller beside classical laws: in wind, about moving targets, told wrong"
 DESCRIPTION = (
@@ -79,13 +78,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="one more law; may be repeated",
     )
     add_output_arguments(
-        parser, "compare.json, compare.html, figures; with --mismatch mismatches.json and so on"
-    )
-    parser.add_argument(
-        "--page",
-        type=existing_file,
-        metavar="FILE",
-        help="put the table into a page of the documentation",
+        parser,
+        "compare.json, compare.html, figures; with --mismatch mismatches.json and so on",
+        page="the table",
     )
 
 
@@ -116,9 +111,7 @@ def run(arguments: argparse.Namespace) -> int:
             if name in asked
         }
         kind, after = MISTOLD, scenarios.settled_after(next(iter(configurations.values())))
-    flown = compare(configurations, laws, settled_after=after)
-    whole = len(flown) == len(configurations)
-    publish(comparison(flown, kind, whole), arguments)
-    if whole:
-        return 0
-    return interrupted(f"{len(flown)} of {len(configurations)} were flown by every law")
+    flown, left = compare(configurations, laws, settled_after=after), ""
+    if len(flown) < len(configurations):
+        left = f"{len(flown)} of {len(configurations)} were flown by every law"
+    return publish(comparison(flown, kind, left), arguments)

@@ -35,7 +35,6 @@ from uav_tracking_mpc.cli.options import (
     check_link_arguments,
     chosen_configuration,
     preflight_lines,
-    with_connection,
 )
 from uav_tracking_mpc.cli.page_options import add_view_argument, check_page, told_page_arguments
 from uav_tracking_mpc.cli.program import answer
@@ -193,7 +192,7 @@ def _inspected(
 
     if arguments.simulated:
         place = stack.enter_context(autopilot_process(configuration, console))
-        configuration = with_connection(configuration, place)
+        configuration = configuration.changed("autopilot_link", {"connection": place})
     found = preflight(configuration, CONNECT_LIMIT)
     for line in preflight_lines(found):
         console.print(line, markup=False, highlight=False, soft_wrap=True)

@@ -19,12 +19,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from uav_tracking_mpc.cli.options import (
-    add_configuration_arguments,
-    add_output_arguments,
-    existing_file,
-    number,
-)
+from uav_tracking_mpc.cli.options import add_configuration_arguments, add_output_arguments, number
 from uav_tracking_mpc.cli.program import publish
 
 HELP = "lag, dead time, gain and limits of an aircraft, from a recorded flight"
@@ -49,7 +44,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="BAG|CSV",
         help="mission.mcap, the folder of a rosbag2 bag, or a CSV file",
     )
-    add_output_arguments(parser, "identification.json, identified.yaml and response.png")
+    content = "identification.json, identified.yaml and response.png"
+    add_output_arguments(parser, content, page="the counts")
     parser.add_argument(
         "--validate",
         type=number(int, 1),
@@ -61,12 +57,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--workers", type=number(int, 1), metavar="N", help="processes (default: one a core)"
     )
     parser.add_argument("--seed", type=number(int, 0), default=0, help="of the flights' draws")
-    parser.add_argument(
-        "--page",
-        type=existing_file,
-        metavar="FILE",
-        help="put the counts into a page of the documentation",
-    )
     add_configuration_arguments(parser, default="small_uav")
 
 
@@ -89,25 +79,20 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.record is not None and not arguments.record.exists():
         raise ParameterError(f"there is no bag or CSV file {str(arguments.record)!r}")
     if arguments.validate is not None:
-        from uav_tracking_mpc.studies.identification.validation import validate, validation
+        from uav_tracking_mpc.studies.identification.validation import validate
 
-        content = validate(
+        study = validate(
             arguments.config,
             arguments.overrides,
             count=arguments.validate,
             seed=arguments.seed,
             workers=arguments.workers,
         )
-        publish(validation(content), arguments)
-        return 0
+        return publish(study, arguments)
     from rich.console import Console
 
-    from uav_tracking_mpc.studies.identification.identification import (
-        identification,
-        identify_flight,
-    )
+    from uav_tracking_mpc.studies.identification.identification import identification
 
     with Console(stderr=True).status(f"identifying {arguments.record}"):
-        found = identify_flight(arguments.record)
-    publish(identification(arguments.record, found), arguments)
-    return 0 if all(channel.sure for channel in found) else 1
+        study = identification(arguments.record)
+    return publish(study, arguments)

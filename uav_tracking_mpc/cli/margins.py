@@ -23,7 +23,6 @@ from uav_tracking_mpc.cli.options import (
     add_limit_argument,
     add_output_arguments,
     chosen_configuration,
-    existing_file,
 )
 from uav_tracking_mpc.cli.program import publish
 
@@ -60,13 +59,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="search for weights of range, inputs and their rates that fly well and keep the "
         "margins; print every candidate and the YAML to paste",
     )
-    add_output_arguments(parser, "margins.json and margins.png, or search.json")
-    parser.add_argument(
-        "--page",
-        type=existing_file,
-        metavar="FILE",
-        help="put the table into a page of the documentation",
-    )
+    content = "margins.json and margins.png, or search.json"
+    add_output_arguments(parser, content, page="the table")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -79,18 +73,16 @@ def run(arguments: argparse.Namespace) -> int:
         Exit code.
     """
     from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT
+
+    if arguments.search:
+        from uav_tracking_mpc.studies.margins.weight_search import search_weights
+
+        return publish(search_weights(arguments.config, arguments.overrides), arguments)
     from uav_tracking_mpc.studies.margins.margin_figure import margins
     from uav_tracking_mpc.studies.margins.margin_study import margin_study
 
-    if arguments.search:
-        from uav_tracking_mpc.studies.margins import weight_search
-
-        search = weight_search.search_weights(arguments.config, arguments.overrides)
-        publish(weight_search.as_study(search), arguments)
-        return 0
     configuration = chosen_configuration(arguments, arguments.scenario)
     in_drift = configuration.controller.terminal_constraint == ARTIFICIAL_ORBIT
     if arguments.scenario is None and in_drift:
         configuration = chosen_configuration(arguments, SCENARIO)
-    publish(margins(margin_study(configuration)), arguments)
-    return 0
+    return publish(margins(margin_study(configuration)), arguments)

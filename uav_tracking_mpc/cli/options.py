@@ -21,20 +21,11 @@ import importlib
 import json
 import math
 from collections.abc import Callable, Collection
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    pass
-
-
-if TYPE_CHECKING:
     from uav_tracking_mpc.launch.preflight import Preflight
-    from uav_tracking_mpc.settings.configuration import Configuration
-
-
-if TYPE_CHECKING:
     from uav_tracking_mpc.parameters.specification import Specification
     from uav_tracking_mpc.settings.configuration import Configuration
 
@@ -150,25 +141,30 @@ def add_domain_argument(parser: argparse.ArgumentParser, words: str) -> None:
 
 
 def add_output_arguments(
-    parser: argparse.ArgumentParser, content: str, default: str | None = None
+    parser: argparse.ArgumentParser, content: str, default: str | None = None, page: str = ""
 ) -> None:
-    """The options ``--output`` and ``--json``.
+    """The options ``--output`` and ``--json``, and ``--page`` where there are tables for one.
 
     Args:
         parser: Gets the options.
-        content: What the folder will hold.
+        content: What the folder will hold, and which it is where that depends on something.
         default: Folder; without one nothing is written unless it is asked for.
+        page: What can be put into a page of the documentation.
     """
+    told = default or "default" in content
     parser.add_argument(
         "--output",
         type=Path,
         default=None if default is None else Path(default),
         metavar="DIR",
-        help=f"folder for {content}{'' if default else ' (default: nothing is written)'}",
+        help=f"folder for {content}{'' if told else ' (default: nothing is written)'}",
     )
     parser.add_argument(
         "--json", action="store_true", help="print one JSON object and nothing else"
     )
+    if page:
+        words = f"put {page} into a page of the documentation"
+        parser.add_argument("--page", type=existing_file, metavar="FILE", help=words)
 
 
 def existing_file(text: str) -> Path:
@@ -436,19 +432,6 @@ def place(text: str) -> tuple[float, float, float]:
             f"{text!r} is not LAT,LON,ALT, such as 47.3977,8.5456,488"
         ) from None
     return latitude, longitude, altitude
-
-
-def with_connection(configuration: Configuration, connection: str) -> Configuration:
-    """The configuration with another place of the autopilot.
-
-    Args:
-        configuration: To be flown.
-        connection: Where the autopilot is.
-    """
-    sections = {**configuration.sections}
-    sections[SECTION] = {**sections[SECTION], "connection": connection}
-    link = replace(configuration.link, connection=connection)
-    return replace(configuration, link=link, sections=sections)
 
 
 def preflight_lines(found: Preflight) -> list[str]:

@@ -211,28 +211,22 @@ def answer(content: Any, words: Iterable[Any], as_json: bool) -> None:
         Console(file=sys.stdout, width=max(terminal, needed)).print(part)
 
 
-def publish(study: Study, arguments: argparse.Namespace) -> None:
+def publish(study: Study, arguments: argparse.Namespace) -> int:
     """Write what a study found where the options say, and print it.
 
     Args:
         study: What was found.
         arguments: With ``output`` and ``json``, of some commands with ``page``.
-    """
-    words = study.publish(arguments.output, getattr(arguments, "page", None))
-    answer(study.content, words, arguments.json)
-
-
-def interrupted(words: str) -> int:
-    """Print on stderr what the user's interruption left out.
-
-    Args:
-        words: What it left out.
 
     Returns:
         Exit code.
     """
-    print(f"interrupted: {words}", file=sys.stderr)
-    return 128 + signal.SIGINT
+    words = study.publish(arguments.output, getattr(arguments, "page", None))
+    answer(study.content, words, arguments.json)
+    if study.left:
+        print(f"interrupted: {study.left}", file=sys.stderr)
+        return 128 + signal.SIGINT
+    return 0 if study.good else 1
 
 
 def check_writable(folder: Path) -> None:

@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
     from uav_tracking_mpc.report.metrics import in_short
     from uav_tracking_mpc.report.mission_report import write_report
     from uav_tracking_mpc.simulation.closed_loop import simulate
-    from uav_tracking_mpc.studies.identification.record_files import FlightWitness, write_record
+    from uav_tracking_mpc.studies.identification.flight_record import FlightWitness, write_record
     from uav_tracking_mpc.view.recorded_scene import recorded_scene
 
     told_page_arguments(arguments)

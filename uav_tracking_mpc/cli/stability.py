@@ -19,7 +19,7 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from uav_tracking_mpc.cli.options import (
     add_configuration_arguments,
@@ -28,14 +28,11 @@ from uav_tracking_mpc.cli.options import (
     existing_file,
     number,
 )
-from uav_tracking_mpc.cli.program import answer
+from uav_tracking_mpc.cli.program import answer, publish
 
 if TYPE_CHECKING:
     from uav_tracking_mpc.settings.configuration import Configuration
-    from uav_tracking_mpc.terminal.ingredients import StabilityProblem
-
-# What was asked for: for programs, for people, and whether it is good news.
-Found = tuple[dict[str, Any], list[Any], bool]
+    from uav_tracking_mpc.studies.study import Study
 
 HELP = "the paper's stability analysis, and a proof of the terminal set"
 DESCRIPTION = (
@@ -80,55 +77,40 @@ def run(arguments: argparse.Namespace) -> int:
         Exit code.
     """
     if arguments.errata is not None:
-        from uav_tracking_mpc.studies.stability.paper_report import write_page
+        from uav_tracking_mpc.report.atomic_write import write_atomically
+        from uav_tracking_mpc.studies.stability.paper_report import as_markdown, paper_report
 
-        write_page(arguments.errata)
+        write_atomically(arguments.errata, as_markdown(paper_report()).encode())
         return 0
-    content, words, good = _found(arguments)
-    answer(content, words, arguments.json)
-    return 0 if good else 1
-
-
-def _found(arguments: argparse.Namespace) -> Found:
     if arguments.verify is not None:
-        return _verified(arguments.verify)
-    from uav_tracking_mpc.formulation.paper_formulation import stability_problem
+        return _verify(arguments)
     from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT
 
     configuration = chosen_configuration(arguments)
-    if arguments.output is not None:
-        arguments.output.mkdir(parents=True, exist_ok=True)
-    if configuration.controller.terminal_constraint == ARTIFICIAL_ORBIT:
-        return _artificial_orbit(arguments, configuration)
-    problem = stability_problem(configuration.controller, configuration.name)
-    return _designed(arguments, problem) if arguments.design else _analysed(arguments, problem)
+    with_set = configuration.controller.terminal_constraint != ARTIFICIAL_ORBIT
+    return publish((_analysed if with_set else _guaranteed)(arguments, configuration), arguments)
 
 
-def _say(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
-
-
-def _verified(path: Path) -> Found:
+def _verify(arguments: argparse.Namespace) -> int:
     from uav_tracking_mpc.terminal.certificate import read_certificate, verify
 
     try:
-        certificate = read_certificate(path)
+        certificate = read_certificate(arguments.verify)
         reason = verify(certificate)
     except ValueError as error:
         reason = str(error)
+    words = f"REJECTED: {reason}"
     if reason is None:
         words = f"accepted: x'P_rho x <= {certificate['level']:.6g} is a terminal set"
-    else:
-        words = f"REJECTED: {reason}"
-    content = {"file": str(path), "accepted": reason is None, "reason": reason}
-    return content, [words], reason is None
+    content = {"file": str(arguments.verify), "accepted": reason is None, "reason": reason}
+    answer(content, [words], arguments.json)
+    return 0 if reason is None else 1
 
 
-def _artificial_orbit(arguments: argparse.Namespace, configuration: Configuration) -> Found:
+def _guaranteed(arguments: argparse.Namespace, configuration: Configuration) -> Study:
     """The problem has no ellipsoid: say what is guaranteed, and fly random states."""
     from uav_tracking_mpc.parameters.specification import ParameterError
-    from uav_tracking_mpc.report.atomic_write import write_json
-    from uav_tracking_mpc.studies.feasibility_study import feasibility_study, in_words
+    from uav_tracking_mpc.studies.feasibility_study import feasibility_study
 
     for option in ("design", "maps", "figures"):
         if getattr(arguments, option):
@@ -136,38 +118,29 @@ def _artificial_orbit(arguments: argparse.Namespace, configuration: Configuratio
                 f"--{option} is about the ellipsoid of the paper's terminal set; configuration "
                 f"{configuration.name!r} has an artificial orbit and no such set"
             )
-    content = feasibility_study(configuration, arguments.campaign or 0, arguments.jobs)
-    if arguments.output is not None:
-        write_json(arguments.output / "stability.json", content)
-    return content, in_words(content), content.get("clean", True)
+    return feasibility_study(configuration, arguments.campaign or 0, arguments.jobs)
 
 
-def _designed(arguments: argparse.Namespace, problem: StabilityProblem) -> Found:
-    from dataclasses import asdict
-
-    from uav_tracking_mpc.report.atomic_write import write_json
-    from uav_tracking_mpc.studies.stability.design import candidate_table, design
+def _analysed(arguments: argparse.Namespace, configuration: Configuration) -> Study:
+    from uav_tracking_mpc.formulation.paper_formulation import stability_problem
+    from uav_tracking_mpc.studies.stability.design import design
     from uav_tracking_mpc.studies.stability.proof import BOXES
+    from uav_tracking_mpc.studies.stability.stability_study import stability_study
 
-    found = design(problem, _say, boxes=arguments.boxes or BOXES)
-    if arguments.output is not None:
-        write_json(arguments.output / "design.json", asdict(found))
-    words = [found.words, candidate_table(found)]
-    return asdict(found), words, found.best is not None
-
-
-def _analysed(arguments: argparse.Namespace, problem: StabilityProblem) -> Found:
-    from uav_tracking_mpc.studies.stability.proof import BOXES
-    from uav_tracking_mpc.studies.stability.stability_study import in_words, stability_study
-
-    study = stability_study(
+    problem = stability_problem(configuration.controller, configuration.name)
+    boxes = arguments.boxes or BOXES
+    if arguments.design:
+        return design(problem, _say, boxes=boxes)
+    return stability_study(
         problem,
-        boxes=arguments.boxes or BOXES,
+        boxes=boxes,
         campaign=arguments.campaign or 0,
         points=arguments.points if arguments.maps else 0,
+        pictures=arguments.figures,
         workers=arguments.jobs,
         say=_say,
     )
-    if arguments.output is not None:
-        study.save(arguments.output, figures=arguments.figures)
-    return study.content, in_words(study), study.analysis.certified
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)

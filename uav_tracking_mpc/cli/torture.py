@@ -20,7 +20,7 @@ import argparse
 import itertools
 import signal
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING
 
 from uav_tracking_mpc.cli.options import (
     add_configuration_arguments,
@@ -29,7 +29,11 @@ from uav_tracking_mpc.cli.options import (
     chosen_configuration,
     number,
 )
-from uav_tracking_mpc.cli.program import answer
+from uav_tracking_mpc.cli.program import publish
+
+if TYPE_CHECKING:
+    from uav_tracking_mpc.studies.faults.schedule import Case
+    from uav_tracking_mpc.studies.study import Study
 
 HELP = "inject faults into real nodes and check that nothing breaks"
 DESCRIPTION = (
@@ -101,42 +105,23 @@ def run(arguments: argparse.Namespace) -> int:
     # SIGTERM ends the campaign as Ctrl-C does.
     previous = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        return _campaign(arguments) if arguments.soak is None else _soak(arguments)
+        fly = _soak if arguments.soak else _link if arguments.link else _nodes
+        return publish(fly(arguments), arguments)
     finally:
         signal.signal(signal.SIGTERM, previous)
 
 
-def _soak(arguments: argparse.Namespace) -> int:
+def _soak(arguments: argparse.Namespace) -> Study:
     from rich.console import Console
 
     from uav_tracking_mpc.studies.faults.soak import SPEED, soak
 
     arguments.overrides = [f"mission.speed={SPEED!r}", *arguments.overrides]
-    summary = soak(
-        chosen_configuration(arguments),
-        arguments.soak,
-        arguments.output,
-        Console(stderr=True),
-        arguments.domain_id,
-    )
-    _report(arguments, "soak.json", summary)
-    return 1 if summary["violations"] else 0
+    configuration, console = chosen_configuration(arguments), Console(stderr=True)
+    return soak(configuration, arguments.soak, arguments.output, console, arguments.domain_id)
 
 
-def _campaign(arguments: argparse.Namespace) -> int:
-    from uav_tracking_mpc.report.atomic_write import write_atomically
-    from uav_tracking_mpc.studies.faults.fault_findings import table, timeline
-
-    campaign = _nodes(arguments) if arguments.link is None else _link(arguments)
-    summary = campaign.summary()
-    write_atomically(arguments.output / "timeline.png", timeline(campaign))
-    _report(arguments, "torture.json", summary, table(summary))
-    if summary["interrupted"]:
-        raise KeyboardInterrupt
-    return 1 if summary["violations"] or summary.get("deaths") else 0
-
-
-def _link(arguments: argparse.Namespace) -> Any:
+def _link(arguments: argparse.Namespace) -> Study:
     from rich.console import Console
 
     from uav_tracking_mpc.studies.faults.link_campaign import LINK_FAULTS, LinkCampaign
@@ -148,7 +133,7 @@ def _link(arguments: argparse.Namespace) -> Any:
     return flown.fly(_chosen(arguments, cases), seed=arguments.seed)
 
 
-def _nodes(arguments: argparse.Namespace) -> Any:
+def _nodes(arguments: argparse.Namespace) -> Study:
     from rich.console import Console
 
     from uav_tracking_mpc.studies.faults.node_campaign import NodeCampaign
@@ -166,17 +151,8 @@ def _nodes(arguments: argparse.Namespace) -> Any:
     return flown.fly(cases, seed=seed, minutes=minutes, domain=arguments.domain_id)
 
 
-def _chosen(arguments: argparse.Namespace, cases: Iterator[Any]) -> Iterator[Any]:
+def _chosen(arguments: argparse.Namespace, cases: Iterator[Case]) -> Iterator[Case]:
     """The cases to fly: all, or one."""
     if arguments.case is None:
         return cases
     return itertools.islice(cases, arguments.case, arguments.case + 1)
-
-
-def _report(
-    arguments: argparse.Namespace, name: str, summary: dict[str, Any], words: str | None = None
-) -> None:
-    from uav_tracking_mpc.report.atomic_write import json_text, write_json
-
-    write_json(arguments.output / name, summary)
-    answer(summary, [words or json_text(summary)], arguments.json)

@@ -30,7 +30,7 @@ import numpy as np
 
 from uav_tracking_mpc.control.latest_job import LatestJob
 from uav_tracking_mpc.parameters.specification import ParameterError
-from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, TrackingParameters
+from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, PaperParameters
 from uav_tracking_mpc.symbolic.functions import one_at_a_time
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ class CertificateStatus:
 
 
 @one_at_a_time
-def certification(parameters: TrackingParameters, folder: Path) -> CertificateStatus:
+def certification(parameters: PaperParameters, folder: Path) -> CertificateStatus:
     """Certified, sampled, neither, or given by construction, with the reason.
 
     Args:
@@ -172,14 +172,14 @@ class ClaimWatch:
     """
 
     def __init__(
-        self, parameters: TrackingParameters, folder: Path, report: Callable[[str], None]
+        self, parameters: PaperParameters, folder: Path, report: Callable[[str], None]
     ) -> None:
         self._parameters, self._folder, self._report = parameters, folder, report
         self.claim = certification(parameters, folder)
         self._job = LatestJob("claim", self._judge)
         self._lock = threading.Lock()  # over claim and parameters, which belong together
 
-    def change(self, parameters: TrackingParameters) -> None:
+    def change(self, parameters: PaperParameters) -> None:
         """Fly other parameters from now on; returns at once.
 
         Args:
@@ -198,7 +198,7 @@ class ClaimWatch:
         """Return when the claim is that of the orbit that is flown."""
         self._job.wait()
 
-    def _judge(self, parameters: TrackingParameters) -> None:
+    def _judge(self, parameters: PaperParameters) -> None:
         try:
             claim = certification(parameters, self._folder)
         except (ArithmeticError, OSError, RuntimeError, ValueError) as error:

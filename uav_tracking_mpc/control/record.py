@@ -236,14 +236,22 @@ def _repeat(
 ) -> Command | None:
     """Make a call again; one that was refused is refused again."""
     if call in ("step", "see_state"):
-        noise = arguments[0].pop("noise")
-        noise |= {name: tuple(noise[name]) for name in ("position", "velocity")}
-        arguments[0] = Measurement(**arguments[0], noise=SensorNoise(**noise))
+        arguments[0] = _measurement(arguments[0])
     try:
         answer = getattr(controller, call)(*arguments, **named)
     except (MeasurementError, ParameterError):
         return None
     return answer if call == "step" else None
+
+
+def _measurement(values: dict[str, Any]) -> Measurement:
+    """In records of 0.2 the noise may be unknown, and one number holds for all axes of a vector."""
+    noise = dict(values["noise"] or {})
+    if "attitude" in noise:
+        noise["heading"] = noise["path_angle"] = noise.pop("attitude")
+    for name in {"position", "velocity"} & set(noise):
+        noise[name] = tuple(np.broadcast_to(noise[name], 3).tolist())
+    return Measurement(**{**values, "noise": SensorNoise(**noise)})
 
 
 def _plain(value: Any) -> Any:

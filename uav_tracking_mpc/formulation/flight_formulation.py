@@ -29,7 +29,7 @@ from uav_tracking_mpc.formulation.flight_problem import DECISION_SCALE, FlightPr
 from uav_tracking_mpc.formulation.formulation import Plan, SolverMaker, solver_of
 from uav_tracking_mpc.laws.vector_field import VectorField
 from uav_tracking_mpc.mpc.solver import Guess, Solution, Solver
-from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.settings.tracking import FlightParameters
 from uav_tracking_mpc.symbolic.functions import BufferedFunction
 
 # -, share of the wanted range, range and airspeed at which the penalty of the artificial orbit's
@@ -55,7 +55,7 @@ class FlightFormulation:
 
     def __init__(
         self,
-        parameters: TrackingParameters,
+        parameters: FlightParameters,
         solver: Solver | None = None,
         make_solver: SolverMaker = solver_of,
     ) -> None:
@@ -76,10 +76,10 @@ class FlightFormulation:
         self._held: tuple[float, float, float] | None = None
         self.change(parameters)
 
-    def check(self, parameters: TrackingParameters) -> None:
+    def check(self, parameters: FlightParameters) -> None:
         """See :meth:`Formulation.check`: every orbit inside the envelope can be taken."""
 
-    def change(self, parameters: TrackingParameters) -> None:
+    def change(self, parameters: FlightParameters) -> None:
         """Fly other orbits, weights, limits and lags from now on.
 
         Args:
@@ -225,7 +225,7 @@ class FlightFormulation:
         return Guess(shares, np.array([radius, up, speed]) / DECISION_SCALE)
 
 
-def flight_problem(parameters: TrackingParameters) -> FlightProblem:
+def flight_problem(parameters: FlightParameters) -> FlightProblem:
     """The flight problem that parameters ask for.
 
     Args:

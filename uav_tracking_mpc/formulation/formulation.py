@@ -33,7 +33,7 @@ from uav_tracking_mpc.mpc.compiled_method import MachineCode
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.mpc.solver import Solution, Solver
-from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.settings.tracking import ProblemParameters, TrackingParameters
 
 if TYPE_CHECKING:
     from uav_tracking_mpc.terminal.decrease import DecreaseCheck, DecreaseMonitor
@@ -116,10 +116,10 @@ class Formulation(Protocol):
         """Forget the last plan."""
 
 
-SolverMaker = Callable[[OptimalControlProblem, TrackingParameters], Solver]
+SolverMaker = Callable[[OptimalControlProblem, ProblemParameters], Solver]
 
 
-def solver_of(problem: OptimalControlProblem, parameters: TrackingParameters) -> Solver:
+def solver_of(problem: OptimalControlProblem, parameters: ProblemParameters) -> Solver:
     """The solver that parameters ask for.
 
     Args:
@@ -139,7 +139,7 @@ def solver_at_once(report: Callable[[str], None]) -> SolverMaker:
         report: Called with what happens, in words.
     """
 
-    def make(problem: OptimalControlProblem, parameters: TrackingParameters) -> Solver:
+    def make(problem: OptimalControlProblem, parameters: ProblemParameters) -> Solver:
         if parameters.solver != "newton":
             return solver_of(problem, parameters)
         code = MachineCode(problem, report)
@@ -157,7 +157,7 @@ def solver_as_told(compiled: Callable[[], bool]) -> SolverMaker:
         compiled: Whether the compiled one solves from now on.
     """
 
-    def make(problem: OptimalControlProblem, parameters: TrackingParameters) -> Solver:
+    def make(problem: OptimalControlProblem, parameters: ProblemParameters) -> Solver:
         if parameters.solver != "newton":
             return solver_of(problem, parameters)
         return BridgedSolver(problem, compiled, parameters.solve_time_max)

@@ -30,17 +30,22 @@ from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.formulation import Plan, SolverMaker, solver_of
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem, TerminalSet, quadratic_problem
-from uav_tracking_mpc.parameters.specification import ParameterError
-from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.parameters.specification import ParameterError, refuse_fixed
+from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, PaperParameters
 from uav_tracking_mpc.symbolic.functions import one_at_a_time
 from uav_tracking_mpc.terminal.decrease import decrease_monitor
 from uav_tracking_mpc.terminal.ingredients import StabilityProblem, input_limited_level
 
 # -, of the level: at the very limit rounding decides whether K x is in U, and no proof closes.
 LEVEL_MARGIN = 1.0 - 2e-6
+# What the expressions of the problem hold as numbers: only the orbit can be another in flight.
+COMPILED = (
+    "state_weights", "input_weights", "terminal_scaling", "terminal_penalty", "yaw_rate_max",
+    "pitch_rate_max", "acceleration_min", "acceleration_max",
+)  # fmt: skip
 
 
-def stability_problem(parameters: TrackingParameters, name: str = "unnamed") -> StabilityProblem:
+def stability_problem(parameters: PaperParameters, name: str = "unnamed") -> StabilityProblem:
     """Orbit, model, weights and input set of parameters.
 
     Args:
@@ -62,7 +67,7 @@ def stability_problem(parameters: TrackingParameters, name: str = "unnamed") -> 
     )
 
 
-def terminal_level(parameters: TrackingParameters, problem: StabilityProblem) -> float | None:
+def terminal_level(parameters: PaperParameters, problem: StabilityProblem) -> float | None:
     """Varrho of X_f (25), as large as U allows; None where no terminal set is asked for.
 
     Args:
@@ -75,7 +80,7 @@ def terminal_level(parameters: TrackingParameters, problem: StabilityProblem) ->
 
 
 def problem_of(
-    parameters: TrackingParameters, problem: StabilityProblem | None = None
+    parameters: PaperParameters, problem: StabilityProblem | None = None
 ) -> OptimalControlProblem:
     """P_N(x_0), (16), of parameters; those that differ in the orbit have the same expressions.
 
@@ -126,7 +131,7 @@ class _About:
     """All that the problem takes from an orbit: x_ss, u_ss, P_rho, varrho and the bound of (54)."""
 
     @one_at_a_time
-    def __init__(self, parameters: TrackingParameters) -> None:
+    def __init__(self, parameters: PaperParameters) -> None:
         problem = stability_problem(parameters)
         self.orbit = parameters.orbit
         self.problem = problem_of(parameters, problem)
@@ -142,26 +147,28 @@ class PaperFormulation:
         make_solver: Makes the solver of its problem.
     """
 
-    def __init__(
-        self, parameters: TrackingParameters, make_solver: SolverMaker = solver_of
-    ) -> None:
+    def __init__(self, parameters: PaperParameters, make_solver: SolverMaker = solver_of) -> None:
         self.step = parameters.horizon_step
+        self._compiled = parameters
         self._flown = _About(parameters)
         self._next = self._flown
         self.solver = make_solver(self._flown.problem, parameters)
         self.decrease = self._flown.decrease
         self._target = np.full(3, np.nan)
 
-    def check(self, parameters: TrackingParameters) -> None:
+    def check(self, parameters: PaperParameters) -> None:
         """See :meth:`Formulation.check`.
 
         Raises:
-            ParameterError: There is no terminal controller for this orbit.
+            ParameterError: A weight or bound differs, or there is no terminal controller for this
+                orbit.
         """
+        when = f"in flight unless terminal_constraint is {ARTIFICIAL_ORBIT!r}"
+        refuse_fixed(self._compiled, parameters, when, COMPILED)
         if parameters.orbit != self._next.orbit:
             self._next = _About(parameters)
 
-    def change(self, parameters: TrackingParameters) -> None:
+    def change(self, parameters: PaperParameters) -> None:
         """Take a new orbit, with its terminal ingredients, and a new time budget.
 
         Args:
@@ -170,8 +177,8 @@ class PaperFormulation:
         Raises:
             ParameterError: As of :meth:`check`; nothing has changed.
         """
+        self.check(parameters)
         if parameters.orbit != self._flown.orbit:
-            self.check(parameters)
             self._flown, self.decrease = self._next, self._next.decrease.after(self.decrease)
             self.solver.change(self._flown.problem)
         self.solver.time_limit = parameters.solve_time_max

@@ -32,10 +32,9 @@ from uav_tracking_mpc.dynamics.vehicle import velocity
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import VEHICLE_LINK, Inspection, LinkRefusedError, VehicleLink
 from uav_tracking_mpc.parameters.specification import ParameterError
-from uav_tracking_mpc.settings.configuration import Configuration, configuration_of
+from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
-SECTION = "nmpc_controller"
 WIND_STATES, WIND_WAIT = 25, 2.0  # -, s: states that the wind is taken from, and the time for them
 HELD = "hold_"  # begins the names of what the autopilot does itself, which is no limit of ours
 SAME = 1e-9  # -, relative difference up to which two numbers are the same
@@ -141,10 +140,7 @@ def with_envelope(
             values[name] = list(value) if isinstance(value, tuple) else value
             if before is not None and _words(before) != _words(value):
                 changes.append(f"{name} is {_words(value)} by the vehicle, not {_words(before)}")
-    sections = {name: dict(content) for name, content in configuration.sections.items()}
-    sections[SECTION].update(values)
-    fitted = configuration_of(configuration.name, sections, configuration.scenario)
-    return fitted, tuple(changes)
+    return configuration.changed("nmpc_controller", values), tuple(changes)
 
 
 def _fence(present: TrackingParameters, envelope: Mapping[str, Any]) -> dict[str, Any]:

@@ -16,9 +16,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.dynamics.orbit import DIRECTIONS
 from uav_tracking_mpc.dynamics.vehicle import advance
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.laws import GuidanceLaw
@@ -43,8 +46,8 @@ def check_law(law: type[GuidanceLaw]) -> None:
 
     Raises:
         ConformanceError: It raises, does not answer three finite inputs inside the envelope,
-            changes what it is given, does not answer the same again, or leads away from the
-            target.
+            changes what it is given, does not answer the same again, leads away from the target,
+            or round it in the wrong direction.
     """
     name, parameters = require_name(law), load_configuration("small_uav").controller
     orbit, envelope = parameters.orbit, parameters.envelope
@@ -68,7 +71,8 @@ def check_law(law: type[GuidanceLaw]) -> None:
             np.array_equal(inputs, _answer(again, situation, words)),
             f"{words}: another law of the same orbit answers differently",
         )
-    _check_approach(law(orbit, envelope), 2.0 * orbit.range)
+    for direction in DIRECTIONS:
+        _check_approach(law(replace(orbit, direction=direction), envelope), 2.0 * orbit.range)
 
 
 def _situation(random: np.random.Generator) -> Situation:
@@ -104,3 +108,7 @@ def _check_approach(law: GuidanceLaw, start: float) -> None:
         f"{law.name}: {DURATION:g} s after {start:g} m it is {distance:.0f} m from the target: do "
         "its signs agree with psi counter-clockwise and chi up?",
     )
+    east, north, _ = situation.relative_velocity
+    turns = law.orbit.bearing * (state[1] * east - state[0] * north)  # bearing > 0 is clockwise
+    words = f"{law.name}: {DURATION:g} s after {start:g} m it does not circle {law.orbit.direction}"
+    require(turns > 0.0, f"{words}: does it heed `self.sense`?")

@@ -14,13 +14,14 @@
 
 r"""Limits of the aircraft and of where it may fly.
 
-==============  ==================================================================
-``airspeed``    least and greatest airspeed, acceleration, and thrust less drag
-``turn``        greatest turn rate, bank, and change of the bank
-``climb``       steepest descent and climb, greatest path-angle rate
-``place``       least height, least distance to the target, a fence
-``envelope``    all of them together
-==============  ==================================================================
+===============  =================================================================
+``airspeed``     least and greatest airspeed, acceleration, and thrust less drag
+``turn``         greatest turn rate, bank, and change of the bank
+``climb``        steepest descent and climb, greatest path-angle rate
+``place``        least height, least distance to the target, a fence
+``envelope``     all of them together
+``conformance``  whether a limit keeps what the base asks for
+===============  =================================================================
 
 A limit is a subclass of :class:`Limit` with a name: a quantity q of the motion with its bounds,
 
@@ -45,9 +46,6 @@ from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.parameters.registry import ExtensionPoint
 from uav_tracking_mpc.parameters.specification import Parameters
 
-# Parameter and value without which the bounds of the inputs are compiled into the problem, which is
-# then the paper's.
-COMPILED = ("terminal_constraint", "artificial_orbit")
 TOLERANCE = 0.01  # -, tolerance: share of a bound by which a flown quantity may pass it
 
 

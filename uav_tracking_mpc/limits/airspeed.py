@@ -34,7 +34,7 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc.dynamics import paper_numbers as paper
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.limits import COMPILED, Bound, Limit, Motion, OrbitShape
+from uav_tracking_mpc.limits import Bound, Limit, Motion, OrbitShape
 from uav_tracking_mpc.parameters.specification import ParameterError, parameter
 
 
@@ -87,20 +87,10 @@ class Acceleration(Limit):
     name = "acceleration"
 
     acceleration_min: float = parameter(
-        -paper.ACCELERATION_BOUND,
-        "Least acceleration u_v.",
-        "m/s^2",
-        -100.0,
-        -1e-3,
-        fixed_unless=COMPILED,
+        -paper.ACCELERATION_BOUND, "Least acceleration u_v.", "m/s^2", -100.0, -1e-3
     )
     acceleration_max: float = parameter(
-        paper.ACCELERATION_BOUND,
-        "Greatest acceleration u_v.",
-        "m/s^2",
-        1e-3,
-        100.0,
-        fixed_unless=COMPILED,
+        paper.ACCELERATION_BOUND, "Greatest acceleration u_v.", "m/s^2", 1e-3, 100.0
     )
 
     def inputs(self, motion: Motion, numbers: Any, xp: ModuleType) -> dict[str, tuple[Any, Any]]:

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics import paper_numbers as paper
-from uav_tracking_mpc.limits import COMPILED, Bound, Limit, Motion
+from uav_tracking_mpc.limits import Bound, Limit, Motion
 from uav_tracking_mpc.parameters.specification import parameter
 
 # rad, -: kept back in plans, but no more than this share of the span: an aircraft that lags more
@@ -84,7 +84,6 @@ class PitchRate(Limit):
         "rad/s",
         1e-3,
         10.0,
-        fixed_unless=COMPILED,
     )
 
     def inputs(self, motion: Motion, numbers: Any, xp: ModuleType) -> dict[str, tuple[Any, Any]]:

@@ -33,7 +33,7 @@ from uav_tracking_mpc.dynamics import paper_numbers as paper
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate, turn_rate_from_bank
 from uav_tracking_mpc.dynamics.orbit import sharpest_turn
-from uav_tracking_mpc.limits import COMPILED, Bound, Limit, Motion, OrbitShape
+from uav_tracking_mpc.limits import Bound, Limit, Motion, OrbitShape
 from uav_tracking_mpc.parameters.specification import parameter
 
 # -, share of the limit that an orbit may need: one that needs all of the turn rate leaves
@@ -49,12 +49,7 @@ class YawRate(Limit):
     hard_on_orbit = True
 
     yaw_rate_max: float = parameter(
-        paper.TURN_RATE_BOUND,
-        "Greatest yaw rate u_psi, either way.",
-        "rad/s",
-        1e-3,
-        10.0,
-        fixed_unless=COMPILED,
+        paper.TURN_RATE_BOUND, "Greatest yaw rate u_psi, either way.", "rad/s", 1e-3, 10.0
     )
 
     def inputs(self, motion: Motion, numbers: Any, xp: ModuleType) -> dict[str, tuple[Any, Any]]:

@@ -38,7 +38,8 @@ def check_link(link: type[VehicleLink], address: str = "") -> None:
 
     Raises:
         ConformanceError: A state cannot be one, stamps do not follow each other or are not of the
-            link's clock, a plan that is not finite is taken, or one that can be flown is not.
+            link's clock, a plan that is empty or not finite is accepted, one that can be flown is
+            not, or there are states after it is closed.
         LinkError: There is no aircraft.
     """
     name = require_name(link)
@@ -59,11 +60,17 @@ def check_link(link: type[VehicleLink], address: str = "") -> None:
             )
             before, refusal = stamp, connected.command(now, LEVEL, 0.5)
             require(refusal == "", f"{name}: straight and level flight is refused: {refusal}")
-        for words, bad in {"not finite": LEVEL * math.nan, "empty": LEVEL[:0]}.items():
-            refusal = connected.command(connected.now(), bad, 0.5)
-            require(refusal, f"{name}: a plan that is {words} is taken, must be refused in words")
+        for kind, bad in {"not finite": LEVEL * math.nan, "empty": LEVEL[:0]}.items():
+            words = f"{name}: a plan that is {kind} must be refused in words, it"
+            try:
+                require(connected.command(connected.now(), bad, 0.5), f"{words} is accepted")
+            except (IndexError, TypeError, ValueError, ArithmeticError) as error:
+                raise ConformanceError(f"{words} raises {error!r}") from error
+    words = f"{name}: after close() measured() must raise LinkError, it"
     try:
-        connected.measured(0.0)
+        state = connected.measured(0.0)
     except LinkError:
         return
-    raise ConformanceError(f"{name}: still gives states after close()")
+    except (AttributeError, TypeError, ValueError) as error:
+        raise ConformanceError(f"{words} raises {error!r}") from error
+    raise ConformanceError(f"{words} gives {state!r}")

@@ -238,7 +238,9 @@ class OrbitLoop:
             self._formulation.reset()
         off = self._answer(frozen.situation(np.zeros(SIZE)), None) - frozen.motion()[-3:]
         if not (np.abs(off) <= STEADY).all():
-            raise ArithmeticError("limits leave no steady orbit as it is asked for")
+            raise ArithmeticError(
+                "the orbit that is asked for is left: limits or the law lead away"
+            )
         gain = np.zeros((3, SIZE))
         for component, step in enumerate(STEPS):
             deviation = np.zeros(SIZE)

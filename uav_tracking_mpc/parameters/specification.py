@@ -25,12 +25,12 @@ import dataclasses
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, TypeVar, cast
+from typing import Any, TypeGuard, TypeVar, cast
 
 from uav_tracking_mpc.parameters.registry import did_you_mean, names_of
 
 Value = bool | int | float | str | tuple[float, ...]
-T = TypeVar("T")
+T = TypeVar("T", bound="Parameters")
 
 
 class ParameterError(ValueError):
@@ -53,7 +53,6 @@ class Specification:
         multiple: A tuple's length must be a multiple of this.
         extension: Room of what the value names: an installed one, or ``path.py:Class``.
         fixed: Whether it can only be set at the start, for a controller while not configured.
-        fixed_unless: Name and value of another parameter; without that value this one is fixed.
     """
 
     name: str
@@ -67,7 +66,6 @@ class Specification:
     multiple: int = 1
     extension: str = ""
     fixed: bool = False
-    fixed_unless: tuple[str, str] | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -106,13 +104,10 @@ class Specification:
             ParameterError: Wrong type, not finite, out of range, wrong length, not a choice.
         """
         checked = self._convert(value)
-        numbers = checked if isinstance(checked, tuple) else (checked,)
-        for number in numbers:
-            if isinstance(number, bool) or not isinstance(number, (int, float)):
-                continue
-            low = self.lower is not None and number < self.lower
-            high = self.upper is not None and number > self.upper
-            if not math.isfinite(number) or low or high:
+        least = -math.inf if self.lower is None else self.lower
+        most = math.inf if self.upper is None else self.upper
+        for number in checked if isinstance(checked, tuple) else (checked,):
+            if _is_number(number) and not (least <= number <= most and math.isfinite(number)):
                 raise self._error(value)
         if self.choices or self.extension:
             named = checked in self.choices or (self.extension and ":" in str(checked))
@@ -130,16 +125,10 @@ class Specification:
             if len(elements) != self.size if self.size else len(elements) % self.multiple:
                 raise self._error(value)
             return tuple(self._float(element) for element in elements)
-        if isinstance(self.default, bool):
-            if isinstance(value, bool):
-                return value
-        elif isinstance(self.default, int):
-            if isinstance(value, int) and not isinstance(value, bool):
-                return value
-        elif isinstance(self.default, float):
-            if _is_number(value):
-                return self._float(value)
-        elif isinstance(value, str):
+        if isinstance(self.default, float) and _is_number(value):
+            return self._float(value)
+        alike = isinstance(value, bool) is isinstance(self.default, bool)
+        if alike and isinstance(value, type(self.default)):
             return value
         raise self._error(value)
 
@@ -156,7 +145,7 @@ class Specification:
         )
 
 
-def _is_number(value: Any) -> bool:
+def _is_number(value: Any) -> TypeGuard[float]:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
@@ -189,6 +178,15 @@ class Parameters:
     Raises:
         ParameterError: A value is not allowed.
     """
+
+    @classmethod
+    def extended(cls, values: Mapping[str, Any]) -> type[Any]:
+        """The class that describes the values, some of which may bring parameters of their own.
+
+        Args:
+            values: By name, as far as they are known.
+        """
+        return cls
 
     def __post_init__(self) -> None:
         """Check every value by its description, and keep it in its parameter's own type."""
@@ -223,10 +221,10 @@ def gathered(name: str, owners: Iterable[type]) -> type[Any]:
                     f"parameter '{field.name}' of {owner.__name__} is described differently "
                     "elsewhere, must have a name of its own"
                 )
-    fields = []
-    for field in found.values():
-        copy: Any = dataclasses.field(default=field.default, metadata=field.metadata)
-        fields.append((field.name, field.type, copy))
+    fields: list[tuple[str, Any, Any]] = [
+        (name, field.type, dataclasses.field(default=field.default, metadata=field.metadata))
+        for name, field in found.items()
+    ]
     return dataclasses.make_dataclass(name, fields, bases=(Parameters,), frozen=True)
 
 
@@ -241,17 +239,6 @@ def taken(owner: type[T], values: object) -> T:
     return owner(**{field.name: getattr(values, field.name) for field in fields})
 
 
-def resolved(parameters: type[T], values: Mapping[str, Any]) -> type[T]:
-    """The dataclass that describes the values: some of them may bring parameters of their own.
-
-    Args:
-        parameters: A dataclass of parameters; one with a class method ``extended`` says itself.
-        values: By name, as far as they are known.
-    """
-    extended = getattr(parameters, "extended", None)
-    return parameters if extended is None else cast("type[T]", extended(values))
-
-
 def from_mapping(parameters: type[T], values: Mapping[str, Any]) -> T:
     """Build a parameter dataclass from names and values; what is missing takes its default.
 
@@ -262,7 +249,7 @@ def from_mapping(parameters: type[T], values: Mapping[str, Any]) -> T:
     Raises:
         ParameterError: An unknown name, or a value that is not allowed.
     """
-    parameters = resolved(parameters, values)
+    parameters = parameters.extended(values)
     known = [specification.name for specification in specifications(parameters)]
     for name in values:
         if name not in known:
@@ -283,35 +270,29 @@ def changed(parameters: T, values: Mapping[str, Any]) -> T:
     Raises:
         ParameterError: An unknown name, or a value that is not allowed.
     """
-    present = {known.name: getattr(parameters, known.name) for known in _known(parameters)}
-    return from_mapping(type(parameters), {**present, **values})
+    return from_mapping(type(parameters), {**dataclasses.asdict(parameters), **values})
 
 
 def refuse_fixed(
-    before: Any, after: Any, meanwhile: str = "while the controller is configured"
+    before: Parameters,
+    after: Parameters,
+    meanwhile: str = "while the controller is configured",
+    names: Iterable[str] | None = None,
 ) -> None:
-    """Refuse a change of what can only be set at the start.
+    """Refuse a change of what must stay as it is.
 
     Args:
-        before: Parameter dataclass that is in use.
-        after: One of the same kind, to take its place.
+        before: That are in use.
+        after: Of the same kind, to take their place.
         meanwhile: How long it stays fixed, in words.
+        names: What is fixed; None for what can only be set at the start.
 
     Raises:
         ParameterError: A fixed parameter differs.
     """
-    for known in _known(before):
-        old, new = getattr(before, known.name), getattr(after, known.name)
-        if old == new:
-            continue
-        words = f"parameter '{known.name}' is {new!r}, must stay {old!r}"
-        if known.fixed:
-            raise ParameterError(f"{words} {meanwhile}")
-        if known.fixed_unless is not None:
-            other, value = known.fixed_unless
-            if getattr(before, other) != value:
-                raise ParameterError(f"{words} in flight unless {other} is {value!r}")
-
-
-def _known(parameters: Any) -> tuple[Specification, ...]:
-    return specifications(type(parameters))
+    if names is None:
+        names = [known.name for known in specifications(type(before)) if known.fixed]
+    for name in names:
+        old, new = getattr(before, name), getattr(after, name)
+        if old != new:
+            raise ParameterError(f"parameter '{name}' is {new!r}, must stay {old!r} {meanwhile}")

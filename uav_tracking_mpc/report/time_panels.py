@@ -29,7 +29,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate
-from uav_tracking_mpc.limits import COMPILED
 from uav_tracking_mpc.report.figure_style import (
     BLACK,
     BLUE,
@@ -41,6 +40,7 @@ from uav_tracking_mpc.report.figure_style import (
     drawing,
 )
 from uav_tracking_mpc.report.metrics import COLUMNS, settling_bands, settling_time
+from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
 REFERENCE: dict[str, Any] = {"color": BLACK, "lw": 1.0, "ls": (0, (5, 2.5)), "zorder": 3.0}
@@ -275,8 +275,7 @@ def has_limits(log: FlightLog) -> bool:
     Args:
         log: Record of the flight.
     """
-    name, value = COMPILED
-    return log.tracking is not None and getattr(log.tracking, name) == value
+    return log.tracking is not None and log.tracking.terminal_constraint == ARTIFICIAL_ORBIT
 
 
 def _moves(velocity: NDArray[np.float64] | None) -> bool:

@@ -15,7 +15,7 @@
 """What can be set: the parameters of each part, described once, and configurations of them all.
 
 ====================  ====================================================================
-``tracking``          what the controller is asked to do, told, and finds out by itself
+``tracking``          of both problems, of the estimators, and of the controller
 ``simulator``         the simulated aircraft and its air, the target, the mission
 ``link``              which autopilot flies, where it is, what may be asked of it
 ``frame_parameters``  names of the coordinate frames

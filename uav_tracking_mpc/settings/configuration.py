@@ -27,7 +27,7 @@ import numpy as np
 import yaml
 
 from uav_tracking_mpc.parameters.registry import did_you_mean
-from uav_tracking_mpc.parameters.specification import ParameterError, from_mapping
+from uav_tracking_mpc.parameters.specification import ParameterError, Parameters, from_mapping
 from uav_tracking_mpc.settings.link import LinkParameters
 from uav_tracking_mpc.settings.simulator import (
     MissionParameters,
@@ -153,9 +153,9 @@ def parameter_file(sections: Sections) -> str:
     return yaml.safe_dump(document, sort_keys=False)
 
 
-T = TypeVar("T")
+T = TypeVar("T", bound=Parameters)
 
-SECTIONS: dict[str, type] = {
+SECTIONS: dict[str, type[Parameters]] = {
     "nmpc_controller": TrackingParameters,
     "uav_simulator": SimulatorParameters,
     "target_publisher": TargetParameters,
@@ -192,6 +192,19 @@ class Configuration:
     def yaml(self) -> str:
         """The configuration as a ROS 2 parameter file for nodes in any namespace."""
         return parameter_file(self.sections)
+
+    def changed(self, section: str, values: Mapping[str, Any]) -> Configuration:
+        """This configuration with other values in a section.
+
+        Args:
+            section: Name of the node, or ``mission``.
+            values: By parameter.
+
+        Raises:
+            ParameterError: As of :func:`configuration_of`.
+        """
+        sections = {**self.sections, section: {**self.sections[section], **values}}
+        return configuration_of(self.name, sections, self.scenario)
 
 
 def configuration_folder() -> Path:
@@ -278,19 +291,19 @@ def configuration_of(
     Raises:
         ParameterError: An unknown parameter, or a value that is not allowed.
     """
-    built: dict[str, Any] = {}
-    for section, parameters in SECTIONS.items():
-        values = {k: v for k, v in sections[section].items() if k != "use_sim_time"}
-        built[section] = _built(parameters, section, values)
+    built: dict[str, Any] = {
+        section: _built(parameters, section, sections[section])
+        for section, parameters in SECTIONS.items()
+    }
     tracking, target = built["nmpc_controller"], built["target_publisher"]
     ground = (target.waypoints if target.motion == "waypoints" else target.position)[2]
     if refusal := tracking.envelope.refusal(tracking.orbit, np.zeros(3), ground):
         raise ParameterError(f"section 'nmpc_controller': {refusal}")
     return Configuration(
         name=name,
-        controller=built["nmpc_controller"],
+        controller=tracking,
         simulator=built["uav_simulator"],
-        target=built["target_publisher"],
+        target=target,
         link=built["autopilot_link"],
         mission=built["mission"],
         sections=sections,
@@ -322,6 +335,7 @@ def found(kind: str, name_or_file: str, folder: Path) -> Path:
 
 def _built(parameters: type[T], section: str, values: Mapping[str, Any]) -> T:
     try:
-        return from_mapping(parameters, values)
+        # A section of a node may hold rclpy's own parameter, too.
+        return from_mapping(parameters, {k: v for k, v in values.items() if k != "use_sim_time"})
     except ParameterError as error:
         raise ParameterError(f"section '{section}': {error}") from error

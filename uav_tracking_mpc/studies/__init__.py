@@ -23,7 +23,6 @@
 ``feasibility_study``  what is guaranteed with an artificial orbit, and flights that show it
 ``benchmark``          solve times beside other solvers
 ``faults``             faults injected into real nodes, and on the wire to an autopilot
-``flight_start``       where a closed loop on the prediction begins
 ``study``              what a study found, to be printed and written
 ``executors``          work in processes of this machine or of a cluster
 =====================  ===========================================================================

@@ -18,22 +18,25 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import islice, pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import NDArray
 
+from uav_tracking_mpc.control.guidance import nearest_direction
+from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
-from uav_tracking_mpc.mpc.solver import solutions
+from uav_tracking_mpc.mpc.solver import Guess, solutions
+from uav_tracking_mpc.report.metrics import microseconds
 from uav_tracking_mpc.settings.configuration import Configuration
-from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, TrackingParameters
+from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, NEAREST, TrackingParameters
 from uav_tracking_mpc.studies.executors import parallel_map
-from uav_tracking_mpc.studies.flight_start import flight_start
+from uav_tracking_mpc.studies.study import Study
 
 PREMISE = "The aircraft flies as predicted; solves converge, to no worse than the plan continued."
 
@@ -66,16 +69,37 @@ ANALYSIS = (
 )
 
 
-def as_words() -> str:
-    """All of it, for people."""
-    lines = [ANALYSIS, "", f"Guaranteed. {PREMISE}"]
-    lines += [f"  {index}. {words}" for index, words in enumerate(GUARANTEED, 1)]
-    lines += ["", "Not guaranteed."]
-    lines += [f"  - {words}" for words in NOT_GUARANTEED]
-    return "\n".join(lines)
+@dataclass(frozen=True)
+class Start:
+    """What a solver is given to begin.
+
+    Attributes:
+        state: x_0, shape (nx,).
+        parameters: P of every stage, shape (N + 1, np); None where the problem has none.
+        guess: Plan for a cold start from a state, shape (nx,); None leaves it to the solver.
+    """
+
+    state: NDArray[np.float64]
+    parameters: NDArray[np.float64] | None = None
+    guess: Callable[[NDArray[np.float64]], Guess | None] | None = None
 
 
-NEAREST, FARTHEST = 0.2, 3.3  # -, of r_d
+def flight_start(formulation: FlightFormulation, situation: Situation) -> Start:
+    """Begin at a situation whose drift stays, about a target that stays."""
+    parameters = formulation.parameters
+    forecast = steady_forecast(situation, parameters.horizon)
+    orbit = parameters.orbit
+    if parameters.direction == NEAREST:
+        orbit = dataclasses.replace(orbit, direction=nearest_direction(situation))
+    data = formulation.data(forecast, orbit).copy()
+
+    def guess(state: NDArray[np.float64]) -> Guess | None:
+        return formulation.guess(state, forecast, orbit, data)
+
+    return Start(formulation.initial_state(situation), data, guess)
+
+
+NEAR, FAR = 0.2, 3.3  # -, of r_d
 LOWEST, HIGHEST = -0.3, 0.45  # -, of r_d, from z_d
 STEEPEST = 0.95  # -, ratio |z| / r
 DRIFT_SHARE = 0.4  # -, of the airspeed, the strongest drift
@@ -95,7 +119,7 @@ def random_situations(parameters: TrackingParameters, count: int, seed: int = 0)
 
 
 def _random_situation(p: TrackingParameters, generator: np.random.Generator) -> Situation:
-    distance = generator.uniform(max(NEAREST * p.range, p.distance_min), FARTHEST * p.range)
+    distance = generator.uniform(max(NEAR * p.range, p.distance_min), FAR * p.range)
     lowest = max(p.altitude + LOWEST * p.range, p.height_min)
     height = generator.uniform(lowest, max(lowest, p.altitude + HIGHEST * p.range))
     height = min(max(height, -STEEPEST * distance), STEEPEST * distance)
@@ -130,34 +154,11 @@ FEASIBLE = 1e-5  # -, largest violation of a hard constraint, scaled: 0.1 mm, 1e
 # -, tolerance of the solvers: what a cost may rise by it, relative and absolute.
 RELATIVE_RISE, RISE = 1e-6, 1e-5
 SOLVE_TIME_MAX = 10.0  # s; with a budget the load of the machine would decide what is counted
-PIECE = 50  # flights
+# Summed over flights: first solves that did not converge, which end a flight; all solves, and of
+# these those that converged, whose plan keeps the hard constraints, whose cost rose.
+COUNTED = ("cold_failures", "steps", "converged", "feasible", "cost_rises")
 
-
-@dataclass(frozen=True)
-class FlightCounts:
-    """One flight.
-
-    Attributes:
-        drifting: Whether there was a drift.
-        cold_failure: Whether the first solve did not converge; the flight then ends there.
-        steps: Solves.
-        converged: Solves that converged.
-        feasible: Solves whose plan keeps the hard constraints.
-        cost_rises: Solves whose cost is above that of the one before.
-        worst_rise: Largest difference [-], 0 if there is none.
-        cold_us: Wall time of the first solve in [us].
-        warm_us: Of the others in [us].
-    """
-
-    drifting: bool
-    cold_failure: bool
-    steps: int
-    converged: int
-    feasible: int
-    cost_rises: int
-    worst_rise: float
-    cold_us: float
-    warm_us: tuple[float, ...]
+Row = dict[str, Any]
 
 
 def campaign(
@@ -166,106 +167,90 @@ def campaign(
     steps: int = STEPS,
     workers: int | None = None,
     show: bool = True,
-) -> list[FlightCounts]:
-    """Fly closed loops.
+) -> list[Row]:
+    """Fly closed loops of a problem with an artificial orbit.
 
     Args:
-        parameters: Of a problem with an artificial orbit.
-        situations: Where they begin.
+        parameters: Of the problem.
+        situations: Where the flights begin.
         steps: Solves of every flight.
         workers: Processes; all cores by default, 1 stays in this one.
         show: Progress bar on stderr.
-    """
-    parameters = dataclasses.replace(parameters, solve_time_max=SOLVE_TIME_MAX)
-    pieces = [
-        (parameters, situations[begin : begin + PIECE], steps)
-        for begin in range(0, len(situations), PIECE)
-    ]
-    parts = parallel_map(_fly_piece, pieces, workers, f"{PIECE} flights a piece", show)
-    return [flight for part in parts for flight in part]
-
-
-def summary(flights: Sequence[FlightCounts]) -> dict[str, Any]:
-    """Sums over flights: plain values, never NaN.
-
-    Args:
-        flights: Any number of them.
 
     Returns:
-        - ``states``, and of these ``cold_failures``: their first solve did not converge
-        - ``steps``: all solves, and of these ``converged``, ``feasible``, ``cost_rises``
-        - ``worst_rise``; ``cold_us`` and ``warm_us`` with ``median`` and ``p99``
+        Of each flight: :data:`COUNTED`; ``drifting``, whether there was a drift; ``worst_rise`` of
+        the cost [-]; wall times in [s], ``cold`` of the first solve and ``warm`` of the others.
+    """
+    parameters = dataclasses.replace(parameters, solve_time_max=SOLVE_TIME_MAX)
+    tasks = [(parameters, situation, steps) for situation in situations]
+    return parallel_map(_fly, tasks, workers, "flights", show)
+
+
+def summary(flights: Sequence[Row]) -> dict[str, Any]:
+    """Sums over flights: plain values, never NaN.
+
+    Returns:
+        - ``states``, :data:`COUNTED` and ``worst_rise``
+        - ``cold_us`` and ``warm_us`` with ``median`` and ``p99``
         - ``without_drift``: the counts of the flights without drift
     """
-    still = [flight for flight in flights if not flight.drifting]
     return {
         **_counts(flights),
-        "cold_us": _times([flight.cold_us for flight in flights]),
-        "warm_us": _times([time for flight in flights for time in flight.warm_us]),
-        "without_drift": _counts(still),
+        "cold_us": _times([flight["cold"] for flight in flights]),
+        "warm_us": _times([time for flight in flights for time in flight["warm"]]),
+        "without_drift": _counts([flight for flight in flights if not flight["drifting"]]),
     }
 
 
-def _counts(flights: Sequence[FlightCounts]) -> dict[str, Any]:
+def _counts(flights: Sequence[Row]) -> dict[str, Any]:
     return {
         "states": len(flights),
-        "cold_failures": sum(flight.cold_failure for flight in flights),
-        "steps": sum(flight.steps for flight in flights),
-        "converged": sum(flight.converged for flight in flights),
-        "feasible": sum(flight.feasible for flight in flights),
-        "cost_rises": sum(flight.cost_rises for flight in flights),
-        "worst_rise": max((flight.worst_rise for flight in flights), default=0.0),
+        **{name: sum(flight[name] for flight in flights) for name in COUNTED},
+        "worst_rise": max((flight["worst_rise"] for flight in flights), default=0.0),
     }
 
 
-def _times(microseconds: ArrayLike) -> dict[str, float | None]:
-    values = np.asarray(microseconds, dtype=float)
-    if not values.size:
-        return {"median": None, "p99": None}
-    return {"median": float(np.median(values)), "p99": float(np.percentile(values, 99.0))}
-
-
-def _fly_piece(piece: tuple[TrackingParameters, Sequence[Situation], int]) -> list[FlightCounts]:
-    parameters, situations, steps = piece
-    formulation = _formulation(parameters)
-    return [_fly(formulation, situation, steps) for situation in situations]
+def _times(seconds: Sequence[float]) -> dict[str, float | None]:
+    found = microseconds(np.array(seconds))
+    return {name: found[f"{name}_us"] for name in ("median", "p99")}
 
 
 @lru_cache(maxsize=1)
 def _formulation(parameters: TrackingParameters) -> FlightFormulation:
-    """One for all pieces of a process."""
+    """One for all flights of a process."""
     return FlightFormulation(parameters)
 
 
-def _fly(formulation: FlightFormulation, situation: Situation, steps: int) -> FlightCounts:
+def _fly(task: tuple[TrackingParameters, Situation, int]) -> Row:
+    parameters, situation, steps = task
+    formulation = _formulation(parameters)
     start = flight_start(formulation, situation)
     loop = solutions(formulation.solver, start.state, start.parameters, start.guess)
     flown = [next(loop)]
     if flown[0].converged:
         flown += islice(loop, steps - 1)
-    costs = [solution.cost for solution in flown]
     rises = [
-        cost - before
-        for before, cost in pairwise(costs)
-        if not cost <= before * (1.0 + RELATIVE_RISE) + RISE
+        solution.cost - before.cost
+        for before, solution in pairwise(flown)
+        if not solution.cost <= before.cost * (1.0 + RELATIVE_RISE) + RISE
     ]
-    cold, *warm = (1e6 * solution.solve_time for solution in flown)
-    return FlightCounts(
-        drifting=bool(np.any(situation.drift)),
-        cold_failure=not flown[0].converged,
-        steps=len(flown),
-        converged=sum(solution.converged for solution in flown),
-        feasible=sum(solution.violation <= FEASIBLE for solution in flown),
-        cost_rises=len(rises),
-        worst_rise=max(rises, default=0.0),
-        cold_us=cold,
-        warm_us=tuple(warm),
-    )
+    cold, *warm = (solution.solve_time for solution in flown)
+    return {
+        "drifting": bool(np.any(situation.drift)),
+        "cold_failures": int(not flown[0].converged),
+        "steps": len(flown),
+        "converged": sum(solution.converged for solution in flown),
+        "feasible": sum(solution.violation <= FEASIBLE for solution in flown),
+        "cost_rises": len(rises),
+        "worst_rise": max(rises, default=0.0),
+        "cold": cold,
+        "warm": warm,
+    }
 
 
 def feasibility_study(
     configuration: Configuration, count: int = 0, workers: int | None = None
-) -> dict[str, Any]:
+) -> Study:
     """Say what is guaranteed and fly random states.
 
     Args:
@@ -274,10 +259,9 @@ def feasibility_study(
         workers: Processes; all cores by default.
 
     Returns:
-        Plain values: ``config``, ``terminal_constraint``, ``premise``, ``guaranteed``,
+        Its content: ``config``, ``terminal_constraint``, ``premise``, ``guaranteed``,
         ``not_guaranteed``; with a campaign also ``clean`` (nothing happened that is guaranteed not
-        to) and what :func:`~uav_tracking_mpc.studies.feasibility_study.summary`
-        returns.
+        to; it takes a first plan) and what :func:`summary` returns.
     """
     content: dict[str, Any] = {
         "config": configuration.name,
@@ -286,43 +270,31 @@ def feasibility_study(
         "guaranteed": list(GUARANTEED),
         "not_guaranteed": list(NOT_GUARANTEED),
     }
+    words = [ANALYSIS, "", f"Guaranteed. {PREMISE}"]
+    words += [f"  {index}. {line}" for index, line in enumerate(GUARANTEED, 1)]
+    words += ["", "Not guaranteed.", *(f"  - {line}" for line in NOT_GUARANTEED)]
     if count:
         situations = random_situations(configuration.controller, count)
         content |= summary(campaign(configuration.controller, situations, workers=workers))
-        content["clean"] = _clean(content["without_drift"])
-    return content
+        still = content["without_drift"]
+        begun = still["steps"] - still["cold_failures"]
+        content["clean"] = bool(still["feasible"] >= begun and still["cost_rises"] == 0)
+        words += ["", *_words(content)]
+    return Study("stability", content, words, good=content.get("clean", True))
 
 
-def _clean(counts: dict[str, Any]) -> bool:
-    """Whether nothing happened that is guaranteed not to; it takes a first plan."""
-    begun = counts["steps"] - counts["cold_failures"]
-    return bool(counts["feasible"] >= begun and counts["cost_rises"] == 0)
-
-
-def in_words(content: dict[str, Any]) -> list[str]:
-    """The study for people.
-
-    Args:
-        content: What :func:`feasibility_study` returned.
-    """
-    lines = [as_words()]
-    if "clean" not in content:
-        return lines
-    lines.append("")
-    for title, counts in (
-        ("all flights", content),
-        ("those without drift", content["without_drift"]),
-    ):
-        lines.append(
-            f"{title}: {counts['states']} states, {counts['cold_failures']} of them without a "
-            f"first plan; {counts['steps']} solves, {counts['converged']} converged, "
-            f"{counts['feasible']} feasible; the cost rose {counts['cost_rises']} times, at most "
-            f"by {counts['worst_rise']:.3g}"
-        )
-    for name in ("cold", "warm"):
-        times = content[f"{name}_us"]
-        if times["median"] is not None:
-            lines.append(
-                f"{name}: median {times['median']:.0f} us, 99 % below {times['p99']:.0f} us"
-            )
-    return lines
+def _words(content: dict[str, Any]) -> list[str]:
+    """What the flights showed."""
+    parts = {"all flights": content, "those without drift": content["without_drift"]}
+    lines = [
+        "{title}: {states} states, {cold_failures} of them without a first plan; {steps} solves, "
+        "{converged} converged, {feasible} feasible; the cost rose {cost_rises} times, at most by "
+        "{worst_rise:.3g}".format(title=title, **counts)
+        for title, counts in parts.items()
+    ]
+    times = {name: content[f"{name}_us"] for name in ("cold", "warm")}
+    return lines + [
+        f"{name}: median {each['median']:.0f} us, 99 % below {each['p99']:.0f} us"
+        for name, each in times.items()
+        if each["median"] is not None
+    ]

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -26,6 +27,11 @@ from uav_tracking_mpc.report.pages import Table, embedded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+def plain(content: Any) -> Any:
+    """Values as JSON knows them: what is not finite becomes null, a tuple a list."""
+    return json.loads(json.dumps(content), parse_constant=lambda _: None)
 
 
 @dataclass(frozen=True)
@@ -41,6 +47,9 @@ class Study:
         files: Contents of further files, by their names.
         page: Makes the HTML page from the figures as addresses that hold them; None without one.
         tables: Tables for a page of the documentation, by the names of their places.
+        good: Whether all is as it should be: the command's exit code is then 0.
+        left: What the user's interruption left out, in words; empty if nothing. No page of the
+            documentation is then changed.
     """
 
     name: str
@@ -51,6 +60,8 @@ class Study:
     files: Mapping[str, bytes] = field(default_factory=dict)
     page: Callable[[Mapping[str, str]], str] | None = None
     tables: Mapping[str, Table] = field(default_factory=dict)
+    good: bool = True
+    left: str = ""
 
     def publish(self, output: Path | None, documentation: Path | None = None) -> list[str | Table]:
         """Write everything.
@@ -70,7 +81,7 @@ class Study:
         if output is not None:
             self._write(output)
             words += [self.written.format(output)] if self.written else []
-        if documentation is not None:
+        if documentation is not None and not self.left:
             for name, table in self.tables.items():
                 table.write_into(documentation, name)
         return words

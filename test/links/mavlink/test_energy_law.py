@@ -31,6 +31,8 @@ from uav_tracking_mpc.links.mavlink.energy_law import (
     EnergyLimits,
     FlownPath,
 )
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.simulation import flight_control, flight_dynamics
 
 CRUISE = 22.0
 LIMITS = EnergyLimits(CRUISE, 14.0, 32.0)
@@ -74,27 +76,27 @@ class PointMass:
         return FlownPath(self.time, self.path_angle, self.airspeed, self.bank)
 
 
-def flight(plant, inputs, duration, bank=0.0, law=None):
+def flight(plant, inputs, duration, bank=lambda time: 0.0, limits=LIMITS, every=8):
     """Path angle and airspeed at each step, and those of the controller's lagged model."""
-    law = law or EnergyLaw(LIMITS)
-    law.begin(plant.flown, plant.pitch, plant.thrust)
-    chi, v, omega, gain = plant.path_angle, plant.airspeed, 0.0, 0.0
+    law, flown = EnergyLaw(limits), plant.flown
+    law.begin(flown, plant.pitch, plant.thrust)
+    chi, v, omega, gain = flown.path_angle, flown.airspeed, 0.0, 0.0
     rows, command = [], (law.pitch, law.thrust)
     for tick in range(round(duration / STEP)):
         u_chi, u_v = inputs(plant.time)
-        if tick % 8 == 7:
+        if tick % every == every - 1:
             command = law.step(u_chi, u_v, plant.flown)
-        plant.fly(*command, bank)
+        plant.fly(*command, bank(plant.time))
         omega += (u_chi - omega) * STEP / PATH_LAG
         gain += (u_v - gain) * STEP / SPEED_LAG
         chi, v = chi + omega * STEP, v + gain * STEP
-        rows.append((plant.path_angle, chi, plant.airspeed, v))
+        rows.append((plant.flown.path_angle, chi, plant.flown.airspeed, v))
     return np.array(rows).T
 
 
 def doublets(time):
-    climb = {2: 0.1, 8: -0.1}.get(int(time), 0.0)
-    gain = 1.0 if 15.0 <= time < 17.0 else -0.6 if 24.0 <= time < 27.0 else 0.0
+    climb = {5: 0.1, 11: -0.1}.get(int(time), 0.0)
+    gain = 1.0 if 18.0 <= time < 20.0 else -0.6 if 27.0 <= time < 30.0 else 0.0
     return climb, gain
 
 
@@ -103,10 +105,65 @@ def doublets(time):
     "plant", [{}, {"pitch_time": 0.3, "lift_time": 0.4}, {"pitch_time": 0.5, "lift_time": 0.15}]
 )
 def test_path_angle_and_airspeed_follow_the_lagged_model(plant, bank):
-    path, wanted, airspeed, speed = flight(PointMass(**plant), doublets, 40.0, bank)
+    path, wanted, airspeed, speed = flight(PointMass(**plant), doublets, 40.0, lambda _: bank)
     # Of a climb by 0.1 rad, and of 2 m/s: a twentieth.
     assert np.std(path - wanted) < 0.005
     assert np.abs(airspeed - speed).max() < 0.5
+
+
+TRIM = 0.55  # thrust that the law is told, 0.15 too little
+ATTITUDE_TIME, RATE_MAX = 0.4, 1.05  # s, rad/s: FW_P_TC, FW_P_RMAX_POS
+
+
+class Attitude:
+    """Six degrees of freedom behind attitude loops as PX4 has them.
+
+    Elevator by a pitch set-point: a rate of the error, and the rate of the turn. Bank and rudder
+    are those of the plant's own loops; gains of the rate are theirs.
+    """
+
+    def __init__(self):
+        start = flight_dynamics.Start((0.0, 0.0, 150.0), 0.0, 0.0, CRUISE)
+        self.airframe, self.time = flight_dynamics.Airframe(start), 0.0
+        flown, trim = self.airframe.flown, self.airframe.trim
+        parameters = load_configuration("jsbsim_uav").simulator
+        self.loops = flight_control.FlightControl(parameters, trim, flown)
+        self.pitch, self.thrust, self._elevator = flown.pitch, trim.throttle, trim.elevator
+
+    @property
+    def flown(self):
+        flown = self.airframe.flown
+        return FlownPath(self.time, flown.path_angle, flown.airspeed, flown.bank)
+
+    def fly(self, pitch, thrust, bank):
+        flown = self.airframe.flown
+        weaker = (CRUISE / flown.airspeed) ** 2
+        turn = -GRAVITY * math.tan(bank) / flown.airspeed / math.cos(flown.path_angle)
+        aileron = self.loops._aileron(turn, flown, weaker, STEP)
+        rudder = self.loops._rudder(aileron, flown, weaker, STEP)
+        rise = min(max((pitch - flown.pitch) / ATTITUDE_TIME, -RATE_MAX), RATE_MAX)
+        yaw_rate = GRAVITY * math.tan(flown.bank) * math.cos(flown.pitch) / flown.airspeed
+        wanted = rise * math.cos(flown.bank)
+        wanted += yaw_rate * math.sin(flown.bank) * math.cos(flown.pitch)
+        error = wanted - flown.pitch_rate
+        forward = flight_control.PITCH_FORWARD * CRUISE / flown.airspeed * wanted
+        elevator = self._elevator - forward - weaker * flight_control.PITCH_GAIN * error
+        self._elevator -= weaker * flight_control.PITCH_INTEGRAL * error * STEP
+        self.airframe.step(flight_dynamics.Surfaces(aileron, elevator, rudder, thrust))
+        self.time += STEP
+
+
+@pytest.mark.parametrize("bank", [0.0, 0.2, 0.5])
+def test_so_they_do_in_six_degrees_of_freedom(bank):
+    pytest.importorskip("jsbsim")
+    assert pytest.approx(1.0 / STEP) == flight_dynamics.RATE
+    limits = EnergyLimits(CRUISE, 15.0, 30.0, trim=TRIM)
+    rows = flight(
+        Attitude(), doublets, 40.0, lambda time: bank * min(0.5 * time, 1.0), limits, every=4
+    )
+    path, wanted, airspeed, speed = rows[:, 800:]  # after 4 s
+    assert np.sqrt(np.mean((path - wanted) ** 2)) < 0.015  # of a climb by 0.1 rad
+    assert np.sqrt(np.mean((airspeed - speed) ** 2)) < 0.4  # of 2 m/s
 
 
 @pytest.mark.parametrize("plant", [{"climb": 7.0, "trim": 0.5}, {"climb": 3.5, "trim": 0.7}])

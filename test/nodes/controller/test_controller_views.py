@@ -15,14 +15,10 @@
 
 import numpy as np
 import pytest
-from rclpy.serialization import deserialize_message, serialize_message
+from filled_messages import over_the_wire
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.nodes.controller.controller_views import markers_message, path_message
-
-
-def over_the_wire(message):
-    return deserialize_message(serialize_message(message), type(message))
 
 
 def test_what_viewers_get_can_be_serialized():

@@ -17,28 +17,22 @@
 from __future__ import annotations
 
 import logging
+import time
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
-import rclpy
-from rclpy.serialization import serialize_message
+from filled_messages import SECOND, filled_air, filled_odometry, filled_point
+from node_harness import callback
 
 from uav_tracking_mpc.nodes.controller.message_times import DRAIN, MessageTimes, StallGuard
-from uav_tracking_mpc.nodes.messages.conversions import (
-    set_air_velocity,
-    set_odometry,
-    set_point,
-    set_stamp,
-)
+from uav_tracking_mpc.nodes.messages.conversions import set_stamp
 from uav_tracking_mpc.nodes.messages.message_checks import MessageError
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 from uav_tracking_mpc.nodes.ros import diagnostics
 from uav_tracking_mpc.nodes.ros.diagnostics import PERIOD, ThrottledWarnings
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, ODOMETRY, TARGET, TARGET_ODOMETRY
 
-STATE = np.array([180.0, 0.0, 40.0, 2.0, 0.0, 4.0])
-SECOND = 1_000_000_000
+STATE = [180.0, 0.0, 40.0, 2.0, 0.0, 4.0]
 
 
 class Logger:
@@ -122,45 +116,24 @@ def test_one_subject_does_not_silence_another(monkeypatch):
 
 
 @pytest.fixture
-def controller():
-    context = rclpy.Context()
-    context.init(args=[])
+def controller(nodes):
     logger = Logger()
 
     class Logged(NmpcController):
         def get_logger(self):
             return logger if self.controller is not None else super().get_logger()
 
-    node = Logged(context=context)
-    yield node, logger
-    node.destroy_node()
-    context.try_shutdown()
-
-
-def hear(node, topic, message):
-    """As the middleware hands it over."""
-    (subscription,) = [s for s in node.subscriptions if s.topic_name == f"/{topic.name}"]
-    subscription.callback(serialize_message(message) if subscription.raw else message)
-
-
-def now(node):
-    return node.get_clock().now().nanoseconds
+    return nodes.add(Logged), logger
 
 
 @pytest.mark.nodes
 def test_a_flight_goes_on_points_that_are_published_by_hand(controller):
     """As of `ros2 topic pub target/position ...`, without a stamp."""
     node, logger = controller
-    odometry, point = ODOMETRY.type(), TARGET.type()
-    point.header.frame_id = "map"
-    set_odometry(odometry, now(node), STATE, np.zeros(3))
-    hear(node, ODOMETRY, odometry)
-    hear(node, TARGET, point)
-    air = AIR_VELOCITY.type()
-    set_air_velocity(air, now(node), 10.0)
-    hear(node, AIR_VELOCITY, air)
-    set_odometry(odometry, now(node), STATE, np.zeros(3))
-    hear(node, ODOMETRY, odometry)
+    callback(node, ODOMETRY.name)(filled_odometry(time.time_ns(), STATE))
+    callback(node, TARGET.name)(filled_point(0))
+    callback(node, AIR_VELOCITY.name)(filled_air(time.time_ns(), 10.0))
+    callback(node, ODOMETRY.name)(filled_odometry(time.time_ns(), STATE))
     assert node.controller.flying
     assert any("target/position: header.stamp is 0" in words for _, words in logger.lines)
 
@@ -168,33 +141,26 @@ def test_a_flight_goes_on_points_that_are_published_by_hand(controller):
 @pytest.mark.nodes
 def test_every_message_that_is_left_out_leaves_a_line(controller):
     node, logger = controller
-    odometry, air, point, track = (
-        topic.type() for topic in (ODOMETRY, AIR_VELOCITY, TARGET, TARGET_ODOMETRY)
-    )
-    begin = now(node)
-
-    def line(topic, message, words):
+    begin = time.time_ns()
+    callback(node, ODOMETRY.name)(filled_odometry(begin, STATE))
+    callback(node, TARGET.name)(filled_point(begin))
+    no_newer, no_stamp = "message left out: it is no newer", "header.stamp is 0"
+    astray = TARGET_ODOMETRY.type()
+    astray.header.frame_id = "odom"
+    for topic, message, words in (
+        (ODOMETRY, filled_odometry(begin, STATE), f"uav/odometry: {no_newer}"),
+        (ODOMETRY, filled_odometry(0, STATE), f"message refused: uav/odometry: {no_stamp}"),
+        (AIR_VELOCITY, filled_air(0, 4.0), f"message refused: uav/air_velocity: {no_stamp}"),
+        (TARGET, filled_point(begin), f"target/position: {no_newer}"),
+        (TARGET_ODOMETRY, astray, "target/odometry: header.frame_id is 'odom', must be 'map'"),
+    ):
+        hear = callback(node, topic.name)
         logger.lines.clear()
-        hear(node, topic, message)
+        hear(message)
         assert any(words in each for _, each in logger.lines), logger.lines
         logger.lines.clear()
-        hear(node, topic, message)
+        hear(message)
         assert logger.lines == []  # throttled
-
-    set_odometry(odometry, begin, STATE, np.zeros(3))
-    hear(node, ODOMETRY, odometry)
-    line(ODOMETRY, odometry, "uav/odometry: message left out: it is no newer")
-    set_odometry(odometry, 0, STATE, np.zeros(3))
-    line(ODOMETRY, odometry, "message refused: uav/odometry: header.stamp is 0")
-    set_air_velocity(air, 0, 4.0)
-    line(AIR_VELOCITY, air, "message refused: uav/air_velocity: header.stamp is 0")
-    set_point(point, begin, np.zeros(3))
-    hear(node, TARGET, point)
-    line(TARGET, point, "target/position: message left out: it is no newer")
-    set_point(point, begin + SECOND, np.full(3, 1e4))
-    hear(node, TARGET, point)
-    track.header.frame_id = "odom"
-    line(TARGET_ODOMETRY, track, "target/odometry: header.frame_id is 'odom', must be 'map'")
 
 
 def test_what_is_heard_first_after_a_stall_is_old():

@@ -15,15 +15,23 @@
 
 import copy
 import dataclasses
+import operator
 
 import numpy as np
 import pytest
+from filled_messages import (
+    filled_air,
+    filled_command,
+    filled_measurement,
+    filled_odometry,
+    filled_point,
+    over_the_wire,
+)
 from geometry_msgs.msg import PointStamped, TwistStamped
 from hypothesis import given
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
 from node_harness import vehicle_from_odometry
-from rclpy.serialization import deserialize_message, serialize_message
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
 from uav_tracking_mpc.dynamics.frames import rotation_from_course
@@ -34,11 +42,8 @@ from uav_tracking_mpc.nodes.messages.conversions import (
     nanoseconds,
     plan_from_command,
     position_from_point,
-    set_air_velocity,
     set_command,
     set_measurement,
-    set_odometry,
-    set_point,
 )
 from uav_tracking_mpc.nodes.messages.message_checks import MessageError
 
@@ -49,23 +54,16 @@ INPUTS = st.tuples(*[st.floats(-5, 5)] * 3)
 STAMPS = st.integers(0, 2**31 * 10**9 - 1)
 
 
-def over_the_wire(message):
-    return deserialize_message(serialize_message(message), type(message))
-
-
 @given(STATES, INPUTS, STAMPS)
 def test_state_survives_the_wire(state, inputs, stamp):
-    message = Odometry()
-    set_odometry(message, stamp, np.array(state), np.array(inputs))
-    received = over_the_wire(message)
+    received = over_the_wire(filled_odometry(stamp, state, inputs))
     np.testing.assert_allclose(vehicle_from_odometry(received), state, atol=1e-6)
     assert nanoseconds(received.header.stamp) == stamp
 
 
 @given(STATES, INPUTS, st.tuples(*[st.floats(-300, 300)] * 3))
 def test_motion_survives_the_wire(state, rates, ground_velocity):
-    message = Odometry()
-    set_odometry(message, 0, np.array(state), np.array(rates), np.array(ground_velocity))
+    message = filled_odometry(0, state, rates, np.array(ground_velocity))
     motion = measurement_from_odometry(over_the_wire(message))
     np.testing.assert_allclose(motion.state(state[5]), state, atol=1e-6)
     np.testing.assert_allclose(motion.ground_velocity, ground_velocity, atol=1e-9)
@@ -76,8 +74,7 @@ def test_motion_survives_the_wire(state, rates, ground_velocity):
 def test_motion_of_a_body_that_rolls():
     """Banked 30 deg in a level turn to the left: pitch and yaw rate of the body share the turn."""
     bank, turn_rate = -np.pi / 6, 0.2
-    message = Odometry()
-    set_odometry(message, 0, np.array([0, 0, 0, 0, 0, 20.0]), np.zeros(3))
+    message = filled_odometry(0, [0, 0, 0, 0, 0, 20.0])
     message.pose.pose.orientation.x = float(np.sin(bank / 2))
     message.pose.pose.orientation.w = float(np.cos(bank / 2))
     message.twist.twist.angular.y = float(turn_rate * np.sin(bank))
@@ -93,16 +90,14 @@ def test_motion_of_a_body_that_rolls():
 
 def test_ground_velocity_is_in_body_axes_on_the_wire():
     """Heading North, drifting East: to the right, which is -y of a Forward-Left-Up body."""
-    message = Odometry()
-    state = np.array([0, 0, 0, np.pi / 2, 0, 20.0])
-    set_odometry(message, 0, state, np.zeros(3), np.array([5.0, 20.0, 1.0]))
+    state, ground = [0, 0, 0, np.pi / 2, 0, 20.0], np.array([5.0, 20.0, 1.0])
+    message = filled_odometry(0, state, ground=ground)
     linear = message.twist.twist.linear
     np.testing.assert_allclose([linear.x, linear.y, linear.z], [20.0, -5.0, 1.0], atol=1e-12)
 
 
 def test_air_velocity_survives_the_wire_and_is_refused_when_bad():
-    message = TwistStamped()
-    set_air_velocity(message, 7, 22.5)
+    message = filled_air(7, 22.5)
     np.testing.assert_array_equal(air_velocity_from_twist(over_the_wire(message)), [22.5, 0.0, 0.0])
     message.twist.linear.z = float("nan")
     with pytest.raises(MessageError, match=r"uav/air_velocity: twist.linear.z is nan"):
@@ -117,8 +112,7 @@ def test_air_velocity_survives_the_wire_and_is_refused_when_bad():
 
 @given(st.lists(INPUTS, min_size=1, max_size=30), st.floats(0.01, 5.0), STAMPS)
 def test_plan_survives_the_wire(plan, step, stamp):
-    message = MultiDOFJointTrajectory()
-    set_command(message, stamp, np.zeros((40, 3)), 1.0)  # longer, then reused
+    message = filled_command(stamp, np.zeros((40, 3)))  # longer, then reused
     set_command(message, stamp, np.array(plan), step)
     received, starts = plan_from_command(over_the_wire(message))
     np.testing.assert_array_equal(received, plan)
@@ -127,21 +121,13 @@ def test_plan_survives_the_wire(plan, step, stamp):
 
 def test_signs_on_the_wire_are_rep_103():
     """A climb and a left turn: FLU pitch rate negative, yaw rate positive."""
-    message = MultiDOFJointTrajectory()
-    set_command(message, 0, np.array([[0.1, 0.2, 0.3]]), 1.0)
+    message = filled_command(0, [[0.1, 0.2, 0.3]])
     angular = message.points[0].velocities[0].angular
     assert (angular.z, angular.y) == (0.1, -0.2)
     assert message.points[0].accelerations[0].linear.x == 0.3
-    odometry = Odometry()
-    set_odometry(odometry, 0, np.array([0, 0, 0, 0, 0, 4.0]), np.array([0.1, 0.2, 0.0]))
+    odometry = filled_odometry(0, [0, 0, 0, 0, 0, 4.0], [0.1, 0.2, 0.0])
     assert odometry.twist.twist.angular.y == -0.2
     assert odometry.twist.twist.linear.x == 4.0
-
-
-def good_odometry():
-    message = Odometry()
-    set_odometry(message, 0, np.array([1.0, 2.0, 3.0, 0.4, 0.1, 5.0]), np.zeros(3))
-    return message
 
 
 @pytest.mark.parametrize(
@@ -162,19 +148,15 @@ def good_odometry():
     ],
 )
 def test_bad_odometry_is_refused_by_field_and_value(path, value, words):
-    message = good_odometry()
-    *parents, name = path.split(".")
-    field = message
-    for parent in parents:
-        field = getattr(field, parent)
-    setattr(field, name, value)
+    message = filled_odometry(0, [1.0, 2.0, 3.0, 0.4, 0.1, 5.0])
+    parents, _, name = path.rpartition(".")
+    setattr(operator.attrgetter(parents)(message) if parents else message, name, value)
     with pytest.raises(MessageError, match=words):
         vehicle_from_odometry(message)
 
 
 def test_bad_target_is_refused_by_field_and_value():
-    message = PointStamped()
-    set_point(message, 0, np.array([1.0, float("nan"), 0.0]))
+    message = filled_point(0, [1.0, float("nan"), 0.0])
     with pytest.raises(MessageError, match=r"target/position: point.y is nan"):
         position_from_point(message)
     message.header.frame_id = "earth"
@@ -196,8 +178,7 @@ def test_bad_target_is_refused_by_field_and_value():
     ],
 )
 def test_bad_command_is_refused_with_the_reason(change, words):
-    message = MultiDOFJointTrajectory()
-    set_command(message, 0, np.zeros((2, 3)), 1.0)
+    message = filled_command(0, np.zeros((2, 3)))
     change(message)
     with pytest.raises(MessageError, match=words):
         plan_from_command(message)
@@ -226,9 +207,7 @@ VELOCITY = np.array([15.0, -9.0, 2.0])
 
 def message(noise=NOISE, heading=2.0, path_angle=0.3):
     seen = Measurement(7.0, np.array([3.0, 4.0, 5.0]), VELOCITY, heading, path_angle, noise=noise)
-    odometry = Odometry()
-    set_measurement(odometry, 7_000_000_000, seen)
-    return deserialize_message(serialize_message(odometry), Odometry)
+    return over_the_wire(filled_measurement(7_000_000_000, seen))
 
 
 def same(noise, other):

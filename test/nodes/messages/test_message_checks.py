@@ -17,11 +17,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import rclpy
-from rclpy.parameter import Parameter
+from filled_messages import filled_air, filled_command, filled_odometry, filled_point
+from node_harness import callback, tapped
 
 from uav_tracking_mpc.nodes.autopilot_link import AutopilotLink
 from uav_tracking_mpc.nodes.messages.conversions import (
@@ -29,10 +30,6 @@ from uav_tracking_mpc.nodes.messages.conversions import (
     measurement_from_odometry,
     plan_from_command,
     position_from_point,
-    set_air_velocity,
-    set_command,
-    set_odometry,
-    set_point,
 )
 from uav_tracking_mpc.nodes.messages.message_checks import (
     ANY_FRAMES,
@@ -60,15 +57,10 @@ from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.frame_parameters import FrameParameters
 
 OTHER = FrameNames("world", "uav1/base_link")
-STATE = np.array([180.0, 0.0, 40.0, 2.0, 0.0, 4.0])
 
 
-class Namespaced:
-    def __init__(self, namespace):
-        self.namespace = namespace
-
-    def get_namespace(self):
-        return self.namespace
+def node_in(namespace):
+    return SimpleNamespace(get_namespace=lambda: namespace)
 
 
 @pytest.mark.parametrize(
@@ -83,7 +75,7 @@ class Namespaced:
     ],
 )
 def test_the_prefix_is_the_namespace_unless_it_is_told(namespace, values, expected):
-    assert frame_names(Namespaced(namespace), FrameParameters(**values)) == expected
+    assert frame_names(node_in(namespace), FrameParameters(**values)) == expected
 
 
 @pytest.mark.parametrize(
@@ -98,17 +90,13 @@ def test_the_prefix_is_the_namespace_unless_it_is_told(namespace, values, expect
 )
 def test_names_that_tf2_does_not_take_are_refused(values, words):
     with pytest.raises(ParameterError, match=words):
-        frame_names(Namespaced("/"), FrameParameters(**values))
+        frame_names(node_in("/"), FrameParameters(**values))
 
 
 def messages(frames):
-    odometry, air, point, command = (
-        topic.type() for topic in (ODOMETRY, AIR_VELOCITY, TARGET, COMMAND)
-    )
-    set_odometry(odometry, 1, STATE, np.zeros(3), frames=frames)
-    set_air_velocity(air, 1, 4.0, frames)
-    set_point(point, 1, np.zeros(3), frames)
-    set_command(command, 1, np.zeros((2, 3)), 0.2, frames)
+    odometry = filled_odometry(1, [180.0, 0.0, 40.0, 2.0, 0.0, 4.0], frames=frames)
+    air, point = filled_air(1, 4.0, frames=frames), filled_point(1, frames=frames)
+    command = filled_command(1, np.zeros((2, 3)), frames=frames)
     return odometry, air, point, command, orbit_message(frames), odometry
 
 
@@ -133,42 +121,31 @@ def test_what_is_written_is_read_and_other_frames_are_refused_in_words(index):
         read(other, FRAMES)
 
 
-def tapped(context, node_class, sent, namespace="/uav1", **parameters):
-    """A node whose messages are kept, and that thinks somebody listens."""
-
-    class Tapped(node_class):
-        def create_publisher(self, kind, topic, *rest, **options):
-            publisher = super().create_publisher(kind, topic, *rest, **options)
-            publish = publisher.publish
-
-            def keep(message):
-                publish(message)
-                if isinstance(message, bytes):
-                    message = rclpy.serialization.deserialize_message(message, kind)
-                sent.setdefault(topic, []).append(message)
-
-            publisher.publish, publisher.get_subscription_count = keep, lambda: 1
-            return publisher
-
-    overrides = [Parameter(name, value=value) for name, value in parameters.items()]
-    return Tapped(context=context, namespace=namespace, parameter_overrides=overrides)
+def keeping(node_class, sent):
+    """A kind of node whose messages are kept by topic."""
+    return tapped(node_class, lambda topic, message: sent.setdefault(topic, []).append(message))
 
 
 @pytest.mark.nodes
-def test_every_message_of_a_namespaced_aircraft_bears_its_frames(context):
-    sent, frames = {}, {"map_frame": "world"}
-    simulator = tapped(context, UavSimulator, sent, **frames)
-    target = tapped(context, TargetPublisher, sent, **frames)
-    controller = tapped(context, NmpcController, sent, **frames)
+def test_every_message_of_a_namespaced_aircraft_bears_its_frames(nodes):
+    sent, frames = {}, {"map_frame": "world", "namespace": "/uav1"}
+    simulator, target, controller = (
+        nodes.add(keeping(node_class, sent), **frames)
+        for node_class in (UavSimulator, TargetPublisher, NmpcController)
+    )
+
+    def pass_on(topic, node):
+        callback(node, f"uav1/{topic.name}")(sent[topic.name][-1])
+
     target._measure()
-    controller._on_target(sent[TARGET.name][-1], controller.controller)
+    pass_on(TARGET, controller)
     for _ in range(3):
         for timer in simulator.timers:
             timer.callback()
-        controller._on_air(sent[AIR_VELOCITY.name][-1], controller.controller)
-        controller._on_odometry(sent[ODOMETRY.name][-1], controller.controller)
-    simulator._on_command(rclpy.serialization.serialize_message(sent[COMMAND.name][-1]))
-    simulator._on_orbit(sent[ORBIT.name][-1])
+        pass_on(AIR_VELOCITY, controller)
+        pass_on(ODOMETRY, controller)
+    pass_on(COMMAND, simulator)
+    pass_on(ORBIT, simulator)
     assert simulator._received == 1
     assert controller.report.refused == simulator._rejected == 0
     odometry, command = sent[ODOMETRY.name][-1], sent[COMMAND.name][-1]
@@ -179,27 +156,21 @@ def test_every_message_of_a_namespaced_aircraft_bears_its_frames(context):
     stamped = [odometry, command, sent[TARGET.name][-1], sent[ORBIT.name][-1], path]
     stamped += [*path.poses, *markers]
     assert {message.header.frame_id for message in stamped} == {"world"}
-    for node in (simulator, target, controller):
-        node.destroy_node()
 
 
 @pytest.mark.nodes
 @pytest.mark.parametrize("node_class", [UavSimulator, NmpcController, TargetPublisher])
-def test_a_frame_that_is_none_ends_the_node(context, node_class):
+def test_a_frame_that_is_none_ends_the_node(nodes, node_class):
     with pytest.raises(ParameterError, match="'map_frame' is '/map', must be a frame"):
-        node_class(context=context, parameter_overrides=[Parameter("map_frame", value="/map")])
+        nodes.add(node_class, map_frame="/map")
 
 
 @pytest.mark.nodes
-def test_a_link_takes_frames(context):
-    link = f"{Path(__file__).parents[2] / 'paced_link.py'}:PacedLink"
-    sent = {}
-    node = tapped(
-        context, AutopilotLink, sent, link=link, connection="nobody", target_system=2,
-        frame_prefix="a/", map_frame="odom",
-    )  # fmt: skip
+def test_a_link_takes_frames(nodes):
+    sent, link = {}, f"{Path(__file__).parents[2] / 'paced_link.py'}:PacedLink"
+    frames = {"frame_prefix": "a/", "map_frame": "odom", "namespace": "/uav1"}
+    kind, parameters = keeping(AutopilotLink, sent), {"connection": "nobody", "target_system": 2}
+    node = nodes.add(kind, link=link, **parameters, **frames)
     assert node._frames == ("odom", "a/base_link")
     assert node._sightings._track.header.frame_id == "odom"
     assert TARGET_ODOMETRY.name not in sent
-    node.finish()
-    node.destroy_node()

@@ -19,7 +19,7 @@ import math
 import numpy as np
 import pytest
 import small_uav
-from rclpy.serialization import deserialize_message, serialize_message
+from filled_messages import filled_orbit, over_the_wire
 from sensor_msgs.msg import JointState
 
 from uav_tracking_mpc.control.fallback import FallbackMode
@@ -42,9 +42,7 @@ STAMP = 12_345_678_901
 
 
 def message(orbit=ORBIT):
-    filled = orbit_message()
-    set_orbit(filled, STAMP, orbit)
-    return deserialize_message(serialize_message(filled), JointState)
+    return over_the_wire(filled_orbit(STAMP, orbit))
 
 
 def test_an_orbit_comes_back():
@@ -58,8 +56,7 @@ def test_an_orbit_comes_back():
 
 
 def test_a_message_is_filled_again():
-    filled = orbit_message()
-    set_orbit(filled, 1, ORBIT)
+    filled = filled_orbit(1, ORBIT)
     set_orbit(filled, 2, ORBIT._replace(radius=100.0))
     assert orbit_from_message(filled).radius == 100.0
     assert orbit_message().position[3] == 0.0
@@ -85,15 +82,13 @@ def test_what_is_no_orbit_is_refused(change, words):
 
 
 WANTED = small_uav.parameters().orbit
-
-
 WIND = np.array([3.0, -4.0, 0.5])
 
 
 def heard(situation, mode=FallbackMode.OPTIMAL):
     message = tracking_message()
     set_tracking(message, 5_000_000_007, situation, WANTED, 0.7, WIND, mode)
-    said = deserialize_message(serialize_message(message), JointState)
+    said = over_the_wire(message)
     assert nanoseconds(said.header.stamp) == 5_000_000_007
     assert said.header.frame_id == "map"
     assert not (said.velocity or said.effort)

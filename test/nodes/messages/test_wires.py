@@ -16,6 +16,7 @@
 
 import numpy as np
 import pytest
+from filled_messages import filled_command
 from hypothesis import given
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
@@ -24,7 +25,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from uav_tracking_mpc.control.commanded_path import PlannedPath
 from uav_tracking_mpc.dynamics.frames import quaternion_from_course
 from uav_tracking_mpc.nodes.messages import wires
-from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, plan_from_command, set_command
+from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, plan_from_command
 from uav_tracking_mpc.nodes.messages.message_checks import (
     ANY_FRAMES,
     FRAMES,
@@ -45,8 +46,7 @@ def test_bytes_read_as_the_message(plan, stamp, step):
     wire = CommandWire()
     for shift in (0.0, 0.25):  # written anew, then in place
         inputs = np.array(plan) + shift
-        message = COMMAND.type()
-        set_command(message, stamp, inputs, step)
+        message = filled_command(stamp, inputs, step)
         written = wire.write(stamp, inputs, step)
         assert len(written) == len(serialize_message(message))
         assert deserialize_message(written, COMMAND.type) == message
@@ -128,8 +128,7 @@ def test_segments_need_not_be_of_one_length():
 
 
 def serialized(stamp, plan, step, change=lambda message: None):
-    message = COMMAND.type()
-    set_command(message, stamp, plan, step)
+    message = filled_command(stamp, plan, step)
     change(message)
     return serialize_message(message)
 

@@ -14,11 +14,11 @@
 
 """/diagnostics of a node: whose, by which time, what is shown, and what reaches the log."""
 
+import functools
 from types import SimpleNamespace
 
 import pytest
-import rclpy
-from rclpy.parameter import Parameter
+from rclpy.node import Node
 
 from uav_tracking_mpc.nodes.ros import diagnostics
 from uav_tracking_mpc.nodes.ros.diagnostics import (
@@ -31,6 +31,7 @@ from uav_tracking_mpc.nodes.ros.diagnostics import (
 )
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 
+pytestmark = pytest.mark.nodes
 TICK = 0.05
 
 
@@ -94,13 +95,10 @@ def test_what_somebody_asked_for_is_shown_at_once():
     assert status.see(OK, "flying", 0.2)
 
 
-pytestmark = pytest.mark.nodes
-
-
 @pytest.fixture
-def told(context, monkeypatch):
+def told(nodes, monkeypatch):
     """Diagnostics of a node by a clock that stands, and what it logs and publishes."""
-    node = rclpy.create_node("pilot", context=context, namespace="red/wing")
+    node = nodes.add(functools.partial(Node, "pilot"), namespace="red/wing")
     log, now = [], [100.0]
     logger = SimpleNamespace(
         info=lambda words: log.append(("info", words)),
@@ -109,11 +107,9 @@ def told(context, monkeypatch):
     )
     monkeypatch.setattr(node, "get_logger", lambda: logger)
     monkeypatch.setattr(diagnostics.time, "monotonic", lambda: now[0])
-    made = Diagnostics(node, lambda: {"height [m]": 120.0})
-    sent = []
+    made, sent = Diagnostics(node, lambda: {"height [m]": 120.0}), []
     made._publisher.publish = sent.append
-    yield SimpleNamespace(by=made, log=log, now=now, sent=sent)
-    node.destroy_node()
+    return SimpleNamespace(by=made, log=log, now=now, sent=sent)
 
 
 def test_the_aircraft_is_the_namespace(told):
@@ -153,11 +149,8 @@ def test_a_status_that_alternates_is_logged_once(told):
 
 
 @pytest.mark.parametrize("driven", [True, False])
-def test_the_simulator_stamps_by_the_time_that_it_makes(context, driven):
-    node = UavSimulator(
-        context=context, parameter_overrides=[Parameter("publish_clock", value=driven)]
-    )
-    sent = []
+def test_the_simulator_stamps_by_the_time_that_it_makes(nodes, driven):
+    node, sent = nodes.add(UavSimulator, publish_clock=driven), []
     node._diagnostics._publisher.publish = sent.append
     for _ in range(3):
         node._step()
@@ -168,4 +161,3 @@ def test_the_simulator_stamps_by_the_time_that_it_makes(context, driven):
         assert seconds == pytest.approx(3 / node.parameters.state_rate)
     else:
         assert seconds > 1e9
-    node.destroy_node()

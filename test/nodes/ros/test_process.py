@@ -14,17 +14,14 @@
 
 """Nodes as processes: exit codes, signals, --help."""
 
-import importlib
-
 import pytest
-import rclpy
-from processes import INTERRUPT, TERMINATE, run_node
+from node_flight import NODES
+from processes import INTERRUPT, TERMINATE, fatal_words, refused_start, run_node
 from rclpy.node import Node
-from rclpy.parameter import Parameter
-from rclpy.signals import SignalHandlerOptions
 
+from uav_tracking_mpc.nodes.monitor import Monitor
 from uav_tracking_mpc.nodes.ros.node_reference import HEARD, SERVICES, help_text, sent
-from uav_tracking_mpc.nodes.ros.process import refusal, run
+from uav_tracking_mpc.nodes.ros.process import refusal
 from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
 from uav_tracking_mpc.parameters.specification import specifications
 from uav_tracking_mpc.settings.configuration import SECTIONS
@@ -32,7 +29,6 @@ from uav_tracking_mpc.settings.configuration import SECTIONS
 pytestmark = pytest.mark.nodes
 
 
-NODES = ("uav_simulator", "target_publisher", "nmpc_controller", "autopilot_link")
 FIRST_WORDS = {
     "uav_simulator": "waiting for the first command",
     "target_publisher": "target is stationary",
@@ -49,26 +45,33 @@ def test_signals_end_a_node_cleanly(node, stop):
     assert "Traceback" not in output
 
 
-@pytest.mark.parametrize(
-    ("node", "arguments", "words"),
-    [
-        ("nmpc_controller", ["-p", "range:=far"], "parameter 'range' is 'far'"),
-        ("nmpc_controller", ["-p", "state_weights:=[]"], "a list of 5 numbers"),
-        ("uav_simulator", ["-p", "speed_max:=-1.0"], "parameter 'speed_max' is -1.0"),
-        ("autopilot_link", ["-p", "connection:=udpin:nowhere"], "must be udpin:HOST:PORT"),
-        ("autopilot_link", ["-p", "link:=balloon"], "parameter 'link' is 'balloon'"),
-        ("target_publisher", ["-p", "rate:=.nan"], "parameter 'rate' is nan"),
-        ("target_publisher", ["-p", "nonsense"], "Couldn't parse parameter override"),
-        ("uav_simulator", ["--params-file", "/nowhere.yaml"], "/nowhere.yaml"),
-    ],
-)
-def test_bad_parameters_end_in_one_fatal_line_and_code_2(node, arguments, words):
-    code, output = run_node(node, "--ros-args", *arguments)
-    fatal = [line for line in output.splitlines() if line.startswith(f"[FATAL] [{node}]: ")]
-    assert code == 2
-    assert len(fatal) == 1
-    assert words in fatal[0]
-    assert "Traceback" not in output
+REFUSED = [
+    ("nmpc_controller", ["-p", "range:=far"], "parameter 'range' is 'far'"),
+    ("nmpc_controller", ["-p", "range:=1e999"], "parameter 'range' is '1e999'"),
+    ("nmpc_controller", ["-p", "state_weights:=[]"], "a list of 5 numbers"),
+    ("nmpc_controller", ["-p", "state_weights:=[.nan, 1.0, 1.0, 1.0, 1.0]"], "'state_weights'"),
+    ("uav_simulator", ["-p", "speed_max:=-1.0"], "parameter 'speed_max' is -1.0"),
+    ("uav_simulator", ["-p", "initial_position:=[]"], "'initial_position'"),
+    ("uav_simulator", ["-p", "publish_clock:=banana"], "'publish_clock' is 'banana'"),
+    ("uav_simulator", ["--params-file", "/nowhere.yaml"], "/nowhere.yaml"),
+    ("autopilot_link", ["-p", "connection:=udpin:nowhere"], "must be udpin:HOST:PORT"),
+    ("autopilot_link", ["-p", "link:=balloon"], "parameter 'link' is 'balloon'"),
+    ("target_publisher", ["-p", "rate:=.nan"], "parameter 'rate' is nan"),
+    ("target_publisher", ["-p", "nonsense"], "Couldn't parse parameter override"),
+    ("target_publisher", ["-p", "seed:=99999999999999999999"], "'seed'"),
+    ("target_publisher", ["-p", "motion:={a: 1}"], "motion"),
+]
+
+
+@pytest.mark.parametrize(("node", "arguments", "words"), REFUSED)
+def test_bad_parameters_end_in_one_fatal_line_and_code_2(run_here, node, arguments, words):
+    result = run_here(node, NODES[node], "--ros-args", *arguments)
+    assert words in fatal_words(node, *result)
+
+
+@pytest.mark.parametrize(("node", "arguments", "words"), REFUSED[::4])  # one of each node
+def test_so_do_processes(node, arguments, words):
+    assert words in refused_start(node, *arguments)
 
 
 class Failing(Node):
@@ -91,14 +94,13 @@ class Failing(Node):
 
 
 @pytest.mark.parametrize("refused", ["no such aircraft", ""])
-def test_a_node_lets_go_of_what_it_holds_whatever_ends_it(refused, monkeypatch, capfd):
+def test_a_node_lets_go_of_what_it_holds_whatever_ends_it(refused, monkeypatch, run_here):
     monkeypatch.setattr(Failing, "finished", False)
     if refused:
-        assert run("failing", lambda: Failing(refused), []) == 2
-        assert f"[FATAL] [failing]: {refused}\n" in capfd.readouterr().err
+        assert fatal_words("failing", *run_here("failing", lambda: Failing(refused))) == refused
     else:
         with pytest.raises(LookupError, match="a mistake"):
-            run("failing", lambda: Failing(refused), [])
+            run_here("failing", lambda: Failing(refused))
     assert Failing.finished
 
 
@@ -122,11 +124,10 @@ def test_arguments_behind_ros_args_are_not_refused():
     assert refusal("monitor", ["--ros-args", "-p", "use_sim_time:=true"]) == ""
 
 
-def test_a_node_given_a_file_without_ros_args_ends_with_code_2():
-    code, output = run_node("nmpc_controller", "--params-file", "small_uav.yaml")
-    assert code == 2
-    assert "[FATAL] [nmpc_controller]" in output
-    assert "nmpc_controller --ros-args --params-file small_uav.yaml" in output
+def test_a_node_given_a_file_without_ros_args_ends_with_code_2(run_here):
+    name, arguments = "nmpc_controller", ("--params-file", "small_uav.yaml")
+    words = fatal_words(name, *run_here(name, NODES[name], *arguments))
+    assert "nmpc_controller --ros-args --params-file small_uav.yaml" in words
 
 
 def test_misspelt_parameters_are_warned_of():
@@ -146,16 +147,14 @@ def test_misspelt_parameters_are_warned_of():
     ],
 )
 def test_what_ros_does_not_start_with_is_said_in_words(
-    arguments, variables, words, monkeypatch, tmp_path, capfd
+    arguments, variables, words, monkeypatch, tmp_path, run_here
 ):
     (tmp_path / "enclaves").mkdir()  # a keystore without keys
     variables |= {"ROS_SECURITY_STRATEGY": "Enforce", "ROS_SECURITY_KEYSTORE": str(tmp_path)}
     for name, value in variables.items():
         monkeypatch.setenv(name, value)
-    assert run("target_publisher", TargetPublisher, arguments) == 2
-    fatal = [line for line in capfd.readouterr().err.splitlines() if "[FATAL]" in line]
-    assert len(fatal) == 1
-    assert words in fatal[0]
+    result = run_here("target_publisher", TargetPublisher, *arguments)
+    assert words in fatal_words("target_publisher", *result)
 
 
 VAIN = "has no section for /red/target_publisher and no effect"
@@ -174,7 +173,7 @@ VAIN = "has no section for /red/target_publisher and no effect"
         ("red: {target_publisher", 7.0, False),
     ],
 )
-def test_a_parameter_file_without_effect_is_warned_of(section, rate, warned, tmp_path, capfd):
+def test_a_parameter_file_without_effect_is_warned_of(section, rate, warned, tmp_path, run_here):
     file = tmp_path / "parameters.yaml"
     file.write_text(f"{section}: {{ros__parameters: {{rate: 7.0}}}}{'}' * section.count('{')}")
     made = []
@@ -188,9 +187,9 @@ def test_a_parameter_file_without_effect_is_warned_of(section, rate, warned, tmp
         def refusal(self):
             return "enough"
 
-    arguments = ["--params-file", str(file), "-r", "__ns:=/red"]
-    assert run("target_publisher", Ended, ["--ros-args", *arguments]) == 2
-    log = capfd.readouterr().err
+    arguments = ("--ros-args", "--params-file", str(file), "-r", "__ns:=/red")
+    code, log = run_here("target_publisher", Ended, *arguments)
+    assert code == 2
     assert (VAIN in log) == warned
     assert made[0].parameters.rate == rate
 
@@ -206,17 +205,9 @@ def test_a_configuration_serves_nodes_in_any_namespace(tmp_path):
     assert "red.nmpc_controller" in output
 
 
-CLASSES = {
-    "uav_simulator": "UavSimulator",
-    "target_publisher": "TargetPublisher",
-    "nmpc_controller": "NmpcController",
-    "monitor": "Monitor",
-}
-
-
 @pytest.mark.parametrize("name", HEARD)
-def test_help_says_what_the_node_is_for_and_ends_with_code_0(name):
-    code, output = run_node(name, "--help")
+def test_help_says_what_the_node_is_for_and_ends_with_code_0(name, run_here):
+    code, output = run_here(name, {**NODES, "monitor": Monitor}[name], "--help")
     assert code == 0, output
     assert f"usage: ros2 run uav_tracking_mpc {name}" in output
     assert "--params-file FILE" in output
@@ -225,27 +216,24 @@ def test_help_says_what_the_node_is_for_and_ends_with_code_0(name):
         assert f"  {item.name} (" in output
 
 
-@pytest.mark.parametrize(("name", "kind"), CLASSES.items())
-def test_its_topics_are_those_of_the_real_node(name, kind):
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    more = {"publish_clock": True} if name == "uav_simulator" else {}
-    overrides = [Parameter(key, value=value) for key, value in more.items()]
-    node = getattr(importlib.import_module(f"uav_tracking_mpc.nodes.{name}"), kind)(
-        parameter_overrides=overrides
+@pytest.mark.parametrize(
+    ("name", "kind", "parameters"),
+    [
+        ("uav_simulator", NODES["uav_simulator"], {"publish_clock": True}),
+        ("target_publisher", NODES["target_publisher"], {}),
+        ("nmpc_controller", NODES["nmpc_controller"], {}),
+        ("monitor", Monitor, {}),
+    ],
+)
+def test_its_topics_are_those_of_the_real_node(nodes, name, kind, parameters):
+    node = nodes.add(kind, **parameters)
+    heard, told = (
+        {end.topic_name.lstrip("/") for end in ends} - {"rosout", "parameter_events"}
+        for ends in (node.subscriptions, node.publishers)
     )
-    try:
-        own = {"/rosout", "/parameter_events"}
-        heard = {subscription.topic_name for subscription in node.subscriptions} - own
-        published = {publisher.topic_name for publisher in node.publishers} - own
-        if name == "monitor":
-            node.finish()
-    finally:
-        node.destroy_node()
-        rclpy.try_shutdown()
-    assert {topic.name.lstrip("/") for topic in HEARD[name]} == {t.lstrip("/") for t in heard}
-    lifecycle = {t for t in published if t.endswith("transition_event")}
-    told = {topic.name.lstrip("/") for topic in sent(name)} - {"rosout"}  # of rcl, not of rclpy
-    assert told == {t.lstrip("/") for t in published - lifecycle}
+    assert {topic.name.lstrip("/") for topic in HEARD[name]} == heard
+    lifecycle = {topic for topic in told if topic.endswith("transition_event")}
+    assert {topic.name.lstrip("/") for topic in sent(name)} - {"rosout"} == told - lifecycle
 
 
 def test_services_are_named():

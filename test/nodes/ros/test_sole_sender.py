@@ -16,14 +16,11 @@
 
 from __future__ import annotations
 
-import subprocess
-
 import pytest
-import rclpy
-from processes import DOMAIN, KILL, command, environment, spin
+from node_harness import Nodes
+from processes import DOMAIN, KILL, ended, started
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.experimental.events_executor import EventsExecutor
-from rclpy.parameter import Parameter
 
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 from uav_tracking_mpc.nodes.ros import diagnostics
@@ -77,95 +74,64 @@ def test_without_numbers_a_dead_publisher_is_waited_for():
 
 
 @pytest.fixture
-def context():
-    context = rclpy.Context()
-    context.init(args=[], domain_id=int(DOMAIN))
-    yield context
-    context.try_shutdown()
+def nodes(request):
+    """In the domain of processes."""
+    nodes = Nodes(request.param, domain_id=int(DOMAIN))
+    yield nodes
+    nodes.end()
 
 
 @pytest.mark.nodes
-def test_two_controllers_and_two_simulators_are_errors_while_they_last(context):
-    executor = SingleThreadedExecutor(context=context)
-    says = {}
-    listener = rclpy.create_node("listener", context=context)
+@pytest.mark.parametrize("nodes", [SingleThreadedExecutor], indirect=True)
+def test_two_controllers_and_two_simulators_are_errors_while_they_last(nodes):
+    heard = nodes.listen(DIAGNOSTICS)[DIAGNOSTICS.name]
 
-    def on_diagnostics(message):
-        for status in message.status:
-            says[status.name.partition(":")[0]] = (status.level, status.message)
-
-    listener.create_subscription(DIAGNOSTICS.type, DIAGNOSTICS.name, on_diagnostics, 100)
-    executor.add_node(listener)
-
-    def add(node_class, name="", **parameters):
-        overrides = [Parameter(key, value=value) for key, value in parameters.items()]
-        rename = ["--ros-args", "-r", f"__node:={name}"] if name else []
-        node = node_class(context=context, parameter_overrides=overrides, cli_args=rename)
-        executor.add_node(node)
-        return node
+    def says(node):
+        statuses = [s for message in heard for s in message.status if s.name == f"{node}: status"]
+        return (statuses[-1].level, statuses[-1].message) if statuses else (b"\x00", "")
 
     def error(node, *words):
-        level, message = says.get(node, (b"\x00", ""))
+        level, message = says(node)
         return level == diagnostics.ERROR and all(word in message for word in words)
 
-    add(TargetPublisher)
-    controller, simulator = add(NmpcController), add(UavSimulator)
-    assert spin(executor, lambda: says.get("uav_simulator", "") and controller.report)
-    assert spin(executor, lambda: says["uav_simulator"][1] == "flying on commands")
-    assert not any(level == diagnostics.ERROR for level, _ in says.values())
+    nodes.add(TargetPublisher)
+    nodes.add(NmpcController)
+    nodes.add(UavSimulator)
+    assert nodes.spin(lambda: says("uav_simulator")[1] == "flying on commands")
+    assert not any(s.level == diagnostics.ERROR for message in heard for s in message.status)
 
-    second = add(NmpcController, "other_controller")
+    second = nodes.add(NmpcController, ["--ros-args", "-r", "__node:=other_controller"])
     words = "/uav/command has 2 senders, must have one: /nmpc_controller, /other_controller"
     observers = ("uav_simulator", "nmpc_controller", "other_controller")
-    assert spin(executor, lambda: all(error(node, words) for node in observers)), says
-    executor.remove_node(second)
-    second.destroy_node()
-    assert spin(executor, lambda: says["uav_simulator"][0] == diagnostics.OK), says
+    assert nodes.spin(lambda: all(error(node, words) for node in observers))
+    nodes.remove(second)
+    assert nodes.spin(lambda: says("uav_simulator")[0] == diagnostics.OK)
 
-    other = add(UavSimulator, "other_simulator", initial_position=[0.0, 180.0, 40.0])
+    rename = ["--ros-args", "-r", "__node:=other_simulator"]
+    other = nodes.add(UavSimulator, rename, initial_position=[0.0, 180.0, 40.0])
     words = ("/uav/odometry has 2 senders", "/uav/air_velocity has 2 senders", "/other_simulator")
-    assert spin(executor, lambda: error("nmpc_controller", *words)), says
-    executor.remove_node(other)
-    other.destroy_node()
-    clear = spin(executor, lambda: says["nmpc_controller"][0] != diagnostics.ERROR)
-    assert clear, says
-    for node in (controller, simulator, listener):
-        node.destroy_node()
+    assert nodes.spin(lambda: error("nmpc_controller", *words))
+    nodes.remove(other)
+    assert nodes.spin(lambda: says("nmpc_controller")[0] != diagnostics.ERROR)
 
 
 @pytest.mark.nodes
-def test_a_killed_and_restarted_sender_is_no_second_one(context):
+@pytest.mark.parametrize("nodes", [EventsExecutor], indirect=True)
+def test_a_killed_and_restarted_sender_is_no_second_one(nodes):
     """By the executor of the nodes; its dead endpoint stays known for 20 s."""
-    said, counts = [], []
-    node = rclpy.create_node("listener", context=context)
+    said, counts, node = [], [], nodes.peer("listener")
     senders = DuplicateSenders(node, (TARGET,), said.append)
-    executor = EventsExecutor(context=context)
-    executor.add_node(node)
-
-    def start():
-        return subprocess.Popen(
-            command("nodes.target_publisher"),
-            env=environment(),
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
 
     def known():
         counts.append(node.count_publishers("/target/position"))
         return counts[-1]
 
-    process = start()
-    try:
-        assert spin(executor, lambda: known() == 1)
-        process.send_signal(KILL)
-        process.wait()
-        process = start()
-        assert spin(executor, lambda: known() == 2)
-        spin(executor, lambda: False, 2.0 * WINDOW)
+    with started("nodes.target_publisher") as process:
+        assert nodes.spin(lambda: known() == 1)
+        ended(process, KILL)
+    with started("nodes.target_publisher"):
+        assert nodes.spin(lambda: known() == 2)
+        nodes.spin(lambda: False, 2.0 * WINDOW)
         assert max(counts) == 2
         assert said == []
-    finally:
-        process.kill()
-        process.wait()
-        node.destroy_node()
     assert senders is not None

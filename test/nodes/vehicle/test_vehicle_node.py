@@ -23,28 +23,24 @@ from unittest import mock
 
 import numpy as np
 import pytest
+from filled_messages import filled_odometry
 from geometry_msgs.msg import TransformStamped
-from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 from uav_tracking_mpc.dynamics.frames import rotation_from_course, rotation_from_quaternion
-from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, set_odometry
-from uav_tracking_mpc.nodes.messages.message_checks import FrameNames
+from uav_tracking_mpc.nodes.messages.conversions import nanoseconds
+from uav_tracking_mpc.nodes.messages.message_checks import FRAMES, FrameNames
 from uav_tracking_mpc.nodes.topics import ODOMETRY
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.nodes.vehicle.vehicle_node import static_transforms, vehicle_transform
 
 
-def odometry(stamp=5_000_000_007):
-    message = Odometry()
-    set_odometry(message, stamp, np.array([10.0, -20.0, 30.0, 2.0, 0.3, 15.0]), np.zeros(3))
-    return message
+def odometry(stamp=5_000_000_007, frames=FRAMES):
+    return filled_odometry(stamp, [10.0, -20.0, 30.0, 2.0, 0.3, 15.0], frames=frames)
 
 
 def test_it_has_pose_stamp_and_frames_of_the_odometry():
-    message = odometry()
-    message.header.frame_id, message.child_frame_id = "world", "uav1/base_link"
-    transform = vehicle_transform(message)
+    transform = vehicle_transform(odometry(frames=FrameNames("world", "uav1/base_link")))
     assert isinstance(transform, TransformStamped)
     assert transform.header.frame_id == "world"
     assert transform.child_frame_id == "uav1/base_link"
@@ -107,9 +103,8 @@ def tf2(monkeypatch):
 
 
 @pytest.mark.nodes
-def test_each_state_is_a_transform_in_the_aircrafts_own_frame(context, tf2):
-    node = Simulator(context=context, namespace="/uav1")
-    states = []
+def test_each_state_is_a_transform_in_the_aircrafts_own_frame(nodes, tf2):
+    node, states = nodes.add(Simulator, namespace="/uav1"), []
     node._odometry_publisher.publish = states.append
     node._step()
     moving, static = node.tf["/tf"], node.tf["/tf_static"]
@@ -131,32 +126,28 @@ def test_each_state_is_a_transform_in_the_aircrafts_own_frame(context, tf2):
     node._step()
     assert len(states) == 2
     assert len(moving.sent) == 1  # nobody listens
-    node.destroy_node()
 
 
 @pytest.mark.nodes
-def test_tf_can_be_moved_as_with_tf2_itself(context, tf2):
+def test_tf_can_be_moved_as_with_tf2_itself(nodes, tf2):
     arguments = ["--ros-args", "-r", "/tf:=tf", "-r", "/tf_static:=tf_static"]
-    node = Simulator(context=context, namespace="/uav1", cli_args=arguments)
+    node = nodes.add(Simulator, arguments, "/uav1")
     assert node.resolve_topic_name("/tf") == "/uav1/tf"
-    node.destroy_node()
 
 
 @pytest.mark.nodes
 @pytest.mark.skipif(importlib.util.find_spec("tf2_msgs") is not None, reason="ROS has tf2_msgs")
-def test_without_tf2_msgs_that_is_said_once_and_states_are_published(context):
-    logger = mock.MagicMock()
+def test_without_tf2_msgs_that_is_said_once_and_states_are_published(nodes):
+    logger, states = mock.MagicMock(), []
 
     class Logged(UavSimulator):
         def get_logger(self):
             return logger
 
-    node = Logged(context=context)
-    states = []
+    node = nodes.add(Logged)
     node._odometry_publisher.publish = states.append
     node._step()
     node._step()
-    node.destroy_node()
     assert len(states) == 2
     said = [call.args[0] for call in logger.info.call_args_list]
     assert said.count("tf2_msgs is not installed: /tf is not published") == 1

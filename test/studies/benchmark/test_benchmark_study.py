@@ -14,6 +14,7 @@
 
 """The problems of the benchmark are those that are flown."""
 
+import contextlib
 import json
 from types import SimpleNamespace
 
@@ -22,19 +23,20 @@ import pytest
 from solver_problems import paper_solver
 
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
+from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.studies.benchmark import benchmark_study
+from uav_tracking_mpc.studies.benchmark import benchmark_study as module
 from uav_tracking_mpc.studies.benchmark.benchmark_study import (
     OURS,
     TRANSIENT_STEPS,
     FatropSolver,
-    benchmark_results,
     benchmark_table,
-    converged,
+    cases,
+    flight_case,
     measure,
+    paper_case,
     summary,
 )
-from uav_tracking_mpc.studies.benchmark.cases import cases, flight_case, paper_case
 
 NAMES = ["paper_n10", "paper_n10_ellipsoid", "paper_n30", "paper_n30_ellipsoid", "flight_n20"]
 
@@ -90,6 +92,23 @@ def test_summary_has_the_figures_of_every_solver():
         assert row["alternating_p99_us"] >= row["alternating_median_us"] > 0.0
 
 
+def test_further_solvers_are_timed_and_those_that_are_lost_are_left_out(monkeypatch):
+    case = paper_case(10)
+
+    @contextlib.contextmanager
+    def peers(problem, say):
+        found = {"kept": NewtonSolver(problem), "lost": NewtonSolver(problem)}
+        yield found
+        say("lost is left out")
+        del found["lost"]
+
+    monkeypatch.setattr(module, "cases", lambda: [case])
+    monkeypatch.setattr(module, "all_solvers", lambda case: {OURS: NewtonSolver(case.problem)})
+    found = module.benchmark(cold=1, quick=True, peers=peers)
+    assert list(found["cases"]["paper_n10"]) == [OURS, "kept"]
+    assert list(found["ratios"]["paper_n10"]) == ["kept"]
+
+
 def test_without_cold_starts_there_are_no_shares():
     case = paper_case(10)
     records = measure(case, {OURS: paper_solver()}, repetitions=1, cold=0, peers_cold=0, seed=0)
@@ -126,6 +145,10 @@ def results(share):
     }
 
 
+def whole(share):
+    return {**results(share), "mission_steps": 1, "missions_per_second": 1.0, "duration_s": 1.0}
+
+
 def test_both_alternations_stand_beside_each_other():
     ours, other = benchmark_table(results(1.0)).rows
     assert ours[:2] == ["paper_n10", "ours"]
@@ -141,12 +164,12 @@ def test_how_optimal_the_plans_are_stands_beside_the_times():
 
 @pytest.mark.parametrize(("share", "enough"), [(1.0, True), (0.98, False), (None, True)])
 def test_whether_ours_converged_decides(share, enough):
-    assert converged(results(share)) is enough
+    assert module.benchmark_study(whole(share)).good is enough
 
 
 def test_files(tmp_path):
-    found = {**results(1.0), "mission_steps": 1, "missions_per_second": 1.0, "duration_s": 1.0}
-    benchmark_results(found).publish(tmp_path / "new")
+    found = whole(1.0)
+    module.benchmark_study(found).publish(tmp_path / "new")
     assert json.loads((tmp_path / "new" / "benchmark.json").read_text()) == found
     assert (tmp_path / "new" / "solve_time.png").read_bytes().startswith(b"\x89PNG")
 
@@ -155,7 +178,7 @@ def test_missions_after_the_first_are_timed(monkeypatch):
     """By a clock that missions alone move: the first takes 100 s, each other one 0.25 s."""
     flown = []
     elapsed = lambda: 100.0 * (len(flown) > 0) + 0.25 * max(len(flown) - 1, 0)  # noqa: E731
-    monkeypatch.setattr(benchmark_study, "time", SimpleNamespace(perf_counter=elapsed))
+    monkeypatch.setattr(module, "time", SimpleNamespace(perf_counter=elapsed))
 
     def mission(_, state, parameters):
         flown.append((state, parameters))
@@ -163,9 +186,9 @@ def test_missions_after_the_first_are_timed(monkeypatch):
             steps.append(len(flown))
             yield
 
-    monkeypatch.setattr(benchmark_study, "solutions", mission)
+    monkeypatch.setattr(module, "solutions", mission)
     case, steps = paper_case(10), []
-    assert benchmark_study.missions_per_second(case, 7, count=12) == pytest.approx(4.0)
+    assert module.missions_per_second(case, 7, count=12) == pytest.approx(4.0)
     assert steps == np.repeat(np.arange(1, 14), 7).tolist()
     for state, parameters in flown:
         assert (state, parameters) == (case.start.state, case.start.parameters)

@@ -16,11 +16,13 @@
 import os
 import signal
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import pytest
 from campaign_files import SHORT, short_campaign
 
 from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation import closed_loop
 from uav_tracking_mpc.studies.campaign import campaign_run
 from uav_tracking_mpc.studies.campaign.campaign_run import (
@@ -149,6 +151,14 @@ def test_one_formulation_serves_all_flights_of_a_thread(campaign):
     assert shared_formulation(other) is kept
     assert shared_formulation(planned(campaign, 0).configuration("l1").controller) is None
     assert shared_formulation(one) is kept
+
+
+def test_the_paper_with_other_weights_is_another_problem(monkeypatch):
+    monkeypatch.setattr(campaign_run._of_thread, "kept", None, raising=False)
+    one = load_configuration("paper").controller
+    kept = shared_formulation(one)
+    assert shared_formulation(replace(one, range=160.0)) is kept
+    assert shared_formulation(replace(one, state_weights=(1.0,) * 5)) is not kept
 
 
 def test_two_flights_at_a_time(campaign, rows):

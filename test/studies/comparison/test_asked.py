@@ -19,8 +19,14 @@ from dataclasses import replace
 import pytest
 
 from uav_tracking_mpc.settings.configuration import load_configuration, scenario_names
-from uav_tracking_mpc.studies.comparison.asked import ASKED, TARGETS, Asked, Target, asked_of
-from uav_tracking_mpc.studies.comparison.measures import Measures
+from uav_tracking_mpc.studies.comparison.measures import (
+    ASKED,
+    TARGETS,
+    Asked,
+    Measures,
+    Target,
+    asked_of,
+)
 from uav_tracking_mpc.studies.comparison.scenarios import MISMATCHES, mismatched
 
 TARGET = Target(range_rms=0.1, settling=20.0)

@@ -13,17 +13,22 @@
 # limitations under the License.
 
 
+import json
 import time
 from types import SimpleNamespace
 
 import pytest
 
-from uav_tracking_mpc.studies.faults.fault_campaign import Injection
+from uav_tracking_mpc.report.figure_style import png
+from uav_tracking_mpc.studies.faults.fault_campaign import (
+    CaseFindings,
+    Injection,
+    in_words,
+    summary,
+    timeline,
+)
 from uav_tracking_mpc.studies.faults.invariants import Violation
 from uav_tracking_mpc.studies.faults.kinds import Fault
-
-pytest.importorskip("rclpy")
-
 
 FLIGHT = SimpleNamespace(speed=5.0, now=lambda: time.monotonic())
 
@@ -88,3 +93,72 @@ def test_an_interrupted_fault_is_ended(now):
     injection = Injection(fault, 1.0, 7, FLIGHT)
     injection.end()
     assert fault.calls[1:] == ["end"]
+
+
+def case(index, *kinds, recovery=0.0, violations=()):
+    findings = CaseFindings(index, kinds, begin=10.0 * index, end=10.0 * index + 3.0)
+    findings.recovery = recovery
+    for violation in violations:
+        findings.add(violation)
+    return findings
+
+
+FAMILIES = {"jitter": "network", "loss": "network", "odometry_nan": "odometry"}
+OLD = Violation("state age", "4 s older")
+FLOWN = (
+    case(0, "loss", "jitter", recovery=4.0),
+    case(1, "loss", recovery=12.5, violations=[OLD, OLD, Violation("geofence", "far")]),
+)
+
+
+def counted():
+    return summary(FLOWN, FAMILIES, deaths=0, rss_growth_percent=1.5)
+
+
+def test_keys_of_the_json_object():
+    found = json.loads(json.dumps(counted()))
+    assert found["faults"] == 3
+    assert found["kinds"] == 2
+    assert found["violations"] == 2  # a hundred messages that break one rule in a case are one
+    assert found["deaths"] == 0
+    assert found["worst_recovery_s"] == 12.5
+    assert found["rss_growth_percent"] == 1.5
+    assert found["per_kind"]["loss"] == {"faults": 2, "violations": 2, "worst_recovery_s": 12.5}
+    assert found["per_kind"]["jitter"]["worst_recovery_s"] == 4.0
+    assert found["failing_cases"][0]["violations"]["state age"]["count"] == 2
+
+
+@pytest.mark.parametrize(
+    "cases", [(), (case(0, "loss", recovery=None), case(1, "jitter", recovery=1.0))]
+)
+def test_no_recovery_is_no_number(cases):
+    assert summary(cases, FAMILIES)["worst_recovery_s"] is None
+
+
+def test_people_are_told_what_failed():
+    table, total, *failed = in_words(counted())
+    assert [row[0] for row in table.rows] == ["jitter", "loss"]
+    assert table.rows[1][1:] == ["2", "2", "12.5 s"]
+    assert total.startswith(
+        "3 faults of 2 kinds in 2 cases: 2 violations, 0 deaths, worst recovery 12.5 s"
+    )
+    assert failed[0] == "case 1 (loss): state age, 2 times: 4 s older"
+
+
+@pytest.mark.parametrize("cases", [FLOWN, ()])
+def test_the_timeline_is_a_picture(cases):
+    errors = [(0.0, float("nan")), (1.0, 60.0), (2.0, 3.0)]
+    assert png(timeline("paper, seed 3", cases, FAMILIES, errors, 10.0)).startswith(b"\x89PNG")
+
+
+def test_a_loiter_of_the_autopilot_is_no_loss():
+    kept = case(1, "loss", recovery=None)
+    kept.loiters = True
+    cases = [case(0, "loss", recovery=1.5), kept]
+    outcomes = {"orbit": 1, "loiter": 1, "lost": 1}
+    found = summary(cases, FAMILIES, outcomes=outcomes)
+    assert found["worst_recovery_s"] == 1.5
+    assert found["per_kind"]["loss"]["loiters"] == 1
+    assert "1 times loiter" in in_words(found)[1]
+    lost = summary([*cases, case(2, "jitter", recovery=None)], FAMILIES, outcomes=outcomes)
+    assert lost["worst_recovery_s"] is None

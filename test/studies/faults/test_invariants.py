@@ -122,9 +122,9 @@ def fly_recovery(errors, commanded=lambda time: True):
     for time in np.arange(0.0, 60.0, 0.1):
         recovery.state(time, errors(time), 0.0, commanded(time))
         if time >= 5.0 and recovery._end is None:
-            recovery.begin(time)
-        done = recovery.done(time)
-        if done is not None or recovery.late(time):
+            recovery.begin()
+        done = recovery.done()
+        if done is not None or recovery.late():
             return done, time
     raise AssertionError("never judged")
 

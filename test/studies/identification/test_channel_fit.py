@@ -27,7 +27,7 @@ from uav_tracking_mpc.studies.identification.channel_fit import (
     noise_of,
 )
 from uav_tracking_mpc.studies.identification.flight_record import ChannelRecord, Samples
-from uav_tracking_mpc.studies.identification.profile_intervals import estimates
+from uav_tracking_mpc.studies.identification.identification import Profile
 
 
 @pytest.mark.parametrize("lag", [0.0, 0.05, 0.3, 2.0])
@@ -148,7 +148,7 @@ def test_without_a_limit_none_is_found():
 
 
 def found(channel):
-    return estimates(ChannelFit(channel, channel.demand.value).run())
+    return Profile(ChannelFit(channel, channel.demand.value).run()).estimates()
 
 
 def test_an_interval_holds_its_value_and_ends_at_what_is_possible():

@@ -28,12 +28,13 @@ from uav_tracking_mpc.studies.identification.flight_record import CHANNELS, SPEE
 from uav_tracking_mpc.studies.identification.identification import (
     SHOWN,
     ChannelIdentification,
+    Estimate,
+    Estimates,
     identification_table,
     identify,
     parameters_to_paste,
     response_figure,
 )
-from uav_tracking_mpc.studies.identification.profile_intervals import Estimate, Estimates
 
 
 @pytest.fixture(scope="module")

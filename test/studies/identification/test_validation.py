@@ -24,39 +24,38 @@ from uav_tracking_mpc.studies.identification.validation import (
     LAG,
     NEAR,
     TOLD,
-    Flight,
     drawn,
     validate,
-    validation,
 )
 
 QUICK = ("nmpc_controller.law=l1",)  # needs no solver
 
 
 def test_what_is_drawn_depends_on_the_seed_alone():
-    one, other = drawn(Flight("small_uav", (), 3)), drawn(Flight("small_uav", (), 3))
-    assert one[1] == other[1] and one[0].controller == other[0].controller
-    assert drawn(Flight("small_uav", (), 4))[1] != one[1]
+    one, other, another = (drawn(("small_uav", (), seed)) for seed in (3, 3, 4))
+    np.testing.assert_equal(one[1], other[1])
+    assert one[0].controller == other[0].controller
+    assert np.all(another[1]["lag"] != one[1]["lag"])
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_what_is_drawn_is_flown_and_told_wrong(seed):
-    configuration, truth = drawn(Flight("small_uav", (), seed))
+    configuration, truth = drawn(("small_uav", (), seed))
     simulator, controller = configuration.simulator, configuration.controller
-    assert (simulator.rate_lag, simulator.dead_time) == (truth.lag, truth.dead_time)
-    for values, (least, most) in (
-        (truth.lag, LAG),
-        (truth.dead_time, DEAD_TIME),
-        (truth.gain, GAIN),
-    ):
-        assert least <= min(values) and max(values) <= most
-    wrong = np.array(controller.rate_lag) / truth.lag
+    np.testing.assert_array_equal(simulator.rate_lag, truth["lag"])
+    np.testing.assert_array_equal(simulator.dead_time, truth["dead_time"])
+    np.testing.assert_array_equal(simulator.command_gain, truth["gain"])
+    np.testing.assert_array_equal(truth["total"], truth["lag"] + truth["dead_time"])
+    for figure, (least, most) in {"lag": LAG, "dead_time": DEAD_TIME, "gain": GAIN}.items():
+        assert least <= min(truth[figure]) and max(truth[figure]) <= most
+    wrong = np.array(controller.rate_lag) / truth["lag"]
     assert np.all((wrong >= 1.0 / TOLD) & (wrong <= TOLD)) and not np.allclose(wrong, 1.0)
     assert any(controller.excitation)
 
 
 def test_flights_are_counted():
-    content = validate("small_uav", QUICK, count=1, seed=1, workers=1)
+    study = validate("small_uav", QUICK, count=1, seed=1, workers=1)
+    content = study.content
     assert list(content["channels"]) == list(CHANNELS)
     for channel in content["channels"].values():
         (errors,) = channel["errors"]
@@ -66,13 +65,13 @@ def test_flights_are_counted():
             assert channel["near"][figure] == near
             held = errors[figure]["lower"] <= truth <= errors[figure]["upper"]
             assert channel["covered"][figure] == held
-    assert len(validation(content).tables["identification"].rows) == len(CHANNELS)
+    assert len(study.tables["identification"].rows) == len(CHANNELS)
 
 
 @pytest.mark.long
 def test_most_flights_are_identified():
     """Of 8 flights at 95 %, fewer than 6 are a chance of 1 in 175."""
-    content = validate("small_uav", count=8)
+    content = validate("small_uav", count=8).content
     for channel in content["channels"].values():
         assert min(channel["near"].values()) >= 0.75
         assert min(channel["covered"].values()) >= 0.75

@@ -25,7 +25,7 @@ from uav_tracking_mpc.margins.loop_margins import CHANNELS, ChannelMargins
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.studies.comparison.measures import Measures
 from uav_tracking_mpc.studies.margins import weight_search as module
-from uav_tracking_mpc.studies.margins.weight_search import as_study, search_weights
+from uav_tracking_mpc.studies.margins.weight_search import search_weights
 
 
 class Loop:
@@ -84,43 +84,50 @@ def quadratic(weights):
     return 1.0 + math.log10(weights[0] / 30.0) ** 2 + math.log10(weights[4] / 1.0) ** 2
 
 
+def searched(start=START, **options):
+    """What was tried, and the best of it."""
+    content = search_weights("small_uav", start, flights=["lag_2"], show=False, **options).content
+    return content["candidates"], content["best"]
+
+
 def test_it_goes_where_the_cost_is_least(monkeypatch):
     monkeypatch.setattr(module, "parallel_map", flights(quadratic))
-    search = search_weights("small_uav", START, flights=["lag_2"], show=False)
-    assert search.best.by_name["input_weights"][0] == pytest.approx(30.0, rel=0.3)
-    assert search.best.by_name["rate_weights"][1] == pytest.approx(1.0, rel=0.3)
-    assert search.best.delay_s >= 0.3
-    assert search.best.cost == min(each.cost for each in search.candidates)
-    pasted = yaml.safe_load(search.yaml)["/**/nmpc_controller"]["ros__parameters"]
-    assert [weight for values in pasted.values() for weight in values] == list(search.best.weights)
-    study = as_study(search)
-    assert study.content["best"]["input_weights"] == pasted["input_weights"]
-    assert len(study.words[0].rows) == len(search.candidates)
+    study = search_weights("small_uav", START, flights=["lag_2"], show=False)
+    best, candidates = study.content["best"], study.content["candidates"]
+    assert best["input_weights"][0] == pytest.approx(30.0, rel=0.3)
+    assert best["rate_weights"][1] == pytest.approx(1.0, rel=0.3)
+    assert best["delay_s"] >= 0.3
+    assert best["cost"] == min(each["cost"] for each in candidates if each["flights"])
+    pasted = yaml.safe_load(study.content["yaml"])["/**/nmpc_controller"]["ros__parameters"]
+    assert pasted == {name: best[name] for name in module.SIZES}
+    table, yaml_text = study.words
+    assert yaml_text == study.content["yaml"]
+    assert len(table.rows) == len(candidates)
 
 
 def test_weights_without_margins_are_not_flown(monkeypatch):
     """The cost would have them smaller and smaller."""
     monkeypatch.setattr(module, "parallel_map", flights(lambda weights: weights[1]))
-    search = search_weights("small_uav", START, flights=["lag_2"], show=False)
-    assert 1.0 / 0.99 <= search.best.by_name["input_weights"][1] < 2.0
-    assert search.best.delay_s >= 0.3
-    small = [each for each in search.candidates if each.shortfalls]
-    assert all(not each.flights and math.isinf(each.cost) for each in small)
+    candidates, best = searched()
+    assert 1.0 / 0.99 <= best["input_weights"][1] < 2.0
+    assert best["delay_s"] >= 0.3
+    small = [each for each in candidates if each["shortfalls"]]
+    assert small
+    assert all(not each["flights"] and each["cost"] is None for each in small)
 
 
 def test_from_weights_without_margins_it_finds_some(monkeypatch):
     monkeypatch.setattr(module, "parallel_map", flights(quadratic))
-    start = ["nmpc_controller.input_weights=[0.5, 0.3, 0.2]", START[1]]
-    search = search_weights("small_uav", start, flights=["lag_2"], show=False)
-    assert search.candidates[0].shortfalls
-    assert not search.best.shortfalls
+    candidates, best = searched(["nmpc_controller.input_weights=[0.5, 0.3, 0.2]", START[1]])
+    assert candidates[0]["shortfalls"]
+    assert not best["shortfalls"]
 
 
 def test_no_weights_have_such_margins(monkeypatch):
     monkeypatch.setattr(module, "parallel_map", flights(quadratic))
     asked = [*START, "nmpc_controller.gain_margin_min=9.0"]
     with pytest.raises(ArithmeticError, match="none of 15 weights"):
-        search_weights("small_uav", asked, flights=["lag_2"], rounds=1, show=False)
+        searched(asked, rounds=1)
 
 
 def test_the_papers_problem_is_not_searched():
@@ -130,14 +137,13 @@ def test_the_papers_problem_is_not_searched():
 
 def test_the_range_is_weighted_with_its_orbit(monkeypatch):
     monkeypatch.setattr(module, "parallel_map", flights(lambda weights: 1.0))
-    search = search_weights("small_uav", START, flights=["lag_2"], rounds=1, show=False)
-    begin = search.candidates[0].by_name
+    candidates, _ = searched(rounds=1)
+    begin = candidates[0]
     ratios = {
         tuple(
-            round(each.by_name[name][0] / begin[name][0], 1)
-            for name in ("state_weights", "offset_weights")
+            round(each[name][0] / begin[name][0], 1) for name in ("state_weights", "offset_weights")
         )
-        for each in search.candidates
+        for each in candidates
     }
     assert len(ratios) == 3
     assert all(one == pytest.approx(other, rel=0.1) for one, other in ratios)

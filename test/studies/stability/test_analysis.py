@@ -29,20 +29,21 @@ def model_11():
 
 
 def test_levels_of_11(model_11):
-    assert model_11.theorem3.proved >= 0.22
-    assert model_11.decrease.proved >= 4.7
+    assert model_11.reaches["theorem3"].proved >= 0.22
+    assert model_11.reaches["decrease"].proved >= 4.7
     assert model_11.refuted
     assert model_11.certified
 
 
 def test_every_proved_level_is_below_its_violation(model_11):
-    for reach in (model_11.theorem2, model_11.theorem3, model_11.decrease):
-        assert reach.proved < reach.violation
+    assert set(model_11.reaches) == {"theorem2", "theorem3", "decrease"}
+    for reach in model_11.reaches.values():
+        assert reach.proved < reach.violation.level
 
 
 def test_lipschitz_bounds_are_close(model_11):
     bound = model_11.lipschitz
-    assert bound.lower <= bound.upper <= 1.05 * bound.lower
+    assert bound["lower"] <= bound["upper"] <= 1.05 * bound["lower"]
 
 
 def test_json_keys(model_11):
@@ -77,16 +78,20 @@ def test_a_search_that_stops_for_its_budget_says_so_and_what_to_do():
 
 
 def test_heavier_input_weight_enlarges_the_region_at_a_cost():
-    found = design(paper_problem(), scalings=(2.5,), input_factors=(3.0,))
-    assert found.best is not None
-    assert found.best.volume > 2.0
-    assert found.best.cost > 1.0
-    assert found.best.proved
+    study = design(paper_problem(), scalings=(2.5,), input_factors=(3.0,))
+    best = study.content["best"]
+    assert study.good
+    assert best["volume"] > 2.0
+    assert best["cost"] > 1.0
+    assert best["proved"]
+    assert study.content["asked"]["volume"] == study.content["asked"]["cost"] == 1.0
 
 
 def test_impossible_orbit_is_explained():
     problem = paper_problem(orbit=Orbit(range=51.0, altitude=50.0, speed=9.0))
-    found = design(problem, scalings=(2.5,), input_factors=(1.0,))
-    assert found.best is None
-    assert "no choice" in found.words
-    assert "u_psi" in found.words
+    study = design(problem, scalings=(2.5,), input_factors=(1.0,))
+    assert not study.good
+    assert study.content["best"] is None
+    words, _ = study.words
+    assert "no choice" in words
+    assert "u_psi" in words

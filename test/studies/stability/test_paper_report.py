@@ -21,9 +21,9 @@ from pathlib import Path
 
 import pytest
 
-from uav_tracking_mpc.studies.stability.paper_cases import distance_budget
 from uav_tracking_mpc.studies.stability.paper_report import (
     as_markdown,
+    distance_budget,
     numbers_table,
     paper_as_printed,
     paper_report,

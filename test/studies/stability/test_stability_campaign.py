@@ -16,8 +16,8 @@
 
 import numpy as np
 
+from uav_tracking_mpc.studies.stability import stability_campaign
 from uav_tracking_mpc.studies.stability.stability_campaign import (
-    Slice,
     attraction_map,
     default_slices,
     fly_local,
@@ -28,29 +28,41 @@ from uav_tracking_mpc.studies.stability.stability_campaign import (
 from uav_tracking_mpc.terminal.ingredients import PAPER_INITIAL_STATE, paper_problem
 
 PROBLEM, LEVEL = paper_problem(), 2.87
-SMALL = Slice(
-    "range", np.array([150.0, 212.83]), "speed", np.array([0.0, 4.0]), PAPER_INITIAL_STATE
-)
+SMALL = {
+    "coordinates": ["range", "speed"],
+    "first": np.array([150.0, 212.83]),
+    "second": np.array([0.0, 4.0]),
+    "base": PAPER_INITIAL_STATE,
+}
 
 
 def test_papers_start_is_infeasible_at_10_and_feasible_at_20():
     answers = {n: attraction_map(PROBLEM, LEVEL, SMALL, n, workers=1, show=False) for n in (10, 20)}
-    assert not answers[10].marked_feasible
-    assert answers[20].marked_feasible
-    assert np.all(answers[20].feasible >= answers[10].feasible)
+    assert not answers[10]["marked_feasible"]
+    assert answers[20]["marked_feasible"]
+    assert np.all(answers[20]["feasible"] >= answers[10]["feasible"])
 
 
 def test_without_terminal_set_everything_is_feasible():
-    assert attraction_map(PROBLEM, None, SMALL, 10, workers=1, show=False).feasible.all()
+    assert attraction_map(PROBLEM, None, SMALL, 10, workers=1, show=False)["feasible"].all()
 
 
-def test_slices_vary_what_they_say():
-    first, second = default_slices(PROBLEM, 5)
-    assert (first.second, second.second) == ("bearing", "speed")
-    state = first.state(1, 2)
-    assert state[0] == first.first_values[1]
-    assert state[1] == first.second_values[2]
-    assert state[4] == PAPER_INITIAL_STATE[4]
+def test_slices_vary_what_they_say(monkeypatch):
+    bearings, speeds = default_slices(PROBLEM, 5)
+    assert bearings["coordinates"] == ["range", "bearing"]
+    assert speeds["coordinates"] == ["range", "speed"]
+    rows = []
+
+    def noted(function, pieces, *options):
+        rows.extend(states for _, _, states in pieces)
+        return [np.zeros(len(states)) for states in rows]
+
+    monkeypatch.setattr(stability_campaign, "parallel_map", noted)
+    attraction_map(PROBLEM, LEVEL, bearings, 10)
+    assert rows[1][2, 0] == bearings["first"][1]
+    assert rows[1][2, 1] == bearings["second"][2]
+    assert rows[1][2, 4] == PAPER_INITIAL_STATE[4]
+    np.testing.assert_array_equal(rows[-1], [PAPER_INITIAL_STATE])
 
 
 def test_archive_round_trip(tmp_path):
@@ -58,25 +70,26 @@ def test_archive_round_trip(tmp_path):
     with (tmp_path / "maps.npz").open("wb") as file:
         save_maps([found], file)
     stored = np.load(tmp_path / "maps.npz")
-    np.testing.assert_array_equal(stored["0_feasible"], found.feasible)
-
-
-PROBLEM, LEVEL = paper_problem(), 2.87
+    np.testing.assert_array_equal(stored["0_feasible"], found["feasible"])
+    assert {name.partition("_")[2] for name in stored} == {
+        "horizon", "coordinates", "first", "second", "base", "feasible", "cost", "marked",
+        "marked_feasible",
+    }  # fmt: skip
 
 
 def test_local_controller():
     result = fly_local(PROBLEM, LEVEL, random_states(PROBLEM, LEVEL, 2000))
-    assert result.clean
-    assert result.flights == 2000
+    assert result["clean"]
+    assert result["flights"] == 2000
 
 
 def test_nmpc():
     states = random_states(PROBLEM, LEVEL, 40, seed=5)
-    assert fly_nmpc(PROBLEM, LEVEL, states, workers=1, show=False).clean
+    assert fly_nmpc(PROBLEM, LEVEL, states, workers=1, show=False)["clean"]
 
 
 def test_campaign_sees_a_level_that_is_too_large():
     states = random_states(PROBLEM, 40.0, 2000)
     result = fly_local(PROBLEM, 40.0, states, steps=3)
-    assert result.outside_inputs > 0
-    assert not result.clean
+    assert result["outside_inputs"] > 0
+    assert not result["clean"]

@@ -17,7 +17,7 @@
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.studies.stability.theorems import (
+from uav_tracking_mpc.studies.stability.analysis import (
     largest_lipschitz,
     largest_ratio,
     lipschitz_excess,
@@ -92,7 +92,7 @@ def test_c_2_of_a_short_horizon_is_the_sum_written_out():
 
 
 def test_quantities_with_the_printed_matrix():
-    from uav_tracking_mpc.studies.stability.paper_cases import PRINTED_A, PRINTED_B
+    from uav_tracking_mpc.studies.stability.paper_report import PRINTED_A, PRINTED_B
 
     problem = paper_problem()
     parts = terminal_ingredients(

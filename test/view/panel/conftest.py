@@ -15,15 +15,14 @@
 import asyncio
 import contextlib
 import io
-import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
+from processes import PATIENCE, wait_for
 
 viser = pytest.importorskip("viser")
 from viser._messages import GuiUpdateMessage  # noqa: E402
 from watched_flight_stand_in import StandInFlight, StandInSource, StandInSteering  # noqa: E402
-
-WAIT = 60.0  # s, for what other threads do on a loaded machine
 
 
 class Client:
@@ -39,15 +38,24 @@ class Client:
 class Panel:
     """A part on a real server, and hands on its widgets."""
 
-    def __init__(self, server, part, flight):
-        self.gui, self.flight = server.gui, flight
+    def __init__(self, server, part, flight, clock=None):
+        self.gui, self.flight, self.source = server.gui, flight, StandInSource(flight)
+        self.source.clock = clock
         self.client = server._connected_clients[0] = Client()
-        self.part = part(server.gui, flight, StandInSource(flight))
+        self.part = part(server.gui, flight, self.source)
 
-    def show(self):
-        """Show what the flight shows now, as HTML."""
+    def show(self, *sights):
+        """Show what the flight shows now, or each of the next sights, as HTML."""
+        for seen in sights:
+            self.flight.seen.append(seen)
+            self.part.show(seen)
         self.part.show(self.flight.sight)
         return self.text
+
+    def shown(self, *sights):
+        """This, having shown that."""
+        self.show(*sights)
+        return self
 
     @property
     def text(self):
@@ -69,15 +77,12 @@ class Panel:
         message = GuiUpdateMessage(self.widget(label)._impl.uuid, {"value": value})
         asyncio.run_coroutine_threadsafe(
             self.gui._handle_gui_updates(0, message), self.gui._event_loop
-        ).result(WAIT)
+        ).result(PATIENCE)
+        self.gui._thread_executor.submit(lambda: None).result(PATIENCE)  # behind the callbacks
 
     def until(self, condition):
         """Show it until something is so."""
-        end = time.monotonic() + WAIT
-        while not condition():
-            assert time.monotonic() < end, self.text
-            self.show()
-            time.sleep(0.01)
+        assert wait_for(lambda: self.show() is not None and condition()), self.text
 
     def _handles(self, container="root"):
         for handle in self.gui._container_handle_from_uuid[container]._children.values():
@@ -94,6 +99,7 @@ def _is_html(handle):
 def _one_server():
     with contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer("127.0.0.1", 18080, verbose=False)
+    server.gui._thread_executor = ThreadPoolExecutor(1)  # one callback after the other
     yield server
     server.stop()
 
@@ -115,4 +121,4 @@ def flight():
 @pytest.fixture
 def panel(server, flight):
     """Puts a part on the server."""
-    return lambda part: Panel(server, part, flight)
+    return lambda part, clock=None: Panel(server, part, flight, clock)

@@ -100,8 +100,7 @@ def test_what_is_not_measured_is_a_dash(panel, flight):
 
 def test_points_are_bounded(panel, flight):
     flight.seen = [sight(0.001 * k) for k in range(2 * MOST)]
-    shown = panel(Timing)
-    shown.show()
+    shown = panel(Timing).shown()
     assert len(shown.part._recent.rows) == MOST
 
 
@@ -112,9 +111,7 @@ def plots(shown):
 
 def test_the_last_minutes_over_the_time_before_now(panel, flight):
     flight.seen = [sight(k * 1.0, bank=math.radians(k), cost=1.0 + k) for k in range(31)]
-    shown = panel(Plots)
-    shown.show()
-    error, bank, cost = plots(shown)
+    error, bank, cost = plots(panel(Plots).shown())
     assert (bank.data[0][0], bank.data[0][-1]) == (-30.0, 0.0)
     assert bank.data[2] == pytest.approx(np.arange(31.0))
     assert (bank.data[3][0], bank.data[4][0]) == pytest.approx((45.0, -45.0))
@@ -134,23 +131,19 @@ def test_points_are_bounded_plots(panel, flight):
 
 def test_a_plot_without_a_point_does_not_appear(panel, flight):
     flight.seen = [sight(cost=math.nan)]
-    shown = panel(Plots)
-    shown.show()
-    assert [plot.visible for plot in plots(shown)] == [True, True, False]
+    assert [plot.visible for plot in plots(panel(Plots).shown())] == [True, True, False]
 
 
 def test_what_is_not_finite_is_left_out(panel, flight):
     flight.seen = [sight(1.0), sight(2.0, cost=math.nan), sight(3.0, cost=math.inf), sight(4.0)]
-    shown = panel(Plots)
-    shown.show()
+    shown = panel(Plots).shown()
     assert plots(shown)[2].data[0].tolist() == [-3.0, 0.0]
     assert all(np.isfinite(line).all() for plot in plots(shown) for line in plot.data)
 
 
 def test_fallback_is_shaded(panel, flight):
     flight.seen = [sight(1.0), sight(2.0, mode=FallbackMode.LOITER), sight(3.0)]
-    shown = panel(Plots)
-    shown.show()
+    shown = panel(Plots).shown()
     assert plots(shown)[0].data[1].tolist() == [0.0, 1.0, 0.0]
 
 

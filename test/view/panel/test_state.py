@@ -33,12 +33,10 @@ def test_mode_and_reason_are_shown_in_the_colour_of_the_mode(panel, flight):
 
 
 def test_a_fallback_and_its_recovery_are_seen_afterwards(panel, flight):
-    shown = panel(State)
-    shown.show()
+    shown = panel(State).shown()
     flight.seen += [sight(11.0), sight(12.0, **LOST), sight(20.0)]
     shown.show()
-    flight.seen.append(sight(25.0))
-    text = shown.show()
+    text = shown.show(sight(25.0))
     assert "for 5 s" in text
     assert "before: loiter law, 8 s" in text
     assert "12.0 s, 8 s" in text

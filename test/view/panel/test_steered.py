@@ -18,6 +18,8 @@ import threading
 import time
 
 import pytest
+from processes import PATIENCE as WAIT
+from processes import wait_for
 from watched_flight_stand_in import StandInFlight, StandInSource, StandInSteering, sight
 
 from uav_tracking_mpc.control.fallback import FallbackMode
@@ -35,8 +37,6 @@ from uav_tracking_mpc.view.panel.steered import (
 )
 from uav_tracking_mpc.view.watched_flight import CONTROLLER, SIMULATOR, TARGET
 
-WAIT = 60.0  # s
-
 
 def asked(requests, request):
     """Event of the answer to a request that has begun."""
@@ -50,8 +50,7 @@ def test_one_at_a_time():
     requests = Requests(steering)
     steering.go_on.clear()
     events = [asked(requests, lambda: steering.pause(True)), asked(requests, steering.reset)]
-    while not steering.asked:
-        time.sleep(0.01)
+    assert wait_for(lambda: steering.asked)
     time.sleep(0.1)  # in which a second one would begin
     assert len(steering.asked) == 1
     steering.go_on.set()
@@ -68,10 +67,7 @@ def test_all_parts_share_those_of_an_aircraft():
 def test_parameters_are_not_waited_for():
     steering = StandInSteering()
     requests = Requests(steering)
-    end = time.monotonic() + WAIT
-    while not requests.parameters(CONTROLLER):
-        assert time.monotonic() < end
-        time.sleep(0.01)
+    assert wait_for(lambda: requests.parameters(CONTROLLER))
     assert requests.parameters(CONTROLLER)["range"] == 300.0
 
 
@@ -92,13 +88,9 @@ def test_an_answer_of_before_a_change_is_not_believed():
     assert asked_.wait(WAIT)
     assert requests.change(CONTROLLER, {"range": 350.0}) == ""
     go_on.set()
-    end = time.monotonic() + WAIT
-    while not answers:
-        assert time.monotonic() < end
-        time.sleep(0.01)
+    assert wait_for(lambda: answers)
     steering.parameters = lambda node: dict(steering.values[node])
-    while requests._polled[CONTROLLER] == float("inf"):
-        time.sleep(0.01)
+    assert wait_for(lambda: requests._polled[CONTROLLER] != float("inf"))
     assert requests._known[CONTROLLER]["range"] == 350.0
 
 
@@ -324,8 +316,7 @@ def test_a_speed_of_somebody_else_is_shown(simulated_time, flight):
 def test_it_says_whether_time_stands(simulated_time, flight):
     title = simulated_time.part.title
     simulated_time.until(lambda: f"{title}: stands still" in simulated_time.labels())
-    flight.seen.append(sight(11.0))
-    simulated_time.show()
+    simulated_time.show(sight(11.0))
     assert title in simulated_time.labels()
 
 
@@ -343,9 +334,7 @@ FAULT = "lose the target"
 
 @pytest.fixture
 def faults(panel, flight):
-    shown = panel(Faults)
-    shown.show()
-    return shown
+    return panel(Faults).shown()
 
 
 def inject(faults, flight):
@@ -360,16 +349,10 @@ def test_what_a_fault_does_is_said_before(faults):
 
 def test_a_fault_its_fallback_and_its_recovery(faults, flight):
     inject(faults, flight)
-    flight.seen.append(sight(14.0, mode=FallbackMode.LOITER, reason="target position is lost"))
-    text = faults.show()
+    text = faults.show(sight(14.0, mode=FallbackMode.LOITER, reason="target position is lost"))
     assert "loiter law" in text
     assert "target position is lost" in text
-    flight.seen.append(sight(21.0, mode=FallbackMode.LOITER))
-    faults.show()
-    flight.seen.append(sight(23.0))
-    faults.show()
-    flight.seen.append(sight(40.0))
-    text = faults.show()
+    text = faults.show(sight(21.0, mode=FallbackMode.LOITER), sight(23.0), sight(40.0))
     assert "recovered" in text
     assert "after 11 s" in text
 
@@ -385,8 +368,7 @@ def test_no_fault_begins_while_one_is_asked_for(faults, flight):
 
 def test_a_fault_that_needs_no_fallback(faults, flight):
     inject(faults, flight)
-    flight.seen.append(sight(10.0 + 2.0 * PATIENCE))
-    assert "no fallback was needed" in faults.show()
+    assert "no fallback was needed" in faults.show(sight(10.0 + 2.0 * PATIENCE))
 
 
 def test_a_fault_that_is_offered_later_gets_its_button(faults, flight):
@@ -406,29 +388,16 @@ def test_a_fallback_that_is_over_before_the_answer_comes_is_told(faults, flight)
     flight.steering.go_on.clear()
     faults.by_hand(FAULT, True)
     faults.until(lambda: flight.steering.asked)
-    for seen in (sight(14.0, mode=FallbackMode.LOITER), sight(21.0, mode=FallbackMode.LOITER)):
-        flight.seen.append(seen)
-        faults.show()
-    flight.seen.append(sight(23.0))
-    faults.show()
+    lost = {"mode": FallbackMode.LOITER}
+    faults.show(sight(14.0, **lost), sight(21.0, **lost), sight(23.0))
     flight.steering.go_on.set()
     faults.until(lambda: "recovered" in faults.text)
     assert "after 11 s" in faults.text
 
 
-def test_a_fallback_before_a_fault_is_none_of_its_story(faults, flight):
-    flight.seen.append(sight(11.0, mode=FallbackMode.LOITER))
-    faults.show()
-    flight.seen.append(sight(12.0))
-    faults.show()
-    inject(faults, flight)
-
-
-def test_a_fallback_before_a_reset_is_none_of_its_story(faults, flight):
-    flight.seen.append(sight(500.0, mode=FallbackMode.LOITER))
-    faults.show()
-    flight.seen.append(sight(1.0))
-    faults.show()
+@pytest.mark.parametrize(("lost", "after"), [(11.0, 12.0), (500.0, 1.0)], ids=["fault", "reset"])
+def test_a_fallback_before_a_fault_or_a_reset_is_none_of_its_story(faults, flight, lost, after):
+    faults.show(sight(lost, mode=FallbackMode.LOITER), sight(after))
     inject(faults, flight)
 
 

@@ -17,6 +17,7 @@
 import asyncio
 import math
 import types
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -121,7 +122,8 @@ def drag(draw, flight):
                 await element._dragged(event(client, "end", PLACE, ends[-1]))
                 await asyncio.get_running_loop().shutdown_default_executor()
 
-        asyncio.run(play())
+        with ThreadPoolExecutor(1) as pool:  # a browser's tests leave a loop running in this one
+            pool.submit(asyncio.run, play()).result()
 
     return gesture
 

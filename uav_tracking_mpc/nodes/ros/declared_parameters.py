@@ -33,13 +33,13 @@ from rclpy.parameter import Parameter
 from uav_tracking_mpc.nodes.ros.rclpy_internals import parameter_overrides
 from uav_tracking_mpc.parameters.specification import (
     ParameterError,
+    Parameters,
     Specification,
     from_mapping,
-    resolved,
     specifications,
 )
 
-T = TypeVar("T")
+T = TypeVar("T", bound=Parameters)
 
 # Known to every rclpy node; an override of one of these is no misspelling.
 _BUILT_IN = ("use_sim_time", "start_type_description_service", "qos_overrides.")
@@ -62,7 +62,7 @@ def declare_parameters(node: Node, parameters: type[T], changeable: bool = False
     """
     overrides = {name: _plain(value) for name, value in parameter_overrides(node).items()}
     # Limits and models may bring parameters of their own.
-    parameters = resolved(parameters, overrides)
+    parameters = parameters.extended(overrides)
     known = specifications(parameters)
     for specification in known:
         if specification.name in overrides:  # before rclpy does, with a better message

@@ -38,12 +38,12 @@ from uav_tracking_mpc.nodes.ros.endpoints import NewestMessage
 from uav_tracking_mpc.nodes.topics import TARGET_GOAL, TARGET_TRUTH
 from uav_tracking_mpc.parameters.specification import (
     ParameterError,
+    Parameters,
     from_mapping,
-    resolved,
     specifications,
 )
 
-T = TypeVar("T")
+T = TypeVar("T", bound=Parameters)
 EVENTS = "/parameter_events"
 LIMIT = 5.0  # s of wall time for an answer
 
@@ -169,7 +169,7 @@ class FollowedParameters(Generic[T]):
             return
         known = {name: value for name, value in values.items() if value is not None}
         try:
-            kind = resolved(self._kind, known)
+            kind = self._kind.extended(known)
             names = {specification.name for specification in specifications(kind)}
             self.value = from_mapping(kind, {k: v for k, v in known.items() if k in names})
             self.trouble = ""

@@ -15,14 +15,10 @@
 """The solver of this package beside others: same problems, same starts, one interleaved run.
 
 ===================  ====================================================================
-``cases``            the problems and where they start
-``benchmark_study``  solvers timed on them, a sweep over the horizon, table and figure
+``benchmark_study``  solvers timed on the problems that are flown, a sweep over the horizon
 ``optimality``       cost and KKT residual of a plan, whoever found it
-``acados_peer``      acados, in a program of another interpreter
-``acados_program``   that program
 ``start_timing``     from the start of a process to its first optimal plan
 ``node_latency``     three real nodes, from a state to its command
-``timed_processes``  controller and simulator of these, with an echo beside them
-``watched_page``     a page that shows them, and a client that reads it
+``timed_processes``  controller and simulator of these, with an echo and a page beside them
 ===================  ====================================================================
 """

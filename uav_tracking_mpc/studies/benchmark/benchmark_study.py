@@ -22,13 +22,16 @@ starts they take turns at every state.
 
 from __future__ import annotations
 
+import dataclasses
+import math
 import platform
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import islice
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -36,16 +39,22 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from rich.console import Console
 
+from uav_tracking_mpc.dynamics.relative import tracking_error
+from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
+from uav_tracking_mpc.formulation.paper_formulation import problem_of
 from uav_tracking_mpc.mpc.casadi_solver import OPTIONS, CasadiSolver
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
-from uav_tracking_mpc.mpc.solver import Solution, Solver, solutions
+from uav_tracking_mpc.mpc.problem import OptimalControlProblem
+from uav_tracking_mpc.mpc.solver import Solution, Solver, solutions, solve_data
 from uav_tracking_mpc.report.figure_style import drawing
+from uav_tracking_mpc.report.metrics import microseconds
 from uav_tracking_mpc.report.pages import Table
-from uav_tracking_mpc.studies.benchmark.acados_peer import acados_peers
-from uav_tracking_mpc.studies.benchmark.cases import Case, cases, paper_case
+from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.studies.benchmark.optimality import OptimalityMeasure
-from uav_tracking_mpc.studies.flight_start import Start
+from uav_tracking_mpc.studies.feasibility_study import Start, flight_start, random_situations
 from uav_tracking_mpc.studies.study import Study
+from uav_tracking_mpc.terminal.ingredients import PAPER_INITIAL_STATE
 
 OURS = "ours"
 TRANSIENT_STEPS = 30  # control steps from the start
@@ -53,6 +62,100 @@ LOOP_STEPS = 60  # control steps of the closed loop
 COST_MARGIN = 1e-3  # -, relative difference: a cost this close to the best found counts as the best
 
 Progress = Callable[[str], None]
+# More solvers of a problem by name, and who is told of those that cannot be had: what was lost on
+# the way is no longer among them at the end.
+Peers = Callable[[OptimalControlProblem, Progress], AbstractContextManager[Mapping[str, Solver]]]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A problem and where it is solved.
+
+    Attributes:
+        name: Key in the JSON.
+        problem: What is solved.
+        start: Where the transient begins.
+        cold_starts: Random starts, from their number and a seed.
+    """
+
+    name: str
+    problem: OptimalControlProblem
+    start: Start
+    cold_starts: Callable[[int, int], list[Start]]
+
+
+def paper_case(horizon: int, ellipsoid: bool = False) -> Case:
+    """(16) with the parameters of ``config/paper.yaml``, from the paper's start.
+
+    Args:
+        horizon: N [-].
+        ellipsoid: With X_f as a soft constraint; else without.
+    """
+    parameters = dataclasses.replace(
+        load_configuration("paper").controller,
+        horizon=horizon,
+        terminal_constraint="soft" if ellipsoid else "none",
+    )
+
+    def cold_starts(count: int, seed: int) -> list[Start]:
+        """From near to far and in every direction."""
+        random = np.random.default_rng(seed)
+        states = [_random_relative_state(random) for _ in range(count)]
+        return [Start(tracking_error(state, parameters.orbit)) for state in states]
+
+    return Case(
+        name=f"paper_n{horizon}{'_ellipsoid' if ellipsoid else ''}",
+        problem=problem_of(parameters),
+        start=Start(tracking_error(PAPER_INITIAL_STATE, parameters.orbit)),
+        cold_starts=cold_starts,
+    )
+
+
+def _random_relative_state(random: np.random.Generator) -> NDArray[np.float64]:
+    r = random.uniform(80.0, 400.0)
+    theta = random.uniform(-math.pi, math.pi)
+    z = min(random.uniform(10.0, 120.0), 0.8 * r)
+    return np.array([r, theta, z, random.uniform(-0.4, 0.4), random.uniform(1.0, 8.0)])
+
+
+def flight_case(horizon: int = 20) -> Case:
+    """The flight problem of ``config/small_uav.yaml``, in the formulation that flies.
+
+    The transient begins where the configuration's simulator does, in still air; the cold starts are
+    :func:`~uav_tracking_mpc.studies.feasibility_study.random_situations`, most of them in
+    a drift.
+
+    Args:
+        horizon: N [-].
+    """
+    configuration = load_configuration("small_uav")
+    parameters = dataclasses.replace(configuration.controller, horizon=horizon)
+    formulation = FlightFormulation(parameters)
+    begin = Situation(configuration.simulator.initial_state, *np.zeros((4, 3)))
+
+    def cold_starts(count: int, seed: int) -> list[Start]:
+        situations = random_situations(parameters, count, seed)
+        return [flight_start(formulation, situation) for situation in situations]
+
+    return Case(
+        name=f"flight_n{horizon}",
+        problem=formulation.solver.problem,
+        start=flight_start(formulation, begin),
+        cold_starts=cold_starts,
+    )
+
+
+def cases() -> list[Case]:
+    """All cases, in the order in which they are reported."""
+    paper = [paper_case(horizon, soft) for horizon in (10, 30) for soft in (False, True)]
+    return [*paper, flight_case()]
+
+
+class Solve(NamedTuple):
+    """A solve and its time in [s], of the solver alone."""
+
+    solution: Solution
+    duration: float
 
 
 @dataclass
@@ -60,26 +163,18 @@ class Record:
     """What one solver did on one case.
 
     Attributes:
-        warm: Times of warm solves in [s], the solver alone.
-        warm_iterations: Of these solves.
-        warm_converged: Whether they converged.
+        warm: Warm solves.
         alternating: Times of warm solves in [s], in turns with the others at every step.
         residuals: KKT residual or violation of warm plans, whichever is greater [-].
         loop_cost: Of the solver's own closed loop [-].
-        cold: Times of cold solves in [s].
-        cold_converged: Whether they converged.
-        cold_cost: Their costs [-], infinite where not converged.
+        cold: Cold solves.
     """
 
-    warm: list[float] = field(default_factory=list)
-    warm_iterations: list[int] = field(default_factory=list)
-    warm_converged: list[bool] = field(default_factory=list)
+    warm: list[Solve] = field(default_factory=list)
     alternating: list[float] = field(default_factory=list)
     residuals: list[float] = field(default_factory=list)
     loop_cost: float = np.nan
-    cold: list[float] = field(default_factory=list)
-    cold_converged: list[bool] = field(default_factory=list)
-    cold_cost: list[float] = field(default_factory=list)
+    cold: list[Solve] = field(default_factory=list)
 
 
 class FatropSolver(CasadiSolver):
@@ -102,18 +197,14 @@ class FatropSolver(CasadiSolver):
 
 
 def all_solvers(case: Case) -> dict[str, Solver]:
-    """Our solver and others, with expanded expressions and their structure found.
-
-    Args:
-        case: Whose problem they solve.
-    """
+    """Our solver and others, with expanded expressions and their structure found."""
     peers = [peer(case.problem, iteration_limit=500) for peer in (CasadiSolver, FatropSolver)]
     return {OURS: NewtonSolver(case.problem), **{peer.name: peer for peer in peers}}
 
 
 def measure(
     case: Case,
-    solvers: dict[str, Solver],
+    solvers: Mapping[str, Solver],
     *,
     repetitions: int,
     cold: int,
@@ -121,171 +212,128 @@ def measure(
     seed: int,
     progress: Progress = lambda _: None,
 ) -> dict[str, Record]:
-    """Run a case.
+    """Run a case with solvers, :data:`OURS` among them.
 
     Args:
-        case: Problem and starts.
-        solvers: By name, :data:`OURS` among them.
         repetitions: Transients of each kind.
         cold: Random states for ours.
         peers_cold: How many of them the peers solve as well.
-        seed: Of the random states.
-        progress: Called with a word about what begins.
     """
     records = {name: Record() for name in solvers}
-    optimality = OptimalityMeasure(case.problem)
-    states = _transient_states(case, solvers[OURS])
+    optimality, start = OptimalityMeasure(case.problem), case.start
+    loop = solutions(solvers[OURS], start.state, start.parameters, start.guess)
+    states = [solution.states[0] for solution in islice(loop, TRANSIENT_STEPS)]
     for repetition in range(repetitions):
         progress(f"{case.name}: transient {repetition + 1} of {repetitions}")
         for name, solver in solvers.items():
-            plans = _transient(case, solver, records[name], states)
-            if not repetition:
-                records[name].residuals = _residuals(case, optimality, plans)
-        _alternating(case, solvers, records, states)
+            _, *warm = _solves(case, solver, states)
+            records[name].warm += warm
+        _, *turns = zip(*(_solves(case, each, states) for each in solvers.values()), strict=True)
+        for record, solves in zip(records.values(), zip(*turns, strict=True), strict=True):
+            record.alternating += [duration for _, duration in solves]
     for name, solver in solvers.items():
         progress(f"{case.name}: closed loop of {name}")
+        records[name].residuals = [
+            max(optimality(plan.states[0], plan.inputs, plan.decision, start.parameters)[1:])
+            for plan, _ in records[name].warm[: TRANSIENT_STEPS - 1]
+        ]
         records[name].loop_cost = _loop_cost(case, solver, optimality)
-    for index, start in enumerate(case.cold_starts(cold, seed)):
+    for index, begin in enumerate(case.cold_starts(cold, seed)):
         if index % 50 == 0:
             progress(f"{case.name}: cold start {index} of {cold}")
         for name in solvers if index < peers_cold else (OURS,):
-            solution, duration = _timed(solvers[name], start, start.state, None)
-            record = records[name]
-            record.cold.append(duration)
-            record.cold_converged.append(solution.converged)
-            record.cold_cost.append(solution.cost if solution.converged else np.inf)
+            records[name].cold.append(_timed(solvers[name], begin, begin.state, None))
     return records
 
 
-def _transient_states(case: Case, solver: Solver) -> list[NDArray[np.float64]]:
-    """States of the first closed-loop steps, flown by one solver."""
-    start = case.start
-    loop = solutions(solver, start.state, start.parameters, start.guess)
-    return [solution.states[0] for solution in islice(loop, TRANSIENT_STEPS)]
-
-
-def _transient(
-    case: Case, solver: Solver, record: Record, states: list[NDArray[np.float64]]
-) -> list[Solution]:
-    """Times into the record; returns the warm plans."""
+def _solves(case: Case, solver: Solver, states: list[NDArray[np.float64]]) -> Iterator[Solve]:
+    """Solves from one state after the other, the first of them cold."""
     solver.reset()
-    plans = []
     for step, state in enumerate(states):
-        solution, duration = _timed(solver, case.start, state, case.problem.step if step else None)
-        if step:  # the first is a cold start
-            record.warm.append(duration)
-            record.warm_iterations.append(solution.iterations)
-            record.warm_converged.append(solution.converged)
-            plans.append(solution)
-    return plans
-
-
-def _residuals(case: Case, optimality: OptimalityMeasure, plans: list[Solution]) -> list[float]:
-    """How far plans are from optimal and feasible; by one measure for all solvers."""
-    found = (
-        optimality(plan.states[0], plan.inputs, plan.decision, case.start.parameters)
-        for plan in plans
-    )
-    return [max(stationarity, violation) for _, stationarity, violation in found]
+        yield _timed(solver, case.start, state, case.problem.step if step else None)
 
 
 def _loop_cost(case: Case, solver: Solver, optimality: OptimalityMeasure) -> float:
     """What the first steps of a solver's own closed loop cost, on the model of the problem."""
-    solver.reset()
-    state, total, problem = case.start.state, 0.0, case.problem
-    p = np.zeros((problem.horizon + 1, problem.np))
-    told = case.start.parameters
-    p[:] = problem.usual_parameter if told is None else told
-    for step in range(LOOP_STEPS):
-        plan, _ = _timed(solver, case.start, state, problem.step if step else None)
-        cost, state = optimality.stage_cost(state, plan.inputs[0], plan.decision, p[0])
+    _, p = solve_data(case.problem, case.start.state, case.start.parameters)
+    states, total = [case.start.state], 0.0  # a solve at the last state appends the next one
+    for plan, _ in islice(_solves(case, solver, states), LOOP_STEPS):
+        cost, following = optimality.stage_cost(states[-1], plan.inputs[0], plan.decision, p[0])
+        states.append(following)
         total += cost
     return total
 
 
-def _alternating(
-    case: Case,
-    solvers: dict[str, Solver],
-    records: dict[str, Record],
-    states: list[NDArray[np.float64]],
-) -> None:
-    for solver in solvers.values():
-        solver.reset()
-    for step, state in enumerate(states):
-        elapsed = case.problem.step if step else None
-        for name, solver in solvers.items():
-            _, duration = _timed(solver, case.start, state, elapsed)
-            if step:
-                records[name].alternating.append(duration)
-
-
 def _timed(
     solver: Solver, start: Start, state: NDArray[np.float64], elapsed: float | None
-) -> tuple[Solution, float]:
+) -> Solve:
     guess = None if start.guess is None else partial(start.guess, state)
     begin = time.perf_counter()
     solution = solver.solve(state, start.parameters, elapsed, guess)
     duration = time.perf_counter() - begin
-    return solution, solution.solve_time if getattr(solver, "timed_inside", False) else duration
+    inside = getattr(solver, "timed_inside", False)  # in another process
+    return Solve(solution, solution.solve_time if inside else duration)
 
 
-def summary(records: dict[str, Record]) -> dict[str, dict[str, float | int | None]]:
+def summary(records: Mapping[str, Record]) -> dict[str, dict[str, float | int | None]]:
     """Figures of every solver on a case; times in microseconds.
 
     The best cost of a state is the lowest that any solver found; only states that all solvers
     tried count for ``best_cost_share`` (all states if there is one solver).
-
-    Args:
-        records: By solver.
     """
-    common = min(len(record.cold_cost) for record in records.values())
-    costs = np.array([record.cold_cost[:common] for record in records.values()])
-    best = np.min(costs, axis=0) if common else np.zeros(0)
+    common = min(len(record.cold) for record in records.values())
+    costs = np.array(
+        [
+            [plan.cost if plan.converged else np.inf for plan, _ in record.cold[:common]]
+            for record in records.values()
+        ]
+    )
+    best = costs <= np.min(costs, axis=0, initial=np.inf) * (1.0 + COST_MARGIN)
     return {
-        name: {
-            "transient_median_us": _microseconds(record.warm, 50.0),
-            "p99_us": _microseconds(record.warm, 99.0),
-            "max_us": _microseconds(record.warm, 100.0),
-            "alternating_median_us": _microseconds(record.alternating, 50.0),
-            "alternating_p99_us": _microseconds(record.alternating, 99.0),
-            "iterations_median": float(np.median(record.warm_iterations)),
-            "warm_converged_share": float(np.mean(record.warm_converged)),
-            "kkt_median": float(np.median(record.residuals)),
-            "kkt_p99": float(np.percentile(record.residuals, 99.0)),
-            "closed_loop_cost": record.loop_cost,
-            "cold_median_us": _microseconds(record.cold, 50.0),
-            "cold_solves": len(record.cold),
-            "converged_share": float(np.mean(record.cold_converged)) if record.cold else None,
-            "best_cost_share": float(np.mean(costs[row] <= best * (1.0 + COST_MARGIN)))
-            if common
-            else None,
-            "best_cost_states": common,
-        }
-        for row, (name, record) in enumerate(records.items())
+        name: {**_figures(record), "best_cost_share": _share(shares), "best_cost_states": common}
+        for (name, record), shares in zip(records.items(), best, strict=True)
     }
 
 
-def _microseconds(times: list[float], percentile: float) -> float | None:
-    return float(np.percentile(times, percentile) * 1e6) if times else None
+def _figures(record: Record) -> dict[str, float | int | None]:
+    warm, cold = (
+        microseconds(np.array([duration for _, duration in solves]))
+        for solves in (record.warm, record.cold)
+    )
+    turns = microseconds(np.array(record.alternating))
+    return {
+        "transient_median_us": warm["median_us"],
+        "p99_us": warm["p99_us"],
+        "max_us": warm["max_us"],
+        "alternating_median_us": turns["median_us"],
+        "alternating_p99_us": turns["p99_us"],
+        "iterations_median": float(np.median([plan.iterations for plan, _ in record.warm])),
+        "warm_converged_share": _share([plan.converged for plan, _ in record.warm]),
+        "kkt_median": float(np.median(record.residuals)),
+        "kkt_p99": float(np.percentile(record.residuals, 99.0)),
+        "closed_loop_cost": record.loop_cost,
+        "cold_median_us": cold["median_us"],
+        "cold_solves": len(record.cold),
+        "converged_share": _share([plan.converged for plan, _ in record.cold]),
+    }
+
+
+def _share(hits: Any) -> float | None:
+    return float(np.mean(hits)) if len(hits) else None
 
 
 def horizon_sweep(
     horizons: list[int], make_case: Callable[[int], Case], progress: Progress = lambda _: None
 ) -> dict[str, list[float]]:
-    """Median transient time in [us] of every solver at every horizon.
-
-    Args:
-        horizons: Values of N [-].
-        make_case: Makes the case of a horizon.
-        progress: Called with a word about what begins.
-    """
+    """Median transient time in [us] of every solver at every horizon."""
     medians: dict[str, list[float]] = {}
     for horizon in horizons:
         progress(f"horizon {horizon}")
         case = make_case(horizon)
         records = measure(case, all_solvers(case), repetitions=1, cold=0, peers_cold=0, seed=0)
         for name, record in records.items():
-            medians.setdefault(name, []).append(float(np.median(record.warm) * 1e6))
+            median = float(np.median([duration for _, duration in record.warm]) * 1e6)
+            medians.setdefault(name, []).append(median)
     return medians
 
 
@@ -315,7 +363,7 @@ def benchmark(
     peers_cold: int = 20,
     seed: int = 0,
     quick: bool = False,
-    acados: str | None = None,
+    peers: Peers | None = None,
 ) -> dict[str, Any]:
     """Run all cases; what runs is said on stderr.
 
@@ -323,14 +371,13 @@ def benchmark(
         cold: Random cold starts for ours.
         peers_cold: How many of them the peers solve as well.
         seed: Of the random states.
-        acados: Python that has acados_template; None to go without this peer.
         quick: At most 50 cold starts, 5 for the peers, 2 transients, and no sweep of the horizon.
+        peers: Further solvers; none by default.
 
     Returns:
-        ``cases.<case>.<solver>`` as
-        :func:`summary`, with the ratios of
-        the medians to ours (``ratios``: each solver alone; ``ratios_alternating``: in turns at
-        every step), missions a second, the sweep of the horizon, and the duration.
+        ``cases.<case>.<solver>`` as :func:`summary`, with the ratios of the medians to ours
+        (``ratios``: each solver alone; ``ratios_alternating``: in turns at every step), missions a
+        second, the sweep of the horizon, and the duration.
     """
     begin = time.perf_counter()
     if quick:
@@ -347,19 +394,18 @@ def benchmark(
     with console.status("benchmark") as status:
         for case in cases():
             status.update(f"{case.name}: preparing")
-            with acados_peers(case.problem, acados, console.print) as peers:
+            own = all_solvers(case)
+            with peers(case.problem, console.print) if peers else nullcontext({}) as more:
                 records = measure(
                     case,
-                    {**all_solvers(case), **peers},
+                    {**own, **more},
                     repetitions=2 if quick else 6,
                     cold=cold,
                     peers_cold=min(cold, peers_cold),
                     seed=seed,
                     progress=status.update,
                 )
-            for name in [name for name, peer in peers.items() if peer.lost]:
-                del records[name]
-            figures = summary(records)
+            figures = summary({name: records[name] for name in (*own, *more)})
             results["cases"][case.name] = figures
             results["ratios"][case.name] = _ratios(figures, "transient_median_us")
             results["ratios_alternating"][case.name] = _ratios(figures, "alternating_median_us")
@@ -404,22 +450,8 @@ CAPTION = (
 )
 
 
-def converged(results: dict[str, Any]) -> bool:
-    """Whether our solver converged from nearly all cold starts of every case.
-
-    Args:
-        results: Of :func:`benchmark`.
-    """
-    shares = [figures[OURS]["converged_share"] for figures in results["cases"].values()]
-    return all(share is None or share >= LEAST_CONVERGED for share in shares)
-
-
 def benchmark_table(results: dict[str, Any]) -> Table:
-    """One row for every solver on every case.
-
-    Args:
-        results: Of :func:`benchmark`.
-    """
+    """One row for every solver on every case."""
     rows = []
     for case, solvers in results["cases"].items():
         for name, row in solvers.items():
@@ -438,12 +470,12 @@ def benchmark_table(results: dict[str, Any]) -> Table:
     return Table(("case", "solver", *headings), rows, numeric=headings, caption=CAPTION)
 
 
-def benchmark_results(results: dict[str, Any]) -> Study:
+def benchmark_study(results: dict[str, Any]) -> Study:
     """The study: numbers, table and, where the horizon was swept, the figure.
 
-    Args:
-        results: Of :func:`benchmark`.
+    It is good if our solver converged from nearly all cold starts of every case.
     """
+    shares = [figures[OURS]["converged_share"] for figures in results["cases"].values()]
     return Study(
         name="benchmark",
         content=results,
@@ -455,6 +487,7 @@ def benchmark_results(results: dict[str, Any]) -> Study:
         ],
         written="saved in {}",
         figures={"solve_time": partial(_figure, results)} if "horizons" in results else {},
+        good=all(share is None or share >= LEAST_CONVERGED for share in shares),
     )
 
 

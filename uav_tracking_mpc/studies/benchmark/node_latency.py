@@ -17,12 +17,10 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -31,10 +29,12 @@ from rich.console import Console
 
 from uav_tracking_mpc.control.guidance import compile_flight
 from uav_tracking_mpc.launch.supervisor import LaunchError, Supervisor, supervised
+from uav_tracking_mpc.report.metrics import microseconds
 from uav_tracking_mpc.settings.configuration import Configuration
+from uav_tracking_mpc.studies.faults.resources import Usage, usage
 from uav_tracking_mpc.studies.study import Study
 
-ROOM = "uav_tracking_mpc.studies.benchmark"
+PROCESSES = "uav_tracking_mpc.studies.benchmark.timed_processes"
 START_LIMIT = 180.0  # s until the warm-up is flown, with the solver's compilation
 LOOK_PERIOD = 0.2  # s
 TURNS = 3  # with the page, and as many without
@@ -55,27 +55,31 @@ class _Span(NamedTuple):
 
 
 class _TimedNodes:
-    """Nodes that have flown their warm-up."""
+    """Aircraft with three nodes each, which have flown their warm-up.
+
+    Raises:
+        LaunchError: A node died, or nothing flew.
+    """
 
     def __init__(
-        self, supervisor: Supervisor, folder: Path, configuration: Configuration, count: int
+        self, supervisor: Supervisor, folder: str, configuration: Configuration, count: int = 1
     ) -> None:
-        self._supervisor, self._folder = supervisor, folder
+        self._supervisor, self._folder = supervisor, Path(folder)
         compile_flight(configuration.controller)  # what is measured is not another solver
-        parameters = folder / "flight.yaml"
+        parameters = self._folder / "flight.yaml"
         parameters.write_text(configuration.yaml(), encoding="utf-8")
         spaces = [""] if count == 1 else [f"uav{k + 1}" for k in range(count)]
-        self._results = [folder / f"round_trips{space}.json" for space in spaces]
+        self._results = [self._folder / f"round_trips{space}.json" for space in spaces]
         for space, result in zip(spaces, self._results, strict=True):
             given = ["--ros-args", "--params-file", str(parameters), "--log-level", "WARN"]
             given += ["-r", f"__ns:=/{space}"] if space else []
             timed = [*given, "-p", f"round_trips:={result}", "-p", "start_on_command:=true"]
             for name, module, arguments in (
-                (CONTROLLER, f"{ROOM}.timed_processes", [CONTROLLER, *given]),
+                (CONTROLLER, PROCESSES, [CONTROLLER, *given]),
                 ("target_publisher", "uav_tracking_mpc.nodes.target_publisher", given),
-                ("uav_simulator", f"{ROOM}.timed_processes", ["uav_simulator", *timed]),
+                ("uav_simulator", PROCESSES, ["uav_simulator", *timed]),
             ):
-                supervisor.start(f"{space} {name}".strip(), module, arguments)
+                self._supervisor.start(f"{space} {name}".strip(), module, arguments)
         for result in self._results:
             self._appears(result, "the nodes have not flown")
 
@@ -91,14 +95,19 @@ class _TimedNodes:
         if not file.exists():
             raise LaunchError(f"{words} within {START_LIMIT:g} s")
 
+    def _used(self, process: str) -> Usage:
+        used = usage(self._supervisor.processes[process].identity)
+        if used is None:
+            raise LaunchError(f"{process} has ended")
+        return used
+
     def span(self, duration: float, process: str) -> _Span:
         """Let time pass."""
-        identity = self._supervisor.processes[process].identity
-        used, held, begin = _processor_time(identity), _memory(identity), time.perf_counter()
+        before, begin = self._used(process), time.perf_counter()
         self.wait(duration)
-        end, memory = time.perf_counter(), _memory(identity)
-        share = (_processor_time(identity) - used) / (end - begin)
-        return _Span(begin, end, share, memory, memory - held)
+        end, after = time.perf_counter(), self._used(process)
+        share = (after.cpu - before.cpu) / (end - begin)
+        return _Span(begin, end, share, after.rss / 2**20, (after.rss - before.rss) / 2**20)
 
     def watched_span(self, duration: float) -> tuple[_Span, float]:
         """Let time pass with a page open; with how many messages a second its client read."""
@@ -108,7 +117,7 @@ class _TimedNodes:
             (READER, count, [READER, str(address), str(count)], "the page has sent nothing"),
         ):
             file.unlink(missing_ok=True)
-            self._supervisor.start(name, f"{ROOM}.watched_page", arguments)
+            self._supervisor.start(name, PROCESSES, arguments)
             self._appears(file, words)
         self.wait(SETTLING)
         read = int(count.read_text(encoding="utf-8"))
@@ -124,40 +133,13 @@ class _TimedNodes:
         return [json.loads(result.read_text(encoding="utf-8")) for result in self._results]
 
 
-@contextmanager
-def _timed_nodes(configuration: Configuration, count: int) -> Iterator[_TimedNodes]:
-    """Aircraft with three nodes each.
-
-    Raises:
-        LaunchError: A node died, or nothing flew.
-    """
-    with tempfile.TemporaryDirectory() as folder, supervised(Console(stderr=True)) as supervisor:
-        yield _TimedNodes(supervisor, Path(folder), configuration, count)
-
-
-def _processor_time(process: int) -> float:
-    """What a process has used so far in [s]."""
-    fields = Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
-    user, system = int(fields[11]), int(fields[12])
-    return (user + system) / os.sysconf("SC_CLK_TCK")
-
-
-def _memory(process: int) -> float:
-    """What a process holds in memory in [MB]."""
-    lines = Path(f"/proc/{process}/status").read_text(encoding="utf-8").splitlines()
-    (held,) = (line.split()[1] for line in lines if line.startswith("VmRSS:"))
-    return int(held) / 1024.0
-
-
-def _summary(times: Sequence[float]) -> dict[str, float]:
+def _summary(times: Sequence[float]) -> dict[str, Any]:
     """Median, p99, max in [us] and count."""
     if not len(times):
         raise LaunchError("no state was answered")
-    micros = 1e6 * np.array(times)
+    micros = microseconds(np.array(times))
     return {
-        "median": float(np.median(micros)),
-        "p99": float(np.percentile(micros, 99.0)),
-        "max": float(micros.max()),
+        **{name.removesuffix("_us"): each for name, each in micros.items()},
         "count": len(times),
     }
 
@@ -187,7 +169,8 @@ def node_latency(configuration: Configuration, duration: float, progress: Progre
         LaunchError: A node died, or nothing flew.
     """
     progress("nodes: warm-up")
-    with _timed_nodes(configuration, 1) as nodes:
+    with tempfile.TemporaryDirectory() as folder, supervised(Console(stderr=True)) as supervisor:
+        nodes = _TimedNodes(supervisor, folder, configuration)
         progress(f"nodes: {duration:g} s of flight")
         span = nodes.span(duration, CONTROLLER)
         (trips,) = nodes.end()
@@ -265,7 +248,8 @@ def _watched(
     alone: list[_Span] = []
     pages: list[tuple[_Span, float]] = []
     progress(f"{count} aircraft: warm-up")
-    with _timed_nodes(configuration, count) as nodes:
+    with tempfile.TemporaryDirectory() as folder, supervised(Console(stderr=True)) as supervisor:
+        nodes = _TimedNodes(supervisor, folder, configuration, count)
         controller = CONTROLLER if count == 1 else f"uav1 {CONTROLLER}"
         for turn in range(turns):
             progress(f"{count} aircraft: turn {turn + 1} of {turns}, without a page")

@@ -42,71 +42,72 @@ from uav_tracking_mpc.control.guidance import formulation_of
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.formulation.formulation import solver_at_once
 from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.studies.study import Study
 
 CONFIGURATIONS = ("paper", "small_uav")
 PATIENCE = 120.0  # s for a flight to begin
 FIRST_PLAN = "tracking: optimal plan"
 
 
-def start_timing(config: str, repetitions: int) -> dict[str, Any]:
+def start_timing(repetitions: int) -> Study:
     """Times from the start of a process to its first optimal plan.
 
     Args:
-        config: Name of the configuration.
         repetitions: Later starts, of which the median counts.
 
     Returns:
-        In [s]: of the controller alone, and of a flight with three ROS 2 nodes (None without ROS),
-        each first with an empty cache and then later; processor time of the controller alone; and
-        of the compilation.
+        Its content: ``start``, of each configuration in [s]: of the controller alone, and of a
+        flight with three ROS 2 nodes (None without ROS), each first with an empty cache and then
+        later, with the processor time that it would take on a core of its own; and of the
+        compilation.
     """
+    found = [_timed(config, repetitions) for config in CONFIGURATIONS]
+    words = [line for each in found for line in in_words(each)]
+    return Study("start", {"start": found}, words, "saved in {}")
+
+
+def _timed(config: str, repetitions: int) -> dict[str, Any]:
     alone = [sys.executable, "-m", __name__, config]
     launcher = [sys.executable, "-m", "uav_tracking_mpc.cli.launch_tracking", "--config", config]
     compiler = [sys.executable, "-m", "uav_tracking_mpc", "compile", "--config", config]
     found: dict[str, Any] = {"config": config, "repetitions": repetitions}
     with tempfile.TemporaryDirectory() as empty:
-        before = _child_time()
-        found["controller_first_s"] = _until_first_plan(alone, empty)
-        found["controller_first_cpu_s"] = _child_time() - before
+        found |= _starts("controller_first", alone, empty)
     with tempfile.TemporaryDirectory() as cache:
         begin = time.perf_counter()
         subprocess.run(compiler, env=_environment(cache), check=True, capture_output=True)
         found["compile_s"] = time.perf_counter() - begin
-        before = _child_time()
-        later = [_until_first_plan(alone, cache) for _ in range(repetitions)]
-        found["controller_later_s"] = median(later)
-        # What it would take on a core of its own.
-        found["controller_later_cpu_s"] = (_child_time() - before) / repetitions
-        found["flight_first_s"] = found["flight_later_s"] = None
+        found |= _starts("controller_later", alone, cache, repetitions)
+        found |= {"flight_first_s": None, "flight_later_s": None}
         if importlib.util.find_spec("rclpy") is not None:
             with tempfile.TemporaryDirectory() as empty:
-                found["flight_first_s"] = _until_first_plan(launcher, empty)
-            later = [_until_first_plan(launcher, cache) for _ in range(repetitions)]
-            found["flight_later_s"] = median(later)
+                found |= _starts("flight_first", launcher, empty)
+            found |= _starts("flight_later", launcher, cache, repetitions)
     return found
 
 
-def in_words(found: dict[str, Any]) -> list[str]:
-    """What was found, for people.
+def _starts(name: str, command: Sequence[str], cache: str, count: int = 1) -> dict[str, float]:
+    """Median of some starts, and the mean processor time of all children that ended, in [s]."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    times = [_until_first_plan(command, cache) for _ in range(count)]
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    used = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+    return {f"{name}_s": median(times), f"{name}_cpu_s": used / count}
 
-    Args:
-        found: By :func:`start_timing`.
-    """
+
+def in_words(found: dict[str, Any]) -> list[str]:
+    """What was found of a configuration, for people."""
     lines = [f"{found['config']}: first optimal plan after the start of the process"]
     for key, words in (("controller", "controller alone"), ("flight", "flight, three ROS 2 nodes")):
         first, later = found[f"{key}_first_s"], found[f"{key}_later_s"]
         if first is not None:
             lines.append(f"  {words}: {first:.2f} s with an empty cache, {later:.2f} s later")
-    first, later = found["controller_first_cpu_s"], found["controller_later_cpu_s"]
-    lines.append(f"  processor time of the controller: {first:.2f} s, {later:.2f} s later")
-    lines.append(f"  compilation: {found['compile_s']:.1f} s")
-    return lines
-
-
-def _child_time() -> float:
-    """Processor time of all children that have ended in [s]."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
+    return [
+        *lines,
+        "  processor time of the controller: {controller_first_cpu_s:.2f} s, "
+        "{controller_later_cpu_s:.2f} s later".format_map(found),
+        f"  compilation: {found['compile_s']:.1f} s",
+    ]
 
 
 def _environment(cache: str) -> dict[str, str]:

@@ -12,12 +12,18 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Controller and simulator with round trips timed, beside an echo of the same messages."""
+"""Processes of a timed flight: controller and simulator, with an echo of their messages; a page.
+
+Round trips are timed in the simulator's process, beside those of an echo of the same messages. The
+page shows the flight to a client that reads it and renders nothing.
+"""
 
 from __future__ import annotations
 
 import json
+import signal
 import sys
+import threading
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -34,31 +40,29 @@ from uav_tracking_mpc.nodes.ros.endpoints import listen, publish
 from uav_tracking_mpc.nodes.ros.process import run
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, COMMAND, ODOMETRY
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
+from uav_tracking_mpc.report.atomic_write import write_atomically
 
 ECHO_ODOMETRY, ECHO_AIR_VELOCITY, ECHO_COMMAND = (
     replace(topic, name=f"echo/{topic.name}") for topic in (ODOMETRY, AIR_VELOCITY, COMMAND)
 )
 
 
-class EchoAnswer:
-    """Answers the echo's states with one and the same plan.
+def timed_controller() -> Node:
+    """The controller, which also answers the echo's states: with one and the same plan."""
+    from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 
-    Args:
-        node: In whose process it answers.
-        segments: Of the plan, as many as the controller's have.
-        step: Length of a segment in [s].
-    """
+    node, wire = NmpcController(), CommandWire()
+    segments, step = node.parameters.horizon, node.parameters.horizon_step
+    plan = np.zeros((segments, 3))
+    path = PlannedPath(np.zeros((segments + 1, 6)), np.zeros((segments + 1, 3)))
+    commands = publish(node, ECHO_COMMAND)
 
-    def __init__(self, node: Node, segments: int, step: float) -> None:
-        self._wire, self._plan, self._step = CommandWire(), np.zeros((segments, 3)), step
-        self._path = PlannedPath(np.zeros((segments + 1, 6)), np.zeros((segments + 1, 3)))
-        self._commands = publish(node, ECHO_COMMAND)
-        listen(node, ECHO_ODOMETRY, self._answer)
-        listen(node, ECHO_AIR_VELOCITY, lambda message: None)
+    def answer(message: Any) -> None:
+        commands.publish(wire.write(nanoseconds(message.header.stamp), plan, step, path))
 
-    def _answer(self, message: Any) -> None:
-        stamp = nanoseconds(message.header.stamp)
-        self._commands.publish(self._wire.write(stamp, self._plan, self._step, self._path))
+    listen(node, ECHO_ODOMETRY, answer)
+    listen(node, ECHO_AIR_VELOCITY, lambda message: None)
+    return node
 
 
 class RoundTrips:
@@ -70,24 +74,15 @@ class RoundTrips:
     """
 
     def __init__(self) -> None:
-        self.times: list[float] = []
-        self.began: list[float] = []
+        self.clear()
         self._sent = (0, 0.0)
 
     def send(self, stamp: int) -> None:
-        """Note that a state is about to be published.
-
-        Args:
-            stamp: Of the state in [ns].
-        """
+        """Note that a state with this stamp in [ns] is about to be published."""
         self._sent = stamp, time.perf_counter()
 
     def arrive(self, stamp: int) -> None:
-        """Note that a command has come; one that answers an older state does not count.
-
-        Args:
-            stamp: Of the command in [ns].
-        """
+        """Note that a command has come; one that answers an older state does not count."""
         sent, begin = self._sent
         if stamp == sent:
             self.times.append(time.perf_counter() - begin)
@@ -95,49 +90,8 @@ class RoundTrips:
 
     def clear(self) -> None:
         """Forget those that came so far."""
-        self.times.clear()
-        self.began.clear()
-
-
-class EchoCall:
-    """Sends the echo's states, half a period after the simulator's own.
-
-    Args:
-        node: In whose process it sends.
-        delay: From the simulator's state to the echo's in [s].
-
-    Attributes:
-        trips: Of the echo.
-    """
-
-    def __init__(self, node: Node, delay: float) -> None:
-        self._node, self.trips = node, RoundTrips()
-        self._states = publish(node, ECHO_ODOMETRY), publish(node, ECHO_AIR_VELOCITY)
-        self._messages: tuple[Any, Any] | None = None
-        listen(node, ECHO_COMMAND, lambda data: self.trips.arrive(command_stamp(data)), raw=True)
-        self._timer = node.create_timer(delay, self._send)
-        self._timer.cancel()
-
-    def after(self, odometry: Any, air_velocity: Any) -> None:
-        """Send the echo of a state a little later.
-
-        Args:
-            odometry: Message of the state.
-            air_velocity: Message of the air velocity.
-        """
-        self._messages = odometry, air_velocity
-        self._timer.reset()
-
-    def _send(self) -> None:
-        self._timer.cancel()
-        if self._messages is None:
-            return
-        stamp = self._node.get_clock().now().nanoseconds
-        for message in self._messages:
-            set_stamp(message.header.stamp, stamp)
-        self.trips.send(stamp)
-        for publisher, message in zip(self._states, self._messages, strict=True):
-            publisher.publish(message)
+        self.times: list[float] = []
+        self.began: list[float] = []
 
 
 RESULT = "round_trips"  # parameter: file that the times are written to
@@ -147,27 +101,42 @@ WARM_UP = 10.0  # s of flight that do not count; the file is there afterwards
 class TimedSimulator(UavSimulator):
     """Writes the round trips of its states and of the echo to a file when it ends.
 
+    The echo's states are sent half a period after the simulator's own.
+
     Args:
         options: As those of rclpy's Node.
     """
 
     def __init__(self, **options: Any) -> None:
-        self.trips = RoundTrips()
+        self.trips, self.echo = RoundTrips(), RoundTrips()
         super().__init__(**options)
-        self._echo = EchoCall(self, 0.5 / self.parameters.state_rate)
         self._result = Path(self.declare_parameter(RESULT, "").value)
         self._flown_from: int | None = None  # stamp of the first command [ns]
-        publish = self._odometry_publisher.publish
+        self._echoes = publish(self, ECHO_ODOMETRY), publish(self, ECHO_AIR_VELOCITY)
+        listen(self, ECHO_COMMAND, lambda data: self.echo.arrive(command_stamp(data)), raw=True)
+        self._echo_timer = self.create_timer(0.5 / self.parameters.state_rate, self._send_echo)
+        self._echo_timer.cancel()
+        publish_state = self._odometry_publisher.publish
 
         def noted(message: Any) -> None:
             self.trips.send(nanoseconds(message.header.stamp))
-            publish(message)
+            publish_state(message)
 
         self._odometry_publisher.publish = noted  # type: ignore[method-assign]
 
     def _publish(self, stamp: int, seen: Measurement, state: bool = True) -> None:
         super()._publish(stamp, seen, state)
-        self._echo.after(self._odometry, self._air_velocity)
+        self._echo_timer.reset()
+
+    def _send_echo(self) -> None:
+        self._echo_timer.cancel()
+        stamp = self.get_clock().now().nanoseconds
+        messages = self._odometry, self._air_velocity
+        for message in messages:
+            set_stamp(message.header.stamp, stamp)
+        self.echo.send(stamp)
+        for publisher, message in zip(self._echoes, messages, strict=True):
+            publisher.publish(message)
 
     def _on_command(self, data: bytes) -> None:
         stamp = command_stamp(data)
@@ -177,8 +146,8 @@ class TimedSimulator(UavSimulator):
             self._flown_from = stamp
         elif stamp - self._flown_from > WARM_UP * 1e9 and not self._result.exists():
             self._result.touch()
-            for trips in (self.trips, self._echo.trips):
-                trips.clear()
+            self.trips.clear()
+            self.echo.clear()
 
     def finish(self) -> None:
         """Write the times in [s]."""
@@ -186,19 +155,62 @@ class TimedSimulator(UavSimulator):
         times = {
             "controller": self.trips.times,
             "controller_began": self.trips.began,
-            "echo": self._echo.trips.times,
+            "echo": self.echo.times,
         }
         self._result.write_text(json.dumps(times), encoding="utf-8")
 
 
-def _timed_controller() -> Node:
-    from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
+COUNT_PERIOD = 0.2  # s between writes of the count
 
-    node = NmpcController()
-    EchoAnswer(node, node.parameters.horizon, node.parameters.horizon_step)
-    return node
+
+def page(address: str) -> None:
+    """Serve a page until SIGTERM.
+
+    Args:
+        address: File that the page's address is written to.
+    """
+    from uav_tracking_mpc.view.live_source import LiveSource
+    from uav_tracking_mpc.view.page import Page
+
+    ended = threading.Event()
+    signal.signal(signal.SIGTERM, lambda number, frame: ended.set())
+    shown = Page(LiveSource())
+    write_atomically(Path(address), shown.address.encode())
+    try:
+        shown.serve(ended.is_set)
+    finally:
+        shown.close()
+
+
+def page_reader(address: str, counted: str) -> None:
+    """Read a page until SIGTERM.
+
+    Args:
+        address: File that holds the page's address.
+        counted: File that the number of messages is written to.
+    """
+    import viser
+    from websockets.sync.client import connect
+    from websockets.typing import Subprotocol
+
+    place = Path(address).read_text(encoding="utf-8").replace("http", "ws", 1)
+    count, due = 0, 0.0
+    # viser takes clients of its own version alone.
+    spoken = [Subprotocol(f"viser-v{viser.__version__}")]
+    with connect(place, subprotocols=spoken, max_size=None, compression=None) as connection:
+        for _ in connection:
+            count += 1
+            if (now := time.monotonic()) >= due:
+                due = now + COUNT_PERIOD
+                write_atomically(Path(counted), str(count).encode())
 
 
 if __name__ == "__main__":
-    NODES = {"nmpc_controller": _timed_controller, "uav_simulator": TimedSimulator}
-    sys.exit(run(sys.argv[1], NODES[sys.argv[1]], sys.argv[2:]))
+    name, *given = sys.argv[1:]
+    if name == "page":
+        page(*given)
+    elif name == "page_reader":
+        page_reader(*given)
+    else:
+        nodes = {"nmpc_controller": timed_controller, "uav_simulator": TimedSimulator}
+        sys.exit(run(name, nodes[name], given))

@@ -159,5 +159,8 @@ def campaign_study(results: CampaignResults) -> Study:
         figures={"campaign": partial(campaign_figure, results)},
         files=files,
         page=page,
-        tables={} if results.left else {name: table for name, (_, table) in tables.items()},
+        tables={name: table for name, (_, table) in tables.items()},
+        left=f"{results.left} flights are left; the same command goes on with them"
+        if results.left
+        else "",
     )

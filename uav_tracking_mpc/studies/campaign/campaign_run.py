@@ -158,6 +158,7 @@ def shared_formulation(parameters: TrackingParameters) -> Formulation | None:
         before, formulation = kept
         try:
             refuse_fixed(before, parameters)
+            formulation.check(parameters)
         except ParameterError:
             pass  # another problem, or a guidance law
         else:

@@ -28,7 +28,6 @@ from uav_tracking_mpc.parameters.specification import (
     ParameterError,
     Specification,
     from_mapping,
-    resolved,
     specifications,
 )
 from uav_tracking_mpc.settings.configuration import SECTIONS, Sections
@@ -60,7 +59,7 @@ def _present(sections: Sections, section: str, name: str) -> Any:
 
 
 def _specification(sections: Sections, section: str, name: str) -> Specification:
-    parameters: Any = resolved(SECTIONS[section], sections[section])
+    parameters: Any = SECTIONS[section].extended(sections[section])
     known = _specifications(parameters)
     if name not in known:
         near = difflib.get_close_matches(name, known, 3, cutoff=0.4)

@@ -16,8 +16,7 @@
 
 =============  ======================================================================
 ``scenarios``  laws, scenarios and mismatches by name
-``measures``   what counts of a flight, from the truth and the limits alone
-``asked``      what the predictive controller is to reach, and whether it does
+``measures``   what counts of a flight, what is to be reached of it, and whether it is
 ``results``    every law flown through each: as one object, as JSON and as a table
 ``figures``    the comparison as a study: pictures, and the page that holds them
 =============  ======================================================================

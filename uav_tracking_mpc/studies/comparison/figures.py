@@ -32,8 +32,7 @@ from uav_tracking_mpc.report.metrics import COLUMNS, flown_bank
 from uav_tracking_mpc.report.pages import render
 from uav_tracking_mpc.settings.tracking import PREDICTIVE
 from uav_tracking_mpc.simulation.motions import motion_of
-from uav_tracking_mpc.studies.comparison.asked import Asked, Target
-from uav_tracking_mpc.studies.comparison.measures import SETTLED, Measures
+from uav_tracking_mpc.studies.comparison.measures import SETTLED, Asked, Measures, Target
 from uav_tracking_mpc.studies.comparison.results import (
     SCENARIOS,
     Kind,
@@ -282,13 +281,13 @@ ALTERNATIVES = {
 }
 
 
-def comparison(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS, whole: bool = True) -> Study:
+def comparison(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS, left: str = "") -> Study:
     """The study: numbers, table, pictures and a page that holds them.
 
     Args:
         scenarios: What was flown, at least one.
         kind: What they are.
-        whole: Whether all were flown that were asked for; else no documentation is changed.
+        left: What was not flown, in words.
     """
     table, content = comparison_table(scenarios, kind), as_json(scenarios, kind)
     missed = misses(scenarios)
@@ -297,17 +296,19 @@ def comparison(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS, whole: boo
         figures |= {each.name: partial(scenario_figure, each) for each in scenarios}
     else:
         figures = {kind.name: partial(mismatch_figure, scenarios)}
-    about = {each.name: (each.title, each.description) for each in scenarios}
+    about = {
+        each.name: {"title": each.title, "description": each.description} for each in scenarios
+    }
 
     def page(pictures: Mapping[str, str]) -> str:
-        sections = []
-        for name, picture in pictures.items():
-            title, description = about.get(name, ("", ""))
-            alternative = ALTERNATIVES.get(name, SEEN)
-            sections.append(
-                {"picture": picture, "alternative": alternative, "title": title,
-                 "description": description}
-            )  # fmt: skip
+        sections = [
+            {
+                "picture": picture,
+                "alternative": ALTERNATIVES.get(name, SEEN),
+                **about.get(name, {"title": "", "description": ""}),
+            }
+            for name, picture in pictures.items()
+        ]
         return render(
             "uav_tracking_mpc.studies.comparison",
             TEMPLATE,
@@ -326,5 +327,6 @@ def comparison(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS, whole: boo
         written=f"report: {{}}/{kind.name}.html",
         figures=figures,
         page=page,
-        tables={PLACES[kind.name]: table} if whole else {},
+        tables={PLACES[kind.name]: table},
+        left=left,
     )

@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -35,10 +34,10 @@ from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
-from uav_tracking_mpc.studies.comparison.asked import Asked, Target, asked_of
-from uav_tracking_mpc.studies.comparison.measures import Measures, measures
+from uav_tracking_mpc.studies.comparison.measures import Asked, Measures, Target, asked_of, measures
 from uav_tracking_mpc.studies.comparison.scenarios import law_label
 from uav_tracking_mpc.studies.executors import StoppedError, parallel_map
+from uav_tracking_mpc.studies.study import plain
 
 
 @dataclass(frozen=True)
@@ -306,8 +305,7 @@ def as_json(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> dict[str, 
         },
         "solves": {each.name: _solves(each.logs[PREDICTIVE]) for each in flown},
     }
-    # What is not finite becomes null.
-    return dict(json.loads(json.dumps(numbers), parse_constant=lambda _: None))
+    return dict(plain(numbers))
 
 
 def _solves(log: FlightLog) -> dict[str, Any]:

@@ -18,21 +18,20 @@
 ``kinds``            the faults of nodes that fly, and their base
 ``stream_fault``     bases of faults that strike messages; the topics and fields that they strike
 ``schedule``         every fault by its label, and which come when, from a seed
-``fault_campaign``   one fault under way; cases one after the other, whatever flies
-``fault_findings``   what came of every case, and in total, as words and as a figure
-``injected_flight``  the flight of real nodes that faults act on
+``fault_campaign``   one fault under way; cases one after the other, whatever flies; what came of
+                     them, as words and as a figure
 ``fault_relay``      the node in the middle of every topic, which strikes the messages
 ``invariants``       what must hold for every message, and when the orbit is reached again
 ``resources``        memory, files and threads of the processes
 ``observer``         the node that hears every message and checks the invariants
-``node_campaign``    cases flown with real nodes
+``watched_nodes``    simulator, estimator and controller under watch, as the observer hears them
+``node_campaign``    cases flown with real nodes, which the faults act on
 -------------------  --------------------------------------------------------------------------
-``link_flight``      controller, link and simulated autopilot, step by step
-``link_campaign``    faults on the wire to that autopilot, one after the other
+``link_campaign``    faults on the wire to a simulated autopilot, one after the other
 -------------------  --------------------------------------------------------------------------
 ``soak``             hours of flight without faults: is the orbit held, does anything grow
 ===================  ==========================================================================
 
-Schedule, invariants, resources, findings and all of the link know nothing of ROS. Link and
+Schedule, invariants, resources, campaign and all of the link know nothing of ROS. Link and
 controller fly the simulated autopilot in simulated time, so that hours of faults take minutes.
 """

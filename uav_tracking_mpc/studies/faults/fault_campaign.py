@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Cases one after the other: inject, watch, wait for the recovery, write down; whatever flies."""
+"""Cases one after the other: inject, watch, wait for the recovery; what came of it, as a study."""
 
 from __future__ import annotations
 
@@ -20,26 +20,64 @@ import copy
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, ClassVar
 
+from matplotlib.figure import Figure
 from rich.console import Console
 
+from uav_tracking_mpc.report.figure_style import BLUE, GREEN, GREY, VERMILLION, drawing
+from uav_tracking_mpc.report.pages import Table
 from uav_tracking_mpc.settings.configuration import Configuration
-from uav_tracking_mpc.studies.faults.fault_findings import Campaign, CaseFindings
 from uav_tracking_mpc.studies.faults.invariants import Recovery, Violation
 from uav_tracking_mpc.studies.faults.kinds import Fault
 from uav_tracking_mpc.studies.faults.schedule import Case
+from uav_tracking_mpc.studies.study import Study
 
 HOLD = 2.0  # s of simulated time that the orbit must be held
 RECOVERY_LIMIT = 30.0  # s of simulated time
 STALL_LIMIT = 20.0  # s of wall time in which simulated time must move on
+SAMPLE_PERIOD = 1.0  # s between errors that are kept for the figure
+
+
+@dataclass
+class CaseFindings:
+    """What came of one case.
+
+    Attributes:
+        index: Its number in the schedule.
+        kinds: Labels of its faults.
+        begin: Since the campaign began [s].
+        end: Likewise [s].
+        recovery: From the last fault's end to the orbit [s] of simulated time; None: never.
+        loiters: Whether it did not come back because the autopilot flies a circle of its own.
+        violations: Of each invariant how often, and the first in words.
+    """
+
+    index: int
+    kinds: tuple[str, ...]
+    begin: float
+    end: float = 0.0
+    recovery: float | None = None
+    loiters: bool = False
+    violations: dict[str, tuple[int, str]] = field(default_factory=dict)
+
+    def add(self, violation: Violation) -> None:
+        """Count a violation; of each invariant the first is kept in words."""
+        count, detail = self.violations.get(violation.invariant, (0, violation.detail))
+        self.violations[violation.invariant] = (count + 1, detail)
+
+    @property
+    def lost(self) -> bool:
+        """Whether the aircraft neither came back nor was to."""
+        return self.recovery is None and not self.loiters
 
 
 class Injection:
-    """A fault that has begun.
+    """A fault that has begun; it is copied.
 
     Args:
-        fault: Which; it is copied.
         duration: How long it lasts, in simulated or wall time as the fault has it [s].
         seed: Of everything random in it.
         flight: What it acts on.
@@ -106,16 +144,6 @@ class FaultCampaign(ABC):
     def now(self) -> float:
         """Time since the campaign began [s]."""
 
-    @property
-    @abstractmethod
-    def flown(self) -> float:
-        """Simulated time that was flown [s]."""
-
-    @property
-    @abstractmethod
-    def range_error(self) -> float:
-        """The latest r - r_d [m]."""
-
     @abstractmethod
     def watch(self, findings: CaseFindings, injections: Sequence[Injection] = ()) -> Iterator[bool]:
         """Fly on and judge what happens; yield now and then whether simulated time stands still.
@@ -126,12 +154,13 @@ class FaultCampaign(ABC):
         """
 
     def excused(self, findings: CaseFindings) -> bool:
-        """Whether the aircraft is right not to come back by itself.
-
-        Args:
-            findings: Of the case that it does not recover from.
-        """
+        """Whether the aircraft is right not to come back by itself from a case."""
         return False
+
+    def sample(self) -> None:
+        """Keep the range error, now and then."""
+        if not self.range_errors or self.now() - self.range_errors[-1][0] > SAMPLE_PERIOD:
+            self.range_errors.append((self.now(), self.recovery.range_error))
 
     def fly_cases(self, cases: Iterable[Case], end: float = math.inf) -> bool:
         """Fly cases until there are no more, the time is over or the user interrupts.
@@ -159,16 +188,12 @@ class FaultCampaign(ABC):
         return False
 
     def fly_case(self, case: Case) -> CaseFindings:
-        """What comes of one case.
-
-        Args:
-            case: To fly.
-        """
+        """What comes of one case."""
         findings = CaseFindings(case.index, case.kinds, self.now())
         injections: list[Injection] = []
         try:
             self._inject(case, injections, findings)
-            self.recovery.begin(self.flown)
+            self.recovery.begin()
             self._recover(findings)
         finally:
             for injection in injections:
@@ -176,25 +201,33 @@ class FaultCampaign(ABC):
         findings.end = self.now()
         return findings
 
-    def campaign(self, seed: int, **more: Any) -> Campaign:
-        """What was found.
+    def study(self, seed: int, **more: Any) -> Study:
+        """What was found; it is good if nothing was violated and no process died.
 
         Args:
             seed: Of the cases.
             more: What else ``--json`` prints.
         """
         families = {label: fault.family for label, fault in self._faults.items()}
-        return Campaign(
-            self.configuration.name, seed, self.found, families, self.range_errors,
-            self.tolerance, RECOVERY_LIMIT, more,
-        )  # fmt: skip
+        about = {"config": self.configuration.name, "seed": seed}
+        content = {**about, **summary(self.found, families, **more)}
+        title = "{config}, seed {seed}".format_map(about)
+        draw = partial(timeline, title, self.found, families, self.range_errors, self.tolerance)
+        return Study(
+            "torture",
+            content,
+            in_words(content),
+            figures={"timeline": draw},
+            good=not (content["violations"] or content.get("deaths")),
+            left="what came later was not flown" if content["interrupted"] else "",
+        )
 
     def _inject(self, case: Case, injections: list[Injection], findings: CaseFindings) -> None:
         """Begin each fault at its time; return when all have settled, or time stands still."""
-        begin = self.flown
+        begin = self.recovery.flown
         pending = sorted(case.faults, key=lambda fault: fault.offset)
         for stalled in self.watch(findings, injections):
-            while pending and self.flown - begin >= pending[0].offset:
+            while pending and self.recovery.flown - begin >= pending[0].offset:
                 scheduled = pending.pop(0)
                 fault = self._faults[scheduled.label]
                 injections.append(Injection(fault, scheduled.duration, scheduled.seed, self.flight))
@@ -208,11 +241,12 @@ class FaultCampaign(ABC):
     def _recover(self, findings: CaseFindings) -> None:
         """Wait until the aircraft is back on its orbit, or will not be."""
         for stalled in self.watch(findings):
-            findings.recovery = self.recovery.done(self.flown)
+            findings.recovery = self.recovery.done()
             if findings.recovery is not None and findings.recovery <= RECOVERY_LIMIT:
                 return
-            if stalled or self.recovery.late(self.flown):
-                words = f"r - r_d is {self.range_error:.1f} m after {RECOVERY_LIMIT:g} s"
+            if stalled or self.recovery.late():
+                error = self.recovery.range_error
+                words = f"r - r_d is {error:.1f} m after {RECOVERY_LIMIT:g} s"
                 if stalled:
                     words = f"simulated time stood still for {STALL_LIMIT:g} s"
                 findings.recovery, findings.loiters = None, self.excused(findings)
@@ -222,10 +256,146 @@ class FaultCampaign(ABC):
 
     def _report(self) -> None:
         case = self.found[-1]
-        recovery = "never" if case.recovery is None else f"{case.recovery:.1f} s"
         faults = sum(len(other.kinds) for other in self.found)
-        line = f"{case.end:6.1f} s  case {case.index:4d}  {faults:4d} faults  recovery {recovery}"
-        line += "  " + ", ".join(case.kinds)
+        line = f"{case.end:6.1f} s  case {case.index:4d}  {faults:4d} faults  recovery "
+        line += f"{_time(case.recovery)}  {', '.join(case.kinds)}"
         if case.violations:
-            line += "  VIOLATED: " + ", ".join(case.violations)
+            line += f"  VIOLATED: {', '.join(case.violations)}"
         self._console.print(line, highlight=False, markup=False, soft_wrap=True)
+
+
+def summary(
+    cases: Sequence[CaseFindings], families: Mapping[str, str], **more: Any
+) -> dict[str, Any]:
+    """Keys and values as ``--json`` prints them.
+
+    ``violations`` counts pairs of case and invariant: a thousand messages that break one rule in
+    one case are one violation. ``worst_recovery_s`` is None if the aircraft never came back in some
+    case. Faults that came together share what came of their case.
+
+    Args:
+        cases: One after the other.
+        families: Of every fault that may be injected, by label, in the order of tables.
+        more: What else is printed.
+    """
+    found = {label: [c for c in cases if label in c.kinds] for label in families}
+    kinds = {label: _counted(those) for label, those in found.items() if those}
+    if "outcomes" in more:
+        for label, row in kinds.items():
+            row["loiters"] = sum(case.loiters for case in found[label])
+    total = _counted(cases)
+    return {
+        "cases": len(cases),
+        "faults": sum(map(len, found.values())),
+        "kinds": len(kinds),
+        "violations": total["violations"],
+        "worst_recovery_s": total["worst_recovery_s"],
+        **more,
+        "per_kind": kinds,
+        "failing_cases": [
+            {
+                "case": case.index,
+                "kinds": list(case.kinds),
+                "recovery_s": case.recovery,
+                "violations": {
+                    name: {"count": count, "first": detail}
+                    for name, (count, detail) in case.violations.items()
+                },
+            }
+            for case in cases
+            if case.violations
+        ],
+    }
+
+
+def _counted(cases: Sequence[CaseFindings]) -> dict[str, Any]:
+    """Cases, violations and longest recovery [s], 0 where none was to be; None if one is lost."""
+    known = bool(cases) and not any(case.lost for case in cases)
+    return {
+        "faults": len(cases),
+        "violations": sum(len(case.violations) for case in cases),
+        "worst_recovery_s": max(case.recovery or 0.0 for case in cases) if known else None,
+    }
+
+
+def in_words(content: dict[str, Any]) -> list[str | Table]:
+    """A :func:`summary` for people."""
+    rows = content["per_kind"].items()
+    counts = ("faults", "violations", *(["loiters"] if "outcomes" in content else []))
+    cells = [
+        [kind, *(str(row[name]) for name in counts), _time(row["worst_recovery_s"])]
+        for kind, row in rows
+    ]
+    headings = ("kind", *counts, "worst recovery")
+    words = [f"{content['violations']} violations"]
+    if "deaths" in content:
+        words.append(f"{content['deaths']} deaths")
+    words.append(f"worst recovery {_time(content['worst_recovery_s'])}")
+    if "rss_growth_percent" in content:
+        words.append(f"memory {content['rss_growth_percent']:+.1f} % an hour")
+    words += [f"{count} times {name}" for name, count in content.get("outcomes", {}).items()]
+    counted = "{faults} faults of {kinds} kinds in {cases} cases".format_map(content)
+    lines = [f"{counted}: {', '.join(words)}"]
+    if "frames" in content:
+        lines.append(
+            "{bad} bad frames: {taken} taken for messages, {good_lost} good ones lost; "
+            "{bad_us:.1f} us each, a good one {good_us:.1f} us".format_map(content["frames"])
+        )
+    lines += [
+        f"case {case['case']} ({', '.join(case['kinds'])}): {name}, {found['count']} times: "
+        f"{found['first']}"
+        for case in content["failing_cases"]
+        for name, found in case["violations"].items()
+    ]
+    return [Table(headings, cells, numeric=headings[1:]), *lines]
+
+
+def _time(seconds: float | None) -> str:
+    return "never" if seconds is None else f"{seconds:.1f} s"
+
+
+def timeline(
+    title: str,
+    cases: Sequence[CaseFindings],
+    families: Mapping[str, str],
+    range_errors: Sequence[tuple[float, float]],
+    tolerance: float,
+) -> Figure:
+    """How far from the orbit, what was injected, what came of it.
+
+    Args:
+        title: Of the campaign.
+        cases: One after the other.
+        families: Of every fault by label, in their order.
+        range_errors: (time since the beginning [s], r - r_d [m]).
+        tolerance: Range error within which the aircraft counts as on its orbit [m].
+    """
+    names = list(dict.fromkeys(families.values()))
+    with drawing(9.0, 6.5) as figure:
+        upper, middle, lower = figure.subplots(
+            3, 1, sharex=True, gridspec_kw={"height_ratios": (2, 2.4, 1.6)}
+        )
+        times = [time / 60.0 for time, _ in range_errors]
+        upper.plot(times, [error for _, error in range_errors], color=BLUE, linewidth=0.8)
+        upper.axhspan(-tolerance, tolerance, color=GREEN, alpha=0.15, linewidth=0)
+        upper.set_ylabel("r - r_d [m]")
+        upper.set_title(f"{title}: true range error; the band is {tolerance:g} m wide either way")
+        for case in cases:
+            color = VERMILLION if case.violations else GREY
+            width = max(case.end - case.begin, 0.2) / 60.0
+            for kind in case.kinds:
+                row = names.index(families[kind])
+                middle.broken_barh([(case.begin / 60.0, width)], (row - 0.4, 0.8), color=color)
+            height = RECOVERY_LIMIT if case.recovery is None else case.recovery
+            lower.plot(case.begin / 60.0, height, "o", markersize=3, color=color)
+        middle.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
+        middle.invert_yaxis()
+        middle.set_title("cases by what they strike; with violations in red")
+        lower.axhline(RECOVERY_LIMIT, color=VERMILLION, linewidth=0.8, linestyle="--")
+        lower.set(ylabel="recovery [s]", xlabel="time [min]")
+        lower.set_ylim(bottom=0.0)
+        lower.set_title(
+            f"simulated time from the last fault to the orbit; allowed {RECOVERY_LIMIT:g} s"
+        )
+        figure.tight_layout()
+    return figure

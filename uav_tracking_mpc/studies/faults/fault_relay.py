@@ -87,10 +87,5 @@ class FaultRelay(Node):
             self._outputs[topic].publish(message)
 
 
-def main() -> int:
-    """Entry point of the process."""
-    return run("fault_relay", FaultRelay)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run("fault_relay", FaultRelay))

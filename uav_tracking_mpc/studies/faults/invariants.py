@@ -20,6 +20,7 @@ written a second time, so that one mistake cannot hide the other.
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from dataclasses import dataclass
 
@@ -203,20 +204,21 @@ class Recovery:
         tolerance: Greatest error of range and of altitude on the orbit [m].
         hold: How long it must be held to count [s].
         limit: Time allowed [s].
+
+    Attributes:
+        flown: Time flown so far [s].
+        range_error: The latest r - r_d [m], nan before the first.
     """
 
     def __init__(self, tolerance: float, hold: float, limit: float) -> None:
         self._tolerance, self._hold, self._limit = tolerance, hold, limit
+        self.flown, self.range_error = 0.0, math.nan
         self._end: float | None = None
         self._entered: float | None = None
 
-    def begin(self, flown: float) -> None:
-        """The last fault has ended.
-
-        Args:
-            flown: Time flown [s].
-        """
-        self._end = flown
+    def begin(self) -> None:
+        """The last fault has ended."""
+        self._end = self.flown
 
     def state(
         self, flown: float, range_error: float, altitude_error: float, commanded: bool
@@ -229,30 +231,23 @@ class Recovery:
             altitude_error: z - z_d [m].
             commanded: Whether commands of the controller come.
         """
+        self.flown, self.range_error = flown, range_error
         errors = max(abs(range_error), abs(altitude_error))
         if not (commanded and errors < self._tolerance):
             self._entered = None
         elif self._entered is None:
             self._entered = flown
 
-    def done(self, flown: float) -> float | None:
-        """Time that the recovery took [s]; None while the orbit has not been held long enough.
-
-        Args:
-            flown: Time flown [s].
-        """
+    def done(self) -> float | None:
+        """Time that the recovery took [s]; None while the orbit has not been held long enough."""
         if self._end is None or self._entered is None:
             return None
-        if flown - max(self._entered, self._end) < self._hold:
+        if self.flown - max(self._entered, self._end) < self._hold:
             return None
         return max(0.0, self._entered - self._end)
 
-    def late(self, flown: float) -> bool:
-        """Whether the time allowed is over without the aircraft on its orbit.
-
-        Args:
-            flown: Time flown [s].
-        """
+    def late(self) -> bool:
+        """Whether the time allowed is over without the aircraft on its orbit."""
         return self._end is not None and (
-            flown - self._end > self._limit + (0.0 if self._entered is None else self._hold)
+            self.flown - self._end > self._limit + (0.0 if self._entered is None else self._hold)
         )

@@ -12,10 +12,16 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Faults on the wire to a simulated autopilot, one after the other, and what came of each."""
+"""Faults on the wire to a simulated autopilot, one after the other, and what came of each.
+
+Controller, link and autopilot fly step by step in simulated time; every message that is sent is
+judged.
+"""
 
 from __future__ import annotations
 
+import contextlib
+import math
 import random
 import time
 from collections.abc import Iterable, Iterator, Sequence
@@ -25,21 +31,175 @@ from rich.console import Console
 
 from uav_tracking_mpc.autopilot.stepped_autopilot import SteppedAutopilot
 from uav_tracking_mpc.autopilot.wire_faults import WIRE_FAULTS
+from uav_tracking_mpc.control.controller import Controller
+from uav_tracking_mpc.estimation.measurement import MeasurementError
+from uav_tracking_mpc.launch.preflight import with_envelope
+from uav_tracking_mpc.links import VEHICLE_LINK, LinkError
 from uav_tracking_mpc.links.mavlink.connection import Connection
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
+from uav_tracking_mpc.links.mavlink.engagement import State
+from uav_tracking_mpc.links.mavlink.mavlink_link import MavlinkLink
 from uav_tracking_mpc.settings.configuration import Configuration
-from uav_tracking_mpc.studies.faults.fault_campaign import FaultCampaign, Injection
-from uav_tracking_mpc.studies.faults.fault_findings import Campaign, CaseFindings
+from uav_tracking_mpc.settings.link import LinkParameters
+from uav_tracking_mpc.simulation.motions import motion_of
+from uav_tracking_mpc.simulation.steered_target import TargetSensor
+from uav_tracking_mpc.studies.faults.fault_campaign import CaseFindings, FaultCampaign, Injection
+from uav_tracking_mpc.studies.faults.invariants import Violation
 from uav_tracking_mpc.studies.faults.kinds import Fault
-from uav_tracking_mpc.studies.faults.link_flight import LinkFlight
 from uav_tracking_mpc.studies.faults.schedule import Case
+from uav_tracking_mpc.studies.study import Study
 
 SETTLING_LIMIT = 90.0  # s to the orbit, from wherever the autopilot was left
 LOITERS = ("LOITER", "RTL", "HOLD", "RETURN", "GUIDED", "OFFBOARD")  # it circles by itself
 HAND_FLOWN = ("FBWA", "MANUAL", "RTL", "LOITER", "STABILIZED", "HOLD")
-SAMPLE_PERIOD = 1.0  # s between errors that are kept for the figure
 BAD_FRAMES = 100_000  # frames
 SENDER = 3  # code: MAVLink system of the good frames
+ROUNDING = math.radians(0.02)  # rad, rounding: a bank is a single, a limit in degrees
+ROLL_IGNORED_AS_ATTITUDE = 0b10000000  # bits with which ArduPlane takes the axes one by one
+FORBIDDEN = {
+    mavlink.MAV_CMD_COMPONENT_ARM_DISARM: "arms or disarms",
+    mavlink.MAV_CMD_NAV_TAKEOFF: "takes off",
+    mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: "reboots",
+}
+CONNECT_LIMIT, WAIT = 20.0, 0.1  # s
+# The code that a user sets in a real autopilot, because `link check` asks for it.
+TOLD = {"px4": {"COM_OBL_RC_ACT": 5.0}}
+
+
+class LinkFlight:
+    """A flight about the target of a configuration.
+
+    Args:
+        dialect: Name of the link and of its autopilot.
+        configuration: What is flown; the vehicle's limits take the place of its own.
+
+    Attributes:
+        autopilot: What flies.
+        link: To it.
+        controller: Of the flight.
+        set_points: How many were sent.
+        violations: Of what may be sent, found and not yet taken.
+        silent: Whether the companion is dead: time goes on without us.
+        speed: Faults last as long as they say: all of it is simulated time.
+
+    Raises:
+        LinkError: The autopilot refuses to be flown.
+    """
+
+    speed = 1.0
+
+    def __init__(self, dialect: str, configuration: Configuration) -> None:
+        self.autopilot = SteppedAutopilot(dialect, configuration)
+        for name, value in TOLD.get(dialect, {}).items():
+            self.autopilot.core.parameters.set(name, value)
+        self.set_points, self.silent = 0, False
+        self.violations: list[Violation] = []
+        self._motion = motion_of(configuration.target)
+        self._sensor = TargetSensor(configuration.target, self._motion)
+        self._period, self._measured_at = 1.0 / configuration.target.rate, -math.inf
+        kind = VEHICLE_LINK.find(dialect)
+        self.link: MavlinkLink = kind("", LinkParameters(link=dialect), self._connection)
+        self.link.connect(CONNECT_LIMIT)
+        found = self.link.inspect()
+        if found.refusals:
+            raise LinkError("; ".join(found.refusals))
+        envelope = {"autopilot_holds": self.link.holds, **found.envelope}
+        fitted, _ = with_envelope(configuration, envelope)
+        self.controller = Controller(fitted.controller, stopwatch=lambda: 0.0)
+
+    def take_violations(self) -> list[Violation]:
+        """What was found since the last call."""
+        taken, self.violations = self.violations, []
+        return taken
+
+    def blame(self, rule: str, words: str) -> None:
+        """Note that a rule was broken, and how."""
+        self.violations.append(Violation(rule, words))
+
+    def _connection(self, address: str, component: int, key: str) -> Connection:
+        """The link's end of the wire, with everything that it sends judged."""
+        connection = self.autopilot.connection(address, component, key)
+        send = connection.send
+
+        def judged(message: Any) -> None:
+            self._judge(message)
+            send(message)
+
+        connection.send = judged  # type: ignore[method-assign]
+        return connection
+
+    def _judge(self, message: Any) -> None:
+        kind = message.get_type()
+        numbers = [value for value in message.to_dict().values() if isinstance(value, float)]
+        numbers += [float(value) for value in getattr(message, "q", ())]
+        if not all(map(math.isfinite, numbers)):
+            self.blame("finite", f"{kind} holds {message}")
+        if kind == "SET_ATTITUDE_TARGET":
+            self._judge_set_point(message)
+        elif kind in ("PARAM_SET", "SET_MODE"):
+            self.blame("harmless", f"{kind} was sent")
+        elif kind in ("COMMAND_LONG", "COMMAND_INT") and message.command in FORBIDDEN:
+            self.blame("harmless", f"a command that {FORBIDDEN[message.command]} was sent")
+
+    def _judge_set_point(self, message: Any) -> None:
+        self.set_points += 1
+        if self.link.engagement.state is State.IDLE:
+            self.blame("engaged", "a set-point was sent while nobody was engaged")
+        bank_max, pitch_min, pitch_max, thrust_min, thrust_max = self._limits()
+        w, x, y, z = message.q
+        bank = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+        pitch = math.asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x))))
+        if abs(bank) > bank_max + ROUNDING:
+            self.blame("bank", f"{math.degrees(bank):.1f} deg, may {math.degrees(bank_max):.1f}")
+        if message.type_mask & ROLL_IGNORED_AS_ATTITUDE:
+            return
+        if not pitch_min - ROUNDING <= pitch <= pitch_max + ROUNDING:
+            self.blame("pitch", f"{math.degrees(pitch):.1f} deg")
+        if not thrust_min - 1e-6 <= message.thrust <= thrust_max + 1e-6:
+            self.blame("thrust", f"{message.thrust:g}")
+
+    def _limits(self) -> tuple[float, float, float, float, float]:
+        """Bank, least and greatest pitch of now, in [rad], and thrust [-]."""
+        known = self.autopilot.core.parameters
+        if "FW_R_LIM" not in known:
+            return math.radians(known["ROLL_LIMIT_DEG"]), -math.pi, math.pi, 0.0, 1.0
+        pitch = math.radians(known["FW_P_LIM_MIN"]), math.radians(known["FW_P_LIM_MAX"])
+        return math.radians(known["FW_R_LIM"]), *pitch, known["FW_THR_MIN"], known["FW_THR_MAX"]
+
+    def now(self) -> float:
+        """Simulated time in [s]."""
+        return self.autopilot.time
+
+    @property
+    def errors(self) -> tuple[float, float]:
+        """True errors of range and altitude about the target in [m]."""
+        state, orbit = self.autopilot.core.state, self.controller.parameters.orbit
+        x, y, z = self._motion.position(self.now()).tolist()
+        east, north, up = state.east - x, state.north - y, state.up - z
+        distance = math.sqrt(east * east + north * north + up * up)
+        return distance - orbit.range, up - orbit.altitude
+
+    def step(self) -> None:
+        """Go on by one measurement, or by the time that one may take."""
+        if self.silent:
+            self.autopilot.tick()
+            return
+        measured = self.link.measured(WAIT)
+        now = self.link.now()
+        if now - self._measured_at >= self._period:
+            self._measured_at = now
+            self._sensor.measure(now)
+        for stamp, position in self._sensor.delivered(now):
+            with contextlib.suppress(MeasurementError):  # ahead of stamps of a clock that jumped
+                self.controller.see_target(stamp, position)
+        self.controller.engage(self.link.engaged)
+        if measured is None:
+            return
+        if self.controller.formulation is not None:  # simulated time waits for a solve
+            self.controller.formulation.solver.time_limit = math.inf
+        command = self.controller.step(measured, now)
+        if command is not None:
+            self.link.command(command.stamp, command.inputs, command.step, command.flown_orbit)
 
 
 class WireFault(Fault):
@@ -82,7 +242,7 @@ class TakeOver(Fault):
             self._before(message, arrival)
             tells = message.get_type() in ("HEARTBEAT", "CURRENT_MODE")
             if tells and not flight.link.takes_commands(message.custom_mode):
-                self._told.append(flight.sent.set_points)
+                self._told.append(flight.set_points)
 
         flight.link.heard.on_message = listen
         modes = [mode for mode in HAND_FLOWN if mode in flight.autopilot.core.modes]
@@ -92,9 +252,9 @@ class TakeOver(Fault):
     def end(self, flight: Any) -> None:
         """See :meth:`Fault.end`."""
         flight.link.heard.on_message = self._before
-        late = flight.sent.set_points - (self._told[0] if self._told else 0)
+        late = flight.set_points - (self._told[0] if self._told else 0)
         if late or flight.link.engaged:
-            flight.sent.blame("take-over", f"{late} set-points after mode {self._mode} was told")
+            flight.blame("take-over", f"{late} set-points after mode {self._mode} was told")
 
 
 class CompanionDead(Fault):
@@ -140,19 +300,9 @@ class LinkCampaign(FaultCampaign):
 
     def now(self) -> float:
         """See :meth:`FaultCampaign.now`: of simulated time."""
-        return self._before + self.flight.time
+        return self._before + self.flight.now()
 
-    @property
-    def flown(self) -> float:
-        """See :attr:`FaultCampaign.flown`."""
-        return self.flight.time
-
-    @property
-    def range_error(self) -> float:
-        """See :attr:`FaultCampaign.range_error`."""
-        return self.flight.errors[0]
-
-    def fly(self, cases: Iterable[Case], *, seed: int) -> Campaign:
+    def fly(self, cases: Iterable[Case], *, seed: int) -> Study:
         """Fly cases until there are no more, or the user interrupts.
 
         Args:
@@ -163,14 +313,13 @@ class LinkCampaign(FaultCampaign):
             KeyboardInterrupt: Before the first case was flown; later the findings are returned.
         """
         interrupted = self.fly_cases(cases)
-        found = self.found
         outcomes = {
-            "orbit": sum(case.recovery is not None for case in found),
-            "loiter": sum(case.loiters for case in found),
-            "lost": sum(case.lost for case in found),
+            "orbit": sum(case.recovery is not None for case in self.found),
+            "loiter": sum(case.loiters for case in self.found),
+            "lost": sum(case.lost for case in self.found),
         }
         connection = SteppedAutopilot(self._dialect, self.configuration).connection("", 191, "")
-        return self.campaign(
+        return self.study(
             seed,
             dialect=self._dialect,
             interrupted=interrupted,
@@ -179,55 +328,44 @@ class LinkCampaign(FaultCampaign):
         )
 
     def fly_case(self, case: Case) -> CaseFindings:
-        """See :meth:`FaultCampaign.fly_case`: on the orbit first; nothing may end a flight.
-
-        Args:
-            case: To fly.
-        """
+        """See :meth:`FaultCampaign.fly_case`: on the orbit first; nothing may end a flight."""
         struck, findings = self.flight, CaseFindings(case.index, case.kinds, self.now())
         try:
-            self._engage()
+            self._engage(findings)
             findings = super().fly_case(case)
         except Exception as error:
-            struck.sent.blame("exception", f"{type(error).__name__}: {error}")
+            struck.blame("exception", f"{type(error).__name__}: {error}")
             self._before = self.now()
             self.flight = LinkFlight(self._dialect, self.configuration)
-        findings.violations |= struck.sent.take()
+        for violation in struck.take_violations():
+            findings.add(violation)
         return findings
 
     def watch(self, findings: CaseFindings, injections: Sequence[Injection] = ()) -> Iterator[bool]:
         """See :meth:`FaultCampaign.watch`: simulated time never stands still."""
         while True:
-            self._step()
+            self.flight.step()
+            self.recovery.state(self.flight.now(), *self.flight.errors, self.flight.link.engaged)
+            self.sample()
             yield False
 
-    def _step(self) -> None:
-        flight = self.flight
-        flight.step()
-        self.recovery.state(flight.time, *flight.errors, flight.link.engaged)
-        if not self.range_errors or self.now() - self.range_errors[-1][0] > SAMPLE_PERIOD:
-            self.range_errors.append((self.now(), self.range_error))
-
-    def _engage(self) -> None:
+    def _engage(self, findings: CaseFindings) -> None:
         """Hand command over as a pilot does, and wait for the orbit."""
-        flight, asked = self.flight, -1.0
-        self.recovery.begin(begin := flight.time)
+        flight, begin, asked = self.flight, self.flight.now(), -1.0
+        self.recovery.begin()
         if not flight.link.engaged:
             flight.autopilot.pilot_mode(flight.autopilot.core.loiter_mode)
-        while self.recovery.done(flight.time) is None:
-            self._step()
-            if not flight.link.engaged and flight.time - asked > 1.0:
-                asked = flight.time
+        for _ in self.watch(findings):
+            if not flight.link.engaged and flight.now() - asked > 1.0:
+                asked = flight.now()
                 flight.link.engage()
-            if flight.time - begin > SETTLING_LIMIT:
+            if flight.now() - begin > SETTLING_LIMIT:
                 raise RuntimeError(f"not on the orbit {SETTLING_LIMIT:g} s after it was engaged")
+            if self.recovery.done() is not None:
+                return
 
     def excused(self, findings: CaseFindings) -> bool:
-        """See :meth:`FaultCampaign.excused`: the autopilot circles and waits to be engaged.
-
-        Args:
-            findings: Of the case that it does not recover from.
-        """
+        """See :meth:`FaultCampaign.excused`: the autopilot circles and waits to be engaged."""
         by_itself = self.flight.autopilot.core.mode in LOITERS and not self.flight.link.engaged
         return by_itself or TakeOver.name in findings.kinds
 

@@ -16,48 +16,112 @@
 
 from __future__ import annotations
 
-import contextlib
+import dataclasses
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.parameter_client import AsyncParameterClient
 from rich.console import Console
 
-from uav_tracking_mpc.control.guidance import compile_flight
-from uav_tracking_mpc.launch.flight import signals
-from uav_tracking_mpc.launch.supervisor import NODES, LaunchError, supervised
+from uav_tracking_mpc.launch.supervisor import NODES, LaunchError
+from uav_tracking_mpc.parameters.specification import Specification, Value, specifications
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.studies.faults import fault_relay
-from uav_tracking_mpc.studies.faults.fault_campaign import STALL_LIMIT, FaultCampaign, Injection
-from uav_tracking_mpc.studies.faults.fault_findings import Campaign, CaseFindings
-from uav_tracking_mpc.studies.faults.injected_flight import Flight, ParameterClient
+from uav_tracking_mpc.studies.faults.fault_campaign import (
+    STALL_LIMIT,
+    CaseFindings,
+    FaultCampaign,
+    Injection,
+)
 from uav_tracking_mpc.studies.faults.invariants import Limits, Violation
 from uav_tracking_mpc.studies.faults.kinds import Fault
 from uav_tracking_mpc.studies.faults.observer import Observer
-from uav_tracking_mpc.studies.faults.resources import ResourceWatch
 from uav_tracking_mpc.studies.faults.schedule import Case
 from uav_tracking_mpc.studies.faults.stream_fault import ORDERS, STREAMS, raw
+from uav_tracking_mpc.studies.faults.watched_nodes import LOG, watched_nodes
+from uav_tracking_mpc.studies.study import Study
 
+ANSWER_LIMIT = 5.0  # s of wall time for the parameters to be put back
 SPEED = 5.0  # -, simulated over wall time, at most: five processes share the cores
 START_LIMIT = 120.0  # s of wall time to fly onto the orbit the first time
 TRANSPORT = 0.5  # s of wall time that messages may take, whatever the load
 FENCE = 3.0  # -, times the distance at the start
-REACH = 1.0  # -, times the range: how far a target is teleported
-CHECK_PERIOD = 0.02  # s of wall time between looks at the processes
-SAMPLE_PERIOD = 1.0  # s of wall time between looks at what they use
-LOG = "nodes.log"
 RELAY = "fault_relay"
 
 
-def limits(configuration: Configuration) -> Limits:
-    """What the messages of a configuration are held to.
+class ParameterClient:
+    """Asks for parameters and puts them back.
 
     Args:
-        configuration: That is flown.
+        node: Through which it asks.
+        parameters: The dataclass whose fields are the controller's parameters, as configured.
+
+    Attributes:
+        known: Parameters of the controller.
+        configured: Their values as configured, by name.
+        asked: Requests sent.
+        answered: Answers received.
+        accepted: Parameters that were set.
     """
+
+    def __init__(self, node: Node, parameters: Any) -> None:
+        self._client = AsyncParameterClient(node, "nmpc_controller")
+        self.known: list[Specification] = list(specifications(type(parameters)))
+        self.configured: dict[str, Value] = {
+            field.name: getattr(parameters, field.name) for field in dataclasses.fields(parameters)
+        }
+        self.asked = self.answered = self.accepted = 0
+        self._put_back = 0.0
+
+    def ask(self, values: dict[str, Any]) -> None:
+        """Ask for values one by one, in one request; without a server nothing is asked.
+
+        Args:
+            values: By name, of any type.
+        """
+        self._send(self._client.set_parameters, values, self._on_each)
+
+    def put_back(self) -> None:
+        """Ask for everything as it was configured, as a whole: a part of it may not be flyable."""
+        self._put_back = time.monotonic()
+        values = {**self.configured, "use_sim_time": True}
+        self._send(self._client.set_parameters_atomically, values, self._on_whole)
+
+    def _send(
+        self, request: Callable[..., Any], values: dict[str, Any], answered: Callable[[Any], None]
+    ) -> None:
+        if self._client.services_are_ready():
+            self.asked += 1
+            asked = {k: list(v) if isinstance(v, tuple) else v for k, v in values.items()}
+            request([Parameter(name, value=value) for name, value in asked.items()], answered)
+
+    def _on_each(self, future: Any) -> None:
+        if (answer := future.result()) is not None:
+            self.answered += 1
+            self.accepted += sum(result.successful for result in answer.results)
+
+    def _on_whole(self, future: Any) -> None:
+        if (answer := future.result()) is not None:
+            self.answered += 1
+            self.accepted += len(self.configured) if answer.result.successful else 0
+
+    @property
+    def settled(self) -> bool:
+        """Whether every request was answered, or too long ago.
+
+        Answers come in order: with the last one nothing that was asked before is left.
+        """
+        waited = time.monotonic() - self._put_back
+        return self.answered >= self.asked or waited > ANSWER_LIMIT
+
+
+def limits(configuration: Configuration) -> Limits:
+    """What the messages of a configuration are held to."""
     controller = configuration.controller
     target = np.array(configuration.target.position)
     distance = float(np.linalg.norm(configuration.simulator.initial_state[:3] - target))
@@ -72,13 +136,20 @@ def limits(configuration: Configuration) -> Limits:
 
 
 class NodeCampaign(FaultCampaign):
-    """A campaign with real nodes.
+    """A campaign with real nodes, which its faults act on.
 
     Args:
         configuration: What to fly.
         faults: That the cases name, by label.
         output: Existing folder for the nodes' output and the bags of failing cases.
         console: Where progress goes.
+
+    Attributes:
+        supervisor: Of the node processes.
+        observer: Node that hears every message.
+        parameters: Client of the controller's parameters.
+        speed: Simulated over wall time [-].
+        reach: How far a target is teleported [m].
     """
 
     tolerance = 10.0
@@ -91,28 +162,22 @@ class NodeCampaign(FaultCampaign):
         console: Console,
     ) -> None:
         super().__init__(configuration, faults, console)
-        self._output = output
-        self._speed = min(SPEED, configuration.mission.speed)
-        self._resources = ResourceWatch()
+        self._output, self.flight = output, self
+        self.speed = min(SPEED, configuration.mission.speed)
+        self.reach = configuration.controller.range
         self._deaths = self._log_read = 0
 
     def now(self) -> float:
         """See :meth:`FaultCampaign.now`: of wall time."""
         return time.monotonic() - self._begin
 
-    @property
-    def flown(self) -> float:
-        """See :attr:`FaultCampaign.flown`."""
-        return self._observer.flown
-
-    @property
-    def range_error(self) -> float:
-        """See :attr:`FaultCampaign.range_error`."""
-        return self._observer.range_error
+    def order(self, text: str) -> None:
+        """Send an order to the relay."""
+        self._orders.publish(ORDERS.type(data=text))
 
     def fly(
         self, cases: Iterable[Case], *, seed: int, minutes: float, domain: int | None = None
-    ) -> Campaign:
+    ) -> Study:
         """Fly cases until the time is over, there are no more, or the user interrupts.
 
         Args:
@@ -128,131 +193,90 @@ class NodeCampaign(FaultCampaign):
             LaunchError: The aircraft did not reach its orbit before the first fault.
             KeyboardInterrupt: Before the first case was flown; later the findings are returned.
         """
-        compile_flight(self.configuration.controller)  # no other solver is tried
-        with contextlib.ExitStack() as stack:
-            self._received = stack.enter_context(signals())
-            log = stack.enter_context((self._output / LOG).open("w", encoding="utf-8"))
-            self._supervisor = stack.enter_context(supervised(Console(file=log), domain))
-            self._connect(stack)
-            self._begin = self._checked = self._sampled = time.monotonic()
-            self._start_nodes()
+        with watched_nodes(self.configuration, self._output, domain) as self._nodes:
+            self._start()
             self._reach_orbit()
             interrupted = self.fly_cases(cases, end=60.0 * minutes)
-        for words in self._resources.complaints() if self.found else ():
+        resources = self._nodes.resources
+        for words in resources.complaints() if self.found else ():
             self.found[-1].add(Violation("growth", words))
-        latest = self._resources.latest()
+        latest = resources.latest()
         growth = {name: process.rss_percent_per_hour() for name, process in latest.items()}
-        parameters = self.flight.parameters
-        return self.campaign(
+        return self.study(
             seed,
             minutes=minutes,
-            speed=self._speed,
+            speed=self.speed,
             interrupted=interrupted,
             deaths=self._deaths,
             rss_growth_percent=max(filter(None, growth.values()), default=0.0),
             rss_growth_percent_by_node=growth,
             parameters={
-                "asked": parameters.asked,
-                "answered": parameters.answered,
-                "accepted": parameters.accepted,
+                "asked": self.parameters.asked,
+                "answered": self.parameters.answered,
+                "accepted": self.parameters.accepted,
             },
         )
 
-    def _connect(self, stack: contextlib.ExitStack) -> None:
-        """Create the nodes of this process: one that hears, one that gives orders."""
-        orbit = self.configuration.controller.orbit
-        self._observer = Observer(
-            limits(self.configuration), (orbit.range, orbit.altitude), self.recovery
-        )
-        commander = Node("campaign")
-        publisher = commander.create_publisher(ORDERS.type, ORDERS.name, ORDERS.qos)
-        self.flight = Flight(
-            self._supervisor,
-            self._observer,
-            lambda text: publisher.publish(ORDERS.type(data=text)),
-            ParameterClient(commander, self.configuration.controller),
-            self._speed,
-            REACH * orbit.range,
-        )
-        self._executor = EventsExecutor()
-        for node in (self._observer, commander):
-            self._executor.add_node(node)
-            stack.callback(node.destroy_node)
-        stack.callback(self._executor.shutdown)
+    def _start(self) -> None:
+        """Start two nodes of this process, one that hears, one that gives orders, and all others.
 
-    def _start_nodes(self) -> None:
-        self._supervisor.start(RELAY, fault_relay.__name__)
+        What they send goes to the relay first.
+        """
+        orbit, commander = self.configuration.controller.orbit, Node("campaign")
+        limit = limits(self.configuration)
+        self.observer = Observer(limit, (orbit.range, orbit.altitude), self.recovery)
+        self._orders = commander.create_publisher(ORDERS.type, ORDERS.name, ORDERS.qos)
+        self.parameters = ParameterClient(commander, self.configuration.controller)
+        self._nodes.hear(self.observer, commander)
+        self._begin = time.monotonic()
+        self.supervisor = self._nodes.supervisor
+        self.supervisor.start(RELAY, fault_relay.__name__)
         remaps = {
-            node: [
-                f"{topic.name}:={raw(topic).name}"  # to the relay first
-                for topic in STREAMS
-                if node in topic.sender
-            ]
+            node: [f"{each.name}:={raw(each).name}" for each in STREAMS if node in each.sender]
             for node in NODES
         }
-        self._supervisor.start_flight(self.configuration, self._speed, remaps)
+        self.supervisor.start_flight(self.configuration, self.speed, remaps)
 
     def _reach_orbit(self) -> None:
-        self.recovery.begin(0.0)
-        deadline = time.monotonic() + START_LIMIT
-        for _ in self._spin():
-            dead = self._supervisor.dead()
-            if dead or time.monotonic() > deadline:
+        self.recovery.begin()
+        for _ in self._nodes.spin():
+            self.sample()
+            dead = self.supervisor.dead()
+            if dead or self.now() > START_LIMIT:
                 raise LaunchError(
                     f"the aircraft did not reach its orbit within {START_LIMIT:g} s"
                     + "".join(f"; {name} died with exit code {dead[name]}" for name in dead)
                     + f"; see {self._output / LOG}"
                 )
-            if self.recovery.done(self.flown) is not None:
+            if self.recovery.done() is not None:
                 return
 
-    def _spin(self) -> Iterator[None]:
-        """Hear messages; yield every CHECK_PERIOD. A signal raises KeyboardInterrupt here alone.
-
-        Within a callback, rclpy may turn that exception into others.
-        """
-        while True:
-            self._executor.spin_once(timeout_sec=CHECK_PERIOD)
-            if self._received:
-                raise KeyboardInterrupt
-            now = time.monotonic()
-            if now - self._checked < CHECK_PERIOD:
-                continue
-            self._checked = now
-            if now - self._sampled > SAMPLE_PERIOD:
-                self._sampled = now
-                self._sample(now)
-            yield
-
     def fly_case(self, case: Case) -> CaseFindings:
-        """See :meth:`FaultCampaign.fly_case`; the bag of a case that fails is kept.
-
-        Args:
-            case: To fly.
-        """
-        self._observer.bag.begin(time.time_ns())
+        """See :meth:`FaultCampaign.fly_case`; the bag of a case that fails is kept."""
+        self.observer.begin_case()
         findings = super().fly_case(case)
         self._read_log(findings)
         if findings.violations:
             cases = self._output / "cases"
             cases.mkdir(exist_ok=True)
-            self._observer.bag.write(cases / f"case_{case.index:04d}.mcap")
+            self.observer.write_bag(cases / f"case_{case.index:04d}.mcap")
         return findings
 
     def watch(self, findings: CaseFindings, injections: Sequence[Injection] = ()) -> Iterator[bool]:
         """See :meth:`FaultCampaign.watch`: messages and processes."""
-        moved, flown = time.monotonic(), self.flown
-        for _ in self._spin():
+        moved, flown = time.monotonic(), self.recovery.flown
+        for now in self._nodes.spin():
+            self.sample()
             under_way = any(not injection.settled for injection in injections)
-            if under_way or self.flown != flown:
-                moved, flown = time.monotonic(), self.flown
-            for violation in self._observer.take_violations():
+            if under_way or self.recovery.flown != flown:
+                moved, flown = now, self.recovery.flown
+            for violation in self.observer.take_violations():
                 findings.add(violation)
-            for name, code in self._supervisor.dead().items():
+            for name, code in self.supervisor.dead().items():
                 self._deaths += 1
                 findings.add(Violation("process lost", f"{name} ended with exit code {code}"))
-                self._supervisor.restart(name)
-            yield time.monotonic() - moved > STALL_LIMIT
+                self.supervisor.restart(name)
+            yield now - moved > STALL_LIMIT
 
     def _read_log(self, findings: CaseFindings) -> None:
         with (self._output / LOG).open(encoding="utf-8", errors="replace") as file:
@@ -262,9 +286,3 @@ class NodeCampaign(FaultCampaign):
         for line in text.splitlines():
             if "Traceback" in line:
                 findings.add(Violation("traceback", line))
-
-    def _sample(self, now: float) -> None:
-        self._supervisor.note_shared_memory()
-        self.range_errors.append((self.now(), self.range_error))
-        processes = self._supervisor.processes
-        self._resources.sample(now, [processes[name] for name in processes if name != RELAY])

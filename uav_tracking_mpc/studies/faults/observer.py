@@ -50,43 +50,6 @@ BEFORE = 1_000_000_000  # ns of what came before the case
 TOPICS = (*(raw(topic) for topic in STREAMS), *STREAMS, DIAGNOSTICS, ORDERS)
 
 
-class CaseBag:
-    """The latest messages of every topic."""
-
-    def __init__(self) -> None:
-        self._messages: deque[tuple[Topic, int, bytes]] = deque(maxlen=MOST)
-
-    def add(self, topic: Topic, time: int, data: bytes) -> None:
-        """Keep a message.
-
-        Args:
-            topic: On which it was heard.
-            time: When it was heard [ns].
-            data: The message, serialized.
-        """
-        self._messages.append((topic, time, data))
-
-    def begin(self, time: int) -> None:
-        """A case begins: forget what came more than a second before.
-
-        Args:
-            time: When it begins [ns].
-        """
-        while self._messages and self._messages[0][1] < time - BEFORE:
-            self._messages.popleft()
-
-    def write(self, path: Path) -> None:
-        """Write what is kept as an MCAP file.
-
-        Args:
-            path: Of the file.
-        """
-        bag = FlightBag(path, TOPICS)
-        for topic, heard, data in self._messages:
-            bag.write(topic, heard, data)
-        bag.close()
-
-
 QUEUE = 1000  # messages that may wait
 PATIENCE = 1.0  # s of simulated time without a command after which the aircraft is not commanded
 
@@ -101,9 +64,6 @@ class Observer(Node):
         options: As of rclpy's Node.
 
     Attributes:
-        bag: The messages of the present case.
-        flown: Simulated time that was flown [s].
-        range_error: The latest r - r_d [m], nan before the first.
         violations: Found and not yet taken.
         heard: Steady time [s] of each node's latest diagnostics, by its name.
     """
@@ -112,15 +72,11 @@ class Observer(Node):
         self, limits: Limits, orbit: tuple[float, float], recovery: Recovery, **options: Any
     ) -> None:
         super().__init__("observer", **options)
-        self._invariants = Invariants(limits)
+        self._invariants, self._recovery, self._flown = Invariants(limits), recovery, FlownTime()
         self._range, self._altitude = orbit
-        self._recovery = recovery
-        self._flown = FlownTime()
         self._target: np.ndarray | None = None
         self._commanded = -math.inf  # flown time of the latest command [s]
-        self.bag = CaseBag()
-        self.flown = 0.0
-        self.range_error = math.nan
+        self._messages: deque[tuple[Topic, int, bytes]] = deque(maxlen=MOST)
         self.violations: list[Violation] = []
         self.heard: dict[str, float] = {}
         judges = {
@@ -135,7 +91,7 @@ class Observer(Node):
             FollowingSubscription(self, topic, callback, QUEUE, raw=True)
 
     def _on_message(self, topic: Topic, judge: Any, data: bytes) -> None:
-        self.bag.add(topic, time.time_ns(), data)
+        self._messages.append((topic, time.time_ns(), data))
         if judge is not None:
             judge(deserialize_message(data, topic.type))
 
@@ -143,14 +99,11 @@ class Observer(Node):
         position = vector(message.pose.pose.position)
         stamp = seconds(message.header.stamp)
         self.violations += self._invariants.state(stamp, position)
-        self.flown = self._flown.state(stamp)
-        if self._target is None:
-            return
-        offset = position - self._target
-        self.range_error = float(np.linalg.norm(offset)) - self._range
-        commanded = self.flown - self._commanded < PATIENCE
-        altitude_error = float(offset[2]) - self._altitude
-        self._recovery.state(self.flown, self.range_error, altitude_error, commanded)
+        flown = self._flown.state(stamp)
+        if self._target is not None:
+            offset = position - self._target
+            errors = float(np.linalg.norm(offset)) - self._range, float(offset[2]) - self._altitude
+            self._recovery.state(flown, *errors, flown - self._commanded < PATIENCE)
 
     def _on_delivered(self, message: Any) -> None:
         self._invariants.delivered(time.monotonic(), seconds(message.header.stamp))
@@ -160,7 +113,7 @@ class Observer(Node):
         self._invariants.target(self._target)
 
     def _on_command(self, message: Any) -> None:
-        self._commanded = self.flown
+        self._commanded = self._flown.seconds
         plan, starts = read_command(message)
         stamp = seconds(message.header.stamp)
         self.violations += self._invariants.command(time.monotonic(), stamp, plan, starts)
@@ -173,6 +126,18 @@ class Observer(Node):
         """What was found since the last call."""
         taken, self.violations = self.violations, []
         return taken
+
+    def begin_case(self) -> None:
+        """Forget the messages that came more than a second ago."""
+        while self._messages and self._messages[0][1] < time.time_ns() - BEFORE:
+            self._messages.popleft()
+
+    def write_bag(self, path: Path) -> None:
+        """Write the messages of the present case as an MCAP file."""
+        bag = FlightBag(path, TOPICS)
+        for message in self._messages:
+            bag.write(*message)
+        bag.close()
 
 
 def read_command(message: Any) -> tuple[np.ndarray, np.ndarray]:

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -39,11 +40,13 @@ class Usage:
         rss: Resident memory in [byte].
         handles: Open file descriptors.
         threads: Threads.
+        cpu: Processor time so far in [s].
     """
 
     rss: int
     handles: int
     threads: int
+    cpu: float = 0.0
 
 
 def usage(process: int) -> Usage | None:
@@ -54,14 +57,16 @@ def usage(process: int) -> Usage | None:
     """
     folder = Path(f"/proc/{process}")
     try:
-        status = (folder / "status").read_text()
+        status, times = ((folder / name).read_text() for name in ("status", "stat"))
         handles = sum(1 for _ in (folder / "fd").iterdir())
     except OSError:
         return None
     found = dict(re.findall(r"^(VmRSS|Threads):\s+(\d+)", status, re.MULTILINE))
     if "VmRSS" not in found:  # a zombie
         return None
-    return Usage(1024 * int(found["VmRSS"]), handles, int(found["Threads"]))
+    user, system = times.rpartition(")")[2].split()[11:13]
+    cpu = (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
+    return Usage(1024 * int(found["VmRSS"]), handles, int(found["Threads"]), cpu)
 
 
 class Growth:

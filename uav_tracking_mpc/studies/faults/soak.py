@@ -16,30 +16,28 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rich.console import Console
 
-from uav_tracking_mpc.control.guidance import compile_flight
-from uav_tracking_mpc.launch.flight import signals
-from uav_tracking_mpc.launch.supervisor import LaunchError, Supervisor, supervised
+from uav_tracking_mpc.launch.supervisor import LaunchError
 from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription
 from uav_tracking_mpc.nodes.topics import COMMAND, ODOMETRY, TARGET
+from uav_tracking_mpc.report.atomic_write import json_text
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.studies.faults.observer import seconds, vector
-from uav_tracking_mpc.studies.faults.resources import Growth, ResourceWatch, Usage
+from uav_tracking_mpc.studies.faults.resources import Growth, Usage
+from uav_tracking_mpc.studies.faults.watched_nodes import WatchedNodes, watched_nodes
+from uav_tracking_mpc.studies.study import Study
 
 SPEED = 20.0  # -, simulated over wall time, as far as the machine keeps up
 TOLERANCE = 10.0  # m, greatest range error
 SETTLING = 180.0  # s of simulated time to fly onto the orbit
-SAMPLE_PERIOD = 1.0  # s of wall time
 REPORT_PERIOD = 20.0  # s of wall time
 STALL_LIMIT = 60.0  # s of wall time in which simulated time must move on
 QUEUE = 1000  # messages that may wait
@@ -98,7 +96,7 @@ def soak(
     output: Path,
     console: Console,
     domain: int | None = None,
-) -> dict[str, Any]:
+) -> Study:
     """Fly for hours of simulated time, at the speed of the mission.
 
     Args:
@@ -108,76 +106,51 @@ def soak(
         console: Where progress goes.
         domain: ROS domain; None takes one that no other launch uses.
 
-    Returns:
-        What ``--json`` prints.
-
     Raises:
         LaunchError: A node died, or time stood still.
         KeyboardInterrupt: A signal came.
     """
-    compile_flight(configuration.controller)  # what is measured is not another solver
-    resources = ResourceWatch()
-    with contextlib.ExitStack() as stack:
-        received = stack.enter_context(signals())
-        log = stack.enter_context((output / "nodes.log").open("w", encoding="utf-8"))
-        supervisor = stack.enter_context(supervised(Console(file=log), domain))
-        observer, executor = SoakObserver(configuration.controller.range), EventsExecutor()
-        executor.add_node(observer)
-        stack.callback(observer.destroy_node)
-        stack.callback(executor.shutdown)
-        supervisor.start_flight(configuration, configuration.mission.speed)
-        begin, flown = _watch(
-            observer, executor, supervisor, resources, 3600.0 * hours, received, console
-        )
-        wall = time.monotonic() - begin
+    with watched_nodes(configuration, output, domain) as flight:
+        observer = SoakObserver(configuration.controller.range)
+        flight.hear(observer)
+        flight.supervisor.start_flight(configuration, configuration.mission.speed)
+        begin = _watch(flight, observer, 3600.0 * hours, console)
+        wall, flown = time.monotonic() - begin, observer.time
     worst, when = observer.settled
-    nodes = {name: _told(growth) for name, growth in resources.latest().items()}
-    return {
+    nodes = {name: _told(growth) for name, growth in flight.resources.latest().items()}
+    violations = (worst > TOLERANCE) + sum(bool(node["complaint"]) for node in nodes.values())
+    content = {
         "config": configuration.name,
-        "simulated_hours": observer.time / 3600.0,
+        "simulated_hours": flown / 3600.0,
         "wall_minutes": wall / 60.0,
         "speed": flown / wall,
-        "control_rate_hz": observer.commands / observer.time,
+        "control_rate_hz": observer.commands / flown,
         "control_rate_wanted_hz": configuration.controller.control_rate,
         "longest_gap_s": observer.longest_gap,
         "max_range_error_m": worst,
         "max_range_error_at_s": when,
         "rss_growth_percent": max(node["rss_growth_percent"] for node in nodes.values()),
         "nodes": nodes,
-        "violations": (worst > TOLERANCE) + sum(bool(node["complaint"]) for node in nodes.values()),
+        "violations": violations,
     }
+    return Study("soak", content, [json_text(content)], good=not violations)
 
 
 def _watch(
-    observer: SoakObserver,
-    executor: EventsExecutor,
-    supervisor: Supervisor,
-    resources: ResourceWatch,
-    duration: float,
-    received: list[int],
-    console: Console,
-) -> tuple[float, float]:
-    """Fly to the end; when time began to pass, by a steady clock, and for how long it did [s]."""
-    began = sampled = told = moved = time.monotonic()
+    flight: WatchedNodes, observer: SoakObserver, duration: float, console: Console
+) -> float:
+    """Fly to the end; when time began to pass, by a steady clock [s]."""
+    began = told = moved = time.monotonic()
     before = 0.0
-    while observer.time < duration:
-        executor.spin_once(timeout_sec=0.1)
-        if received:
-            raise KeyboardInterrupt
-        now = time.monotonic()
-        if before == 0.0 and observer.time > 0.0:
-            began = moved = now
-            before = observer.time
-        if now - sampled < SAMPLE_PERIOD:
-            continue
-        sampled = now
+    for now in flight.spin():
         if observer.time > before:
+            began = now if before == 0.0 else began
             moved, before = now, observer.time
+        if observer.time >= duration:
+            break
         if now - moved > STALL_LIMIT:
             raise LaunchError(f"simulated time stood still for {STALL_LIMIT:g} s")
-        supervisor.check()
-        supervisor.note_shared_memory()
-        resources.sample(now, supervisor.processes.values())
+        flight.supervisor.check()
         if now - told > REPORT_PERIOD:
             told = now
             console.print(
@@ -186,19 +159,17 @@ def _watch(
                 f"{observer.settled[0]:.3f} m, {observer.commands} commands",
                 highlight=False,
             )
-    return began, observer.time
+    return began
 
 
 def _told(growth: Growth) -> dict[str, Any]:
     """How a process grew after its warm-up."""
-    samples = growth.samples
-    half = growth.second_half()
-    first, last = (samples[0][1], samples[-1][1]) if samples else (Usage(0, 0, 0),) * 2
+    half, used = growth.second_half(), [used for _, used in growth.samples] or [Usage(0, 0, 0)]
     return {
-        "rss_mb": last.rss / 1e6,
+        "rss_mb": used[-1].rss / 1e6,
         "rss_growth_percent": growth.rss_percent(),
         "rss_growth_second_half_percent": half.rss_percent(),
-        "handles": [first.handles, last.handles],
-        "threads": [first.threads, last.threads],
+        "handles": [used[0].handles, used[-1].handles],
+        "threads": [used[0].threads, used[-1].threads],
         "complaint": half.complaint(),
     }

@@ -42,7 +42,7 @@ from uav_tracking_mpc.nodes.topics import (
 from uav_tracking_mpc.studies.faults.kinds import Fault
 
 if TYPE_CHECKING:
-    from uav_tracking_mpc.studies.faults.injected_flight import Flight
+    from uav_tracking_mpc.studies.faults.node_campaign import NodeCampaign
 
 
 STREAMS = (ODOMETRY, AIR_VELOCITY, TARGET, COMMAND, CLOCK)
@@ -141,7 +141,7 @@ class StreamFault(StreamRule, Fault):
 
     streams: tuple[Topic, ...] = STREAMS
 
-    def begin(self, flight: Flight, seconds: float, seed: int) -> None:
+    def begin(self, flight: NodeCampaign, seconds: float, seed: int) -> None:
         """See :meth:`Fault.begin`. The relay ends the fault by itself."""
         flight.order(
             json.dumps(
@@ -192,18 +192,13 @@ class TopicFault(StreamFault):
     duration = (1.0, 3.0)
 
     def __init__(self, topic: Topic) -> None:
-        self.streams = (topic,)
-        self.family = FAMILIES[topic.name]
+        self.streams, self.family = (topic,), FAMILIES[topic.name]
+        self.variant = f"{self.family}_{self.name}"
 
     @classmethod
     def variants(cls) -> Sequence[Fault]:
         """One for each topic."""
         return [cls(topic) for topic in cls.topics]
-
-    @property
-    def label(self) -> str:
-        """Such as ``odometry_frame``."""
-        return f"{self.family}_{self.name}"
 
 
 class ChangeFault(StreamFault):

@@ -14,12 +14,10 @@
 
 """Lag, dead time, gain and limits of each channel from a recorded flight.
 
-=====================  ===================================================================
-``flight_record``      plans as they were flown, what was measured, and that of one channel
-``record_files``       such a record from a bag, and from and to a CSV file
-``channel_fit``        maximum likelihood of lag, dead time, gain and limits, and intervals
-``profile_intervals``  confidence intervals
-``identification``     all channels of a flight: table, YAML and figure
-``validation``         how often all this is right, on simulated flights
-=====================  ===================================================================
+==================  ======================================================================
+``flight_record``   plans as they were flown, what was measured, of each channel; its files
+``channel_fit``     maximum likelihood of lag, dead time, gain and limits
+``identification``  all channels of a flight: intervals, table, YAML and figure
+``validation``      how often all this is right, on simulated flights
+==================  ======================================================================
 """

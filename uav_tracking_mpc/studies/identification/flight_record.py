@@ -12,24 +12,70 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A flight as its file tells: plans as they were flown, and what was measured of each channel."""
+"""A flight as its file tells: plans as they were flown, and what was measured of each channel.
+
+Files are bags, and CSV files as ``simulate --excite`` writes them, or anybody.
+
+A CSV file has named columns:
+
+=========================  ======================================================
+``time``                   in [s], of what the row holds
+``turn_command``           u_psi [rad/s], demanded from that time on
+``path_command``           u_chi [rad/s], likewise
+``acceleration_command``   u_v [m/s^2], likewise
+``heading``                psi [rad], counter-clockwise, wrapped or not
+``path_angle``             chi [rad], positive up
+``airspeed``               v [m/s]; may be missing
+``turn_rate``              psi' [rad/s]; may be missing
+``path_angle_rate``        chi' [rad/s]; may be missing
+=========================  ======================================================
+
+Other columns are ignored. A cell may be empty where a row holds commands only, or measurements
+only. The time of a command is when the aircraft got it, not that of the state it answers.
+
+In a bag a command counts from when it was heard, by the clock of the stamps. Where a bag holds
+``/clock``, that is the newest time heard before it; else bag and stamps must share a clock.
+"""
 
 from __future__ import annotations
 
+import csv
+import io
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.dynamics.air import GRAVITY
+from uav_tracking_mpc.dynamics.frames import (
+    course_from_quaternion,
+    course_rates,
+    pitch_rate_from_path_angle_rate,
+    rotation_from_quaternion,
+)
+from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.nodes.messages.conversions import nanoseconds
+from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY
+from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.report.atomic_write import write_atomically
+from uav_tracking_mpc.report.bag import messages
 
 TURN, PATH, SPEED = "turn", "path", "speed"
 CHANNELS = (TURN, PATH, SPEED)  # in the order of (u_psi, u_chi, u_v)
 UNITS = {TURN: "rad/s", PATH: "rad/s", SPEED: "m/s^2"}  # of what is demanded
 WARM_UP = 5.0  # s after the first command, of which what came before it has no more part
 SHORTEST = 10.0  # s of measurements, below which nothing can be said
+LAST_SEGMENT = 1.0  # s, of a plan that has one segment only
+COMMANDS = ("turn_command", "path_command", "acceleration_command")
+STATES = ("heading", "path_angle")
+OPTIONAL = ("airspeed", "turn_rate", "path_angle_rate")
+COLUMNS = ("time", *COMMANDS, *STATES, *OPTIONAL)
+TOPICS = (ODOMETRY.name, AIR_VELOCITY.name, COMMAND.name, CLOCK.name)
+APART = 10.0  # s by which bag and stamps may differ and still share a clock
 
 
 class Samples(NamedTuple):
@@ -37,7 +83,7 @@ class Samples(NamedTuple):
 
     Attributes:
         time: In [s], shape (n,), increasing.
-        value: In the quantity's own unit, shape (n,).
+        value: In the quantity's own unit, shape (n,), or (n, k) of k quantities.
     """
 
     time: NDArray[np.float64]
@@ -82,7 +128,7 @@ class ChannelRecord:
             leverage: As above, shape (m,), in [s] or [-].
 
         Raises:
-            ValueError: There are too few measurements between commands.
+            ParameterError: There are too few measurements between commands.
         """
         begin, end = demand.time[0] + WARM_UP, demand.time[-1] + 1.0
 
@@ -93,18 +139,11 @@ class ChannelRecord:
         kept = within(state)
         length = kept.time[-1] - kept.time[0] if len(kept.time) else 0.0
         if not length >= SHORTEST:
-            raise ValueError(
+            raise ParameterError(
                 f"channel {name}: {length:.1f} s of measurements with commands, must be at least "
                 f"{SHORTEST:g} s beginning {WARM_UP:g} s after the first command"
             )
         return cls(name, demand, kept, None if rate is None else within(rate), leverage)
-
-
-LAST_SEGMENT = 1.0  # s, of a plan that has one segment only
-
-
-class RecordError(ValueError):
-    """A file does not hold what is needed; the message says what is missing."""
 
 
 class FlownPlan(NamedTuple):
@@ -127,29 +166,20 @@ class FlownPlan(NamedTuple):
         return float(self.starts[-1] + last)
 
 
-class Demand(NamedTuple):
-    """What was demanded of all channels, held from each time to the next.
-
-    Attributes:
-        time: Shape (m,), in [s], increasing.
-        inputs: (u_psi, u_chi, u_v), shape (m, 3), in [rad/s, rad/s, m/s^2].
-    """
-
-    time: NDArray[np.float64]
-    inputs: NDArray[np.float64]
-
-
-def flown_demand(plans: Sequence[FlownPlan]) -> Demand:
+def flown_demand(plans: Sequence[FlownPlan]) -> Samples:
     """What plans demanded over the longest time in which there was always one to fly.
 
     Args:
         plans: In the order in which they came.
 
+    Returns:
+        (u_psi, u_chi, u_v), each held until the next, in [rad/s, rad/s, m/s^2], shape (m, 3).
+
     Raises:
-        RecordError: There is none.
+        ParameterError: There is none.
     """
     if not plans:
-        raise RecordError("there are no commands")
+        raise ParameterError("there are no commands")
     stretches: list[list[FlownPlan]] = [[]]
     for plan in plans:
         if stretches[-1] and plan.time > stretches[-1][-1].end:
@@ -163,7 +193,7 @@ def flown_demand(plans: Sequence[FlownPlan]) -> Demand:
         flown = begins < until
         times.append(begins[flown])
         inputs.append(plan.inputs[first:][flown])
-    return Demand(np.concatenate(times), np.concatenate(inputs))
+    return Samples(np.concatenate(times), np.concatenate(inputs))
 
 
 @dataclass(frozen=True)
@@ -171,7 +201,7 @@ class FlightRecord:
     """A flight, as far as its file tells.
 
     Attributes:
-        demand: What was commanded.
+        demand: What was commanded: (u_psi, u_chi, u_v), each held until the next.
         heading: psi, wrapped or not.
         path_angle: chi.
         airspeed: v; None where it was not measured.
@@ -179,39 +209,33 @@ class FlightRecord:
         path_angle_rate: chi'; None where it was not measured.
     """
 
-    demand: Demand
+    demand: Samples
     heading: Samples
     path_angle: Samples
-    airspeed: Samples | None
-    turn_rate: Samples | None
-    path_angle_rate: Samples | None
+    airspeed: Samples | None = None
+    turn_rate: Samples | None = None
+    path_angle_rate: Samples | None = None
 
     def channels(self) -> list[ChannelRecord]:
         """Each channel that was measured.
 
         Raises:
-            RecordError: There are too few measurements.
+            ParameterError: There are too few measurements.
         """
         time = self.demand.time
-        turn, path, speed = (Samples(time, inputs) for inputs in self.demand.inputs.T)
+        turn, path, speed = (Samples(time, inputs) for inputs in self.demand.value.T)
         ones = np.ones_like(time)
         lateral = ones
         if self.airspeed is not None and len(self.airspeed.time):
             lateral = _smooth(time, self.airspeed) / GRAVITY
         heading = self.heading._replace(value=np.unwrap(self.heading.value))
         found = [
-            (TURN, turn, heading, self.turn_rate, lateral),
-            (PATH, path, self.path_angle, self.path_angle_rate, ones),
+            ChannelRecord.of(TURN, turn, heading, _moving(self.turn_rate), lateral),
+            ChannelRecord.of(PATH, path, self.path_angle, _moving(self.path_angle_rate), ones),
         ]
         if self.airspeed is not None:
-            found.append((SPEED, speed, self.airspeed, None, ones))
-        try:
-            return [
-                ChannelRecord.of(name, demand, state, _moving(rate), leverage)
-                for name, demand, state, rate, leverage in found
-            ]
-        except ValueError as error:
-            raise RecordError(str(error)) from error
+            found.append(ChannelRecord.of(SPEED, speed, self.airspeed, None, ones))
+        return found
 
 
 def samples(time: ArrayLike, values: ArrayLike) -> Samples:
@@ -239,3 +263,172 @@ def _smooth(time: NDArray[np.float64], noisy: Samples) -> NDArray[np.float64]:
     last = np.maximum(np.searchsorted(noisy.time, time + 0.5), first + 1)
     first, last = np.minimum(first, len(noisy.value) - 1), np.minimum(last, len(noisy.value))
     return (sums[last] - sums[first]) / np.maximum(last - first, 1)
+
+
+class FlightWitness:
+    """Sees a simulated flight and keeps what a record of it needs."""
+
+    def __init__(self) -> None:
+        self._plans: list[FlownPlan] = []
+        self._measured: list[Measurement] = []
+
+    def __call__(self, now: float, measured: Measurement, command: Command | None) -> None:
+        """Take note of a tick: a ``Witness`` of the closed loop.
+
+        Args:
+            now: Time in [s].
+            measured: What the sensors say.
+            command: What the controller answers; None for nothing.
+        """
+        self._measured.append(measured)
+        if command is not None:
+            starts = command.stamp + command.step * np.arange(float(len(command.inputs)))
+            self._plans.append(FlownPlan(now, starts, command.inputs))
+
+    def record(self) -> FlightRecord:
+        """The flight so far.
+
+        Raises:
+            ParameterError: There was no command.
+        """
+        times = [measured.stamp for measured in self._measured]
+        columns = {
+            # As floats: what is None was not measured, and is no number.
+            name: samples(times, np.array([getattr(each, name) for each in self._measured], float))
+            for name in (*STATES, *OPTIONAL)
+        }
+        return FlightRecord(flown_demand(self._plans), **columns)
+
+
+def write_record(record: FlightRecord, path: Path) -> None:
+    """Write a record as CSV; the folder of the file is made."""
+    columns: dict[str, Samples | None] = {
+        name: Samples(record.demand.time, values)
+        for name, values in zip(COMMANDS, record.demand.value.T, strict=True)
+    }
+    columns |= {name: getattr(record, name) for name in (*STATES, *OPTIONAL)}
+    rows: dict[float, dict[str, float]] = {}
+    for name, column in columns.items():
+        if column is not None:
+            for time, value in zip(column.time.tolist(), column.value.tolist(), strict=True):
+                rows.setdefault(time, {})[name] = value
+    text = io.StringIO()
+    writer = csv.DictWriter(text, COLUMNS, restval="", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({"time": time, **rows[time]} for time in sorted(rows))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_atomically(path, text.getvalue().encode())
+
+
+def read_csv_record(path: Path) -> FlightRecord:
+    """Read a CSV file with the columns above.
+
+    Raises:
+        ParameterError: A column is missing, a cell is no number, or there are no commands.
+        OSError: It cannot be read.
+    """
+    with path.open(newline="", encoding="utf-8-sig") as file:
+        reader = csv.DictReader(file)
+        names = [name.strip() for name in reader.fieldnames or ()]
+        missing = [name for name in COLUMNS if name not in (*names, *OPTIONAL)]
+        if missing:
+            raise ParameterError(
+                f"{path} has no columns {', '.join(missing)}; it must have "
+                f"{', '.join(name for name in COLUMNS if name not in OPTIONAL)} and may have "
+                f"{', '.join(OPTIONAL)}"
+            )
+        reader.fieldnames = names
+        table = _table(path, reader, [name for name in COLUMNS if name in names])
+    time = table.pop("time")
+    inputs = np.column_stack([table.pop(name) for name in COMMANDS])
+    commanded = np.isfinite(inputs).all(axis=1) & np.isfinite(time)
+    if not commanded.any():
+        raise ParameterError(f"{path} holds no command")
+    order = np.argsort(time[commanded], kind="stable")
+    columns = {
+        name: samples(time, values)
+        for name, values in table.items()
+        if name in STATES or np.isfinite(values).any()
+    }
+    return FlightRecord(Samples(time[commanded][order], inputs[commanded][order]), **columns)
+
+
+def _table(
+    path: Path, reader: csv.DictReader[str], names: list[str]
+) -> dict[str, NDArray[np.float64]]:
+    """Columns by name, shape (n,) each; an empty cell is nan."""
+    columns: dict[str, list[float]] = {name: [] for name in names}
+    for row in reader:
+        for name in names:
+            text = (row[name] or "").strip()
+            try:
+                columns[name].append(float(text) if text else np.nan)
+            except ValueError:
+                raise ParameterError(
+                    f"{path}, line {reader.line_num}: {name} is {text!r}, must be a number or empty"
+                ) from None
+    return {name: np.array(values) for name, values in columns.items()}
+
+
+def read_bag_record(path: Path) -> FlightRecord:
+    """Read a bag.
+
+    Args:
+        path: A file ``.mcap``, or the folder of a bag.
+
+    Raises:
+        ParameterError: It is no bag, or does not hold commands and states.
+    """
+    plans: list[FlownPlan] = []
+    states: list[tuple[float, ...]] = []  # time, psi, chi, psi', chi'
+    airspeeds: list[tuple[float, float]] = []
+    origin, clock = None, None  # [ns]
+    for topic, heard, message in messages(path, TOPICS):
+        if topic == CLOCK.name:
+            clock = nanoseconds(message.clock)
+            continue
+        stamp = nanoseconds(message.header.stamp)
+        origin = stamp if origin is None else origin
+        time = (stamp - origin) * 1e-9  # as floats, whole times would lose nanoseconds
+        if topic == ODOMETRY.name:
+            states.append((time, *_course(message)))
+        elif topic == AIR_VELOCITY.name:
+            linear = message.twist.linear
+            airspeeds.append((time, float(np.linalg.norm([linear.x, linear.y, linear.z]))))
+        else:
+            plans.append(_plan(message, stamp, heard if clock is None else clock, origin))
+    for found, name in ((states, ODOMETRY.name), (plans, COMMAND.name)):
+        if not found:
+            raise ParameterError(f"bag {path} holds no {name}")
+    times, *values = zip(*states, strict=True)
+    names = (*STATES, "turn_rate", "path_angle_rate")
+    columns = {name: samples(times, each) for name, each in zip(names, values, strict=True)}
+    if airspeeds:
+        columns["airspeed"] = samples(*zip(*airspeeds, strict=True))
+    return FlightRecord(flown_demand(plans), **columns)
+
+
+def _plan(message: Any, stamp: int, heard: int, origin: int) -> FlownPlan:
+    """The plan of a command; stamp, when it was heard and the origin of time are in [ns]."""
+    late = (heard - stamp) * 1e-9
+    if not abs(late) <= APART:
+        raise ParameterError(
+            f"a command was heard {late:.3g} s after its stamp, may be {APART:g} s: bag and "
+            "stamps do not share a clock; record /clock with simulated time"
+        )
+    inputs, starts = [], []
+    for point in message.points:
+        angular, linear = point.velocities[0].angular, point.accelerations[0].linear
+        inputs.append((angular.z, pitch_rate_from_path_angle_rate(angular.y), linear.x))
+        starts.append((stamp + nanoseconds(point.time_from_start) - origin) * 1e-9)
+    # A clock that stands between its ticks may be older than the stamp of a state just heard.
+    return FlownPlan((max(heard, stamp) - origin) * 1e-9, np.array(starts), np.array(inputs))
+
+
+def _course(message: Any) -> tuple[float, float, float, float]:
+    """(psi, chi, psi', chi') of an Odometry message, in [rad] and [rad/s]."""
+    q, angular = message.pose.pose.orientation, message.twist.twist.angular
+    heading, path_angle = course_from_quaternion(q.x, q.y, q.z, q.w)
+    rotation = rotation_from_quaternion(q.x, q.y, q.z, q.w)
+    turn_rate, path_angle_rate = course_rates(rotation, (angular.x, angular.y, angular.z))
+    return heading, path_angle, turn_rate, path_angle_rate

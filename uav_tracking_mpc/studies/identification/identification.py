@@ -12,27 +12,38 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""All channels of a flight: what they do, how sure that is, and what was seen of their limits."""
+"""All channels of a flight: what they do, how sure that is, and what was seen of their limits.
+
+How sure it is, is said by confidence intervals by the profile of the likelihood.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from scipy.optimize import brentq, minimize_scalar
+from scipy.stats import chi2
 
-from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.report.figure_style import BLACK, BLUE, GREY, VERMILLION, drawing
 from uav_tracking_mpc.report.pages import Table
 from uav_tracking_mpc.settings.configuration import parameter_file
-from uav_tracking_mpc.studies.identification.channel_fit import ChannelFit, Limits, limited_fit
+from uav_tracking_mpc.studies.identification.channel_fit import (
+    DEAD_TIME_MAX,
+    LAG_MAX,
+    ChannelFit,
+    Limits,
+    Solved,
+    limited_fit,
+)
 from uav_tracking_mpc.studies.identification.flight_record import (
     CHANNELS,
     PATH,
@@ -40,17 +51,143 @@ from uav_tracking_mpc.studies.identification.flight_record import (
     TURN,
     UNITS,
     ChannelRecord,
-    FlightRecord,
-    RecordError,
+    read_bag_record,
+    read_csv_record,
 )
-from uav_tracking_mpc.studies.identification.profile_intervals import (
-    CONFIDENCE,
-    Estimate,
-    Estimates,
-    estimates,
-)
-from uav_tracking_mpc.studies.identification.record_files import read_bag_record, read_csv_record
 from uav_tracking_mpc.studies.study import Study
+
+CONFIDENCE = 0.95  # -, confidence of the intervals
+UNKNOWNS = 6  # that are fitted
+FIRST_STEP = 0.01  # s, outwards from the best value
+PRECISION = 2e-4  # s, tolerance of an interval's ends
+
+
+class Estimate(NamedTuple):
+    """A value and its confidence interval, all in the same unit.
+
+    Attributes:
+        value: The best, in [s] or [-].
+        lower: End of the interval, in [s] or [-].
+        upper: Its other end, in [s] or [-].
+    """
+
+    value: float
+    lower: float
+    upper: float
+
+    def holds(self, truth: float) -> bool:
+        """Whether a value is in the interval.
+
+        Args:
+            truth: The value, in [s] or [-].
+        """
+        return self.lower <= truth <= self.upper
+
+
+class Estimates(NamedTuple):
+    """What is known of a channel.
+
+    Attributes:
+        lag: tau in [s].
+        dead_time: D in [s].
+        total: Their sum in [s]: by how much a slow demand is late.
+        gain: G [-].
+    """
+
+    lag: Estimate
+    dead_time: Estimate
+    total: Estimate
+    gain: Estimate
+
+
+class Profile:
+    """The misfit about the best fit; remembers every point that was tried."""
+
+    def __init__(self, fit: ChannelFit) -> None:
+        self._fit = fit
+        self._tried: list[Solved] = [fit.solved]
+        self._total = fit.lag + fit.dead_time
+
+    def estimates(self) -> Estimates:
+        """Best values and intervals."""
+        fit = self._fit
+        # Less than 1 where the noise is less than what is assumed at least.
+        self._variance = max(fit.solved.misfit / (fit.count - UNKNOWNS), 1.0)
+        self._allowed = fit.solved.misfit + self._variance * float(chi2.ppf(CONFIDENCE, 1))
+        lag = self._interval(fit.lag, LAG_MAX, self._at_lag)
+        dead_time = self._interval(fit.dead_time, DEAD_TIME_MAX, self._at_dead_time)
+        total = self._interval(self._total, LAG_MAX + DEAD_TIME_MAX, self._at_total)
+        return Estimates(lag, dead_time, total, self._gain())
+
+    def _at_lag(self, lag: float) -> float:
+        """Least misfit with this lag."""
+        about = self._total - lag
+        reach = 0.05 + abs(lag - self._fit.lag)
+        return self._least(lambda dead_time: (lag, dead_time), about, reach, DEAD_TIME_MAX)
+
+    def _at_dead_time(self, dead_time: float) -> float:
+        about = self._total - dead_time
+        reach = 0.05 + 2.0 * abs(dead_time - self._fit.dead_time)
+        return self._least(lambda lag: (lag, dead_time), about, reach, LAG_MAX)
+
+    def _at_total(self, total: float) -> float:
+        about = self._fit.lag + (total - self._total)
+        most = min(total, LAG_MAX)
+        return self._least(lambda lag: (lag, max(total - lag, 0.0)), about, 0.5 * total, most)
+
+    def _least(
+        self, point: Callable[[float], tuple[float, float]], about: float, reach: float, most: float
+    ) -> float:
+        """Least misfit along a line of points, within the reach about a place on it."""
+        low, high = max(about - reach, 0.0), min(max(about, 0.0) + reach, most)
+
+        def misfit(place: float) -> float:
+            solved = self._fit.solve(*point(float(place)))
+            self._tried.append(solved)
+            return solved.misfit
+
+        if high - low < PRECISION:
+            return misfit(low)
+        found = minimize_scalar(
+            misfit, bounds=(low, high), method="bounded", options={"xatol": PRECISION}
+        )
+        # The search never tries the ends themselves, where a lag or a dead time is 0.
+        return float(min(found.fun, misfit(low))) if low == 0.0 else float(found.fun)
+
+    def _interval(self, best: float, most: float, profile: Callable[[float], float]) -> Estimate:
+        ends = []
+        for bound in (0.0, most):
+            inside, step = best, FIRST_STEP
+            while True:
+                outside = max(best - step, 0.0) if bound == 0.0 else min(best + step, most)
+                if profile(outside) > self._allowed:
+                    end = (
+                        brentq(
+                            lambda value: profile(value) - self._allowed,
+                            *sorted((inside, outside)),
+                            xtol=PRECISION,
+                        )
+                        if profile(inside) < self._allowed
+                        else inside
+                    )
+                    break
+                if outside == bound:
+                    end = bound
+                    break
+                inside, step = outside, 2.0 * step
+            ends.append(float(end))
+        return Estimate(best, *ends)
+
+    def _gain(self) -> Estimate:
+        """Of all the points tried: those that line the region allowed are among them."""
+        lower = upper = self._fit.solved.gain
+        for solved in self._tried:
+            room = self._allowed - solved.misfit
+            if room > 0.0:
+                reach = math.sqrt(room * solved.gain_variance)
+                lower, upper = min(lower, solved.gain - reach), max(upper, solved.gain + reach)
+        return Estimate(self._fit.solved.gain, lower, upper)
+
 
 # Half of the interval of lag plus dead time up to which a channel counts as identified.
 SURE, SURE_SHARE = 0.1, 0.25  # s, -: also as a share of the value
@@ -122,54 +259,45 @@ class ChannelIdentification:
         }
 
 
-def read_record(path: Path) -> FlightRecord:
-    """Read a flight: CSV by its ending, else a bag.
-
-    Args:
-        path: File, or folder of a bag.
-
-    Raises:
-        ParameterError: It does not hold what is needed.
-        OSError: It is not there, or cannot be read.
-    """
-    if not path.exists():
-        raise FileNotFoundError(f"{path} does not exist")
-    try:
-        return read_csv_record(path) if path.suffix == ".csv" else read_bag_record(path)
-    except RecordError as error:
-        raise ParameterError(str(error)) from error
-
-
 def identify(channels: Iterable[ChannelRecord]) -> list[ChannelIdentification]:
-    """Identify channels, each by itself.
+    """Identify channels of a flight, each by itself."""
+    found = []
+    for record in channels:
+        fit, limits = limited_fit(record)
+        found.append(ChannelIdentification(record.name, Profile(fit).estimates(), fit, limits))
+    return found
+
+
+def identification(path: Path) -> Study:
+    """Every channel that a file holds: numbers, table, the YAML to paste and the figure.
+
+    It is good if every channel was identified.
 
     Args:
-        channels: Of a flight.
-    """
-    return [_identified(record) for record in channels]
-
-
-def _identified(record: ChannelRecord) -> ChannelIdentification:
-    fit, limits = limited_fit(record)
-    return ChannelIdentification(record.name, estimates(fit), fit, limits)
-
-
-def identify_flight(path: Path) -> list[ChannelIdentification]:
-    """Identify every channel that a file holds.
-
-    Args:
-        path: File, or folder of a bag.
+        path: File, CSV by its ending, else a bag; or folder of a bag.
 
     Raises:
         ParameterError: It does not hold what is needed.
-        OSError: It is not there, or cannot be read.
+        OSError: It cannot be read.
     """
-    record = read_record(path)
-    try:
-        channels = record.channels()
-    except RecordError as error:
-        raise ParameterError(f"{path}: {error}") from error
-    return identify(channels)
+    record = read_csv_record(path) if path.suffix == ".csv" else read_bag_record(path)
+    found = identify(record.channels())
+    yaml = parameters_to_paste(found)
+    content = {
+        "record": str(path),
+        "confidence": CONFIDENCE,
+        "channels": {channel.name: channel.as_json() for channel in found},
+        "yaml": yaml,
+    }
+    return Study(
+        name="identification",
+        content=content,
+        words=[identification_table(found), yaml],
+        written="figure: {}/response.png",
+        figures={"response": partial(response_figure, found)},
+        files={"identified.yaml": yaml.encode()},
+        good=all(channel.sure for channel in found),
+    )
 
 
 HEADINGS = ("channel", "lag [s]", "dead time [s]", "sum [s]", "gain [-]", "flown", "limits seen")
@@ -182,11 +310,7 @@ LIMIT_NAMES = {
 
 
 def identification_table(found: Sequence[ChannelIdentification]) -> Table:
-    """One row a channel.
-
-    Args:
-        found: Of a flight.
-    """
+    """One row a channel."""
     return Table(
         HEADINGS,
         [_row(channel) for channel in found],
@@ -223,9 +347,6 @@ def parameters_to_paste(found: Sequence[ChannelIdentification]) -> str:
     """Sections of a configuration with what was identified, as YAML.
 
     A channel that was not identified keeps a comment; its numbers are placeholders.
-
-    Args:
-        found: Of a flight.
     """
     known = {channel.name: channel for channel in found}
     lag = [_rounded(known, name, "lag", 0.0) for name in CHANNELS]
@@ -276,11 +397,7 @@ PANELS = {
 
 
 def response_figure(found: Sequence[ChannelIdentification]) -> Figure:
-    """Left rates demanded and flown, right what was measured; both over the last 30 s.
-
-    Args:
-        found: Channels of a flight, at least one.
-    """
+    """Left rates demanded and flown, right what was measured; both over the last 30 s."""
     with drawing(WIDTH, ROW_HEIGHT * len(found) + ROOM) as figure:
         rows = figure.subplots(len(found), 2, sharex=True, squeeze=False)
         for (left, right), channel in zip(rows, found, strict=True):
@@ -296,30 +413,6 @@ def response_figure(found: Sequence[ChannelIdentification]) -> Figure:
         top = 1.0 - 0.6 * ROOM / (ROW_HEIGHT * len(found) + ROOM)
         figure.tight_layout(rect=(0.0, 0.0, 1.0, top))
     return figure
-
-
-def identification(path: Path, found: Sequence[ChannelIdentification]) -> Study:
-    """The study: numbers, table, the YAML to paste and the figure.
-
-    Args:
-        path: Of the record.
-        found: Channels of the flight.
-    """
-    yaml = parameters_to_paste(found)
-    content = {
-        "record": str(path),
-        "confidence": CONFIDENCE,
-        "channels": {channel.name: channel.as_json() for channel in found},
-        "yaml": yaml,
-    }
-    return Study(
-        name="identification",
-        content=content,
-        words=[identification_table(found), yaml],
-        written="figure: {}/response.png",
-        figures={"response": partial(response_figure, found)},
-        files={"identified.yaml": yaml.encode()},
-    )
 
 
 def _shown(channel: ChannelIdentification) -> NDArray[np.bool_]:

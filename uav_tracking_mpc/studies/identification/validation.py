@@ -24,9 +24,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from uav_tracking_mpc.parameters.specification import changed
 from uav_tracking_mpc.report.pages import Table
@@ -34,10 +35,13 @@ from uav_tracking_mpc.settings.configuration import Configuration, load_configur
 from uav_tracking_mpc.settings.tracking import USUAL_EXCITATION
 from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.studies.executors import parallel_map
-from uav_tracking_mpc.studies.identification.flight_record import CHANNELS, FlightRecord, Samples
-from uav_tracking_mpc.studies.identification.identification import identify
-from uav_tracking_mpc.studies.identification.profile_intervals import CONFIDENCE, Estimates
-from uav_tracking_mpc.studies.identification.record_files import FlightWitness
+from uav_tracking_mpc.studies.identification.flight_record import (
+    CHANNELS,
+    FlightRecord,
+    FlightWitness,
+    Samples,
+)
+from uav_tracking_mpc.studies.identification.identification import CONFIDENCE, Estimates, identify
 from uav_tracking_mpc.studies.study import Study
 
 SCENARIO = "crosswind"
@@ -50,78 +54,24 @@ NEAR = {"total": (0.03, 0.05), "lag": (0.06, 0.15), "dead_time": (0.06, 0.15)}
 NOISE = {"velocity_noise": 0.3, "attitude_noise": math.radians(0.5), "airspeed_noise": 0.3}
 
 
-class Truth(NamedTuple):
-    """What the simulated aircraft does.
-
-    Attributes:
-        lag: tau of each channel, three values in [s].
-        dead_time: D of each channel, three values in [s].
-        gain: G of each channel, three values [-].
-    """
-
-    lag: tuple[float, ...]
-    dead_time: tuple[float, ...]
-    gain: tuple[float, ...]
-
-    def of(self, channel: int) -> dict[str, float]:
-        """The figures of one channel by the names of :class:`Estimates`.
-
-        Args:
-            channel: Its number.
-        """
-        lag, dead_time = self.lag[channel], self.dead_time[channel]
-        return {
-            "lag": lag,
-            "dead_time": dead_time,
-            "total": lag + dead_time,
-            "gain": self.gain[channel],
-        }
+Flight = tuple[str, tuple[str, ...], int]  # configuration, overrides, seed of what is drawn
+Row = dict[str, dict[str, float]]  # of a channel, by the names of Estimates: truth and estimate
 
 
-class Flight(NamedTuple):
-    """A flight to be flown.
-
-    Attributes:
-        config: Name or file of the configuration.
-        overrides: ``SECTION.PARAMETER=VALUE`` each.
-        seed: Of everything that is drawn.
-    """
-
-    config: str
-    overrides: tuple[str, ...]
-    seed: int
-
-
-class Identified(NamedTuple):
-    """A flight that was flown.
-
-    Attributes:
-        truth: What was to be found.
-        found: Of each channel.
-    """
-
-    truth: Truth
-    found: dict[str, Estimates]
-
-
-def drawn(flight: Flight) -> tuple[Configuration, Truth]:
-    """The configuration of a flight, and what is to be found.
-
-    Args:
-        flight: To be flown.
-    """
-    random = np.random.default_rng(flight.seed)
+def drawn(flight: Flight) -> tuple[Configuration, dict[str, NDArray[np.float64]]]:
+    """The configuration of a flight, and what is to be found of its channels, by name."""
+    config, overrides, seed = flight
+    random = np.random.default_rng(seed)
     shortest, longest = np.log(LAG).tolist()
     lag = np.exp(random.uniform(shortest, longest, 3))
     dead_time, gain = random.uniform(*DEAD_TIME, 3), random.uniform(*GAIN, 3)
     told = np.exp(random.uniform(-math.log(TOLD), math.log(TOLD), (2, 3)))
-    configuration = load_configuration(flight.config, flight.overrides, SCENARIO)
-    truth = Truth(*(tuple(values.tolist()) for values in (lag, dead_time, gain)))
+    configuration = load_configuration(config, overrides, SCENARIO)
     true: dict[str, Any] = {
-        "rate_lag": truth.lag,
-        "dead_time": truth.dead_time,
-        "command_gain": truth.gain,
-        "seed": flight.seed,
+        "rate_lag": lag.tolist(),
+        "dead_time": dead_time.tolist(),
+        "command_gain": gain.tolist(),
+        "seed": seed,
         **NOISE,
     }
     told_lag, told_dead_time = (told * (lag, dead_time)).tolist()
@@ -132,20 +82,23 @@ def drawn(flight: Flight) -> tuple[Configuration, Truth]:
         controller=changed(configuration.controller, believed),
         mission=replace(configuration.mission, duration=DURATION),
     )
+    truth = {"lag": lag, "dead_time": dead_time, "total": lag + dead_time, "gain": gain}
     return drawn_configuration, truth
 
 
-def fly(flight: Flight) -> Identified:
-    """Fly and identify.
-
-    Args:
-        flight: To be flown.
-    """
+def fly(flight: Flight) -> dict[str, Row]:
+    """Fly and identify: a row for each channel."""
     configuration, truth = drawn(flight)
     witness = FlightWitness()
     simulate(configuration, witness=witness)
     found = identify(_used(witness.record()).channels())
-    return Identified(truth, {channel.name: channel.estimates for channel in found})
+    return {
+        channel.name: {
+            figure: {"truth": float(truth[figure][index]), **estimate._asdict()}
+            for figure, estimate in channel.estimates._asdict().items()
+        }
+        for index, channel in enumerate(found)
+    }
 
 
 def _used(record: FlightRecord) -> FlightRecord:
@@ -156,14 +109,8 @@ def _used(record: FlightRecord) -> FlightRecord:
         return Samples(samples.time[kept], samples.value[kept])
 
     assert record.airspeed is not None
-    return replace(
-        record,
-        heading=last(record.heading),
-        path_angle=last(record.path_angle),
-        airspeed=last(record.airspeed),
-        turn_rate=None,
-        path_angle_rate=None,
-    )
+    states = (record.heading, record.path_angle, record.airspeed)
+    return FlightRecord(record.demand, *map(last, states))
 
 
 def validate(
@@ -172,7 +119,7 @@ def validate(
     count: int = 40,
     seed: int = 0,
     workers: int | None = None,
-) -> dict[str, Any]:
+) -> Study:
     """Fly, identify and count.
 
     Args:
@@ -183,69 +130,49 @@ def validate(
         workers: Processes; one for each core by default.
 
     Returns:
-        ``channels.<name>.near`` and ``.covered``: share of the flights in which an estimate came
-        near enough and in which its interval held the truth, by name of the figure;
+        Its content: ``channels.<name>.near`` and ``.covered``: share of the flights in which an
+        estimate came near enough and in which its interval held the truth, by name of the figure;
         ``.errors``: of each flight.
     """
-    flights = [Flight(config, tuple(overrides), seed + index) for index in range(count)]
-    flown = parallel_map(fly, flights, workers, "flights")
-    return {
+    flights = [(config, tuple(overrides), seed + index) for index in range(count)]
+    rows = parallel_map(fly, flights, workers, "flights")
+    channels = {name: _counted([row[name] for row in rows]) for name in CHANNELS}
+    content = {
         "config": config,
         "flights": count,
         "seed": seed,
         "confidence": CONFIDENCE,
-        "channels": {name: _counted(index, name, flown) for index, name in enumerate(CHANNELS)},
+        "channels": channels,
     }
-
-
-def _counted(index: int, name: str, flown: Sequence[Identified]) -> dict[str, Any]:
-    pairs = [(one.truth.of(index), one.found[name]._asdict()) for one in flown]
-    return {
-        "near": {
-            figure: _share(
-                abs(found[figure].value - truth[figure]) <= max(least, share * truth[figure])
-                for truth, found in pairs
-            )
-            for figure, (least, share) in NEAR.items()
-        },
-        "covered": {
-            figure: _share(found[figure].holds(truth[figure]) for truth, found in pairs)
-            for figure in Estimates._fields
-        },
-        "errors": [
-            {
-                figure: {"truth": truth[figure], **found[figure]._asdict()}
-                for figure in Estimates._fields
-            }
-            for truth, found in pairs
-        ],
-    }
-
-
-def _share(hits: Iterable[bool]) -> float:
-    counted = list(hits)
-    return sum(counted) / len(counted)
-
-
-def validation(content: dict[str, Any]) -> Study:
-    """The study: the counts, and a table of their shares with one row a channel.
-
-    Args:
-        content: Of :func:`validate`.
-    """
     near = [
         f"{name.replace('_', ' ')} within {least:g} s or {share:.0%}"
         for name, (least, share) in NEAR.items()
     ]
     covered = [f"interval holds {name.replace('_', ' ')}" for name in Estimates._fields]
-    rows = [
+    cells = [
         [name, *(f"{share:.1%}" for share in (*c["near"].values(), *c["covered"].values()))]
-        for name, c in content["channels"].items()
+        for name, c in channels.items()
     ]
-    table = Table(
-        ["channel", *near, *covered],
-        rows,
-        numeric=(*near, *covered),
-        title=f"{content['flights']} flights, {EXCITED:g} s of each",
-    )
+    title = f"{count} flights, {EXCITED:g} s of each"
+    table = Table(["channel", *near, *covered], cells, numeric=(*near, *covered), title=title)
     return Study("validation", content, [table], tables={"identification": table})
+
+
+def _counted(rows: Sequence[Row]) -> dict[str, Any]:
+    def near(found: dict[str, float], least: float, share: float) -> bool:
+        return abs(found["value"] - found["truth"]) <= max(least, share * found["truth"])
+
+    return {
+        "near": {name: _share(near(row[name], *how) for row in rows) for name, how in NEAR.items()},
+        "covered": {
+            name: _share(
+                row[name]["lower"] <= row[name]["truth"] <= row[name]["upper"] for row in rows
+            )
+            for name in Estimates._fields
+        },
+        "errors": rows,
+    }
+
+
+def _share(hits: Iterable[bool]) -> float:
+    return float(np.mean(list(hits)))

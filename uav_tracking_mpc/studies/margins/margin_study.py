@@ -43,7 +43,6 @@ from uav_tracking_mpc.dynamics.vehicle import Response
 from uav_tracking_mpc.margins.loop_margins import (
     CHANNELS,
     UNSTABLE,
-    ChannelMargins,
     LoopMargins,
     disk_gain_db,
     disk_phase_deg,
@@ -57,6 +56,7 @@ from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.studies.executors import parallel_map
+from uav_tracking_mpc.studies.study import plain
 
 SETTLED = 60.0  # s after which a flight that begins on the orbit is steady
 OBSERVED = 60.0  # s in which the answer to an impulse dies away
@@ -299,11 +299,7 @@ def sensitivities(loop: NDArray[Any]) -> NDArray[Any]:
 
 
 def as_json(study: MarginStudy) -> dict[str, Any]:
-    """The margins as one object for JSON; those without end are null.
-
-    Args:
-        study: Of a configuration.
-    """
+    """The margins as one object for JSON; those without end are null."""
     worst, asked = study.worst, study.configuration.controller
     content = {
         "config": study.configuration.name,
@@ -321,24 +317,16 @@ def as_json(study: MarginStudy) -> dict[str, Any]:
             "worst_phase_deg": math.degrees(study.azimuths[least]),
             **_margins(worst),
         }
-    return content
+    return dict(plain(content))
 
 
 def _margins(margins: LoopMargins) -> dict[str, Any]:
     return {
-        "channels": {name: _channel(each) for name, each in margins.channels.items()},
-        "disk": _finite(margins.disk),
-        "disk_gain_db": _finite(disk_gain_db(margins.disk)),
-        "disk_phase_deg": _finite(disk_phase_deg(margins.disk)),
+        "channels": {name: each._asdict() for name, each in margins.channels.items()},
+        "disk": margins.disk,
+        "disk_gain_db": disk_gain_db(margins.disk),
+        "disk_phase_deg": disk_phase_deg(margins.disk),
     }
-
-
-def _channel(margins: ChannelMargins) -> dict[str, float | None]:
-    return {name: _finite(value) for name, value in margins._asdict().items()}
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 COLUMNS = ("gain up [dB]", "gain down [dB]", "phase [deg]", "delay [s]", "disk")
@@ -351,11 +339,7 @@ CAPTION = (
 
 
 def margin_table(study: MarginStudy) -> Table:
-    """One row for each channel and one for all at once.
-
-    Args:
-        study: Of a configuration.
-    """
+    """One row for each channel and one for all at once."""
     parts = {"still air, flown": study.flown, "still air, model": study.model}
     if study.worst is not None:
         parts["in wind, worst"] = study.worst
@@ -368,20 +352,21 @@ def margin_table(study: MarginStudy) -> Table:
 
 
 def _rows(margins: LoopMargins) -> list[list[str]]:
-    rows = [
-        [
-            name,
-            _number(channel.gain_increase_db, 1),
-            _number(channel.gain_reduction_db, 1),
-            _number(channel.phase_deg, 0),
-            _number(channel.delay_s, 2),
-            _number(channel.disk, 2),
-        ]
-        for name, channel in margins.channels.items()
+    gain, phase = disk_gain_db(margins.disk), disk_phase_deg(margins.disk)
+    return [
+        *(
+            [
+                name,
+                _number(channel.gain_increase_db, 1),
+                _number(channel.gain_reduction_db, 1),
+                _number(channel.phase_deg, 0),
+                _number(channel.delay_s, 2),
+                _number(channel.disk, 2),
+            ]
+            for name, channel in margins.channels.items()
+        ),
+        ["all", *[_number(gain, 1)] * 2, _number(phase, 0), "", _number(margins.disk, 2)],
     ]
-    gain = _number(disk_gain_db(margins.disk), 1)
-    phase = _number(disk_phase_deg(margins.disk), 0)
-    return [*rows, ["all", gain, gain, phase, "", _number(margins.disk, 2)]]
 
 
 def _number(value: float, digits: int) -> str:

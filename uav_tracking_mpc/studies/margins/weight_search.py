@@ -44,13 +44,12 @@ from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, PREDICTIVE
 from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.plants import SimulationError
-from uav_tracking_mpc.studies.comparison.asked import ASKED
-from uav_tracking_mpc.studies.comparison.measures import Measures, measures
+from uav_tracking_mpc.studies.comparison.measures import ASKED, Measures, measures
 from uav_tracking_mpc.studies.comparison.results import prepared
 from uav_tracking_mpc.studies.comparison.scenarios import SCENARIO, mismatched
 from uav_tracking_mpc.studies.executors import parallel_map
 from uav_tracking_mpc.studies.margins.margin_study import drift_of
-from uav_tracking_mpc.studies.study import Study
+from uav_tracking_mpc.studies.study import Study, plain
 
 # Range RMS [m] and bank-rate RMS [deg/s] that are asked of each flight; in gusts they are shares of
 # those of another law, which would have to be flown as well: here what is asked of it is fixed.
@@ -104,28 +103,13 @@ class Candidate:
     @property
     def by_name(self) -> dict[str, list[float]]:
         """The weights by the names of their parameters."""
-        return _by_name(self.weights)
-
-
-@dataclass(frozen=True)
-class Search:
-    """All that was tried.
-
-    Attributes:
-        config: Name of the configuration.
-        candidates: In the order in which they were tried.
-        best: Least cost among those with the margins that are asked.
-    """
-
-    config: str
-    candidates: list[Candidate]
-    best: Candidate
+        rest = iter(self.weights)
+        return {name: list(islice(rest, size)) for name, size in SIZES.items()}
 
     @property
-    def yaml(self) -> str:
-        """The best weights, to be pasted into a configuration."""
-        lines = [f"    {name}: {values}" for name, values in self.best.by_name.items()]
-        return "\n".join(["/**/nmpc_controller:", "  ros__parameters:", *lines])
+    def settings(self) -> list[str]:
+        """The weights as overrides of a configuration."""
+        return [f"nmpc_controller.{name}={values}" for name, values in self.by_name.items()]
 
 
 def search_weights(
@@ -135,7 +119,7 @@ def search_weights(
     rounds: int = ROUNDS,
     workers: int | None = None,
     show: bool = True,
-) -> Search:
+) -> Study:
     """Search from the weights of a configuration on.
 
     Args:
@@ -176,7 +160,7 @@ def search_weights(
             f"none of {len(trial.known)} weights has the margins that are asked; the best: "
             f"{'; '.join(trial.best.shortfalls)}"
         )
-    return Search(trial.configuration.name, list(trial.known.values()), trial.best)
+    return search_study(trial.configuration.name, list(trial.known.values()), trial.best)
 
 
 class _Trial:
@@ -216,7 +200,7 @@ class _Trial:
         margins = {weights: self._margins(weights) for weights in fresh}
         sound = [weights for weights in fresh if not margins[weights].shortfalls]
         tasks = [
-            (self._config, name, (*self._overrides, *_settings(weights)))
+            (self._config, name, (*self._overrides, *margins[weights].settings))
             for weights in sound
             for name in self._flights
         ]
@@ -269,15 +253,6 @@ def _cost(flights: dict[str, Measures | None]) -> float:
     return sum(math.log2(1.0 + share) for share in shares) / len(shares)
 
 
-def _by_name(weights: Weights) -> dict[str, list[float]]:
-    rest = iter(weights)
-    return {name: list(islice(rest, size)) for name, size in SIZES.items()}
-
-
-def _settings(weights: Weights) -> list[str]:
-    return [f"nmpc_controller.{name}={values}" for name, values in _by_name(weights).items()]
-
-
 def _scaled(weights: Weights, places: Sequence[int], scale: float) -> Weights:
     return _rounded([w * scale if k in places else w for k, w in enumerate(weights)])
 
@@ -287,12 +262,10 @@ def _rounded(weights: Iterable[float]) -> Weights:
     return tuple(float(f"{weight:.2g}") for weight in weights)
 
 
-def as_study(search: Search) -> Study:
-    """The search as one object for JSON, a row for each candidate, and what to paste.
-
-    Args:
-        search: That has ended.
-    """
+def search_study(config: str, candidates: Sequence[Candidate], best: Candidate) -> Study:
+    """What was tried with a configuration, a row for each; the best, and the YAML to paste."""
+    weights = [f"    {name}: {values}" for name, values in best.by_name.items()]
+    yaml = "\n".join(["/**/nmpc_controller:", "  ros__parameters:", *weights])
     columns = ("delay [s]", "gain [dB]", "cost")
     rows = [
         [
@@ -302,29 +275,28 @@ def as_study(search: Search) -> Study:
             f"{each.gain_db:.1f}",
             f"{each.cost:.3f}" if math.isfinite(each.cost) else "too small margins",
         ]
-        for each in search.candidates
+        for each in candidates
     ]
     table = Table((*SHOWN, *columns), rows, numeric=columns, caption=CAPTION)
     content = {
-        "config": search.config,
-        "candidates": [_plain(each) for each in search.candidates],
-        "best": _plain(search.best),
-        "yaml": search.yaml,
+        "config": config,
+        "candidates": [_numbers(each) for each in candidates],
+        "best": _numbers(best),
+        "yaml": yaml,
     }
-    return Study("search", content, [table, search.yaml])
+    return Study("search", plain(content), [table, yaml])
 
 
-def _plain(candidate: Candidate) -> dict[str, Any]:
+def _numbers(candidate: Candidate) -> dict[str, Any]:
     return {
         **candidate.by_name,
         "delay_s": candidate.delay_s,
         "gain_db": candidate.gain_db,
-        "shortfalls": list(candidate.shortfalls),
-        "cost": candidate.cost if math.isfinite(candidate.cost) else None,
+        "shortfalls": candidate.shortfalls,
+        "cost": candidate.cost,
         "flights": {
-            name: None
-            if flight is None
-            else {"range_rms_m": flight.range_rms_m, "bank_rate_rms_dps": flight.bank_rate_rms_dps}
+            name: flight
+            and {"range_rms_m": flight.range_rms_m, "bank_rate_rms_dps": flight.bank_rate_rms_dps}
             for name, flight in candidate.flights.items()
         },
     }

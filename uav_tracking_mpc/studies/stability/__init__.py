@@ -16,11 +16,9 @@
 
 ======================  ==========================================================================
 ``stability_study``     everything below, for one configuration: JSON, words, pictures
-``analysis``            Section 5 for one configuration
-``theorems``            Theorems 2 and 3 as they are written, and states that break what they need
+``analysis``            Theorems 2 and 3, states that break what they need, the levels, the proof
 ``proof``               what makes x'P_rho x <= varrho a terminal set; its proof, its certificate
-``paper_cases``         what the paper prints; its problem recomputed in three ways
-``paper_report``        the paper beside the truth, as a table and as a page
+``paper_report``        what the paper prints beside the truth, as a table and as a page
 ``stability_campaign``  maps of X_N (20); what was proved, flown
 ``design``              rho and weights for the largest certified region
 ======================  ==========================================================================

@@ -22,75 +22,40 @@ the cost of flying: the same flights, scored with the weights that were asked fo
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from uav_tracking_mpc.report.pages import Table
-from uav_tracking_mpc.studies.stability.analysis import obstacle
+from uav_tracking_mpc.studies.stability.analysis import Say, lowest_violation, obstacle
 from uav_tracking_mpc.studies.stability.proof import (
     BOXES,
     allowed_level,
     limits,
     prove_direct_condition,
 )
-from uav_tracking_mpc.studies.stability.theorems import lowest_violation
+from uav_tracking_mpc.studies.study import Study, plain
 from uav_tracking_mpc.terminal.ingredients import StabilityProblem, decrease_excess, directions
 
 SCALINGS = (1.5, 2.5, 4.0, 8.0)  # -, times P
 INPUT_FACTORS = (0.3, 1.0, 3.0, 10.0, 30.0)  # -, times R
 
-
-@dataclass(frozen=True)
-class Candidate:
-    """One choice of weights.
-
-    Attributes:
-        scaling: rho [-].
-        input_factor: R is this times the R asked for [-].
-        level: varrho [-] that U, the domain and the search for violations allow.
-        volume: Of X_f, relative to the choice asked for [-].
-        extents: Half-widths of X_f along the five states, in [m, rad, m, rad, m/s].
-        cost: Closed-loop cost of kappa_l from common states, relative to the choice asked for [-].
-        binding: Which limit is in the way of a larger set.
-        proved: The direct condition was proved at ``level``; None if it was not tried.
-    """
-
-    scaling: float
-    input_factor: float
-    level: float
-    volume: float
-    extents: tuple[float, ...]
-    cost: float
-    binding: str
-    proved: bool | None = None
-
-
-@dataclass(frozen=True)
-class Design:
-    """Outcome of a search.
-
-    Attributes:
-        asked: The configuration as it was asked for.
-        candidates: All choices, largest volume first.
-        best: The largest proved one, or None.
-        words: What to know, in plain words.
-    """
-
-    asked: Candidate
-    candidates: tuple[Candidate, ...]
-    best: Candidate | None
-    words: str
+# One choice of weights: ``scaling``, rho; ``input_factor``, R over the R asked for; ``level``, the
+# varrho that U, the domain and the search for violations allow; ``volume`` of X_f and ``cost``, of
+# kappa_l in closed loop from common states, both relative to the choice asked for; ``extents``,
+# half-widths of X_f in [m, rad, m, rad, m/s]; ``binding``, the limit that is in the way of a larger
+# set; ``proved``, whether the direct condition was, None where it was not tried.
+Candidate = dict[str, Any]
 
 
 def design(
     problem: StabilityProblem,
-    say: Callable[[str], None] | None = None,
+    say: Say = lambda _: None,
     scalings: tuple[float, ...] = SCALINGS,
     input_factors: tuple[float, ...] = INPUT_FACTORS,
     boxes: int = BOXES,
-) -> Design:
+) -> Study:
     """Search rho and the scale of R against Q.
 
     Args:
@@ -99,67 +64,66 @@ def design(
         scalings: Values of rho [-].
         input_factors: Factors of R [-].
         boxes: Budget of each proof.
+
+    Returns:
+        Its content: the candidate that is ``asked``; all ``candidates``, largest volume first; the
+        ``best``, the largest proved one, or None; ``words``.
     """
-    say = say or (lambda text: None)
-    raw = [_candidate(problem, problem.scaling, 1.0, problem)]
-    for factor in input_factors:
-        say(f"R times {factor:g}")
-        for scaling in scalings:
-            if (scaling, factor) != (problem.scaling, 1.0):
-                raw.append(_candidate(problem, scaling, factor, problem))
-    base = raw[0]
-    volume, cost = base.volume or 1.0, base.cost
-    relative = [replace(c, volume=c.volume / volume, cost=c.cost / cost) for c in raw]
-    ranked = sorted(relative, key=lambda c: -c.volume)
-    best = None
-    for index, candidate in enumerate(ranked):
-        if candidate.volume <= 0.0:
+    choices = [(problem.scaling, 1.0)]
+    choices += [(scaling, factor) for factor in input_factors for scaling in scalings]
+    raw = []
+    for choice in dict.fromkeys(choices):
+        say("rho = {:g}, R times {:g}".format(*choice))
+        raw.append(_candidate(problem, *choice))
+    volume, cost = raw[0]["volume"] or 1.0, raw[0]["cost"]
+    for each in raw:
+        each |= {"volume": each["volume"] / volume, "cost": each["cost"] / cost}
+    asked, ranked, best = {**raw[0]}, sorted(raw, key=lambda each: -each["volume"]), None
+    for each in ranked:
+        if each["volume"] <= 0.0:
             break
-        say(f"proving rho = {candidate.scaling:g}, R times {candidate.input_factor:g}")
-        changed = changed_problem(problem, candidate.scaling, candidate.input_factor)
-        outcome = prove_direct_condition(changed, changed.ingredients(), candidate.level, boxes)
+        say("proving rho = {scaling:g}, R times {input_factor:g}".format_map(each))
+        changed = changed_problem(problem, each["scaling"], each["input_factor"])
+        outcome = prove_direct_condition(changed, changed.ingredients(), each["level"], boxes)
         say(outcome.reason)
-        ranked[index] = replace(candidate, proved=outcome.holds)
+        each["proved"] = outcome.holds
         if outcome.holds:
-            best = ranked[index]
+            best = each
             break
-    return Design(relative[0], tuple(ranked), best, _words(problem, relative[0], best))
+    words = _words(problem, asked, best)
+    content = {"asked": asked, "candidates": ranked, "best": best, "words": words}
+    return Study("design", plain(content), [words, _table(ranked)], good=best is not None)
 
 
 def changed_problem(
     problem: StabilityProblem, scaling: float, input_factor: float
 ) -> StabilityProblem:
-    """The configuration with another rho and R scaled.
-
-    Args:
-        problem: The configuration.
-        scaling: The other rho [-].
-        input_factor: R is this times its R [-].
-    """
+    """The configuration with another rho [-] and R scaled by a factor [-]."""
     return replace(problem, scaling=scaling, input_weight=input_factor * problem.input_weight)
 
 
-def _candidate(
-    problem: StabilityProblem, scaling: float, input_factor: float, asked: StabilityProblem
-) -> Candidate:
-    changed = changed_problem(problem, scaling, input_factor)
+def _candidate(asked: StabilityProblem, scaling: float, input_factor: float) -> Candidate:
+    changed = changed_problem(asked, scaling, input_factor)
     parts = changed.ingredients()
-    weight = parts.weight
     inputs, domain = limits(changed, parts)
-    ceiling = allowed_level(inputs, domain)
-    cost = _cost(asked, parts.gain)
-    nothing = (0.0,) * 5
-    if ceiling <= 0.0:
-        words = obstacle(inputs, domain)
-        return Candidate(scaling, input_factor, 0.0, 0.0, nothing, cost, words)
-    found = lowest_violation(decrease_excess(changed, parts), ceiling, rays=3000, starts=6)
-    level, binding = ceiling, (inputs if inputs.level <= domain.level else domain).name
-    if found is not None and found.level < ceiling:
-        level, binding = 0.97 * found.level, "the decrease of V_f"
-    inverse = np.linalg.inv(weight)
-    volume = float(np.sqrt(level**5 / np.linalg.det(weight)))
-    extents = tuple(np.sqrt(level * np.diag(inverse)).tolist())
-    return Candidate(scaling, input_factor, level, volume, extents, cost, binding)
+    level = allowed_level(inputs, domain)
+    binding = (inputs if inputs.level <= domain.level else domain).name
+    if level <= 0.0:
+        level, binding = 0.0, obstacle(inputs, domain)
+    else:
+        found = lowest_violation(decrease_excess(changed, parts), level, rays=3000, starts=6)
+        if found is not None and found.level < level:
+            level, binding = 0.97 * found.level, "the decrease of V_f"
+    return {
+        "scaling": scaling,
+        "input_factor": input_factor,
+        "level": level,
+        "volume": float(np.sqrt(level**5 / np.linalg.det(parts.weight))),
+        "extents": np.sqrt(level * np.diag(np.linalg.inv(parts.weight))).tolist(),
+        "cost": _cost(asked, parts.gain),
+        "binding": binding,
+        "proved": None,
+    }
 
 
 def _cost(asked: StabilityProblem, gain: np.ndarray, steps: int = 120) -> float:
@@ -175,24 +139,19 @@ def _cost(asked: StabilityProblem, gain: np.ndarray, steps: int = 120) -> float:
     return total / len(states) if np.isfinite(total) else float("inf")
 
 
-def candidate_table(found: Design) -> Table:
-    """All candidates.
-
-    Args:
-        found: Outcome of a search.
-    """
+def _table(candidates: list[Candidate]) -> Table:
     proved = {True: "yes", False: "no", None: "-"}
     rows = [
-        (
-            f"{c.scaling:g}",
-            f"{c.input_factor:g}",
-            f"{c.level:.4g}",
-            f"{c.volume:.3g}",
-            f"{c.cost:.3f}",
-            proved[c.proved],
-            c.binding,
-        )
-        for c in found.candidates
+        [
+            f"{each['scaling']:g}",
+            f"{each['input_factor']:g}",
+            f"{each['level']:.4g}",
+            f"{each['volume']:.3g}",
+            f"{each['cost']:.3f}",
+            proved[each["proved"]],
+            each["binding"],
+        ]
+        for each in candidates
     ]
     headings = ("rho", "R times", "varrho", "volume", "cost", "proved", "limited by")
     return Table(headings, rows, numeric=headings[:5])
@@ -204,17 +163,15 @@ def _words(problem: StabilityProblem, asked: Candidate, best: Candidate | None) 
     if best is None:
         return (
             f"{name}: no choice of rho and R tried has a certified region. In the way: "
-            f"{asked.binding}."
+            f"{asked['binding']}."
         )
-    spans = ", ".join(
-        f"{value:.3g} {unit}"
-        for value, unit in zip(best.extents, ("m", "rad", "m", "rad", "m/s"), strict=True)
-    )
+    units = ("m", "rad", "m", "rad", "m/s")
+    pairs = zip(best["extents"], units, strict=True)
+    spans = ", ".join(f"{value:.3g} {unit}" for value, unit in pairs)
     return (
-        f"{name}: as asked, varrho = {asked.level:.4g}, limited by {asked.binding}. "
-        f"Largest proved: rho = {best.scaling:g}, "
-        f"R times {best.input_factor:g}, "
-        f"varrho = {best.level:.4g}, "
-        f"{best.volume:.3g} times the volume, half-widths {spans}, limited by {best.binding}; "
-        f"closed-loop cost {best.cost:.3f} times that of the choice asked for."
+        f"{name}: as asked, varrho = {asked['level']:.4g}, limited by {asked['binding']}. Largest "
+        f"proved: rho = {best['scaling']:g}, R times {best['input_factor']:g}, "
+        f"varrho = {best['level']:.4g}, {best['volume']:.3g} times the volume, half-widths "
+        f"{spans}, limited by {best['binding']}; closed-loop cost {best['cost']:.3f} times that "
+        "of the choice asked for."
     )

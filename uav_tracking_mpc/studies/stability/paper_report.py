@@ -16,7 +16,7 @@
 
 Columns: as printed; with the printed A (58) in the place of a linearisation (the plant is (11));
 with (11) and its own Jacobian; with the exact kinematics. Nothing numerical is typed in except
-what the paper prints (``printed``): verdicts compare numbers and try formulas that might explain
+what the paper prints (``PRINTED``): verdicts compare numbers and try formulas that might explain
 a misprint.
 """
 
@@ -26,28 +26,123 @@ import functools
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics import paper_numbers
+from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import steady_inputs
-from uav_tracking_mpc.report.atomic_write import write_atomically
 from uav_tracking_mpc.report.pages import Table
-from uav_tracking_mpc.studies.stability import paper_cases as printed
-from uav_tracking_mpc.studies.stability.paper_cases import distance_budget, paper_cases
-from uav_tracking_mpc.studies.stability.theorems import (
+from uav_tracking_mpc.studies.stability.analysis import (
+    TheoremQuantities,
     largest_lipschitz,
+    largest_ratio,
     lipschitz_excess,
     lowest_violation,
+    theorem_quantities,
 )
 from uav_tracking_mpc.terminal.ingredients import (
     PAPER_INITIAL_STATE,
+    StabilityProblem,
+    TerminalIngredients,
     decrease_excess,
     input_limited_level,
     paper_problem,
+    terminal_ingredients,
 )
+
+PRINTED_A = np.array(
+    [
+        [1.0, 4.0, 0.0, 4.0, 0.0],
+        [-0.0002, 1.0, 0.0001, -0.0302, 0.0075],
+        [0.0, 0.0, 1.0, 4.0, 0.0],
+        [0.0, 0.0, 0.0, 1.0, 0.0],
+        [0.0, 0.0, 0.0, 0.0, 1.0],
+    ]
+)  # (58)
+PRINTED_B = np.array(
+    [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+)  # (58)
+PRINTED_LEVEL_60 = 3.1733  # (60)
+PRINTED_LEVEL_TABLE = 3.2649  # Table 1
+PRINTED_LIPSCHITZ = 0.5265  # Table 1
+PRINTED_LEFT_41 = 0.2782  # xi + (rho - 1) sigma, as Table 1 gives them
+PRINTED_RIGHT_41 = 0.2762  # 2 L |A_K| + L^2, as Table 1 gives them
+
+
+def symbolic_a(orbit: Orbit, step: float) -> np.ndarray:
+    """A of (12) evaluated on an orbit with T_s in [s], shape (5, 5)."""
+    range_, altitude, speed = orbit.range, orbit.altitude, orbit.speed
+    square = range_**2 - altitude**2
+    a = np.eye(5)
+    a[0, 1] = a[0, 3] = a[1, 0] = a[2, 3] = step * speed
+    a[1, 2] = 2.0 * step * speed * range_ * altitude / square**2
+    a[1, 3] = step * speed * range_ / square
+    a[1, 4] = step * range_ / square
+    return a
+
+
+def distance_budget(
+    problem: StabilityProblem, state: NDArray[np.float64], level: float
+) -> tuple[float, float]:
+    """Range to cover to reach X_f, and an upper bound for what can be flown in N steps.
+
+    Each Euler step changes r by at most T_s v, and v is limited by the acceleration from the start
+    and by the speeds that X_f holds at the end.
+
+    Args:
+        problem: Horizon, step, input bounds, weights.
+        state: (r, theta, z, chi, v), shape (5,).
+        level: varrho [-].
+
+    Returns:
+        (needed, possible), in [m]. needed > possible proves that (16e) is infeasible.
+    """
+    inverse = np.linalg.inv(problem.ingredients().weight)
+    range_extent, _, _, _, speed_extent = np.sqrt(level * np.diag(inverse))
+    r, _, _, _, v = state
+    needed = abs(float(r) - problem.orbit.range) - float(range_extent)
+    k = np.arange(problem.horizon)
+    _, _, up = problem.step * problem.input_upper
+    _, _, down = -problem.step * problem.input_lower
+    last = problem.orbit.speed + float(speed_extent)
+    speeds = np.minimum(v + k * up, last + (problem.horizon - k) * down)
+    return needed, float(problem.step * np.maximum(speeds, 0.0).sum())
+
+
+class PaperCase(NamedTuple):
+    """One way to recompute: the plant, and what belongs to one of its linearisations.
+
+    Attributes:
+        problem: The plant.
+        ingredients: Made with ``linearisation``.
+        linearisation: A, shape (5, 5).
+    """
+
+    problem: StabilityProblem
+    ingredients: TerminalIngredients
+    linearisation: NDArray[np.float64]
+
+    def quantities(self, lipschitz: float) -> TheoremQuantities:
+        """Theorems 2 and 3 with L [-]."""
+        return theorem_quantities(self.problem, self.ingredients, lipschitz)
+
+
+@functools.cache
+def paper_cases() -> tuple[PaperCase, ...]:
+    """In the order of the columns: with the printed A, with (11), with the exact kinematics."""
+    plant = paper_problem("paper")
+    weights = (plant.state_weight, plant.input_weight, plant.scaling)
+    printed = terminal_ingredients(PRINTED_A, PRINTED_B, *weights)
+    return (
+        PaperCase(plant, printed, PRINTED_A),
+        *(
+            PaperCase(problem, problem.ingredients(), problem.linearisation()[0])
+            for problem in map(paper_problem, ("paper", "exact"))
+        ),
+    )
 
 
 @dataclass(frozen=True)
@@ -57,7 +152,7 @@ class Row:
     Attributes:
         name: What it is.
         equation: Where the paper prints it.
-        printed: As paper_cases, in the unit of the quantity [SI], or None.
+        printed: As the paper prints it, in the unit of the quantity [SI], or None.
         printed_A: Recomputed with (58), in [SI], or None where it makes no sense.
         model_11: Recomputed with (11), in [SI].
         exact: Recomputed with the exact kinematics, in [SI].
@@ -89,11 +184,11 @@ def _row(
 def _linearisation_rows() -> list[Row]:
     exact = paper_problem()
     orbit = exact.orbit
-    symbolic = printed.symbolic_a(orbit.range, orbit.altitude, orbit.speed, exact.step)
+    symbolic = symbolic_a(orbit, exact.step)
     _, by_11, truth = (case.linearisation + 0.0 for case in paper_cases())
     rows = []
     for entry in ((0, 1), (0, 3), (1, 0), (1, 2), (1, 3), (1, 4), (2, 3)):
-        stated = float(printed.PRINTED_A[entry])
+        stated = float(PRINTED_A[entry])
         values = [float(matrix[entry]) for matrix in (symbolic, by_11, truth)]
         name = f"A[{entry[0]},{entry[1]}]"
         rows.append(_row(name, "(58), (12)", stated, values, _entry_verdict(stated, *values)))
@@ -126,12 +221,12 @@ def _entry_verdict(numeric: float, symbolic: float, model: float, exact: float) 
 
 def _theorem_rows() -> list[Row]:
     cases = paper_cases()
-    found = [case.quantities(printed.PRINTED_LIPSCHITZ) for case in cases]
+    found = [case.quantities(PRINTED_LIPSCHITZ) for case in cases]
     left, right = [q.theorem3.left for q in found], [q.theorem3.right for q in found]
     factors = [b / a for a, b in zip(left, right, strict=True)]
-    square = printed.PRINTED_LIPSCHITZ**2
+    square = PRINTED_LIPSCHITZ**2
     cross_term = ""
-    if abs(square / printed.PRINTED_RIGHT_41 - 1.0) < 0.01:
+    if abs(square / PRINTED_RIGHT_41 - 1.0) < 0.01:
         cross_term = (
             f"; L^2 alone is {square:.4f}: the cross term 2 L |A_K|_P was left out of the sum"
         )
@@ -140,18 +235,14 @@ def _theorem_rows() -> list[Row]:
         _row("sigma", "Theorem 2", None, [q.sigma for q in found], "not printed"),
         _row("xi", "Theorem 3", None, [q.xi for q in found], "not printed"),
         _row("|A_K|_P", "(33)", None, [q.contraction for q in found], "not printed"),
-        _compared("xi + (rho - 1) sigma", "(41)", printed.PRINTED_LEFT_41, left),
+        _compared("xi + (rho - 1) sigma", "(41)", PRINTED_LEFT_41, left),
         _compared(
-            "b = 2 L |A_K|_P + L^2, L as printed",
-            "(41)",
-            printed.PRINTED_RIGHT_41,
-            right,
-            after=cross_term,
+            "b = 2 L |A_K|_P + L^2, L as printed", "(41)", PRINTED_RIGHT_41, right, after=cross_term
         ),
         _row(
             "right over left of (41), holds if at most 1",
             "(41)",
-            printed.PRINTED_RIGHT_41 / printed.PRINTED_LEFT_41,
+            PRINTED_RIGHT_41 / PRINTED_LEFT_41,
             factors,
             f"the printed certificate does not hold: (41) fails by a factor of {min(factors):.1f}"
             if min(factors) > 1.0
@@ -189,10 +280,13 @@ def _theorem_rows() -> list[Row]:
 def _level_rows() -> list[Row]:
     """Lipschitz constants at the printed levels, and the levels that U allows."""
     cases, rows = paper_cases(), []
-    for level in (printed.PRINTED_LEVEL_60, printed.PRINTED_LEVEL_TABLE):
-        values = [case.lipschitz(level) for case in cases]
+    for level in (PRINTED_LEVEL_60, PRINTED_LEVEL_TABLE):
+        values = [
+            largest_ratio(lipschitz_excess(case.problem, case.ingredients, 0.0), level).level
+            for case in cases
+        ]
         name = f"L at varrho = {level}"
-        rows.append(_compared(name, "(31), Table 1", printed.PRINTED_LIPSCHITZ, values, 0.02))
+        rows.append(_compared(name, "(31), Table 1", PRINTED_LIPSCHITZ, values, 0.02))
     turn, _, _ = paper_numbers.INPUT_BOUNDS
     bounds = np.array([turn, 1e3, 1e3])  # about the steady input, as a box symmetric in u - u_ss
     turn_only = [input_limited_level(case.ingredients, -bounds, bounds) for case in cases]
@@ -204,16 +298,16 @@ def _level_rows() -> list[Row]:
         _compared(
             "varrho if |u_psi - u_ss| <= pi/4 alone",
             "(60), (25)",
-            printed.PRINTED_LEVEL_60,
+            PRINTED_LEVEL_60,
             turn_only,
             0.02,
             "U is never printed; ",
-            f"; Table 1 prints {printed.PRINTED_LEVEL_TABLE} for the same quantity",
+            f"; Table 1 prints {PRINTED_LEVEL_TABLE} for the same quantity",
         ),
         _compared(
             "varrho for U = (pi/4, pi/4, 1)",
             "(25)",
-            printed.PRINTED_LEVEL_60,
+            PRINTED_LEVEL_60,
             whole,
             0.02,
             "about the steady input, all three bounds: ",
@@ -233,9 +327,9 @@ def _reach_rows(left: list[float]) -> list[Row]:
         itself = lowest_violation(decrease_excess(*parts), 18.0)
         theorem3.append(None if third is None else third.level)
         decrease.append(None if itself is None else itself.level)
-    mismatch = float(np.abs(printed.PRINTED_A - model_11.linearisation).max())
+    mismatch = float(np.abs(PRINTED_A - model_11.linearisation).max())
     gain = float(decrease[2] or 0.0) / float(theorem3[2] or 1.0)
-    level = printed.PRINTED_LEVEL_60
+    level = PRINTED_LEVEL_60
     return [
         _row(
             "varrho where (41) stops holding",
@@ -262,7 +356,7 @@ def _reach_rows(left: list[float]) -> list[Row]:
 def _simulation_rows() -> list[Row]:
     (needed, flown), (_, flown_in_20) = (
         distance_budget(
-            replace(paper_problem(), horizon=horizon), PAPER_INITIAL_STATE, printed.PRINTED_LEVEL_60
+            replace(paper_problem(), horizon=horizon), PAPER_INITIAL_STATE, PRINTED_LEVEL_60
         )
         for horizon in (10, 20)
     )
@@ -318,7 +412,7 @@ def _numeric_verdict(stated: float, values: list[float], tolerance: float) -> st
 
 def paper_as_printed() -> dict[str, Any]:
     """Whether (41) holds with the paper's own A, weights, rho and L."""
-    return paper_cases()[0].quantities(printed.PRINTED_LIPSCHITZ).theorem3.as_dict()
+    return paper_cases()[0].quantities(PRINTED_LIPSCHITZ).theorem3.as_dict()
 
 
 HEADINGS = ("quantity", "where", "as printed", "printed A", "with (11)", "exact", "verdict")
@@ -371,41 +465,21 @@ _FORMULA = re.compile(
 )
 
 
-def number(value: float | None) -> str:
-    """Four significant digits, or a dash.
-
-    Args:
-        value: What to print [-].
-    """
-    return "-" if value is None else f"{value:.4g}"
-
-
 def cells(row: Row) -> tuple[str, ...]:
-    """One row as text.
-
-    Args:
-        row: Of the report.
-    """
+    """One row as text: numbers with four significant digits, or a dash."""
     numbers = (row.printed, row.printed_A, row.model_11, row.exact)
-    return (row.name, row.equation, *map(number, numbers), row.verdict)
+    words = ("-" if number is None else f"{number:.4g}" for number in numbers)
+    return (row.name, row.equation, *words, row.verdict)
 
 
 def numbers_table(rows: Sequence[Row]) -> Table:
-    """The numbers as a table for the terminal; its rows count those of the verdicts.
-
-    Args:
-        rows: Of the report.
-    """
+    """The numbers as a table for the terminal; its rows count those of the verdicts."""
     counted = [(str(count), *cells(row)[:-1]) for count, row in enumerate(rows, start=1)]
     return Table(("", *HEADINGS[:-1]), counted, title="The paper, quantity by quantity")
 
 
 def verdicts(rows: Sequence[Row]) -> list[str]:
-    """The verdict on each row of the table, one line each: too long for a column.
-
-    Args:
-        rows: Of the report.
-    """
+    """The verdict on each row of the table, one line each: too long for a column."""
     return [f"{count:3d}  {row.verdict}" for count, row in enumerate(rows, start=1)]
 
 
@@ -420,20 +494,7 @@ def _rendered(text: str) -> str:
 
 
 def as_markdown(rows: Sequence[Row]) -> str:
-    """The page ``docs/paper_errata.md``.
-
-    Args:
-        rows: Of the report.
-    """
+    """The page ``docs/paper_errata.md``."""
     rendered = [tuple(map(_rendered, cells(row))) for row in rows]
     table = Table(HEADINGS, rendered).as_markdown()
     return f"{_INTRODUCTION}\n{table}\n{_CLOSING}"
-
-
-def write_page(path: Path) -> None:
-    """Recompute the report and write the page.
-
-    Args:
-        path: File of the page.
-    """
-    write_atomically(path, as_markdown(paper_report()).encode())

@@ -67,30 +67,13 @@ MULTIPLIER_STEPS = 14  # of a search for multipliers
 
 
 @dataclass(frozen=True)
-class Stuck:
-    """Where a proof stopped.
-
-    Attributes:
-        reason: In words.
-        center: Middle of the box, error coordinates, length 5 [m, rad, m, rad, m/s].
-        half: Its half-widths, length 5, likewise [m, rad, m, rad, m/s].
-        excess: The left side minus the right one there, about [-].
-    """
-
-    reason: str
-    center: tuple[float, ...]
-    half: tuple[float, ...]
-    excess: float
-
-
-@dataclass(frozen=True)
 class Proof:
-    """Outcome: proved, or not proved and where it got stuck.
+    """Outcome: proved, or not proved and why it stopped.
 
     It never says "false": only a counterexample does, and looking for one is not done here.
 
     Attributes:
-        proved: The bound holds for every x of X_f.
+        stuck: Why it stopped before the bound was proved, in words; None where it is proved.
         half: Half-widths of the root box, length 5 [m, rad, m, rad, m/s].
         tree: The boxes in preorder (empty unless proved).
         multipliers: m of the test on each leaf [-], in the order of the tree (empty unless
@@ -98,17 +81,20 @@ class Proof:
         boxes: Boxes tested.
         leaves: Boxes on which the bound was proved.
         depth: Largest number of halvings.
-        stuck: Where it stopped, if it did.
     """
 
-    proved: bool
+    stuck: str | None
     half: tuple[float, ...]
     tree: str
     multipliers: tuple[float, ...]
     boxes: int
     leaves: int
     depth: int
-    stuck: Stuck | None = None
+
+    @property
+    def proved(self) -> bool:
+        """Whether the bound holds for every x of X_f."""
+        return self.stuck is None
 
 
 def prove(bound: QuadraticBound, box_limit: int = BOXES) -> Proof:
@@ -124,9 +110,7 @@ def prove(bound: QuadraticBound, box_limit: int = BOXES) -> Proof:
     boxes, leaves, share, stuck = 0, 0, 0.0, None
     while len(center) and stuck is None:
         left = box_limit - boxes
-        proved, cut, multipliers, excess = verdicts(
-            bound, center[:left], half[:left], multipliers[:left]
-        )
+        proved, cut, multipliers = verdicts(bound, center[:left], half[:left], multipliers[:left])
         boxes += len(proved)
         leaves += int(proved.sum())
         share += int(proved.sum()) * 0.5 ** len(layers)
@@ -136,32 +120,26 @@ def prove(bound: QuadraticBound, box_limit: int = BOXES) -> Proof:
         width[np.arange(len(each)), cut[each]] /= 2.0
         shift = np.where(np.arange(len(root)) == cut[each][:, None], width, 0.0)
         lower, upper = center[each] - shift, center[each] + shift
-        reason = None
         if len(each) and len(layers) > DEPTH_LIMIT:
-            reason = f"a box halved {DEPTH_LIMIT} times still fails: the bound is tight or false"
+            stuck = f"a box halved {DEPTH_LIMIT} times still fails: the bound is tight or false"
         elif len(center) > left or (len(each) and boxes >= box_limit):
-            reason = (
+            stuck = (
                 f"the budget of {box_limit} boxes is spent, {share:.1%} of the volume "
                 "proved; a larger one (--boxes) may do"
             )
         elif not (_exact(center[each], shift, upper) and _exact(center[each], -shift, lower)):
-            reason = "boxes got too small to be halved exactly: the bound is tight or false"
-        if reason is not None:
-            where = each[0] if len(each) else len(proved) - 1
-            place = tuple(center[where].tolist()), tuple(half[where].tolist())
-            stuck = Stuck(reason, *place, float(excess[where]))
+            stuck = "boxes got too small to be halved exactly: the bound is tight or false"
         center = np.stack([lower, upper], axis=1).reshape(-1, len(root))
         half, multipliers = np.repeat(width, 2, axis=0), np.repeat(multipliers[each], 2)
     tree, found = _in_preorder(layers) if stuck is None else ("", ())
     return Proof(
-        proved=stuck is None,
+        stuck=stuck,
         half=tuple(root.tolist()),
         tree=tree,
         multipliers=found,
         boxes=boxes,
         leaves=leaves,
         depth=len(layers) - 1,
-        stuck=stuck,
     )
 
 
@@ -170,7 +148,7 @@ def verdicts(
     center: NDArray[np.float64],
     half: NDArray[np.float64],
     multipliers: NDArray[np.float64],
-) -> tuple[NDArray[np.bool_], NDArray[np.intp], NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[NDArray[np.bool_], NDArray[np.intp], NDArray[np.float64]]:
     """Test boxes.
 
     Args:
@@ -180,8 +158,8 @@ def verdicts(
         multipliers: First guesses of m, shape (n,) [-].
 
     Returns:
-        Where the bound is confirmed; else which coordinate to halve next; the m that was best; the
-        left side minus the right one, about. Of shape (n,) each.
+        Where the bound is confirmed; else which coordinate to halve next; the m that was best. Of
+        shape (n,) each.
     """
     expansion = bound.expansion(center, half)
     m, guess = _lowest(bound, center, half, expansion, multipliers)
@@ -189,7 +167,7 @@ def verdicts(
     at_origin = np.all(np.abs(center) <= half, axis=1)
     proved[at_origin] = bound.holds_at_origin(center[at_origin], half[at_origin])
     weight = expansion.influence * 2.0 * guess.pull[:, None] + guess.convexifier * half**2
-    return proved, np.argmax(weight, axis=1), m, guess.excess
+    return proved, np.argmax(weight, axis=1), m
 
 
 def _lowest(
@@ -346,7 +324,7 @@ class DirectCondition:
         if allowed_level(self.inputs) < self.level:
             return f"not proved: {self.inputs.name} binds at level {self.inputs.level:.6g}"
         if self.decrease.stuck is not None:
-            return f"not proved: decrease of V_f, {self.decrease.stuck.reason}"
+            return f"not proved: decrease of V_f, {self.decrease.stuck}"
         return "proved"
 
 

@@ -28,9 +28,9 @@ may leave and return: its cost stays below varrho all the same) and is counted a
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import islice
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,55 +53,14 @@ COORDINATES = {"range": 0, "bearing": 1, "altitude": 2, "path_angle": 3, "speed"
 UNITS = {"range": "m", "bearing": "rad", "altitude": "m", "path_angle": "rad", "speed": "m/s"}
 FEASIBLE_VIOLATION = 1e-5  # -, largest violation of a hard constraint, scaled
 
-
-@dataclass(frozen=True)
-class Slice:
-    """A two-dimensional slice of the state space.
-
-    Attributes:
-        first: Coordinate along the rows, a key of :data:`COORDINATES`.
-        first_values: Its values, shape (n,).
-        second: Coordinate along the columns.
-        second_values: Its values, shape (m,).
-        base: State (r, theta, z, chi, v) that gives the other coordinates, shape (5,).
-    """
-
-    first: str
-    first_values: NDArray[np.float64]
-    second: str
-    second_values: NDArray[np.float64]
-    base: NDArray[np.float64]
-
-    def state(self, i: int, j: int) -> NDArray[np.float64]:
-        """State at row i, column j, shape (5,)."""
-        state = np.array(self.base, dtype=float)
-        state[COORDINATES[self.first]] = self.first_values[i]
-        state[COORDINATES[self.second]] = self.second_values[j]
-        return state
+# A slice of the state space: ``coordinates``, keys of COORDINATES, along rows and columns;
+# ``first`` and ``second``, their values; ``base``, state (r, theta, z, chi, v) that gives the
+# others. A map also has ``horizon``; of each state ``feasible`` and ``cost``, V_N, nan where
+# infeasible; the state ``marked`` and ``marked_feasible``.
+Map = dict[str, Any]
 
 
-@dataclass(frozen=True)
-class AttractionMap:
-    """Feasibility over a slice.
-
-    Attributes:
-        slice: Where.
-        horizon: N.
-        feasible: Shape (n, m).
-        cost: V_N there, nan where infeasible, shape (n, m).
-        marked: State that is marked, shape (5,).
-        marked_feasible: Whether P_N is feasible from it.
-    """
-
-    slice: Slice
-    horizon: int
-    feasible: NDArray[np.bool_]
-    cost: NDArray[np.float64]
-    marked: NDArray[np.float64]
-    marked_feasible: bool
-
-
-def default_slices(problem: StabilityProblem, points: int = 25) -> list[Slice]:
+def default_slices(problem: StabilityProblem, points: int = 25) -> list[Map]:
     """(range, bearing) and (range, speed) about the paper's initial state.
 
     Args:
@@ -113,37 +72,34 @@ def default_slices(problem: StabilityProblem, points: int = 25) -> list[Slice]:
     base = marked_state(problem)
     low = max(1.05 * abs(base[COORDINATES["altitude"]]), 0.3 * orbit.range)
     ranges = np.linspace(low, 2.0 * orbit.range, points)
-    bearings = np.linspace(-np.pi, np.pi, points)
-    speeds = np.linspace(0.0, 2.5 * orbit.speed, points)
+    others = {"bearing": (-np.pi, np.pi), "speed": (0.0, 2.5 * orbit.speed)}
     return [
-        Slice("range", ranges, "bearing", bearings, base),
-        Slice("range", ranges, "speed", speeds, base),
+        {
+            "coordinates": ["range", name],
+            "first": ranges,
+            "second": np.linspace(*ends, points),
+            "base": base,
+        }
+        for name, ends in others.items()
     ]
 
 
 def marked_state(problem: StabilityProblem) -> NDArray[np.float64]:
-    """x_o of the paper, scaled to the orbit where that is not the paper's, shape (5,).
-
-    Args:
-        problem: The configuration.
-    """
-    orbit = problem.orbit
+    """x_o of the paper, scaled to the orbit where that is not the paper's, shape (5,)."""
     r, theta, z, chi, v = PAPER_INITIAL_STATE
-    wider, higher = (
-        orbit.range / paper_numbers.ORBIT.range,
-        orbit.altitude / paper_numbers.ORBIT.altitude,
-    )
+    orbit, paper = problem.orbit, paper_numbers.ORBIT
+    wider, higher = orbit.range / paper.range, orbit.altitude / paper.altitude
     return np.array([r * wider, theta, z * higher, chi, v])
 
 
 def attraction_map(
     problem: StabilityProblem,
     level: float | None,
-    where: Slice,
+    where: Map,
     horizon: int,
     workers: int | None = None,
     show: bool = True,
-) -> AttractionMap:
+) -> Map:
     """Map X_N over a slice.
 
     Args:
@@ -154,18 +110,23 @@ def attraction_map(
         workers: Processes, all cores by default.
         show: Progress bar on stderr.
     """
-    changed = replace(problem, horizon=horizon)
-    marked = marked_state(problem)
-    pieces = [
-        (changed, level, np.array([where.state(i, j) for j in range(len(where.second_values))]))
-        for i in range(len(where.first_values))
-    ]
-    pieces.append((changed, level, marked[None]))
-    label = f"X_{horizon} over {where.first}, {where.second}"
+    changed, marked = replace(problem, horizon=horizon), marked_state(problem)
+    first, second = where["coordinates"]
+    states = np.tile(where["base"], (len(where["first"]), len(where["second"]), 1))
+    states[:, :, COORDINATES[first]] = where["first"][:, None]
+    states[:, :, COORDINATES[second]] = where["second"]
+    pieces = [(changed, level, row) for row in (*states, marked[None])]
+    label = f"X_{horizon} over {first}, {second}"
     *rows, (marked_cost,) = parallel_map(_solve_row, pieces, workers, label, show)
     costs = np.array(rows)
-    found = bool(np.isfinite(marked_cost))
-    return AttractionMap(where, horizon, np.isfinite(costs), costs, marked, found)
+    return {
+        "horizon": horizon,
+        **where,
+        "feasible": np.isfinite(costs),
+        "cost": costs,
+        "marked": marked,
+        "marked_feasible": bool(np.isfinite(marked_cost)),
+    }
 
 
 def _solve_row(row: tuple[StabilityProblem, float | None, NDArray[np.float64]]) -> list[float]:
@@ -202,88 +163,46 @@ def _cost(solution: Solution) -> float:
     return solution.cost if found else float("nan")
 
 
-def save_maps(maps: list[AttractionMap], file: IO[bytes]) -> None:
-    """Write maps as a NumPy archive: map k has ``k_feasible``, ``k_cost`` and its axes.
-
-    Args:
-        maps: Any number of them.
-        file: Open for writing.
-    """
-    arrays = {}
-    for k, entry in enumerate(maps):
-        where = entry.slice
-        content = {
-            "horizon": entry.horizon,
-            "coordinates": [where.first, where.second],
-            "first": where.first_values,
-            "second": where.second_values,
-            "base": where.base,
-            "feasible": entry.feasible,
-            "cost": entry.cost,
-            "marked": entry.marked,
-            "marked_feasible": entry.marked_feasible,
-        }
-        arrays.update({f"{k}_{name}": np.array(value) for name, value in content.items()})
+def save_maps(maps: list[Map], file: IO[bytes]) -> None:
+    """Write maps as a NumPy archive: map k has ``k_feasible``, ``k_cost`` and its axes."""
+    arrays = {
+        f"{k}_{name}": np.array(value)
+        for k, found in enumerate(maps)
+        for name, value in found.items()
+    }
     np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
-
-
-@dataclass(frozen=True)
-class CampaignResult:
-    """Counts over all flights.
-
-    Attributes:
-        law: ``kappa_l`` or ``nmpc``.
-        flights: States flown.
-        steps: Steps flown in all.
-        left: Flights in which the state left X_f.
-        outside_inputs: Flights in which the input left U.
-        cost_rose: Flights in which the cost did not fall at some step.
-        failures: Flights in which a solve failed.
-        largest_height: Largest V_f seen over varrho [-].
-    """
-
-    law: str
-    flights: int
-    steps: int
-    left: int
-    outside_inputs: int
-    cost_rose: int
-    failures: int
-    largest_height: float
-
-    @property
-    def clean(self) -> bool:
-        """Nothing happened that the proof excludes."""
-        return not (self.outside_inputs or self.cost_rose or self.failures or self.left)
 
 
 def random_states(
     problem: StabilityProblem, level: float, count: int, seed: int = 0
 ) -> NDArray[np.float64]:
-    """States uniform in the volume of X_f, shape (count, 5), error coordinates.
-
-    Args:
-        problem: The configuration.
-        level: varrho [-].
-        count: How many.
-        seed: Of the generator.
-    """
+    """States uniform in the volume of X_f with varrho [-], shape (count, 5), error coordinates."""
     generator = np.random.default_rng(seed)
     radius = np.sqrt(level) * generator.uniform(0.0, 1.0, (count, 1)) ** 0.2
     return radius * directions(problem.ingredients().weight, count, generator)
 
 
+# What a proof excludes, in how many flights it happened: the state left X_f, an input left U, the
+# cost did not fall at some step, a solve failed.
+EXCLUDED = ("left", "outside_inputs", "cost_rose", "failures")
+
+
+def _result(law: str, flights: int, steps: int, largest: float, **counts: int) -> dict[str, Any]:
+    """Counts over all flights; ``largest_height`` is the largest V_f seen over varrho [-]."""
+    return {
+        "law": law,
+        "flights": flights,
+        "steps": steps,
+        **counts,
+        "largest_height": largest,
+        "clean": not any(counts.values()),
+    }
+
+
 def fly_local(
     problem: StabilityProblem, level: float, states: NDArray[np.float64], steps: int = 60
-) -> CampaignResult:
-    """Fly kappa_l from every state.
-
-    Args:
-        problem: The configuration.
-        level: varrho [-].
-        states: Shape (count, 5).
-        steps: Of every flight.
-    """
+) -> dict[str, Any]:
+    """Fly kappa_l from every state of shape (count, 5) for some steps, with varrho [-]."""
     parts, dynamics = problem.ingredients(), problem.dynamics()
     lower, upper = problem.deviation_bounds()
     star = q_star(problem, parts.gain)
@@ -303,16 +222,8 @@ def fly_local(
         left |= ~(following <= level * (1.0 + 1e-12))
         height = following
         largest = max(largest, float(height.max()))
-    return CampaignResult(
-        law="kappa_l",
-        flights=count,
-        steps=count * steps,
-        left=int(left.sum()),
-        outside_inputs=int(outside.sum()),
-        cost_rose=int(rose.sum()),
-        failures=0,
-        largest_height=largest / level,
-    )
+    counts = dict(zip(EXCLUDED, (int(each.sum()) for each in (left, outside, rose)), strict=False))
+    return _result("kappa_l", count, count * steps, largest / level, **counts, failures=0)
 
 
 def fly_nmpc(
@@ -322,7 +233,7 @@ def fly_nmpc(
     steps: int = 20,
     workers: int | None = None,
     show: bool = True,
-) -> CampaignResult:
+) -> dict[str, Any]:
     """Fly the NMPC with the hard terminal set from every state.
 
     Args:
@@ -337,38 +248,15 @@ def fly_nmpc(
     pieces = [(problem, level, chunk, steps) for chunk in chunks]
     parts = parallel_map(_fly_piece, pieces, workers, "NMPC flights", show)
     flights = [flight for part in parts for flight in part]
-    return CampaignResult(
-        law="nmpc",
-        flights=len(flights),
-        steps=sum(flight.steps for flight in flights),
-        left=sum(flight.height > level * (1.0 + 1e-9) for flight in flights),
-        outside_inputs=sum(flight.outside_inputs for flight in flights),
-        cost_rose=sum(flight.cost_rose for flight in flights),
-        failures=sum(flight.failed for flight in flights),
-        largest_height=max((flight.height for flight in flights), default=0.0) / level,
-    )
+    counts = {name: sum(flight[name] for flight in flights) for name in ("steps", *EXCLUDED)}
+    largest = max((flight["height"] for flight in flights), default=0.0) / level
+    return _result("nmpc", len(flights), largest=largest, **counts)
 
 
-@dataclass(frozen=True)
-class _Flight:
-    """One flight of the NMPC.
-
-    Attributes:
-        steps: Solves.
-        height: Largest V_f [-] after a step.
-        outside_inputs: An input left U.
-        cost_rose: The cost did not fall at some step.
-        failed: A solve did not converge; the flight ended there.
-    """
-
-    steps: int
-    height: float
-    outside_inputs: bool
-    cost_rose: bool
-    failed: bool
-
-
-def _fly_piece(piece: tuple[StabilityProblem, float, NDArray[np.float64], int]) -> list[_Flight]:
+def _fly_piece(
+    piece: tuple[StabilityProblem, float, NDArray[np.float64], int],
+) -> list[dict[str, Any]]:
+    """Of each flight its solves, whether what is excluded happened, and the largest V_f."""
     problem, level, states, step_limit = piece
     weight = problem.ingredients().weight
     lower, upper = problem.deviation_bounds()
@@ -389,5 +277,8 @@ def _fly_piece(piece: tuple[StabilityProblem, float, NDArray[np.float64], int]) 
             height = max(height, float(following @ weight @ following))
             if cost < 1e-6 * level:
                 break
-        flights.append(_Flight(steps, height, outside, rose, failed))
+        happened = (height > level * (1.0 + 1e-9), outside, rose, failed)
+        flights.append(
+            {"steps": steps, "height": height, **dict(zip(EXCLUDED, happened, strict=True))}
+        )
     return flights

@@ -19,31 +19,29 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from uav_tracking_mpc.report.atomic_write import write_atomically, write_json
-from uav_tracking_mpc.report.figure_style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    OTHERS,
-    VERMILLION,
-    drawing,
-    save_figure,
+from uav_tracking_mpc.report.atomic_write import json_text
+from uav_tracking_mpc.report.figure_style import BLACK, BLUE, GREEN, OTHERS, VERMILLION, drawing
+from uav_tracking_mpc.report.pages import Table
+from uav_tracking_mpc.studies.stability.analysis import Analysis, LevelBound, Say, analyse
+from uav_tracking_mpc.studies.stability.paper_report import (
+    numbers_table,
+    paper_as_printed,
+    paper_report,
+    verdicts,
 )
-from uav_tracking_mpc.studies.stability import paper_report
-from uav_tracking_mpc.studies.stability.analysis import Analysis, LevelBound, analyse
 from uav_tracking_mpc.studies.stability.proof import BOXES, certificate
 from uav_tracking_mpc.studies.stability.stability_campaign import (
     COORDINATES,
     UNITS,
-    AttractionMap,
+    Map,
     attraction_map,
     default_slices,
     fly_local,
@@ -51,6 +49,7 @@ from uav_tracking_mpc.studies.stability.stability_campaign import (
     random_states,
     save_maps,
 )
+from uav_tracking_mpc.studies.study import Study, plain
 from uav_tracking_mpc.terminal.certificate import problem_parameters
 from uav_tracking_mpc.terminal.ingredients import StabilityProblem, decrease_excess, directions
 
@@ -61,90 +60,60 @@ def as_json(analysis: Analysis) -> dict[str, Any]:
     Keys that programs may rely on: ``conditions.theorem2``, ``conditions.theorem3`` ({holds, left,
     right}, with the proved L at the terminal level), ``varrho.{theorem3, decrease, inputs,
     certified}`` (all proved), ``lipschitz.{upper, lower}``, ``certified``.
-
-    Args:
-        analysis: Of a configuration.
     """
-    quantities, direct = analysis.quantities, analysis.direct
+    quantities, direct, reaches = analysis.quantities, analysis.direct, analysis.reaches
+    broken = reaches["decrease"].violation
     content = {
         "config": analysis.problem.name,
         "problem": problem_parameters(analysis.problem),
         "horizon": analysis.problem.horizon,
         "certified": analysis.certified,
         "conditions": {
-            "level": analysis.lipschitz.level,
+            "level": analysis.lipschitz["level"],
             "theorem2": quantities.theorem2.as_dict(),
             "theorem3": quantities.theorem3.as_dict(),
         },
         "varrho": {
-            "theorem2": analysis.theorem2.proved,
-            "theorem3": analysis.theorem3.proved,
-            "decrease": analysis.decrease.proved,
+            **{name: reach.proved for name, reach in reaches.items()},
             "inputs": analysis.inputs.level,
             "domain": analysis.domain.level,
             "certified": analysis.level,
         },
         "violated_at": {
-            "theorem2": analysis.theorem2.violation,
-            "theorem3": analysis.theorem3.violation,
-            "decrease": analysis.decrease.violation,
-            "decrease_state": analysis.decrease.state,
+            **{name: each.violation and each.violation.level for name, each in reaches.items()},
+            "decrease_state": None if broken is None else broken.state.tolist(),
             "decrease_confirmed": analysis.refuted,
         },
         "binding": analysis.binding,
-        "lipschitz": asdict(analysis.lipschitz),
+        "lipschitz": analysis.lipschitz,
         "quantities": asdict(quantities),
         "gain": analysis.ingredients.gain.tolist(),
         "weight": analysis.ingredients.weight.tolist(),
         "proofs": {
-            name: _proof(bound)
-            for name, bound in (
-                ("theorem2", analysis.theorem2),
-                ("theorem3", analysis.theorem3),
-                ("decrease", analysis.decrease),
-            )
+            name: None
+            if reach.proof is None
+            else {
+                "boxes": reach.proof.boxes,
+                "leaves": reach.proof.leaves,
+                "depth": reach.proof.depth,
+                "stopped": reach.proof.stuck,
+            }
+            for name, reach in reaches.items()
         },
         "verdict": "no terminal set" if direct is None else direct.reason,
     }
-    return _finite(content)
-
-
-def _proof(bound: LevelBound) -> dict[str, Any] | None:
-    if bound.proof is None:
-        return None
-    proof = bound.proof
-    return {
-        "boxes": proof.boxes,
-        "leaves": proof.leaves,
-        "depth": proof.depth,
-        "stopped": None if proof.stuck is None else proof.stuck.reason,
-    }
-
-
-def _finite(value: Any) -> Any:
-    """JSON knows no infinity."""
-    if isinstance(value, dict):
-        return {key: _finite(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(entry) for entry in value]
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value
+    return dict(plain(content))
 
 
 def as_words(analysis: Analysis) -> str:
-    """What was found, in a few lines.
-
-    Args:
-        analysis: Of a configuration.
-    """
-    problem, orbit = analysis.problem, analysis.problem.orbit
+    """What was found, in a few lines."""
+    problem, orbit, found = analysis.problem, analysis.problem.orbit, analysis.lipschitz
+    upper = found["upper"]
     lines = [
         f"{problem.name}: {problem.model} model, {problem.scheme}, T_s = {problem.step:g} s, "
         f"orbit r = {orbit.range:g} m, z = {orbit.altitude:g} m, v = {orbit.speed:g} m/s",
-        f"  L(varrho = {analysis.lipschitz.level:.4g}) between {analysis.lipschitz.lower:.4f} "
-        f"(attained) and {analysis.lipschitz.upper:.4f} "
-        f"({'proved' if math.isfinite(analysis.lipschitz.upper) else 'not proved: see --boxes'})",
+        f"  L(varrho = {found['level']:.4g}) between {found['lower']:.4f} (attained) and "
+        f"{upper:.4f} ({'proved' if math.isfinite(upper) else 'not proved: see --boxes'})",
     ]
     for number, condition in ((2, analysis.quantities.theorem2), (3, analysis.quantities.theorem3)):
         holds = "holds" if condition.holds else "does not hold"
@@ -152,9 +121,9 @@ def as_words(analysis: Analysis) -> str:
             f"  Theorem {number} there: {condition.left:.4f} against {condition.right:.4f}: {holds}"
         )
     lines += [
-        _reach("(29) of Theorem 2", analysis.theorem2),
-        _reach("(41) of Theorem 3", analysis.theorem3),
-        _reach("the decrease itself", analysis.decrease),
+        _reach("(29) of Theorem 2", analysis.reaches["theorem2"]),
+        _reach("(41) of Theorem 3", analysis.reaches["theorem3"]),
+        _reach("the decrease itself", analysis.reaches["decrease"]),
         f"  U allows varrho = {analysis.inputs.level:.4g} ({analysis.inputs.name})",
     ]
     if analysis.certified:
@@ -170,13 +139,12 @@ def as_words(analysis: Analysis) -> str:
 
 
 def _reach(name: str, bound: LevelBound) -> str:
-    known = (
-        "no violation known" if bound.violation is None else f"violated at {bound.violation:.4g}"
-    )
+    broken = bound.violation
+    known = "no violation known" if broken is None else f"violated at {broken.level:.4g}"
     words = f"  {name}: proved up to varrho = {bound.proved:.4g}, {known}"
     if bound.proof is None or bound.proof.stuck is None:
         return words
-    return f"{words}; not proved beyond: {bound.proof.stuck.reason}"
+    return f"{words}; not proved beyond: {bound.proof.stuck}"
 
 
 PAIRS = (("range", "bearing"), ("altitude", "path_angle"), ("range", "speed"))
@@ -244,15 +212,11 @@ def decrease_figure(problem: StabilityProblem, marks: dict[str, float], ceiling:
     return figure
 
 
-def maps_figure(maps: list[AttractionMap]) -> Figure:
-    """Maps of X_N: rows of slices, columns of horizons; feasible states are coloured.
-
-    Args:
-        maps: Any number of them; those of one slice stand in one row.
-    """
-    rows: dict[tuple[str, str], list[AttractionMap]] = {}
-    for entry in maps:
-        rows.setdefault((entry.slice.first, entry.slice.second), []).append(entry)
+def maps_figure(maps: list[Map]) -> Figure:
+    """Maps of X_N: rows of slices, columns of horizons; feasible states are coloured."""
+    rows: dict[tuple[str, ...], list[Map]] = {}
+    for found in maps:
+        rows.setdefault(tuple(found["coordinates"]), []).append(found)
     columns = max(map(len, rows.values()))
     with drawing(3.7 * columns, 3.4 * len(rows)) as figure:
         panels = figure.subplots(len(rows), columns, squeeze=False)
@@ -265,27 +229,24 @@ def maps_figure(maps: list[AttractionMap]) -> Figure:
     return figure
 
 
-def _draw_map(axes: Axes, entry: AttractionMap) -> None:
-    where = entry.slice
+def _draw_map(axes: Axes, found: Map) -> None:
     axes.pcolormesh(
-        where.second_values,
-        where.first_values,
-        entry.feasible.astype(float),
+        found["second"],
+        found["first"],
+        found["feasible"].astype(float),
         cmap="Blues",
         vmin=0.0,
         vmax=1.6,
         shading="nearest",
         rasterized=True,
     )
-    first, second = COORDINATES[where.first], COORDINATES[where.second]
-    colour, word = (GREEN, "feasible") if entry.marked_feasible else (VERMILLION, "infeasible")
-    axes.plot(
-        entry.marked[second], entry.marked[first], "*", ms=14, color=colour, mec="white", mew=0.8,
-        clip_on=False, zorder=3,
-    )  # fmt: skip
-    axes.set_title(f"N = {entry.horizon}: marked start {word}")
-    axes.set_xlabel(_label(where.second))
-    axes.set_ylabel(_label(where.first))
+    first, second = found["coordinates"]
+    x, y = (found["marked"][COORDINATES[name]] for name in (second, first))
+    colour, word = (GREEN, "feasible") if found["marked_feasible"] else (VERMILLION, "infeasible")
+    axes.plot(x, y, "*", ms=14, color=colour, mec="white", mew=0.8, clip_on=False, zorder=3)
+    axes.set_title(f"N = {found['horizon']}: marked start {word}")
+    axes.set_xlabel(_label(second))
+    axes.set_ylabel(_label(first))
 
 
 def _label(coordinate: str) -> str:
@@ -295,64 +256,16 @@ def _label(coordinate: str) -> str:
 HORIZONS = (10, 20, 30)  # of the maps
 
 
-@dataclass(frozen=True)
-class StabilityStudy:
-    """What was found.
-
-    Attributes:
-        analysis: Section 5 of the paper for the configuration.
-        rows: The paper's numbers beside the truth.
-        content: All of it for programs: plain values.
-        certificate: Of the terminal set, None where none was proved.
-        maps: Of the domain of attraction, as many as were asked for.
-    """
-
-    analysis: Analysis
-    rows: tuple[paper_report.Row, ...]
-    content: dict[str, Any]
-    certificate: dict[str, Any] | None
-    maps: list[AttractionMap]
-
-    def save(self, output: Path, figures: bool) -> None:
-        """Write ``stability.json``, ``certificate.json``, and what else there is.
-
-        Args:
-            output: Folder; it exists.
-            figures: Also draw the ellipsoid and the decrease on it.
-        """
-        write_json(output / "stability.json", self.content)
-        if self.certificate is not None:
-            write_json(output / "certificate.json", self.certificate)
-        if self.maps:
-            archive = io.BytesIO()
-            save_maps(self.maps, archive)
-            write_atomically(output / "attraction.npz", archive.getvalue())
-            save_figure(maps_figure(self.maps), output / "attraction.png")
-        if figures and self.analysis.certified:
-            self._draw(output)
-
-    def _draw(self, output: Path) -> None:
-        problem, varrho = self.analysis.problem, self.content["varrho"]
-        picture = ellipsoid_figure(problem, varrho["certified"])
-        save_figure(picture, output / "ellipsoid.png")
-        marks = {
-            "Theorem 3, proved": varrho["theorem3"],
-            "U allows, certified": varrho["certified"],
-            "decrease, proved": varrho["decrease"],
-        }
-        ceiling = min(1.15 * max(marks.values()), 0.999 * varrho["domain"])
-        save_figure(decrease_figure(problem, marks, ceiling), output / "decrease.png")
-
-
 def stability_study(
     problem: StabilityProblem,
     *,
     boxes: int = BOXES,
     campaign: int = 0,
     points: int = 0,
+    pictures: bool = False,
     workers: int | None = None,
-    say: Callable[[str], None] = lambda _: None,
-) -> StabilityStudy:
+    say: Say = lambda _: None,
+) -> Study:
     """Analyse a configuration, and fly it where a terminal set is certified.
 
     Args:
@@ -360,61 +273,65 @@ def stability_study(
         boxes: Budget of each proof.
         campaign: Random states to fly; 0 for none.
         points: Of the maps along each coordinate; 0 for no maps.
+        pictures: Also draw the ellipsoid and the decrease on it.
         workers: Processes for maps and campaign; all cores by default.
         say: Told in words what is being done.
+
+    Returns:
+        The study, with the certificate and the maps among its files.
     """
     analysis = analyse(problem, say, boxes)
     say("the paper, quantity by quantity")
-    rows = paper_report.paper_report()
+    rows, level = paper_report(), analysis.level
     content = {
         **as_json(analysis),
-        "paper_as_printed": paper_report.paper_as_printed(),
+        "paper_as_printed": paper_as_printed(),
         "paper_report": [asdict(row) for row in rows],
     }
-    written, maps = None, []
+    words: list[str | Table] = [numbers_table(rows), *verdicts(rows), as_words(analysis)]
+    figures: dict[str, Callable[[], Figure]] = {}
+    files: dict[str, bytes] = {}
     if analysis.direct is not None and analysis.certified:
         written = certificate(problem, analysis.ingredients, analysis.direct)
         content["certificate_digest"] = written["digest"]
+        files["certificate.json"] = (json_text(written) + "\n").encode()
         if campaign:
-            content["campaign"] = _campaign(problem, analysis.level, campaign, workers)
+            states = random_states(problem, level, campaign)
+            content["campaign"] = [
+                fly_local(problem, level, states),
+                fly_nmpc(problem, level, states, workers=workers),
+            ]
+            words += [f"  campaign {flown}" for flown in content["campaign"]]
         if points:
             maps = [
-                attraction_map(problem, analysis.level, where, horizon, workers)
+                attraction_map(problem, level, where, horizon, workers)
                 for where in default_slices(problem, points)
                 for horizon in HORIZONS
             ]
             content["maps"] = [_in_numbers(found) for found in maps]
-    return StabilityStudy(analysis, rows, content, written, maps)
+            words += [f"  map {found}" for found in content["maps"]]
+            archive = io.BytesIO()
+            save_maps(maps, archive)
+            files["attraction.npz"] = archive.getvalue()
+            figures["attraction"] = partial(maps_figure, maps)
+        if pictures:
+            varrho = content["varrho"]
+            marks = {
+                "Theorem 3, proved": varrho["theorem3"],
+                "U allows, certified": varrho["certified"],
+                "decrease, proved": varrho["decrease"],
+            }
+            ceiling = min(1.15 * max(marks.values()), 0.999 * varrho["domain"])
+            figures["ellipsoid"] = partial(ellipsoid_figure, problem, level)
+            figures["decrease"] = partial(decrease_figure, problem, marks, ceiling)
+    return Study("stability", content, words, figures=figures, files=files, good=analysis.certified)
 
 
-def _campaign(
-    problem: StabilityProblem, level: float, count: int, workers: int | None
-) -> list[dict[str, Any]]:
-    states = random_states(problem, level, count)
-    results = (fly_local(problem, level, states), fly_nmpc(problem, level, states, workers=workers))
-    return [{**asdict(result), "clean": result.clean} for result in results]
-
-
-def _in_numbers(found: AttractionMap) -> dict[str, Any]:
+def _in_numbers(found: Map) -> dict[str, Any]:
     return {
-        "coordinates": [found.slice.first, found.slice.second],
-        "horizon": found.horizon,
-        "feasible_share": float(found.feasible.mean()),
-        "marked_state": found.marked.tolist(),
-        "marked_feasible": found.marked_feasible,
+        "coordinates": found["coordinates"],
+        "horizon": found["horizon"],
+        "feasible_share": float(found["feasible"].mean()),
+        "marked_state": found["marked"].tolist(),
+        "marked_feasible": found["marked_feasible"],
     }
-
-
-def in_words(study: StabilityStudy) -> list[Any]:
-    """The study for people: lines of text and a table of rich.
-
-    Args:
-        study: What was found.
-    """
-    return [
-        paper_report.numbers_table(study.rows),
-        *paper_report.verdicts(study.rows),
-        as_words(study.analysis),
-        *(f"  campaign {entry}" for entry in study.content.get("campaign", [])),
-        *(f"  map {entry}" for entry in study.content.get("maps", [])),
-    ]

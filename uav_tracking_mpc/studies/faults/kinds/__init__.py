@@ -14,17 +14,14 @@
 
 """Faults that a campaign injects.
 
-============  =================================================================================
-``delivery``  messages lost, late, repeated, out of their turn: loss, jitter, gap, target_lost,
-              clock_pause, duplicated, reordered
-``stamps``    stamps of the past or the future, another frame, a clock that jumps: old_stamp,
-              future_stamp, frame, clock_jump
-``numbers``   numbers that are none or that no flight has: bad_number, quaternion,
-              negative_speed, absurd, empty, target_teleport
-``process``   a node killed or frozen, busy processes on every core: kill, stop,
-              cpu_starvation
-``requests``  parameters of the controller: parameter_storm, solver_budget
-============  =================================================================================
+===============  ==============================================================================
+``conformance``  whether a fault keeps what the base asks for
+``messages``     lost, late, repeated, out of turn: loss, silence, jitter, duplicated, reordered;
+                 with another stamp or frame, or with numbers that are none or that no flight has:
+                 corruption, clock_jump, target_teleport
+``nodes``        killed or frozen, starved by busy processes: kill, stop, cpu_starvation; asked for
+                 parameters: parameter_storm, solver_budget
+===============  ==============================================================================
 
 A fault is a subclass of :class:`Fault`. It is found by its ``name``, by an entry point in the group
 ``uav_tracking_mpc.studies.faults.kinds``, or as ``path.py:Class``
@@ -42,7 +39,7 @@ from uav_tracking_mpc.parameters.registry import ExtensionPoint
 from uav_tracking_mpc.studies.faults.invariants import Violation
 
 if TYPE_CHECKING:
-    from uav_tracking_mpc.studies.faults.injected_flight import Flight
+    from uav_tracking_mpc.studies.faults.node_campaign import NodeCampaign
 
 
 class Fault(ABC):
@@ -53,7 +50,7 @@ class Fault(ABC):
 
     Attributes:
         name: By which the class is found.
-        label: By which this variant is reported; the name where there is only one.
+        variant: By which this form of the fault is reported; the name where there is only one.
         family: Faults that belong together in tables and figures.
         duration: Shortest and longest time that it lasts [s], of simulated time.
         wall_time: Whether the duration is of wall time instead.
@@ -70,6 +67,7 @@ class Fault(ABC):
     restarts: ClassVar[bool] = False
     family: str
     victim: str = ""
+    variant: str = ""
     reference: str = ""
 
     @classmethod
@@ -79,11 +77,11 @@ class Fault(ABC):
 
     @property
     def label(self) -> str:
-        """Name of this variant."""
-        return self.name
+        """By which this form of the fault is reported."""
+        return self.variant or self.name
 
     @abstractmethod
-    def begin(self, flight: Flight, seconds: float, seed: int) -> None:
+    def begin(self, flight: NodeCampaign, seconds: float, seed: int) -> None:
         """Begin.
 
         Args:
@@ -92,21 +90,21 @@ class Fault(ABC):
             seed: Of everything random in it.
         """
 
-    def during(self, flight: Flight) -> None:  # noqa: B027 - not every fault needs it
+    def during(self, flight: NodeCampaign) -> None:  # noqa: B027 - not every fault needs it
         """Go on; called about 50 times a second of wall time while the fault lasts.
 
         Args:
             flight: What the fault acts on.
         """
 
-    def end(self, flight: Flight) -> None:  # noqa: B027 - not every fault needs it
+    def end(self, flight: NodeCampaign) -> None:  # noqa: B027 - not every fault needs it
         """End, after the fault's duration or when the campaign is interrupted.
 
         Args:
             flight: What the fault acts on.
         """
 
-    def settled(self, flight: Flight) -> bool:
+    def settled(self, flight: NodeCampaign) -> bool:
         """Whether its end has taken effect, so that the time to recover begins.
 
         Args:
@@ -114,7 +112,7 @@ class Fault(ABC):
         """
         return True
 
-    def violations(self, flight: Flight) -> list[Violation]:
+    def violations(self, flight: NodeCampaign) -> list[Violation]:
         """What must hold from begin to settled and does not, besides every flight's invariants.
 
         Args:

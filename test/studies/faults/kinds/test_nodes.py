@@ -13,6 +13,7 @@
 # limitations under the License.
 
 import os
+import random
 import time
 from types import SimpleNamespace
 
@@ -21,12 +22,19 @@ import pytest
 pytest.importorskip("rclpy")
 
 from uav_tracking_mpc.launch.supervisor import NODES
-from uav_tracking_mpc.studies.faults.kinds.process import (
+from uav_tracking_mpc.parameters.specification import specifications
+from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.studies.faults.kinds import nodes
+from uav_tracking_mpc.studies.faults.kinds.nodes import (
+    LIMITS,
     PER_CORE,
     RESTART_LIMIT,
     CpuStarvation,
     Kill,
+    ParameterStorm,
+    SolverBudget,
     Stop,
+    sane,
 )
 
 
@@ -79,3 +87,56 @@ def test_busy_processes_are_ended():
     assert all(process.poll() is None for process in busy)
     fault.end(None)
     assert all(process.poll() is not None for process in busy)
+
+
+KNOWN = specifications(TrackingParameters)
+CONFIGURED = {known.name: known.default for known in KNOWN}
+
+
+def test_a_storm_asks_for_sane_and_absurd_values_and_puts_back(monkeypatch):
+    monkeypatch.setattr(nodes, "PERIOD", 0.0)
+    asked, put_back = [], []
+    client = SimpleNamespace(
+        known=list(KNOWN),
+        configured=CONFIGURED,
+        ask=asked.append,
+        put_back=lambda: put_back.append(True),
+        settled=True,
+    )
+    flight = SimpleNamespace(parameters=client)
+    fault = ParameterStorm()
+    fault.begin(flight, 1.0, 3)
+    for _ in range(200):
+        fault.during(flight)
+    names = {name for values in asked for name in values}
+    assert names >= {*CONFIGURED, "use_sim_time", "no_such_parameter"}
+    fault.end(flight)
+    assert put_back
+    assert fault.settled(flight)
+
+
+def test_sane_values_do_not_widen_what_commands_are_held_to():
+    rng = random.Random(0)
+    for known in KNOWN:
+        own = CONFIGURED[known.name]
+        for _ in range(50):
+            value = sane(known, own, rng)
+            assert type(value) is type(own)
+            if known.choices:
+                assert value in known.choices
+            elif isinstance(own, float):
+                assert abs(value) <= abs(own) * (1.0 if known.name in LIMITS else 1.1)
+
+
+def test_the_least_budget_is_asked_for_last_and_put_back():
+    asked = []
+    client = SimpleNamespace(
+        ask=lambda values: asked.append(values["solve_time_max"]),
+        put_back=lambda: asked.append("put back"),
+        settled=False,
+    )
+    flight, fault = SimpleNamespace(parameters=client), SolverBudget()
+    fault.begin(flight, 1.0, 0)
+    fault.end(flight)
+    assert asked == [*sorted(asked[:-1], reverse=True), "put back"]
+    assert not fault.settled(flight)

@@ -12,20 +12,41 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A peer behind pipes: what it is told, what it answers, and how it is missed."""
+"""The example with acados, a peer behind pipes: what it is told, answers, and how it is missed."""
 
+import importlib.util
+import json
 import sys
+from pathlib import Path
 
 import casadi as ca
 import numpy as np
 import pytest
 
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
-from uav_tracking_mpc.studies.benchmark import acados_peer
-from uav_tracking_mpc.studies.benchmark.acados_peer import AcadosPeer, PeerError, acados_peers
-from uav_tracking_mpc.studies.benchmark.acados_program import rebuilt
-from uav_tracking_mpc.studies.benchmark.benchmark_study import OURS, measure, summary
-from uav_tracking_mpc.studies.benchmark.cases import flight_case, paper_case
+from uav_tracking_mpc.studies.benchmark import benchmark_study
+from uav_tracking_mpc.studies.benchmark.benchmark_study import (
+    OURS,
+    flight_case,
+    measure,
+    paper_case,
+    summary,
+)
+
+EXAMPLE = Path(__file__).parents[1] / "examples" / "acados"
+
+
+def loaded(name):
+    specification = importlib.util.spec_from_file_location(
+        f"{name}_example", EXAMPLE / f"{name}.py"
+    )
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return module
+
+
+acados, rebuilt = loaded("benchmark"), loaded("acados_program").rebuilt
+AcadosPeer, PeerError = acados.AcadosPeer, acados.PeerError
 
 # Answers with the plan that it is given, after a second by its own clock; ends when told to.
 ECHO = """
@@ -46,7 +67,7 @@ def program(tmp_path, monkeypatch):
     def write(text):
         file = tmp_path / "program.py"
         file.write_text(text)
-        monkeypatch.setattr(acados_peer, "PROGRAM", file)
+        monkeypatch.setattr(acados, "PROGRAM", file)
 
     return write
 
@@ -59,7 +80,7 @@ def case():
 def test_a_peer_is_timed_by_its_own_clock_and_judged_by_the_common_measure(case, program):
     program(ECHO.replace("LAST", "-1"))
     said = []
-    with acados_peers(case.problem, sys.executable, said.append) as peers:
+    with acados.acados_peers(sys.executable, case.problem, said.append) as peers:
         assert set(peers) == {"acados_sqp", "acados_rti"}
         solvers = {OURS: NewtonSolver(case.problem), **peers}
         rows = summary(measure(case, solvers, repetitions=1, cold=2, peers_cold=2, seed=0))
@@ -81,12 +102,13 @@ def test_a_peer_is_timed_by_its_own_clock_and_judged_by_the_common_measure(case,
 def test_a_peer_that_ends_in_the_middle_is_left_out_in_one_line(case, program):
     program(ECHO.replace("LAST", "3"))
     said = []
-    with acados_peers(case.problem, sys.executable, said.append) as peers:
+    with acados.acados_peers(sys.executable, case.problem, said.append) as peers:
         peer = peers["acados_sqp"]
         found = [peer.solve(case.start.state) for _ in range(3)]
     assert [solution.converged for solution in found] == [True, False, False]
     assert found[1].inputs.shape == (10, 3)
     assert said == ["acados_sqp is left out: its program ended with code 1: out of memory"]
+    assert list(peers) == ["acados_rti"]
 
 
 @pytest.mark.parametrize(
@@ -100,7 +122,7 @@ def test_a_peer_that_ends_in_the_middle_is_left_out_in_one_line(case, program):
 def test_a_peer_that_does_not_start_is_left_out(text, words, case, program):
     program(text)
     said = []
-    with acados_peers(case.problem, sys.executable, said.append) as peers:
+    with acados.acados_peers(sys.executable, case.problem, said.append) as peers:
         assert peers == {}
     assert len(said) == 1
     assert words in said[0]
@@ -111,13 +133,13 @@ def test_an_interpreter_without_acados_or_none_at_all(case):
         AcadosPeer(case.problem, "acados_sqp", sys.executable)
     with pytest.raises(PeerError, match="/nowhere/python cannot be started: No such file"):
         AcadosPeer(case.problem, "acados_sqp", "/nowhere/python")
-    with acados_peers(case.problem, None, pytest.fail) as peers:
+    with acados.acados_peers(None, case.problem, pytest.fail) as peers:
         assert peers == {}
 
 
 def test_a_silent_peer_is_not_waited_for_without_end(case, program, monkeypatch):
     program("import time\ntime.sleep(60)")
-    monkeypatch.setattr(acados_peer, "BUILD_LIMIT", 0.2)
+    monkeypatch.setattr(acados, "BUILD_LIMIT", 0.2)
     with pytest.raises(PeerError, match=r"no answer within 0\.2 s"):
         AcadosPeer(case.problem, "acados_sqp", sys.executable)
 
@@ -125,7 +147,7 @@ def test_a_silent_peer_is_not_waited_for_without_end(case, program, monkeypatch)
 @pytest.mark.parametrize("make", [lambda: paper_case(10, ellipsoid=True), flight_case])
 def test_the_equations_survive_the_journey(make):
     problem = make().problem
-    told = acados_peer._told(problem, "sqp")
+    told = acados._told(problem, "sqp")
     symbols = [problem.state, problem.inputs, problem.parameter, problem.decision]
     again = [ca.SX.sym(str(k), symbol.numel()) for k, symbol in enumerate(symbols)]
     random = np.random.default_rng(1)
@@ -134,3 +156,12 @@ def test_the_equations_survive_the_journey(make):
     here = ca.Function("here", symbols, [problem.next_state, problem.stage_cost])(*point)
     for sent, kept in zip(there, here, strict=False):
         np.testing.assert_array_equal(np.array(sent), np.array(kept))
+
+
+def test_the_example_is_the_command_with_two_more_solvers(program, monkeypatch, capsys):
+    program(ECHO.replace("LAST", "-1"))
+    monkeypatch.setattr(benchmark_study, "cases", lambda: [paper_case(10)])
+    words = ["--quick", "--cold", "1", "--peers-cold", "1", "--acados", sys.executable, "--json"]
+    assert acados.main(words) == 0
+    (solvers,) = json.loads(capsys.readouterr().out)["cases"].values()
+    assert {OURS, "acados_sqp", "acados_rti"} <= set(solvers)

@@ -20,11 +20,48 @@ from node_harness import vehicle_from_odometry
 
 pytest.importorskip("rclpy")
 
-from fault_streams import REACH, arrivals, healthy
+from fault_streams import FIRST, REACH, STREAM_FAULTS, arrivals, healthy
 
 from uav_tracking_mpc.nodes.messages.conversions import plan_from_command, position_from_point
 from uav_tracking_mpc.nodes.messages.message_checks import MessageError
-from uav_tracking_mpc.nodes.topics import COMMAND, ODOMETRY, TARGET
+from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY, TARGET
+
+
+@pytest.mark.parametrize(
+    ("label", "share", "latest"),
+    [
+        ("loss", pytest.approx(0.8, abs=0.1), 0.0),
+        ("jitter", 1.0, 0.2),
+        ("odometry_reordered", 1.0, 0.3),
+        ("odometry_duplicated", 3.0, 0.3),
+    ],
+)
+def test_so_much_arrives_so_late(label, share, latest):
+    heard = arrivals(label, ODOMETRY, 1000)
+    delays = np.array([delay for delay, _ in heard])
+    assert len(heard) / 1000 == share
+    assert delays.min() < 0.02
+    assert delays.max() == pytest.approx(latest, abs=0.02)
+    if label == "odometry_reordered":
+        assert set(delays) == {0.0, 0.3}  # on time, or behind later ones
+    if label == "odometry_duplicated":
+        assert {message.header.stamp.sec for _, message in heard[:3]} == {100}
+
+
+@pytest.mark.parametrize(
+    ("label", "topics"),
+    [
+        ("gap_state", (ODOMETRY, AIR_VELOCITY)),
+        ("gap_target", (TARGET,)),
+        ("gap_command", (COMMAND,)),
+        ("target_lost", (TARGET,)),
+        ("clock_pause", (CLOCK,)),
+    ],
+)
+def test_silence_leaves_nothing(label, topics):
+    assert STREAM_FAULTS[label].streams == topics
+    for topic in topics:
+        assert arrivals(label, topic) == []
 
 
 @pytest.mark.parametrize(
@@ -57,3 +94,16 @@ def test_commands_lose_all_points_or_the_velocities_of_all_and_are_refused():
             with pytest.raises(MessageError):
                 plan_from_command(message)
     assert seen == {(points, points), (points, 0), (0, 0)}
+
+
+@pytest.mark.parametrize(("label", "sign"), [("clock_forward", 1), ("clock_backward", -1)])
+def test_the_clock_jumps_by_one_offset_and_never_below_zero(label, sign):
+    offsets = set()
+    for seed in range(20):
+        seconds = [message.clock.sec for _, message in arrivals(label, CLOCK, seed=seed)]
+        assert min(seconds) >= 0
+        if min(seconds) > 0:
+            ((offset),) = {second - true for true, second in enumerate(seconds, FIRST)}
+            offsets.add(offset)
+    assert offsets
+    assert all(sign * offset > 0 for offset in offsets)

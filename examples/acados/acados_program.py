@@ -16,7 +16,7 @@
 
 It needs nothing of this package: numpy, casadi and acados_template of that interpreter, and a C
 compiler. The first line that it reads is the problem, every further one a solve; every line that it
-writes answers one. Lines hold JSON. See :mod:`uav_tracking_mpc.studies.benchmark.acados_peer`.
+writes answers one. Lines hold JSON. See ``benchmark.py`` beside it.
 """
 
 import ctypes

@@ -12,11 +12,15 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""acados as a peer: a program of another interpreter, asked over pipes and timed by itself.
+"""Benchmark with acados beside the other solvers.
 
-acados needs a C compiler, and its wheels pin a version of CasADi that is not ours; so the solver is
-built and run by an interpreter that has acados_template
-(:mod:`uav_tracking_mpc.studies.benchmark.acados_program`). The equations travel as a list of
+With all options of ``uav_tracking benchmark``::
+
+    python3 examples/acados/benchmark.py --acados PYTHON
+
+acados needs a C compiler, and its wheels
+pin a version of CasADi that is not ours; so the solver is built and run by an interpreter that has
+acados_template, asked over pipes (``acados_program.py``). The equations travel as a list of
 operations, plans as JSON. Only the call of acados itself is timed, over there: no pipe, no Python
 around it.
 """
@@ -30,7 +34,7 @@ import select
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -39,6 +43,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from uav_tracking_mpc.cli import benchmark
+from uav_tracking_mpc.cli.program import CommandParser, explained
 from uav_tracking_mpc.mpc.casadi_solver import PlanGuess, hard_and_soft, plan_guesses
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem
 from uav_tracking_mpc.mpc.solver import Guess, Solution, Status, solve_data
@@ -228,17 +234,17 @@ def own_interpreter() -> str | None:
 
 @contextlib.contextmanager
 def acados_peers(
-    problem: OptimalControlProblem, interpreter: str | None, say: Callable[[str], None]
+    interpreter: str | None, problem: OptimalControlProblem, say: Callable[[str], None]
 ) -> Iterator[dict[str, AcadosPeer]]:
     """The peers that can be had, by name; what cannot is said in a line, as is one that was lost.
 
     Args:
-        problem: What they solve.
         interpreter: Python that has acados_template; None for no peers.
+        problem: What they solve.
         say: Called with such a line.
 
     Yields:
-        Solvers by name, ended behind the block.
+        Solvers by name, ended behind the block; one that was lost is then no longer among them.
     """
     peers: dict[str, AcadosPeer] = {}
     try:
@@ -250,10 +256,11 @@ def acados_peers(
                 break  # what one lacks, the other does
         yield peers
     finally:
-        for name, peer in peers.items():
+        for name, peer in [*peers.items()]:
+            peer.close()
             if peer.lost:
                 say(f"{name} is left out: {peer.lost}")
-            peer.close()
+                del peers[name]
 
 
 def _told(problem: OptimalControlProblem, kind: str) -> dict[str, Any]:
@@ -292,3 +299,30 @@ def _listed(function: ca.Function) -> dict[str, Any]:
         "operations": operations,
         "sizes": [function.numel_out(index) for index in range(function.n_out())],
     }
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the command of the package with these peers.
+
+    Args:
+        words: Command line.
+
+    Returns:
+        Exit code.
+    """
+    parser = CommandParser(description=benchmark.DESCRIPTION)
+    benchmark.add_arguments(parser)
+    parser.add_argument(
+        "--acados",
+        metavar="PYTHON",
+        help="a Python interpreter that has acados_template (default: this one, if it has)",
+    )
+    arguments = parser.parse_args(words)
+    peers = partial(acados_peers, arguments.acados or own_interpreter())
+    with explained("benchmark with acados") as ending:
+        ending.code = benchmark.run(arguments, peers)
+    return ending.code
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -18,32 +18,29 @@ import dataclasses
 
 import numpy as np
 import pytest
-from rclpy.serialization import serialize_message
+from filled_messages import (
+    filled_air,
+    filled_clock,
+    filled_command,
+    filled_odometry,
+    write_messages,
+)
 
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.vehicle import velocity
-from uav_tracking_mpc.nodes import topics
-from uav_tracking_mpc.nodes.bag.flight_bag import FlightBag
-from uav_tracking_mpc.nodes.messages.conversions import (
-    set_air_velocity,
-    set_command,
-    set_odometry,
-    set_stamp,
-)
+from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY
+from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.studies.identification.flight_record import (
-    Demand,
     FlightRecord,
-    FlownPlan,
-    RecordError,
-    flown_demand,
-    samples,
-)
-from uav_tracking_mpc.studies.identification.record_files import (
     FlightWitness,
+    FlownPlan,
+    Samples,
+    flown_demand,
     read_bag_record,
     read_csv_record,
+    samples,
     write_record,
 )
 
@@ -76,7 +73,7 @@ def test_columns_that_may_be_missing_and_cells_that_may_be_empty(tmp_path):
     path = tmp_path / "flight.csv"
     path.write_text(MINIMAL + "0.0,0.1,0.2,0.3,,\n0.01,,,,1.0,0.5\n0.05,0.2,0.2,0.3,1.1,0.5\n")
     record = read_csv_record(path)
-    np.testing.assert_array_equal(record.demand.inputs, [[0.1, 0.2, 0.3], [0.2, 0.2, 0.3]])
+    np.testing.assert_array_equal(record.demand.value, [[0.1, 0.2, 0.3], [0.2, 0.2, 0.3]])
     np.testing.assert_array_equal(record.heading.time, [0.01, 0.05])
     assert record.airspeed is None and record.turn_rate is None
 
@@ -92,7 +89,7 @@ def test_columns_that_may_be_missing_and_cells_that_may_be_empty(tmp_path):
 def test_what_is_no_record_is_refused(tmp_path, text, words):
     path = tmp_path / "flight.csv"
     path.write_text(text)
-    with pytest.raises(RecordError, match=words):
+    with pytest.raises(ParameterError, match=words):
         read_csv_record(path)
 
 
@@ -108,26 +105,19 @@ def state(k):
 
 def write(path, count=20, clock=None, command=True, heard=2_000_000):
     """A flight at 20 Hz whose commands are heard 2 ms after the state that they answer."""
-    bag = FlightBag(path)
-    origin = EPOCH if clock is None else 0
-    for k in range(count):
-        stamp, wall = origin + k * TICK, EPOCH + k * TICK
-        if clock is not None:
-            message = topics.CLOCK.type()
-            set_stamp(message.clock, stamp)
-            bag.write(topics.CLOCK, wall, serialize_message(message))
-        message = topics.ODOMETRY.type()
-        set_odometry(message, stamp, state(k), RATES, velocity(state(k)))
-        bag.write(topics.ODOMETRY, wall + 1, serialize_message(message))
-        message = topics.AIR_VELOCITY.type()
-        set_air_velocity(message, stamp, state(k)[5])
-        bag.write(topics.AIR_VELOCITY, wall + 2, serialize_message(message))
-        if command:
-            message = topics.COMMAND.type()
-            set_command(message, stamp, PLAN * (1.0 + k), 0.4)
-            bag.write(topics.COMMAND, wall + heard, serialize_message(message))
-    bag.close()
-    return path
+
+    def said():
+        for k in range(count):
+            wall = EPOCH + k * TICK
+            stamp = wall if clock is None else k * TICK
+            if clock is not None:
+                yield CLOCK, wall, filled_clock(stamp)
+            yield ODOMETRY, wall + 1, filled_odometry(stamp, state(k), RATES, velocity(state(k)))
+            yield AIR_VELOCITY, wall + 2, filled_air(stamp, state(k)[5])
+            if command:
+                yield COMMAND, wall + heard, filled_command(stamp, PLAN * (1.0 + k), 0.4)
+
+    return write_messages(path, said())
 
 
 def test_states_are_those_that_were_sent(tmp_path):
@@ -143,9 +133,9 @@ def test_states_are_those_that_were_sent(tmp_path):
 def test_a_command_counts_from_when_it_was_heard(tmp_path):
     record = read_bag_record(write(tmp_path / "flight.mcap"))
     np.testing.assert_allclose(record.demand.time[:20], 0.05 * np.arange(20) + 0.002, atol=1e-9)
-    np.testing.assert_allclose(record.demand.inputs[3], 4.0 * PLAN[0], atol=1e-12)
+    np.testing.assert_allclose(record.demand.value[3], 4.0 * PLAN[0], atol=1e-12)
     # The last plan is flown to its end.
-    np.testing.assert_allclose(record.demand.inputs[-1], 20.0 * PLAN[1], atol=1e-12)
+    np.testing.assert_allclose(record.demand.value[-1], 20.0 * PLAN[1], atol=1e-12)
 
 
 def test_simulated_time_stands_still_between_its_ticks(tmp_path):
@@ -155,7 +145,7 @@ def test_simulated_time_stands_still_between_its_ticks(tmp_path):
 
 
 def test_a_bag_with_another_clock_is_refused(tmp_path):
-    with pytest.raises(RecordError, match="do not share a clock"):
+    with pytest.raises(ParameterError, match="do not share a clock"):
         read_bag_record(write(tmp_path / "flight.mcap", heard=60_000_000_000))
 
 
@@ -163,14 +153,14 @@ def test_a_bag_with_another_clock_is_refused(tmp_path):
     ("options", "words"), [({"command": False}, "uav/command"), ({"count": 0}, "uav/odometry")]
 )
 def test_a_bag_that_lacks_something_is_refused(tmp_path, options, words):
-    with pytest.raises(RecordError, match=f"holds no {words}"):
+    with pytest.raises(ParameterError, match=f"holds no {words}"):
         read_bag_record(write(tmp_path / "flight.mcap", **options))
 
 
 def test_what_is_no_bag_is_refused(tmp_path):
     path = tmp_path / "flight.mcap"
     path.write_bytes(b"nothing")
-    with pytest.raises(RecordError, match="cannot be read as a bag"):
+    with pytest.raises(ParameterError, match="cannot be read as a bag"):
         read_bag_record(path)
 
 
@@ -183,17 +173,17 @@ def test_a_plan_counts_from_when_it_came_to_when_the_next_one_does():
     """It is laid out from the stamp of the state that it answers: what is over is not flown."""
     demand = flown_demand([plan(0.1, 0.0, [1.0, 2.0, 3.0]), plan(0.9, 0.45, [4.0, 5.0, 6.0])])
     np.testing.assert_allclose(demand.time, [0.1, 0.4, 0.8, 0.9, 1.25])
-    np.testing.assert_array_equal(demand.inputs[:, 0], [1.0, 2.0, 3.0, 5.0, 6.0])
+    np.testing.assert_array_equal(demand.value[:, 0], [1.0, 2.0, 3.0, 5.0, 6.0])
 
 
 def test_of_a_flight_with_a_gap_the_longer_part_is_used():
     before = [plan(0.4 * k, 0.4 * k, [1.0]) for k in range(3)]
     after = [plan(20.0 + 0.4 * k, 20.0 + 0.4 * k, [2.0]) for k in range(5)]
-    assert set(flown_demand([*before, *after]).inputs[:, 0]) == {2.0}
+    assert set(flown_demand([*before, *after]).value[:, 0]) == {2.0}
 
 
 def test_without_commands_there_is_nothing_to_identify():
-    with pytest.raises(RecordError, match="no commands"):
+    with pytest.raises(ParameterError, match="no commands"):
         flown_demand([])
 
 
@@ -208,7 +198,7 @@ def record(airspeed=True, rate=0.1):
     inputs = np.tile([0.1, 0.0, 0.0], (len(time), 1))
     heading = (0.1 * time + np.pi) % (2.0 * np.pi) - np.pi
     return FlightRecord(
-        Demand(time, inputs),
+        Samples(time, inputs),
         samples(time, heading),
         samples(time, np.zeros_like(time)),
         samples(time, np.full_like(time, 20.0)) if airspeed else None,
