@@ -279,7 +279,7 @@ def test_every_plan_ends_on_an_orbit_that_can_be_flown(plans):
     for now, _, p, plan in plans:
         radius, altitude, speed = plan.solution.decision * DECISION_SCALE
         x, y, z, psi, chi, v, *rates = plan.solution.states[-1]
-        sense = float(LAGGED.layout.part(p[0], "sense")[0])
+        sense = float(p[0][LAGGED.where["sense"]][0])
         assert np.hypot(np.hypot(x, y), z) == pytest.approx(np.hypot(radius, altitude), abs=1e-3)
         assert (z, v) == pytest.approx((altitude, speed), abs=1e-3)
         relative = v * np.cos(chi) * np.array([np.cos(psi), np.sin(psi)]) + now.drift[:2]
@@ -341,7 +341,7 @@ def test_a_stage_flies_the_shares_nearest_to_what_the_law_wants():
         flown = [float(u) for u in flight.inputs(expected, state, data)]
         drift = Drift(now.drift.tolist(), now.drift_rate.tolist())
         numbers = model.numbers(step).tolist()
-        shares, following = flight.law_stage(x_0, wanted, data)
+        shares, following = map(np.ravel, flight.law_stage(x_0, wanted, data))
         np.testing.assert_allclose(shares, expected, atol=1e-12)
         np.testing.assert_allclose(
             following, model.step(state, flown, step, numbers, drift), rtol=1e-12, atol=1e-12

@@ -115,7 +115,7 @@ def test_what_was_told_is_forgotten_with_the_plan():
     plans(flight, start, count=2)
     flight.reset()
     data = flight.data(steady_forecast(start, HELD.horizon), HELD.orbit)
-    np.testing.assert_allclose(flight.flight.layout.part(data[0], "held"), [120.0, 22.0])
+    np.testing.assert_allclose(data[0][flight.flight.where["held"]], [120.0, 22.0])
 
 
 def test_constants_of_the_autopilot_may_change_in_flight():
@@ -130,5 +130,5 @@ def test_constants_of_the_autopilot_may_change_in_flight():
 def test_the_free_problem_knows_nothing_of_it():
     flight = small_uav.flight()
     assert not flight.holds
-    assert "held" not in flight.layout.where
+    assert "held" not in flight.where
     assert ca.depends_on(flight.problem.next_state, flight.problem.inputs)

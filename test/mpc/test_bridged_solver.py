@@ -64,10 +64,9 @@ def test_what_is_compiled_solves_from_the_beginning(solver, ready):
 
 
 def test_the_budget_is_that_of_the_solver_that_solves(solver, ready):
-    bridge = solver.prepare()
-    assert bridge.time_limit == math.inf
+    assert solver.prepare().time_limit == math.inf
     solver.time_limit = 0.01
-    assert bridge.time_limit == BUDGET
+    assert solver.prepare().time_limit == BUDGET
     ready.append(True)
     solver.solve(PAPER_START)
     assert solver.prepare().time_limit == solver.time_limit == 0.01

@@ -79,8 +79,8 @@ def test_without_file_locks_it_is_compiled_all_the_same(tmp_path, monkeypatch):
         raise OSError("no locks available")
 
     monkeypatch.setattr(fcntl, "flock", refuse)
-    monkeypatch.setattr(machine_code, "_end_with_parent", lambda _: None)
-    monkeypatch.setattr(sys, "argv", ["machine_code", str(tmp_path), str(os.getppid())])
+    monkeypatch.setattr(machine_code, "_end_with_input", lambda: None)
+    monkeypatch.setattr(sys, "argv", ["machine_code", str(tmp_path)])
     made = []
     monkeypatch.setattr(machine_code, "make", made.append)
     assert machine_code.main() == 0
@@ -240,7 +240,7 @@ def finish(process: subprocess.Popen[str]) -> str:
 
 def compiler_of(process: subprocess.Popen[str]) -> int:
     """Process id of the child that compiles."""
-    tasks = Path(f"/proc/{process.pid}/task")  # a thread of its own starts the child
+    tasks = Path(f"/proc/{process.pid}/task")
     deadline = time.monotonic() + 60.0
     while time.monotonic() < deadline:
         if words := [
@@ -273,7 +273,7 @@ def test_processes_that_start_together_compile_once_and_the_next_one_loads(tmp_p
     assert (folder / "method.o").stat().st_mtime_ns == written
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells children of the death")
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 def test_a_signal_ends_the_wait_at_once_and_the_next_process_compiles(tmp_path):
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
         process = start(tmp_path)

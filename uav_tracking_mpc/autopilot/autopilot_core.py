@@ -27,7 +27,8 @@ from typing import Any, ClassVar, NamedTuple
 
 from uav_tracking_mpc.autopilot.airframe import Airframe, Engine, FlightState
 from uav_tracking_mpc.autopilot.flight_loops import Demand, FlightLoops, Loiter, Response
-from uav_tracking_mpc.dynamics.air import GRAVITY, true_over_equivalent
+from uav_tracking_mpc.dynamics.air import true_over_equivalent
+from uav_tracking_mpc.dynamics.frames import turn_rate_from_bank
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.links.mavlink.dialect import values_of
 from uav_tracking_mpc.settings.configuration import Configuration
@@ -126,7 +127,7 @@ def vehicle_numbers(configuration: Configuration, density_factor: float) -> Vehi
     envelope, plant = configuration.controller, configuration.simulator
     cruise = envelope.airspeed
     sink = cruise * math.sin(-envelope.path_angle_min)
-    turn = cruise**2 / (GRAVITY * math.tan(LOITER_BANK))
+    turn = cruise / turn_rate_from_bank(-LOITER_BANK, cruise)
     return VehicleNumbers(
         cruise=round(cruise / density_factor, 2),
         slowest=max(envelope.airspeed_min, plant.speed_min) / density_factor,

@@ -24,6 +24,7 @@ import numpy as np
 from uav_tracking_mpc.autopilot.airframe import Airframe, Engine
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.energy_hold import HoldConstants, hold
+from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate, turn_rate_from_bank
 from uav_tracking_mpc.dynamics.orbit import CLOCKWISE, COUNTER_CLOCKWISE, Orbit
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.laws.l1 import L1Loiter
@@ -137,7 +138,7 @@ class FlightLoops:
         self._bank += TICK * min(max(change, -rate), rate)
         climb = min(max(demand.climb, -self._steepest), self._steepest)
         # A coordinated turn; to the left u_psi is positive.
-        turn = -GRAVITY * math.tan(self._bank) / max(state.airspeed, 1.0)
+        turn = turn_rate_from_bank(self._bank, max(state.airspeed, 1.0))
         force = demand.acceleration + GRAVITY * math.sin(state.path_angle)
         self.throttle = engine.throttle(force, state.airspeed, state.roll)
         self._airframe.fly((turn, climb, demand.acceleration), TICK)
@@ -215,4 +216,4 @@ class FlightLoops:
             rates=np.zeros(3),
         )
         law = L1Loiter(orbit, self._envelope, max(period, LEAST_PERIOD), abs(damping))
-        return -math.atan(law.lateral_acceleration(situation) / GRAVITY)
+        return float(bank_from_turn_rate(law.lateral_acceleration(situation), 1.0))  # v psi'

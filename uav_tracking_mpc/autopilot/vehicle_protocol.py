@@ -31,6 +31,7 @@ from uav_tracking_mpc.autopilot.autopilot_core import (
 )
 from uav_tracking_mpc.autopilot.flight_loops import TICK
 from uav_tracking_mpc.autopilot.telemetry_messages import BUILDERS, IDS, MessageRates
+from uav_tracking_mpc.dynamics.frames import bank_from_quaternion
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 
 COMPONENT = 1  # code MAV_COMP_ID_AUTOPILOT1
@@ -185,7 +186,7 @@ class VehicleProtocol:
         if not all(map(math.isfinite, (w, x, y, z, message.thrust))):
             return
         # Euler angles of a Forward-Right-Down body in North-East-Down, yaw first.
-        roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+        roll = bank_from_quaternion(x, y, z, w)
         pitch = math.asin(min(max(2.0 * (w * y - z * x), -1.0), 1.0))
         thrust = min(max(message.thrust, 0.0), 1.0)
         self.core.attitude_target(AttitudeTarget(message.type_mask, roll, pitch, thrust))

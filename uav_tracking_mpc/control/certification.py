@@ -76,7 +76,7 @@ def certification(parameters: PaperParameters, folder: Path) -> CertificateStatu
     from uav_tracking_mpc.terminal.certificate import mismatch, read_certificate
 
     problem = stability_problem(parameters)
-    level, ingredients = terminal_level(parameters, problem), problem.ingredients()
+    level, ingredients, chosen = terminal_level(parameters, problem), problem.ingredients(), None
     if parameters.certificate:
         try:
             chosen = read_certificate(Path(parameters.certificate))
@@ -85,14 +85,12 @@ def certification(parameters: PaperParameters, folder: Path) -> CertificateStatu
                 f"parameter 'certificate' is {parameters.certificate!r}, must be a certificate "
                 f"written by `uav_tracking stability`: {error}"
             ) from error
-        return certificate_status(problem, ingredients, level, chosen)
-    fitting = None
-    if level is not None:
+    elif level is not None:
         for path in sorted(folder.glob("*.json")):
             content = read_certificate(path)
             if mismatch(content, problem, ingredients, level) is None:
-                fitting = content
-    return certificate_status(problem, ingredients, level, fitting)
+                chosen = content
+    return certificate_status(problem, ingredients, level, chosen)
 
 
 def certificate_status(
@@ -101,7 +99,6 @@ def certificate_status(
     level: float | None,
     certificate: dict[str, Any] | None = None,
     samples: int = 20_000,
-    seed: int = 0,
 ) -> CertificateStatus:
     """Judge the terminal set of a configuration.
 
@@ -114,7 +111,6 @@ def certificate_status(
         level: varrho that is flown [-], None without a terminal set.
         certificate: A stored certificate, None if there is none.
         samples: States of X_f tried where there is no valid certificate.
-        seed: Of the samples.
     """
     from uav_tracking_mpc.terminal.certificate import mismatch, verify
 
@@ -126,18 +122,14 @@ def certificate_status(
         if reason is None:
             return CertificateStatus(CERTIFIED, f"terminal set proved at level {level:.6g}")
         void = f"certificate void: {reason}"
-    broken = _sampled_violation(problem, ingredients, level, samples, seed)
+    broken = _sampled_violation(problem, ingredients, level, samples)
     if broken is None:
         return CertificateStatus(SAMPLED, f"{void}; {samples} samples of X_f show no violation")
     return CertificateStatus(NEITHER, f"{void}; {broken}")
 
 
 def _sampled_violation(
-    problem: StabilityProblem,
-    ingredients: TerminalIngredients,
-    level: float,
-    samples: int,
-    seed: int,
+    problem: StabilityProblem, ingredients: TerminalIngredients, level: float, samples: int
 ) -> str | None:
     from uav_tracking_mpc.terminal.ingredients import (
         decrease_excess,
@@ -151,7 +143,7 @@ def _sampled_violation(
         return str(error)
     if allowed < level:
         return f"inputs leave U on X_f: level {level:.6g}, U allows {allowed:.6g}"
-    generator = np.random.default_rng(seed)
+    generator = np.random.default_rng(0)
     heights = level * generator.uniform(0.0, 1.0, (samples, 1)) ** 0.4  # uniform in volume
     states = directions(ingredients.weight, samples, generator) * np.sqrt(heights)
     states[: samples // 2] *= np.sqrt(level / heights[: samples // 2])  # half of them on the edge

@@ -199,7 +199,7 @@ class Excitation:
             return f"flying {mode.value}"
         x, y, z = present.offset.tolist()
         airspeed, path_angle = present.airspeed, present.path_angle
-        off = max(abs(math.hypot(x, y, z) - orbit.range), abs(z - orbit.altitude))
+        off = max(map(abs, orbit.errors_at(x, y, z)))
         allowed = max(NEAR, NEAR_SHARE * orbit.range) * (LEFT if self._going else 1.0)
         if not off <= allowed:
             return f"{off:.1f} m off the orbit"

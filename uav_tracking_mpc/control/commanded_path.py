@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.control.controller import Controller
-from uav_tracking_mpc.dynamics.vehicle import air_velocity, velocity
+from uav_tracking_mpc.dynamics.vehicle import air_velocity, followed, velocity
 from uav_tracking_mpc.estimation.measurement import Measurement
 
 AXES = range(3)
@@ -147,4 +147,4 @@ class CommandPaths:
 def _ramp(ages: NDArray[np.float64], lag: float) -> NDArray[np.float64]:
     """Integral of the answer to a unit step, so long after it, in [s]."""
     after = np.maximum(ages, 0.0)
-    return after + lag * np.expm1(-after / lag) if lag > 0.0 else after
+    return after - lag * followed(after, lag)

@@ -486,6 +486,6 @@ class Controller:
 
     def _select(self, available: Available) -> FallbackMode:
         """Choose the mode and report its change."""
-        if (change := self.modes.select(available)) is not None:
-            self.events.add(Level.MODE, str(change))
+        if change := self.modes.select(available):
+            self.events.add(Level.MODE, change)
         return self.modes.mode

@@ -81,28 +81,6 @@ class Available:
     trouble: str = ""
 
 
-@dataclass(frozen=True)
-class ModeChange:
-    """A change of the fallback mode.
-
-    Attributes:
-        before: Mode left.
-        after: Mode reached.
-        reason: Why; empty if it is what was asked for.
-    """
-
-    before: FallbackMode
-    after: FallbackMode
-    reason: str
-
-    def __str__(self) -> str:
-        """The change in a sentence."""
-        silent = self.after is FallbackMode.SILENCE
-        now = "no command is sent" if silent else f"now flying {self.after.value}"
-        words = f"{now}, before {self.before.value}"
-        return f"{words}: {self.reason}" if self.reason else words
-
-
 def choose(available: Available) -> tuple[FallbackMode, str]:
     """Best mode that can be flown, and why it is none better (empty if it is nominal).
 
@@ -150,22 +128,24 @@ class ModeSelector:
         self.counts = dict.fromkeys(FallbackMode, 0)
         self.changes = 0
 
-    def select(self, available: Available) -> ModeChange | None:
+    def select(self, available: Available) -> str:
         """Go to the best mode that can be flown.
 
         Args:
             available: What there is to fly by.
 
         Returns:
-            The change, if there is one.
+            The change in a sentence; empty if there is none.
         """
         mode, self.reason = choose(available)
         self.counts[mode] += 1
         before, self.mode = self.mode, mode
         if mode is before:
-            return None
+            return ""
         self.changes += 1
-        return ModeChange(before, mode, self.reason)
+        silent, why = mode is FallbackMode.SILENCE, f": {self.reason}" if self.reason else ""
+        now = "no command is sent" if silent else f"now flying {mode.value}"
+        return f"{now}, before {before.value}{why}"
 
 
 class PlanMemory:

@@ -112,7 +112,7 @@ def formulation_of(
         return FlightFormulation(parameters, make_solver=make_solver)
     from uav_tracking_mpc.formulation.paper_formulation import PaperFormulation
 
-    return PaperFormulation(parameters, make_solver=make_solver)
+    return PaperFormulation(parameters, make_solver)
 
 
 def law_of(parameters: TrackingParameters) -> type[GuidanceLaw] | None:

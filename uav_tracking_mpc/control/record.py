@@ -201,11 +201,13 @@ def replay(path: Path) -> Iterator[ReplayedStep]:
             solver = call.pop("solver", solver)
             readings[:] = call.pop("stopwatch", ())
             recorded = call.pop("command", None)
+            if recorded is not None:
+                recorded = RecordedCommand(np.array(recorded.pop("inputs")), **recorded)
             if controller.formulation is not None:
                 controller.formulation.solver.time_limit = math.inf
             command = _repeat(controller, **call)
             if call["call"] == "step":
-                yield ReplayedStep(recorded and _recorded(recorded), command)
+                yield ReplayedStep(recorded, command)
 
 
 def recorded_parameters(path: Path) -> TrackingParameters:
@@ -250,10 +252,6 @@ def _measurement(values: dict[str, Any]) -> Measurement:
     for name in {"position", "velocity"} & set(noise):
         noise[name] = tuple(np.broadcast_to(noise[name], 3).tolist())
     return Measurement(**{**values, "noise": SensorNoise(**noise)})
-
-
-def _recorded(values: dict[str, Any]) -> RecordedCommand:
-    return RecordedCommand(**{**values, "inputs": np.array(values["inputs"])})
 
 
 def _plain(value: Any) -> Any:

@@ -26,11 +26,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from uav_tracking_mpc.control.event import EventLog, Level
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.dynamics.vehicle import followed
 from uav_tracking_mpc.estimation.channel_response import CHANNELS, ChannelResponse
 from uav_tracking_mpc.formulation.formulation import Plan
 
@@ -86,9 +86,8 @@ class LimitCycleWatch:
             self.reset()
             self._time, self._mean = time, value
             return False
-        share = -math.expm1(-(time - self._time) / AVERAGING)
+        self._mean += followed(time - self._time, AVERAGING) * (value - self._mean)
         self._time = time
-        self._mean += share * (value - self._mean)
         off = value - self._mean
         before = self.swing
         if off * self._side <= 0.0 and abs(off) > CROSSING * LEAST_AMPLITUDE:
@@ -168,12 +167,12 @@ class OscillationReport:
         for axis, (watch, rate) in enumerate(zip(self._watches, inputs, strict=False)):
             if not watch.see(time, airspeed * rate / GRAVITY):
                 continue
+            cycle = f"limit cycle of the {CHANNELS[axis]}"
             if watch.swing is None:
-                self._events.add(Level.INFO, f"the limit cycle of the {CHANNELS[axis]} has ended")
-                continue
-            self.causes[axis] = _cause(channels[axis], delays[axis])
-            words = f"limit cycle of the {CHANNELS[axis]}: {described(axis, watch.swing)}"
-            self._events.add(Level.WARNING, f"{words}; likely {self.causes[axis]}")
+                self._events.add(Level.INFO, f"the {cycle} has ended")
+            else:
+                self.causes[axis] = _cause(channels[axis], delays[axis])
+                self._events.add(Level.WARNING, f"{cycle}: {self.words(axis)}")
 
     def words(self, axis: int) -> str:
         """The oscillation of a channel; "none" without one.
@@ -181,22 +180,11 @@ class OscillationReport:
         Args:
             axis: 0 for turn rate, 1 for path-angle rate.
         """
-        swing = self.swings[axis]
-        return "none" if swing is None else f"{described(axis, swing)}; likely {self.causes[axis]}"
-
-
-def described(axis: int, swing: Swing) -> str:
-    """An oscillation in words.
-
-    Args:
-        axis: 0 for turn rate, 1 for path-angle rate.
-        swing: What it is, amplitude in [g].
-    """
-    if axis == 0:
-        size = f"{math.degrees(math.atan(swing.amplitude)):.0f} deg of bank"
-    else:
-        size = f"{swing.amplitude:.2f} g"
-    return f"+-{size} with a period of {swing.period:.1f} s"
+        if (swing := self.swings[axis]) is None:
+            return "none"
+        bank = f"{math.degrees(math.atan(swing.amplitude)):.0f} deg of bank"
+        size = f"{swing.amplitude:.2f} g" if axis else bank
+        return f"+-{size} with a period of {swing.period:.1f} s; likely {self.causes[axis]}"
 
 
 def _cause(channel: ChannelResponse, delay: float) -> str:
@@ -224,10 +212,6 @@ class OrbitShortfall:
 
     Args:
         events: Where to tell.
-
-    Attributes:
-        flown: Range, altitude and airspeed of the orbit flown instead, shape (3,); None where that
-            asked for is flown, or on the way to it.
     """
 
     def __init__(self, events: EventLog) -> None:
@@ -236,28 +220,27 @@ class OrbitShortfall:
 
     def reset(self) -> None:
         """Forget what was flown."""
-        self.flown: NDArray[np.float64] | None = None
-        self._candidate, self._begin = [math.inf] * 3, 0.0
+        self._told, self._candidate, self._begin = False, [math.inf] * 3, 0.0
 
-    def see(self, time: float, plan: Plan | None, wanted: Orbit) -> None:
+    def see(self, time: float, plan: Plan, wanted: Orbit) -> None:
         """Take in a plan.
 
         Args:
             time: Now in [s].
-            plan: That is flown; None where none is.
+            plan: That is flown.
             wanted: What was asked for.
         """
-        if plan is None or plan.orbit is None:
+        if plan.orbit is None:
             return
         asked, flown = [wanted.range, wanted.altitude, wanted.speed], plan.orbit.tolist()
         if _alike(flown, asked):
-            if self.flown is not None:
+            if self._told:
                 self._events.add(Level.INFO, "the orbit that was asked for is flown again")
             self.reset()
         elif not _alike(flown, self._candidate):
             self._candidate, self._begin = flown, time
-        elif self.flown is None and time - self._begin >= LASTING:
-            self.flown = plan.orbit
+        elif not self._told and time - self._begin >= LASTING:
+            self._told = True
             self._events.add(
                 Level.WARNING,
                 f"limits and drift leave no orbit of {_words(asked)}: flying {_words(flown)}",

@@ -224,19 +224,21 @@ def course_rates_from_euler(
     return -yaw_rate, q * math.cos(roll) - r * math.sin(roll)
 
 
-def bank_from_turn_rate(turn_rate: float, airspeed: float) -> float:
+def bank_from_turn_rate(turn_rate: Any, airspeed: Any) -> Any:
     """Bank of a coordinated turn, right wing down positive: tan(bank) = -v psi' / g.
 
     Lift turns by m v cos(chi) psi' = L sin(bank) and holds the path by m g cos(chi) = L cos(bank).
 
     Args:
-        turn_rate: psi' counter-clockwise in [rad/s].
-        airspeed: v in [m/s].
+        turn_rate: psi' counter-clockwise in [rad/s]: number, or array of any shape.
+        airspeed: v in [m/s], likewise.
 
     Returns:
-        In [rad], between -pi/2 and pi/2.
+        In [rad], between -pi/2 and pi/2, of the shape of the arguments.
     """
-    return -math.atan2(airspeed * turn_rate, GRAVITY)
+    lateral = airspeed * turn_rate
+    arc = np.arctan2 if isinstance(lateral, np.ndarray) else math.atan2
+    return -arc(lateral, GRAVITY)
 
 
 def turn_rate_from_bank(bank: float, airspeed: float) -> float:

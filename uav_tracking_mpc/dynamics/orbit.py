@@ -104,6 +104,10 @@ class Orbit:
         """Steady bearing theta_ss in [rad]: +pi/2 clockwise, -pi/2 counter-clockwise."""
         return math.pi / 2.0 if self.direction == CLOCKWISE else -math.pi / 2.0
 
+    def errors_at(self, x: float, y: float, z: float) -> tuple[float, float]:
+        """Errors of range and altitude at (x, y, z) from the target, all in [m]."""
+        return math.sqrt(x * x + y * y + z * z) - self.range, z - self.altitude
+
     @property
     def steady_state(self) -> NDArray[np.float64]:
         """x_ss = (r_d, theta_ss, z_d, 0, v_d), shape (5,), in [m, rad, m, rad, m/s]."""

@@ -122,12 +122,11 @@ def error_dynamics(model: str, orbit: Orbit, step: float, scheme: str = "euler")
     if not step > 0.0:
         raise ValueError(f"step is {step} s, must be positive")
     x, u = ca.SX.sym("x", NX), ca.SX.sym("u", NU)
-    x_ss, u_ss = ca.DM(orbit.steady_state), ca.DM(steady_inputs(model, orbit))
-    following = error_step(model, scheme, x, u, x_ss, u_ss, step)
+    following = orbit_dynamics(model, step, scheme)(x, u, orbit_numbers(model, orbit))
     return ca.Function(f"{model}_{scheme}", [x, u], [following], ["x", "u"], ["x_next"])
 
 
-def orbit_dynamics(model: str, step: float, scheme: str = "euler") -> ca.Function:
+def orbit_dynamics(model: str, step: float, scheme: str) -> ca.Function:
     """The same of every orbit: what it depends on is the third argument.
 
     Args:

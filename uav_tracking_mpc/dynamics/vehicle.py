@@ -144,11 +144,16 @@ class Response(NamedTuple):
     gains: NDArray[np.float64]
 
 
-def followed(duration: float, lag: float) -> float:
+def followed(duration: Any, lag: float) -> Any:
     """Share of a step that a first-order lag has followed after a time [-]; all of it without one.
 
     Args:
-        duration: Since the step in [s].
+        duration: Since the step in [s]: number, or array of any shape.
         lag: Time constant in [s].
+
+    Returns:
+        1 - exp(-t / tau), of the shape of the duration; 1 without a lag.
     """
-    return -math.expm1(-duration / lag) if lag else 1.0
+    if not lag:
+        return 1.0
+    return -(np.expm1 if isinstance(duration, np.ndarray) else math.expm1)(-duration / lag)

@@ -64,12 +64,13 @@ class FlightFormulation:
         self._stages = parameters.horizon
         self.flight = flight_problem(parameters)
         self.solver = solver or make_solver(self.flight.problem, parameters)
-        self._data = np.zeros((self._stages + 1, self.flight.layout.size))
+        self._data = np.zeros((self._stages + 1, self.flight.size))
         self._turn_acceleration = BufferedFunction(
             self.flight.turn_acceleration, [None, self._data[0]]
         )
         commands = self.flight.commands.map(self._stages).expand()
         self._commands = BufferedFunction(commands, [None, self._data[:-1]])
+        self._law_stage = BufferedFunction(self.flight.law_stage)
         # Altitude above the target [m] and airspeed [m/s] that the last plan has decided on, and
         # the height above the target with which it ends [m].
         self._held: tuple[float, float, float] | None = None
@@ -100,9 +101,9 @@ class FlightFormulation:
             **{part_of(limit): limit.numbers(nowhere) for limit in self.envelope.limits},
         }
         for name, values in parts.items():
-            self._data[:, self.flight.layout.where[name]] = values
+            self._data[:, self.flight.where[name]] = values
         self._on_ground = [
-            (self.flight.layout.where[part_of(limit)], limit)
+            (self.flight.where[part_of(limit)], limit)
             for limit in self.envelope.limits
             if limit.on_ground
         ]
@@ -112,7 +113,7 @@ class FlightFormulation:
     def respond(self, response: Response) -> None:
         """See :meth:`Formulation.respond`."""
         self.model = self.model.with_lags(response.lags)
-        where = self.flight.layout.where
+        where = self.flight.where
         # Held commands lag by tau, and by half a step behind what they follow.
         self._data[:, where["lead"]] = float(self.model.lags[0]) + 0.5 * self.step
         self._data[:, where["model"]] = self.model.numbers(self.step)
@@ -175,7 +176,7 @@ class FlightFormulation:
             forecast: Drift and target over the horizon.
             orbit: What is wanted.
         """
-        data, where = self._data, self.flight.layout.where
+        data, where = self._data, self.flight.where
         data[:, where["drift"]] = forecast.drift
         data[:, where["drift_rate"]] = forecast.drift_rate
         data[:, where["orbit"]] = orbit.range, orbit.altitude, orbit.speed
@@ -205,6 +206,7 @@ class FlightFormulation:
             return None
         law, free = VectorField(orbit, self.envelope), self.model.commanded
         state, shares = np.array(x_0, dtype=float), np.zeros((self._stages, free))
+        x, wanted, p = self._law_stage.arguments
         for stage in range(self._stages):
             target = forecast.target[stage]
             vehicle = state[:6].copy()
@@ -212,13 +214,15 @@ class FlightFormulation:
             now = Situation(
                 vehicle, target, forecast.drift[stage], forecast.drift_rate[stage], state[6:9]
             )
-            shares[stage], state = self.flight.law_stage(state, law.inputs(now), data[stage])
-        x, y, z, _, _, airspeed = state[:6].tolist()
+            x[:], wanted[:], p[:] = state, law.inputs(now), data[stage]
+            self._law_stage.evaluate()
+            shares[stage], state = self._law_stage.results
+        east, north, up, _, _, airspeed = state[:6].tolist()
         least, most = self.envelope.airspeed_min, self.envelope.airspeed_max
         speed = float(np.clip(airspeed, least, most))
         smallest = self.envelope.smallest_radius(max(speed, 0.1), forecast.drift[-1])
-        radius = max(math.hypot(x, y), 1.1 * min(smallest, 1e4))
-        return Guess(shares, np.array([radius, z, speed]) / DECISION_SCALE)
+        radius = max(math.hypot(east, north), 1.1 * min(smallest, 1e4))
+        return Guess(shares, np.array([radius, up, speed]) / DECISION_SCALE)
 
 
 def flight_problem(parameters: FlightParameters) -> FlightProblem:

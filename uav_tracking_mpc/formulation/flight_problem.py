@@ -45,18 +45,17 @@ end on a circle, at the airspeed and the height at which the aircraft then is. z
 the autopilot is to be told next: the wanted ones as far as the limits of an orbit allow.
 
 Everything that may change in flight is a parameter of one compiled problem: see
-``FlightProblem.layout``.
+``FlightProblem.where``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from types import ModuleType
 from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.orbit import DRIFT_SHARE, OrbitMotion, orbit_motion
 from uav_tracking_mpc.dynamics.vehicle import air_velocity
@@ -64,78 +63,6 @@ from uav_tracking_mpc.dynamics.vehicle_models import Drift, VehicleModel
 from uav_tracking_mpc.limits import Bound, Limit, Motion, OrbitShape
 from uav_tracking_mpc.limits.envelope import BLENDS, input_span
 from uav_tracking_mpc.mpc.problem import Inequality, OptimalControlProblem
-from uav_tracking_mpc.symbolic.functions import BufferedFunction
-
-
-class Layout:
-    """Where each named part stands in a vector.
-
-    Args:
-        sizes: Length of each part, in the order of the vector.
-
-    Attributes:
-        where: Slice of each part.
-        size: Length of the vector.
-    """
-
-    def __init__(self, sizes: Mapping[str, int]) -> None:
-        self.where: dict[str, slice] = {}
-        begin = 0
-        for name, size in sizes.items():
-            self.where[name] = slice(begin, begin + size)
-            begin += size
-        self.size = begin
-
-    def part(self, vector: Any, name: str) -> Any:
-        """One part of a vector.
-
-        Args:
-            vector: Shape (size,) or (size, n), numbers or symbols.
-            name: Of the part.
-
-        Returns:
-            Shape (k,) or (k, n): a view where the vector is an array.
-        """
-        return vector[self.where[name]]
-
-
-class LawStage:
-    """Shares and next state of the flight problem where a law flies.
-
-    Args:
-        problem: The flight problem.
-        wanted: Symbol of (u_psi, u_chi, u_v) that the law asks for, SX (3, 1).
-        shares: Input shares of them in the symbols of the problem, SX (nu, 1), not yet clipped.
-    """
-
-    def __init__(self, problem: OptimalControlProblem, wanted: ca.SX, shares: ca.SX) -> None:
-        x, p = problem.state, problem.parameter
-        nearest = ca.fmin(ca.fmax(shares, problem.input_lower), problem.input_upper)
-        step = ca.Function("step", [x, problem.inputs, p], [problem.next_state])
-        results = [ca.densify(nearest), ca.densify(step(x, nearest, p))]
-        function = ca.Function("law_stage", [x, wanted, p], results)
-        self._function = BufferedFunction(function)
-
-    def __call__(
-        self, x: NDArray[np.float64], wanted: NDArray[np.float64], p: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Fly one stage.
-
-        Args:
-            x: State of the problem, shape (nx,).
-            wanted: (u_psi, u_chi, u_v) that the law asks for in [rad/s, rad/s, m/s^2], shape (3,).
-            p: Parameter of the stage, shape (np,).
-
-        Returns:
-            The shares nearest to them, shape (nu,), and the next state, shape (nx,): arrays that
-            the next call overwrites.
-        """
-        for kept, values in zip(self._function.arguments, (x, wanted, p), strict=True):
-            kept[:] = values
-        self._function.evaluate()
-        shares, following = self._function.results
-        return shares, following
-
 
 DECISION_SCALE = np.array([100.0, 30.0, 3.0])  # m, m, m/s: decisions are scaled to one size
 RADIUS_LIMITS, ALTITUDE_LIMIT, SPEED_LIMITS = (1.0, 2e4), 1e4, (0.1, 400.0)  # m, m, m/s
@@ -174,13 +101,15 @@ class FlightProblem:
         penalty: Of a violated soft constraint, per m/s or what a limit counts as alike [-].
 
     Attributes:
-        layout: Of the parameter p of a stage: the parts of :data:`OWN_SIZES`, with an autopilot
-            that holds those of :data:`HELD_SIZES`, ``model``, and a part for each limit by
-            :func:`part_of`.
+        where: Slices of the parameter p of a stage: the parts of :data:`OWN_SIZES`, with an
+            autopilot that holds those of :data:`HELD_SIZES`, ``model``, and a part for each limit
+            by :func:`part_of`.
+        size: Length of p.
         holds: Whether the autopilot itself holds altitude and airspeed.
         problem: For a solver.
         commands: CasADi function of (x, p, u): (u_psi, u_chi, u_v), see :meth:`inputs`.
-        law_stage: One stage of it where a law flies.
+        law_stage: CasADi function of (x, w, p), where a law asks for w, (u_psi, u_chi, u_v): the
+            input shares nearest to that, and the next state.
         turn_acceleration: CasADi function of (x, p, a): how quickly the turn rate of the orbit
             changes there, in [rad/s^2].
     """
@@ -199,18 +128,21 @@ class FlightProblem:
         sizes = {part_of(limit): limit.numbers(nowhere).shape[1] for limit in limits}
         self.holds = model.commanded < len(BLENDS)
         own = OWN_SIZES | HELD_SIZES if self.holds else OWN_SIZES
-        self.layout = Layout({**own, "model": len(model.numbers(step)), **sizes})
+        sizes = {**own, "model": len(model.numbers(step)), **sizes}
+        ends = dict(zip(sizes, np.cumsum([*sizes.values()]).tolist(), strict=True))
+        self.where = {name: slice(end - sizes[name], end) for name, end in ends.items()}
+        self.size = sum(sizes.values())
         self._penalty = penalty
         self.problem = self._problem(horizon)
         self.law_stage = self._law_stage()
 
     def _problem(self, horizon: int) -> OptimalControlProblem:
-        model, p = self.model, ca.SX.sym("p", self.layout.size)
+        model, p = self.model, ca.SX.sym("p", self.size)
         names = model.State._fields
         state = model.State(*(ca.SX.sym(name) for name in names))
         shares, decision = ca.SX.sym("u", model.commanded), ca.SX.sym("a", 3)
         self._steered = ca.vertcat(state.x, state.y, state.heading, state.turn_rate, shares)
-        told = {name: p[where] for name, where in self.layout.where.items()}
+        told = {name: p[where] for name, where in self.where.items()}
         inputs = self.inputs(shares, state, p, ca)
         at = [ca.vertcat(*state), p, shares]
         self.commands = ca.Function("commands", at, [ca.densify(ca.vertcat(*inputs))])
@@ -272,10 +204,14 @@ class FlightProblem:
             continuation=self._shares([turn_rate, 0.0, 0.0], state, p),
         )
 
-    def _law_stage(self) -> LawStage:
-        wanted, state = ca.SX.sym("wanted", 3), self.model.State(*ca.vertsplit(self.problem.state))
-        shares = self._shares([wanted[k] for k in range(3)], state, self.problem.parameter)
-        return LawStage(self.problem, wanted, shares)
+    def _law_stage(self) -> ca.Function:
+        problem, wanted = self.problem, ca.SX.sym("wanted", 3)
+        x, p, inputs = problem.state, problem.parameter, ca.vertsplit(wanted)
+        shares = self._shares(inputs, self.model.State(*ca.vertsplit(x)), p)
+        nearest = ca.fmin(ca.fmax(shares, problem.input_lower), problem.input_upper)
+        step = ca.Function("step", [x, problem.inputs, p], [problem.next_state])
+        results = [ca.densify(nearest), ca.densify(step(x, nearest, p))]
+        return ca.Function("law_stage", [x, wanted, p], results)
 
     def _error(self, state: Any, orbit: OrbitMotion, drift: ca.SX, wanted: Sequence[Any]) -> ca.SX:
         """Tracking error x of Section 3.1, of the motion relative to the target."""
@@ -308,7 +244,7 @@ class FlightProblem:
         commanded = [middle[axis] + half[axis] * shares[axis] for axis in free]
         if not self.holds:
             return commanded
-        held, numbers, drift = (self.layout.part(p, name) for name in ("held", "model", "drift"))
+        held, numbers, drift = (p[self.where[name]] for name in ("held", "model", "drift"))
         return [*commanded, *self.model.held(state, held[0], held[1], numbers, drift)]
 
     def _shares(self, inputs: Sequence[Any], state: Any, p: ca.SX) -> ca.SX:
@@ -328,7 +264,7 @@ class FlightProblem:
         Returns:
             Three values each, in [rad/s, rad/s, m/s^2], scalar or of shape (n,).
         """
-        numbers = [self.layout.part(p, part_of(limit)) for limit in self._of_inputs]
+        numbers = [p[self.where[part_of(limit)]] for limit in self._of_inputs]
         return input_span(self._of_inputs, numbers, _motion(state), xp)
 
     def _stage_inequalities(self, motion: Motion, p: ca.SX) -> list[Inequality]:
@@ -340,7 +276,7 @@ class FlightProblem:
 
     def _passed(self, motion: Motion, p: ca.SX) -> ca.SX:
         """Cost of what is paid for by squares: the airspeed's band, and limits that say so."""
-        least, most = ca.vertsplit(self.layout.part(p, "airspeed_band"))
+        least, most = ca.vertsplit(p[self.where["airspeed_band"]])
         band = Bound(motion.airspeed, least, most, BAND_SCALE)
         bounds = [] if self.holds else [band]
         bounds += [bound for limit, bound in self._stage_bounds(motion, p) if limit.by_squares]
@@ -350,7 +286,7 @@ class FlightProblem:
     def _stage_bounds(self, motion: Motion, p: ca.SX) -> list[tuple[Limit, Bound]]:
         found = []
         for limit in self.limits:
-            bound = limit.stage(motion, self.layout.part(p, part_of(limit)), ca)
+            bound = limit.stage(motion, p[self.where[part_of(limit)]], ca)
             if bound is None or (self.holds and not ca.depends_on(bound.value, self._steered)):
                 continue
             found.append((limit, bound))
@@ -360,7 +296,7 @@ class FlightProblem:
         too_much = shape.drift - DRIFT_SHARE * shape.airspeed
         found = [Inequality(too_much, None, "drift about the orbit")]
         for limit in self.limits:
-            bound = limit.orbit(shape, self.layout.part(p, part_of(limit)), ca)
+            bound = limit.orbit(shape, p[self.where[part_of(limit)]], ca)
             if bound is not None:
                 penalty = None if limit.hard_on_orbit else self._penalty
                 found.append(_inequality(bound, penalty, f"{limit.label} on the orbit"))

@@ -75,7 +75,6 @@ class Formulation(Protocol):
     @property
     def decrease(self) -> DecreaseMonitor | None:
         """Watches (54); None where it says nothing."""
-        ...
 
     def check(self, parameters: TrackingParameters) -> None:
         """Whether other parameters, of which no fixed one differs, can be taken.
@@ -86,7 +85,6 @@ class Formulation(Protocol):
         Raises:
             ParameterError: They give no problem that can be solved.
         """
-        ...
 
     def change(self, parameters: TrackingParameters) -> None:
         """Fly other parameters from now on, of which no fixed one differs.
@@ -94,7 +92,6 @@ class Formulation(Protocol):
         Args:
             parameters: The new ones.
         """
-        ...
 
     def respond(self, response: Response) -> None:
         """Predict with another response of the aircraft until the parameters change.
@@ -102,7 +99,6 @@ class Formulation(Protocol):
         Args:
             response: As it was learnt in flight.
         """
-        ...
 
     def solve(
         self, situation: Situation, forecast: Forecast, orbit: Orbit, elapsed: float | None
@@ -115,11 +111,9 @@ class Formulation(Protocol):
             orbit: What is wanted.
             elapsed: Time in [s] since the situation of the last plan; None if that counts no more.
         """
-        ...
 
     def reset(self) -> None:
         """Forget the last plan."""
-        ...
 
 
 SolverMaker = Callable[[OptimalControlProblem, ProblemParameters], Solver]

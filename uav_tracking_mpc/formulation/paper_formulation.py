@@ -30,7 +30,6 @@ from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.formulation.formulation import Plan, SolverMaker, solver_of
 from uav_tracking_mpc.mpc.problem import OptimalControlProblem, TerminalSet, quadratic_problem
-from uav_tracking_mpc.mpc.solver import Solver
 from uav_tracking_mpc.parameters.specification import ParameterError, refuse_fixed
 from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, PaperParameters
 from uav_tracking_mpc.symbolic.functions import one_at_a_time
@@ -145,21 +144,15 @@ class PaperFormulation:
 
     Args:
         parameters: What is flown.
-        solver: Of this problem; made by default.
-        make_solver: Makes it, as the parameters say.
+        make_solver: Makes the solver of its problem.
     """
 
-    def __init__(
-        self,
-        parameters: PaperParameters,
-        solver: Solver | None = None,
-        make_solver: SolverMaker = solver_of,
-    ) -> None:
+    def __init__(self, parameters: PaperParameters, make_solver: SolverMaker = solver_of) -> None:
         self.step = parameters.horizon_step
         self._compiled = parameters
         self._flown = _About(parameters)
         self._next = self._flown
-        self.solver = solver or make_solver(self._flown.problem, parameters)
+        self.solver = make_solver(self._flown.problem, parameters)
         self.decrease = self._flown.decrease
         self._target = np.full(3, np.nan)
 

@@ -148,14 +148,18 @@ class Force(AirspeedSpan):
         Returns:
             Least and greatest planned force at rest, and their slopes over v, shape (n, 4).
         """
-        lines = []
-        for (slow, fast), kept in (
-            (self.force_min, PLANNED_MARGIN),
-            (self.force_max, -PLANNED_MARGIN),
-        ):
-            slope = (fast - slow) / (self.airspeed_max - self.airspeed_min)
-            lines += [slow - slope * self.airspeed_min + kept, slope]
+        span, (least, most) = self.airspeed_max - self.airspeed_min, self._lines(0.0)
+        slopes = [(fast - slow) / span for slow, fast in (self.force_min, self.force_max)]
+        lines = [least + PLANNED_MARGIN, slopes[0], most - PLANNED_MARGIN, slopes[1]]
         return np.tile(lines, (len(targets), 1))
+
+    def _lines(self, airspeed: Any) -> tuple[Any, Any]:
+        """Least and greatest specific force on the lines, beyond their ends too, in [m/s^2]."""
+        share = (airspeed - self.airspeed_min) / (self.airspeed_max - self.airspeed_min)
+        lower, upper = (
+            slow + share * (fast - slow) for slow, fast in (self.force_min, self.force_max)
+        )
+        return lower, upper
 
     def force_limits(self, airspeed: float) -> tuple[float, float]:
         """Least and greatest specific force in [m/s^2].
@@ -163,21 +167,7 @@ class Force(AirspeedSpan):
         Args:
             airspeed: v in [m/s]; outside of its span the limits are those at its ends.
         """
-        span = self.airspeed_max - self.airspeed_min
-        share = min(1.0, max(0.0, (airspeed - self.airspeed_min) / span))
-        lower, upper = (
-            slow + share * (fast - slow) for slow, fast in (self.force_min, self.force_max)
-        )
-        return lower, upper
-
-    def path_angles(self, airspeed: float) -> tuple[float, float]:
-        """Least and greatest path angle in [rad] at which an airspeed can be held.
-
-        Args:
-            airspeed: v in [m/s].
-        """
-        lower, upper = self.force_limits(airspeed)
-        return arcsine(lower / GRAVITY), arcsine(upper / GRAVITY)
+        return self._lines(min(self.airspeed_max, max(self.airspeed_min, airspeed)))
 
     def inputs(self, motion: Motion, numbers: Any, xp: ModuleType) -> dict[str, tuple[Any, Any]]:
         """See :meth:`Limit.inputs`."""
@@ -188,12 +178,9 @@ class Force(AirspeedSpan):
 
     def flown(self, motion: Motion, numbers: Any) -> Bound:
         """See :meth:`Limit.flown`: thrust less drag, over mass."""
-        span = (self.airspeed_min, self.airspeed_max)
-        return Bound(
-            GRAVITY * np.sin(motion.path_angle) + motion.acceleration,
-            np.interp(motion.airspeed, span, self.force_min),
-            np.interp(motion.airspeed, span, self.force_max),
-        )
+        within = np.clip(motion.airspeed, self.airspeed_min, self.airspeed_max)
+        force = GRAVITY * np.sin(motion.path_angle) + motion.acceleration
+        return Bound(force, *self._lines(within))
 
 
 def arcsine(sine: float) -> float:

@@ -136,13 +136,10 @@ class Envelope:
         if unknown := values.keys() - self._values.keys():
             raise TypeError(f"no limit has the parameters {', '.join(sorted(unknown))}")
         self.limits: tuple[Limit, ...] = tuple(limits)
-        self._airspeed: Airspeed = self.find(Airspeed)
-        self._path_angle: PathAngle = self.find(PathAngle)
-        self._bank: Bank = self.find(Bank)
-        self._yaw_rate: YawRate = self.find(YawRate)
-        self._force: Force = self.find(Force)
-        self._pitch_rate: PitchRate = self.find(PitchRate)
-        self._acceleration: Acceleration = self.find(Acceleration)
+        self._airspeed, self._path_angle, self._bank, self._yaw_rate, self._force = (
+            self.find(kind) for kind in (Airspeed, PathAngle, Bank, YawRate, Force)
+        )
+        self._pitch_rate, self._acceleration = self.find(PitchRate), self.find(Acceleration)
 
     def __getattr__(self, name: str) -> Any:
         """A limit's parameter by its name."""
@@ -184,7 +181,7 @@ class Envelope:
             airspeed: v in [m/s].
         """
         steepest, most = self._path_angle.path_angle_min, self._path_angle.path_angle_max
-        lower, upper = self._force.path_angles(airspeed)
+        lower, upper = (arcsine(force / GRAVITY) for force in self.force_limits(airspeed))
         return min(most, max(steepest, lower)), max(steepest, min(most, upper))
 
     def clip(self, inputs: ArrayLike, airspeed: float, path_angle: float) -> NDArray[np.float64]:

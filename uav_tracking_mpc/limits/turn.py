@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics import paper_numbers as paper
 from uav_tracking_mpc.dynamics.air import GRAVITY
-from uav_tracking_mpc.dynamics.frames import turn_rate_from_bank
+from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate, turn_rate_from_bank
 from uav_tracking_mpc.dynamics.orbit import sharpest_turn
 from uav_tracking_mpc.limits import Bound, Limit, Motion, OrbitShape
 from uav_tracking_mpc.parameters.specification import parameter
@@ -84,8 +84,7 @@ class Bank(Limit):
         Returns:
             Lateral acceleration of the greatest bank that is planned in [m/s^2], shape (n, 1).
         """
-        lateral = PLANNED_SHARE * GRAVITY * math.tan(self.bank_max)
-        return np.full((len(targets), 1), lateral)
+        return np.full((len(targets), 1), PLANNED_SHARE * self.turn_rate_max(1.0))  # v psi'
 
     def turn_rate_max(self, airspeed: float) -> float:
         """Greatest turn rate in [rad/s]; inf at rest.
@@ -106,8 +105,8 @@ class Bank(Limit):
 
     def flown(self, motion: Motion, numbers: Any) -> Bound:
         """See :meth:`Limit.flown`: the bank of the turn."""
-        bank = np.arctan(motion.airspeed * np.abs(motion.turn_rate) / GRAVITY)
-        return Bound(bank, upper=self.bank_max)
+        bank = bank_from_turn_rate(motion.turn_rate, motion.airspeed)
+        return Bound(np.abs(bank), upper=self.bank_max)
 
 
 @dataclass(frozen=True)

@@ -46,6 +46,10 @@ class BridgedSolver:
         compiled: Whether the Newton method can be loaded; asked before every solve.
         time_limit: For a whole solve of the Newton method, in [s]; IPOPT has at least
             :data:`BUDGET`.
+
+    Attributes:
+        problem: As above.
+        time_limit: As above; what is set counts from the next solve on.
     """
 
     def __init__(
@@ -56,18 +60,18 @@ class BridgedSolver:
     ) -> None:
         self.problem = problem
         self._compiled = compiled
-        self._time_limit = time_limit
+        self.time_limit = time_limit
         self._last: Solution | None = None
         self._solver: Solver | None = None
 
     def prepare(self) -> Solver:
         """The solver that solves next; made now if it is not there."""
-        if self._solver is None:
-            if self._compiled():
-                self._solver = NewtonSolver(self.problem, time_limit=self._time_limit)
-            else:
-                limit = max(self._time_limit, BUDGET)
-                self._solver = CasadiSolver(self.problem, TOLERANCE, time_limit=limit)
+        longer = max(self.time_limit, BUDGET)
+        if self._solver is None and self._compiled():
+            self._solver = NewtonSolver(self.problem)
+        elif self._solver is None:
+            self._solver = CasadiSolver(self.problem, TOLERANCE, time_limit=longer)
+        self._solver.time_limit = longer if self._solver.name == BRIDGE else self.time_limit
         return self._solver
 
     @property
@@ -80,22 +84,6 @@ class BridgedSolver:
         """Whether another solver stands in only until this problem's is compiled."""
         waits = isinstance(self._compiled, MachineCode) and self._compiled.pending
         return waits and self.name == BRIDGE
-
-    @property
-    def time_limit(self) -> float:
-        """Time budget of one solve in [s]."""
-        return self._time_limit
-
-    @time_limit.setter
-    def time_limit(self, limit: float) -> None:
-        """Set it.
-
-        Args:
-            limit: In [s].
-        """
-        self._time_limit = limit
-        if self._solver is not None:
-            self._solver.time_limit = max(limit, BUDGET) if self.name == BRIDGE else limit
 
     def change(self, problem: OptimalControlProblem) -> None:
         """See :meth:`uav_tracking_mpc.mpc.solver.Solver.change`."""

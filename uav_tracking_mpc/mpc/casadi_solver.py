@@ -148,7 +148,11 @@ class NonlinearProgram:
             "g": ca.vertcat(*constraints),
             "p": ca.vertcat(initial, ca.vec(values)),
         }
-        self._stage_size, self._soft = nx + na + nu + soft, (soft, s_end.numel())
+        # Where states, decisions of every stage, and inputs stand among the variables.
+        place = np.arange(self.nlp["x"].numel())
+        stages = place[: n * (nx + na + nu + soft)].reshape(n, -1)
+        whole = np.vstack([stages[:, : nx + na], place[stages.size :][: nx + na]])
+        self._x, self._a, self._u = whole[:, :nx], whole[:, nx:], stages[:, nx + na :][:, :nu]
         self.bound(problem)
 
     def bound(self, problem: OptimalControlProblem) -> None:
@@ -157,17 +161,11 @@ class NonlinearProgram:
         Args:
             problem: Of the same expressions.
         """
-        soft, soft_end = self._soft
-        bounds = []
-        for sign, decision, inputs, violation in (
-            (-1.0, problem.decision_lower, problem.input_lower, 0.0),
-            (1.0, problem.decision_upper, problem.input_upper, np.inf),
-        ):
-            state = np.full(problem.nx, sign * np.inf)
-            stage = np.concatenate([state, decision, inputs, np.full(soft, violation)])
-            end = [state, decision, np.full(soft_end, violation)]
-            bounds.append(np.concatenate([np.tile(stage, problem.horizon), *end]))
-        self.lower, self.upper = bounds
+        size = self.nlp["x"].numel()
+        self.lower, self.upper = np.zeros(size), np.full(size, np.inf)  # of slacks
+        self.lower[self._x] = -np.inf
+        self.lower[self._u], self.upper[self._u] = problem.input_lower, problem.input_upper
+        self.lower[self._a], self.upper[self._a] = problem.decision_lower, problem.decision_upper
 
     def rollout(
         self,
@@ -210,15 +208,8 @@ class NonlinearProgram:
         Returns:
             All variables, shape (n,).
         """
-        nx, nu, na, n = self.problem.nx, self.problem.nu, self.problem.na, self.problem.horizon
         variables = np.zeros(len(self.lower))
-        stages = variables[: n * self._stage_size].reshape(n, self._stage_size)
-        stages[:, :nx] = states[:n]
-        stages[:, nx : nx + na] = decision
-        stages[:, nx + na : nx + na + nu] = inputs
-        end = variables[n * self._stage_size :]
-        end[:nx] = states[n]
-        end[nx : nx + na] = decision
+        variables[self._x], variables[self._a], variables[self._u] = states, decision, inputs
         return variables
 
     def unpack(
@@ -232,11 +223,7 @@ class NonlinearProgram:
         Returns:
             x_0..x_N, shape (N + 1, nx); u_0..u_{N-1}, shape (N, nu); and a, shape (na,).
         """
-        nx, nu, na, n = self.problem.nx, self.problem.nu, self.problem.na, self.problem.horizon
-        stages = variables[: n * self._stage_size].reshape(n, self._stage_size)
-        end = variables[n * self._stage_size :]
-        states = np.vstack([stages[:, :nx], end[:nx]])
-        return states, stages[:, nx + na : nx + na + nu].copy(), stages[0, nx : nx + na].copy()
+        return variables[self._x], variables[self._u], variables[self._a[0]]
 
 
 def hard_and_soft(inequalities: tuple[Inequality, ...]) -> tuple[ca.SX, ca.SX, ca.DM]:

@@ -41,7 +41,6 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future
 from functools import cache
 from importlib import metadata, resources
 from pathlib import Path
@@ -85,7 +84,7 @@ class Compilation:
         self.folder = folder
         self._begin = time.monotonic()
         self._seconds: float | None = None
-        command = [sys.executable, "-m", machine_code.__name__, str(folder), str(os.getpid())]
+        command = [sys.executable, "-m", machine_code.__name__, str(folder)]
         if aside and sys.platform == "linux":
             command = ["nice", "-n", str(COURTESY), *command]
         self._given_up = False
@@ -95,26 +94,14 @@ class Compilation:
             return
         # A file, not a pipe: a child that writes more than a pipe holds would wait for a reader.
         self._words = tempfile.TemporaryFile("w+", errors="replace")  # noqa: SIM115
-        started: Future[subprocess.Popen[bytes]] = Future()
-        threading.Thread(target=self._run, args=(command, started), daemon=True).start()
-        self._child = started.result()
-
-    def _run(self, command: list[str], started: Future[subprocess.Popen[bytes]]) -> None:
-        """Start the child and outlive it: Linux ends a child with the thread that started it."""
-        try:
-            child = subprocess.Popen(
-                command,
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=self._words,
-                env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
-                start_new_session=True,  # Ctrl-C reaches this process alone, which ends the child
-            )
-        except BaseException as error:  # raised where the child was asked for
-            started.set_exception(error)
-            return
-        started.set_result(child)
-        child.wait()
+        self._child = subprocess.Popen(
+            command,
+            stdin=subprocess.PIPE,  # ends with this process, and with it the child
+            stdout=subprocess.DEVNULL,
+            stderr=self._words,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+            start_new_session=True,  # Ctrl-C reaches this process alone, which ends the child
+        )
 
     @property
     def seconds(self) -> float:
@@ -133,6 +120,7 @@ class Compilation:
             return True
         if self._child.poll() is None:
             return False
+        self._child.communicate()  # closes its input
         self._seconds = self.seconds
         if not machine_code.finished(self.folder):
             self._words.seek(0)
@@ -171,7 +159,7 @@ class Compilation:
         if self._child is not None and self._child.poll() is None:
             self._given_up = True
             self._child.kill()
-            self._child.wait()
+            self._child.communicate()
 
 
 METHOD = "uav_tracking_mpc.mpc.newton"

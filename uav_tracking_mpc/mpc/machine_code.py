@@ -14,23 +14,22 @@
 
 """Make the machine code of a folder with the method's sources: a process of its own.
 
-It runs as ``python -m uav_tracking_mpc.mpc.machine_code FOLDER PARENT``, because compiling takes
-seconds in which nothing else runs in a process and no signal is heard. However many processes want
-the same machine code, one makes it: each starts this one, which first waits for a lock. It ends
-with its parent. The description is written last and under its name in one step, so it marks the
-machine code as complete.
+It runs as ``python -m uav_tracking_mpc.mpc.machine_code FOLDER``, because compiling takes seconds
+in which nothing else runs in a process and no signal is heard. However many processes want the same
+machine code, one makes it: each starts this one, which first waits for a lock. It ends with its
+input, which its parent holds open for as long as it lives. The description is written last and
+under its name in one step, so it marks the machine code as complete.
 """
 
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import importlib
 import importlib.util
 import json
 import os
-import signal
 import sys
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
@@ -58,8 +57,8 @@ def finished(folder: Path) -> bool:
 
 def main() -> int:
     """Entry point; exit code 0 when the machine code is there."""
-    folder, parent = Path(sys.argv[1]), int(sys.argv[2])
-    _end_with_parent(parent)
+    folder = Path(sys.argv[1])
+    threading.Thread(target=_end_with_input, daemon=True).start()
     with _locked(folder / LOCK):
         if not finished(folder):
             with (folder / LOCK).open("a") as file:
@@ -92,11 +91,9 @@ def make(folder: Path) -> None:
     _write(folder / DESCRIPTION, json.dumps(description).encode())
 
 
-def _end_with_parent(parent: int) -> None:
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
-        if os.getppid() != parent:  # it ended before it was asked for
-            sys.exit(1)
+def _end_with_input() -> None:
+    os.read(sys.stdin.fileno(), 1)
+    os._exit(1)
 
 
 @contextlib.contextmanager

@@ -250,7 +250,8 @@ def quadratic_problem(
     reference, levels = np.asarray(reference, dtype=float), []
     x, u, about = ca.SX.sym("x", nx), ca.SX.sym("u", nu), ca.SX.sym("reference", reference.size)
     p_rho = ca.SX.sym("P", nx * (nx + 1) // 2)
-    symmetric, level = _symmetric(p_rho, nx), ca.SX.sym("level")
+    symmetric = ca.tril2symm(ca.SX(ca.Sparsity.lower(nx), p_rho))  # by columns: of the upper, rows
+    level = ca.SX.sym("level")
     terminal_cost = ca.bilin(symmetric, x, x)
     inequalities: tuple[Inequality, ...] = ()
     if terminal_set is not None:
@@ -272,15 +273,6 @@ def quadratic_problem(
         ),
         terminal_inequalities=inequalities,
     )
-
-
-def _symmetric(upper: ca.SX, size: int) -> ca.SX:
-    """Symmetric matrix of its upper triangle, row by row."""
-    matrix, element = ca.SX(size, size), iter(ca.vertsplit(upper))
-    for row in range(size):
-        for column in range(row, size):
-            matrix[row, column] = matrix[column, row] = next(element)
-    return matrix
 
 
 def _check_positive_definite(name: str, weight: NDArray[np.float64], size: int) -> None:

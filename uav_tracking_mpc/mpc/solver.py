@@ -20,7 +20,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
 from functools import partial
-from itertools import islice
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -126,7 +125,6 @@ class Solver(Protocol):
     @property
     def name(self) -> str:
         """By which it is chosen."""
-        ...
 
     def solve(
         self,
@@ -146,7 +144,6 @@ class Solver(Protocol):
             guess: Called where a cold start is needed, also after a warm one has failed. The cold
                 start tries the plan that it returns first, and others only if that fails.
         """
-        ...
 
     def change(self, problem: OptimalControlProblem) -> None:
         """Solve the problem with other numbers from now on, starting cold.
@@ -154,11 +151,9 @@ class Solver(Protocol):
         Args:
             problem: Of the same expressions; bounds, goal and ``parameter_values`` may differ.
         """
-        ...
 
     def reset(self) -> None:
         """Forget the last plan: the next solve starts cold."""
-        ...
 
 
 def solve_data(
@@ -195,22 +190,6 @@ def shift(samples: NDArray[np.float64], stages: float) -> NDArray[np.float64]:
     return (1.0 - weight) * samples[below] + weight * samples[above]
 
 
-class ClosedLoop(NamedTuple):
-    """A flight on the prediction model.
-
-    Attributes:
-        states: x_0, x_1, ..., shape (steps + 1, nx).
-        inputs: u_0 of each plan, shape (steps, nu).
-        costs: V_N at each step, shape (steps,).
-        failures: Solves that did not converge.
-    """
-
-    states: NDArray[np.float64]
-    inputs: NDArray[np.float64]
-    costs: NDArray[np.float64]
-    failures: int
-
-
 def solutions(
     solver: Solver,
     initial_state: ArrayLike,
@@ -239,23 +218,3 @@ def solutions(
         solution = solver.solve(state, parameters, elapsed, start)
         yield solution
         state, elapsed = solution.states[1], solver.problem.step
-
-
-def closed_loop(
-    solver: Solver, initial_state: ArrayLike, steps: int, parameters: ArrayLike | None = None
-) -> ClosedLoop:
-    """A flight of :func:`solutions`.
-
-    Args:
-        solver: Solves the problem; forgets what it knew.
-        initial_state: x_0, shape (nx,).
-        steps: Number of steps.
-        parameters: The same at every step, of either shape that :meth:`Solver.solve` takes.
-    """
-    flown = list(islice(solutions(solver, initial_state, parameters), steps))
-    return ClosedLoop(
-        states=np.array([np.asarray(initial_state), *(each.states[1] for each in flown)]),
-        inputs=np.array([each.inputs[0] for each in flown]),
-        costs=np.array([each.cost for each in flown]),
-        failures=sum(not each.converged for each in flown),
-    )

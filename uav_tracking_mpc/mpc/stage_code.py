@@ -109,8 +109,9 @@ def stage_functions(problem: OptimalControlProblem) -> dict[str, ca.Function]:
     costate, following = ca.SX.sym("lambda", ns), ca.vertcat(problem.next_state, a)
     curvature = ca.SX.sym("curvature")  # 1: exact Hessian; 0: Gauss-Newton in the dynamics
     m, d = ca.SX.sym("m", h.numel()), ca.SX.sym("d", h.numel())
-    value, value_symmetric = _symmetric("V", ns)
-    value_gradient = ca.SX.sym("v", ns)
+    # Read by its upper triangle, row by row: the lower one to CasADi, which goes by columns.
+    value, value_gradient = ca.SX.sym("V", ns, ns), ca.SX.sym("v", ns)
+    value_symmetric = ca.tril2symm(ca.tril(value))
 
     lagrangian = problem.stage_cost + ca.dot(costate, following) + ca.dot(m, h)
     curved = problem.stage_cost + curvature * ca.dot(costate, following) + ca.dot(m, h)
@@ -212,13 +213,6 @@ def _intervals(inequalities: tuple[Inequality, ...]) -> np.ndarray:
 
 def _column(expressions: Iterable[ca.SX]) -> ca.SX:
     return ca.vertcat(ca.SX.zeros(0, 1), *(ca.vec(ca.densify(part)) for part in expressions))
-
-
-def _symmetric(name: str, size: int) -> tuple[ca.SX, ca.SX]:
-    """Dense symbol, read by its upper triangle row by row, and the symmetric matrix it means."""
-    symbol = ca.SX.sym(name, size, size)  # element [column, row]: CasADi is column-major
-    rows = [[symbol[max(i, j), min(i, j)] for j in range(size)] for i in range(size)]
-    return symbol, ca.vertcat(*(ca.horzcat(*row) for row in rows)) if size else symbol
 
 
 def _upper(matrix: ca.SX) -> ca.SX:

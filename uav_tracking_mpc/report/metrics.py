@@ -28,8 +28,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.air import GRAVITY
-from uav_tracking_mpc.dynamics.frames import wrap_angle
+from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate, wrap_angle
 from uav_tracking_mpc.dynamics.relative import steady_inputs
 from uav_tracking_mpc.dynamics.relative_models import RELATIVE_MODEL
 from uav_tracking_mpc.simulation.flight_log import FlightLog
@@ -197,7 +196,7 @@ def flown_bank(log: FlightLog, samples: Any = slice(None)) -> NDArray[np.float64
     """
     _, _, _, heading, _, airspeed = log.vehicle[samples].T
     turn_rate = np.asarray(wrap_angle(np.diff(heading))) / np.diff(log.time[samples])
-    return np.asarray(np.arctan(-0.5 * (airspeed[1:] + airspeed[:-1]) * turn_rate / GRAVITY))
+    return np.asarray(bank_from_turn_rate(turn_rate, 0.5 * (airspeed[1:] + airspeed[:-1])))
 
 
 def _last_third(log: FlightLog) -> NDArray[np.bool_]:

@@ -241,8 +241,7 @@ class FlightLog:
             turn_rate = np.zeros_like(heading)
             if len(heading) > 1:
                 turn_rate = np.gradient(np.unwrap(heading), self.time)
-        pairs = zip(turn_rate.tolist(), airspeed.tolist(), strict=True)
-        return np.array([bank_from_turn_rate(rate, speed) for rate, speed in pairs])
+        return np.asarray(bank_from_turn_rate(turn_rate, airspeed))
 
     @property
     def wind(self) -> NDArray[np.float64]:

@@ -32,6 +32,8 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.terminal.ingredients import StabilityProblem, relative_eigenvalues
 
+TOLERANCE = 1e-6  # -, relative to V_N(k) and to varrho: what a solver's own tolerance may add
+
 
 @dataclass(frozen=True)
 class DecreaseCheck:
@@ -57,18 +59,11 @@ class DecreaseMonitor:
         rate: c_3 of (54), or xi with a proved terminal set [-].
         weight: P_rho, shape (5, 5).
         level: varrho of the terminal set [-]; None if none is enforced.
-        tolerance: Relative to V_N(k) [-]: what a solver's own tolerance may add.
     """
 
-    def __init__(
-        self, rate: float, weight: NDArray[np.float64], level: float | None, tolerance: float = 1e-6
-    ) -> None:
-        self.rate = rate
-        self.weight = np.asarray(weight, dtype=float)
-        self.level = level
-        self.tolerance = tolerance
-        self.checked = 0
-        self.failed = 0
+    def __init__(self, rate: float, weight: NDArray[np.float64], level: float | None) -> None:
+        self.rate, self.weight, self.level = rate, weight, level
+        self.checked = self.failed = 0
         self._last: tuple[float, float, bool] | None = None
 
     def reset(self) -> None:
@@ -112,11 +107,9 @@ class DecreaseMonitor:
         if previous is not None and np.isfinite(cost):
             last_cost, fall, was_inside = previous
             bound = last_cost - min(max(fraction, 0.0), 1.0) * fall
-            held = bool(cost <= bound + self.tolerance * max(abs(last_cost), 1e-12))
-            reason = ""
-            if not held:
-                reason = _reason(was_inside, target_moved)
-                self.failed += 1
+            held = bool(cost <= bound + TOLERANCE * max(abs(last_cost), 1e-12))
+            reason = "" if held else _reason(was_inside, target_moved)
+            self.failed += not held
             self.checked += 1
             check = DecreaseCheck(held, float(cost), float(bound), reason)
         self._last = None
@@ -129,7 +122,7 @@ class DecreaseMonitor:
         if final_error is None or self.level is None:
             return False
         x = np.asarray(final_error, dtype=float)
-        return bool(x @ self.weight @ x <= self.level * (1.0 + 1e-6))
+        return bool(x @ self.weight @ x <= self.level * (1.0 + TOLERANCE))
 
 
 def _reason(was_inside: bool, target_moved: bool) -> str:

@@ -179,9 +179,16 @@ def test_missions_after_the_first_are_timed(monkeypatch):
     flown = []
     elapsed = lambda: 100.0 * (len(flown) > 0) + 0.25 * max(len(flown) - 1, 0)  # noqa: E731
     monkeypatch.setattr(module, "time", SimpleNamespace(perf_counter=elapsed))
-    monkeypatch.setattr(module, "closed_loop", lambda *mission: flown.append(mission))
-    case = paper_case(10)
+
+    def mission(_, state, parameters):
+        flown.append((state, parameters))
+        while True:
+            steps.append(len(flown))
+            yield
+
+    monkeypatch.setattr(module, "solutions", mission)
+    case, steps = paper_case(10), []
     assert module.missions_per_second(case, 7, count=12) == pytest.approx(4.0)
-    assert len(flown) == 13
-    for _, state, steps, parameters in flown:
-        assert (state, steps, parameters) == (case.start.state, 7, case.start.parameters)
+    assert steps == np.repeat(np.arange(1, 14), 7).tolist()
+    for state, parameters in flown:
+        assert (state, parameters) == (case.start.state, case.start.parameters)

@@ -50,6 +50,7 @@ import math
 from typing import NamedTuple
 
 from uav_tracking_mpc.dynamics.air import GRAVITY
+from uav_tracking_mpc.dynamics.vehicle import followed
 
 PATH_LAG, SPEED_LAG = 0.2, 0.2  # s, tau_chi and tau_v of the reference
 LIFT_TIME = 0.25  # s, T_alpha: v / g times the angle of attack per load factor
@@ -191,8 +192,8 @@ class EnergyLaw:
     def _lead(self, path_rate: float, gain: float, flown: FlownPath, duration: float) -> float:
         """Move the reference on; gives the rate of omega in [rad/s^2]."""
         before = self._path_rate
-        self._path_rate += (path_rate - before) * (1.0 - math.exp(-duration / PATH_LAG))
-        self._gain += (gain - self._gain) * (1.0 - math.exp(-duration / SPEED_LAG))
+        self._path_rate += (path_rate - before) * followed(duration, PATH_LAG)
+        self._gain += (gain - self._gain) * followed(duration, SPEED_LAG)
         # Where pitch or thrust is at its limit, the reference does not run away from the aircraft.
         if self._path_rate * self._pitch_full <= 0.0:
             self.path_angle += self._path_rate * duration

@@ -59,6 +59,7 @@ from scipy.linalg import solve_toeplitz
 from scipy.optimize import minimize
 from scipy.signal import lfilter
 
+from uav_tracking_mpc.dynamics.vehicle import followed
 from uav_tracking_mpc.studies.identification.flight_record import SPEED, ChannelRecord, Samples
 
 
@@ -81,9 +82,9 @@ class HeldDemand:
         Args:
             lag: tau in [s].
         """
-        left = np.exp(-self._durations / lag) if lag > 0.0 else np.zeros(len(self._durations))
-        factors = np.concatenate([[0.0], left])
-        rates = np.concatenate([self._value[:1], self._value[:-1] * (1.0 - left)])
+        share = np.broadcast_to(followed(self._durations, lag), self._durations.shape)
+        factors = np.concatenate([[0.0], 1.0 - share])
+        rates = np.concatenate([self._value[:1], self._value[:-1] * share])
         # x_k = a_k x_(k-1) + b_k for all k at once: the maps are composed over 1, 2, 4, ... steps.
         reach = 1
         while reach < len(rates):
@@ -108,9 +109,7 @@ class HeldDemand:
         step = np.maximum(step, 0)
         since = np.maximum(shifted - self._time[step], 0.0)
         demanded = self._value[step]
-        rate = demanded
-        if lag > 0.0:
-            rate = demanded + (rates[step] - demanded) * np.exp(-since / lag)
+        rate = rates[step] + (demanded - rates[step]) * followed(since, lag)
         return rate, self._integral[step] + demanded * since - lag * rate
 
 
