@@ -175,4 +175,6 @@ def mistold(name="lag_2", duration=12.0) -> Scenario:
 
 def flown(name, configuration, after=None) -> Scenario:
     logs = [simulate(prepared(configuration, law)) for law in ("vector_field", "l1")]
-    return Scenario(name, configuration, dict(zip(LAWS, logs, strict=True)), after)
+    return Scenario(
+        name, configuration, {law: [log] for law, log in zip(LAWS, logs, strict=True)}, after
+    )

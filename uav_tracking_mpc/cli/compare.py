@@ -67,6 +67,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"instead: the scenario {SCENARIO} for {DURATION:g} s, told wrong; some of "
         f"{', '.join(MISMATCHES)} (without a name: all)",
     )
+    parser.add_argument(
+        "--plant",
+        metavar="NAME",
+        help="fly it instead of the configuration's plant, e.g. jsbsim; files and keys are then "
+        "named by it, e.g. mismatches_jsbsim",
+    )
     laws = law_names()
     parser.add_argument("--laws", nargs="+", choices=laws, default=laws, help="laws that fly")
     parser.add_argument(
@@ -98,6 +104,8 @@ def run(arguments: argparse.Namespace) -> int:
     from uav_tracking_mpc.studies.comparison.results import MISTOLD, SCENARIOS, compare
 
     laws = list(dict.fromkeys([*arguments.laws, *arguments.more_laws]))
+    if arguments.plant is not None:
+        arguments.overrides = [*arguments.overrides, f"uav_simulator.plant={arguments.plant}"]
     if arguments.mismatch is None:
         names = dict.fromkeys(arguments.scenario or scenarios.scenarios_in_order())
         configurations = {Path(name).stem: chosen_configuration(arguments, name) for name in names}
@@ -111,6 +119,8 @@ def run(arguments: argparse.Namespace) -> int:
             if name in asked
         }
         kind, after = MISTOLD, scenarios.settled_after(next(iter(configurations.values())))
+    if arguments.plant is not None:
+        kind = kind.on(arguments.plant)
     flown, left = compare(configurations, laws, settled_after=after), ""
     if len(flown) < len(configurations):
         left = f"{len(flown)} of {len(configurations)} were flown by every law"

@@ -21,17 +21,18 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.control.event import EventLog, Level
+from uav_tracking_mpc.control.event import EventLog
+from uav_tracking_mpc.control.softening import Softening
 from uav_tracking_mpc.control.watches import OscillationReport
 from uav_tracking_mpc.dynamics.vehicle import Response
-from uav_tracking_mpc.estimation.channel_response import CHANNELS, ChannelResponse
+from uav_tracking_mpc.estimation.channel_response import ChannelResponse
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.response_estimator import ResponseEstimator
 from uav_tracking_mpc.settings.tracking import PREDICTIVE, TrackingParameters
 
 TAKING_OVER = 5.0  # s after an aircraft begins to fly the commands, in which nothing is learnt
 PERIOD = 0.5  # s between changes of what is flown
-SPEED = 0.03  # s of lag or dead time, or share of the gain, by which it changes in a second
+SPEED = 0.2  # s of lag or dead time, or share of the gain, by which it changes in a second
 # An estimate replaces what was told if it differs by more than this in [s], [s] and [-], and by
 # more than so many standard deviations; what was told comes back below half of it.
 LEAST_LAG, LEAST_DELAY, LEAST_GAIN, SIGNIFICANT = 0.03, 0.015, 0.03, 2.0
@@ -51,12 +52,12 @@ class ResponseAdaptation:
     Attributes:
         estimator: Of the response.
         oscillation: Limit cycles of the commands.
+        softening: What is done about them.
         flown: What is flown by. What is sent is what is wanted divided by its gains.
     """
 
     def __init__(self, parameters: TrackingParameters, events: EventLog) -> None:
-        self.oscillation = OscillationReport(events)
-        self._events = events
+        self.oscillation, self.softening = OscillationReport(events), Softening(events)
         self._airspeed = 0.0
         self._commanded = parameters.vehicle.commanded
         self.estimator = ResponseEstimator(self._commanded)
@@ -65,7 +66,7 @@ class ResponseAdaptation:
         self._stamp = 0.0
         self._learns_from: float | None = -math.inf  # s; None: from the next state on
         self._seen: tuple[Measurement, bool] | None = None  # not yet learnt from; so is
-        self._sent: tuple[float, float, NDArray[np.float64], float] | None = None
+        self._sent: tuple[float, float, NDArray[np.float64], float, float] | None = None
         self._begin()
 
     @property
@@ -93,6 +94,7 @@ class ResponseAdaptation:
         self._seen = self._sent = None
         self.estimator.reset()
         self.oscillation.reset()
+        self.softening.reset()
         self._begin()
         return None if _same(before, self.flown) else self.flown
 
@@ -101,21 +103,6 @@ class ResponseAdaptation:
         self._time: float | None = None
         # Whether estimates replace what was told: of lag, delay, gain of each channel.
         self._replaced = np.zeros((3, 3), dtype=bool)
-
-    def _begin_anew(self, axis: int) -> Response:
-        """Fly by what was told again, since the loop swings with what was learnt.
-
-        An aircraft that rolls no faster than it can seems to lag the more the further it swings,
-        and at its bank limit nothing more can be learnt.
-        """
-        self._events.add(
-            Level.WARNING,
-            f"the {CHANNELS[axis]} swings with the response that was learnt: it is learnt anew",
-        )
-        self.estimator.reset()
-        self.oscillation.reset()
-        self._begin()
-        return self.flown
 
     def interrupt(self) -> None:
         """Forget commands and times, keep what was learnt."""
@@ -177,7 +164,12 @@ class ResponseAdaptation:
         self._seen = measurement, airspeed_measured
 
     def commanded(
-        self, stamp: float, delay: float, plan: NDArray[np.float64], step: float
+        self,
+        stamp: float,
+        delay: float,
+        plan: NDArray[np.float64],
+        step: float,
+        forced: float = 0.0,
     ) -> NDArray[np.float64]:
         """Record a plan that has been sent: see :meth:`Navigator.commanded`.
 
@@ -186,11 +178,12 @@ class ResponseAdaptation:
             delay: From the stamp to when it was sent in [s].
             plan: (u_psi, u_chi, u_v) of each segment as sent, shape (n, 3).
             step: Length of a segment in [s].
+            forced: Acceleration of the target in [m/s^2], which the aircraft must follow.
 
         Returns:
             What the aircraft makes of it at its gain, shape (n, 3).
         """
-        self._sent = stamp, delay, plan, step
+        self._sent = stamp, delay, plan, step, forced
         return plan * self.flown.gains
 
     def learn(self) -> None:
@@ -211,13 +204,27 @@ class ResponseAdaptation:
             )
         if sent is None:
             return
-        stamp, delay, plan, step = sent
+        stamp, delay, plan, step, forced = sent
         if self.enabled:
             self.estimator.commanded(stamp + delay, stamp, plan, step)
         if self._engaged:
             rates = plan[0, : min(self._commanded, 2)].tolist()
             delays = (self.flown.lags + self.flown.dead_times).tolist()
-            self.oscillation.see(stamp, rates, self._airspeed, self.channels, delays)
+            self.oscillation.see(stamp, rates, self._airspeed, self.channels, delays, forced)
+
+    def soften(self, time: float) -> NDArray[np.float64] | None:
+        """Factors of the weights of the inputs' rates from now on, shape (3,), [-].
+
+        Args:
+            time: Now in [s].
+
+        Returns:
+            None if they stay.
+        """
+        lags, dead_times, gains = self.flown
+        swings, going_on = self.oscillation.swings, self.oscillation.going_on
+        changed = self.softening.follow(time, swings, going_on, lags + dead_times, gains)
+        return self.softening.factors if changed else None
 
     def follow(self, time: float) -> Response | None:
         """Move what is flown towards what is trusted.
@@ -234,9 +241,6 @@ class ResponseAdaptation:
         if 0.0 <= elapsed < PERIOD:
             return None
         self._time = time
-        for axis, swing in enumerate(self.oscillation.swings):
-            if swing is not None and self._replaced[:, axis].any():
-                return self._begin_anew(axis)
         most = SPEED * min(max(elapsed, 0.0), PERIOD)
         before = self.flown
         for axis, channel in enumerate(self.channels):

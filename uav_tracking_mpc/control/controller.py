@@ -207,6 +207,8 @@ class Controller:
         self._gate.reset()
         self.flying = self.navigator.claimed = False
         self._respond(self.response.reset())
+        if self.formulation is not None:
+            self.formulation.soften(self.response.softening.factors)
         self._forget()
 
     def _forget(self) -> None:
@@ -348,6 +350,9 @@ class Controller:
         if not self.flying:
             self.navigator.begin(now - stamp)
         self._respond(self.response.follow(stamp))
+        factors = self.response.soften(stamp)
+        if factors is not None and self.formulation is not None:
+            self.formulation.soften(factors)
         command = self._answer(measurement, vehicle)
         taken = self._stopwatch() - begin
         if taken > self.parameters.state_timeout:
@@ -359,7 +364,8 @@ class Controller:
             return None
         # A clock that stands ahead does not send later than that.
         delay = min(max(0.0, now - stamp), self.parameters.state_timeout) + taken
-        flown = self.response.commanded(stamp, delay, command.inputs, command.step)
+        forced = math.hypot(*target.track.state[2, :2].tolist())
+        flown = self.response.commanded(stamp, delay, command.inputs, command.step, forced)
         self.navigator.commanded(stamp, delay, flown, command.step)
         self.flying = True
         self.rate.sent(stamp)

@@ -36,10 +36,12 @@ from uav_tracking_mpc.formulation.formulation import Plan
 
 LEAST_AMPLITUDE = 0.05  # g across the path: 3 deg of bank
 HALF_CYCLES = 9  # that must be alike, four periods and a half
-SHORTEST, LONGEST = 0.3, 15.0  # s, of a period
+SHORTEST, LONGEST = 0.08, 15.0  # s, of a period
 PERIOD_SPREAD, AMPLITUDE_SPREAD = 0.12, 0.3  # -, spread over mean, when it begins
 ENDING = 2.0  # -, times these, or periods without a swing, when it ends
 AVERAGING = 8.0  # s, time constant of the mean about which it swings
+FORCED = 0.3  # -, share of a swing that the target's acceleration must have to be its cause
+FORCED_TIME = 15.0  # s, in which the memory of the target's acceleration falls to 1/e
 CROSSING = 0.3  # -, of the least amplitude, by which a swing must pass the mean
 
 
@@ -99,6 +101,11 @@ class LimitCycleWatch:
         self._peak = max(self._peak, abs(off))
         return (before is None) is not (self.swing is None)
 
+    @property
+    def going_on(self) -> bool:
+        """Whether the latest swing from the mean was still as wide as those before it."""
+        return self.swing is not None and self._halves[-1][1] > 0.5 * self.swing.amplitude
+
     def _judged(self) -> Swing | None:
         """The oscillation that the last swings are, if they are one."""
         if len(self._halves) < HALF_CYCLES:
@@ -130,22 +137,37 @@ class OscillationReport:
         causes: What is likely to cause each oscillation, in words.
     """
 
+    causes: list[str]
+
     def __init__(self, events: EventLog) -> None:
         self._events = events
         self._watches = LimitCycleWatch(), LimitCycleWatch()
-        self.causes = ["", ""]
+        self.reset()
 
     @property
     def swings(self) -> tuple[Swing | None, Swing | None]:
-        """Oscillations of turn rate and path-angle rate, amplitudes in [g]."""
+        """Oscillations of turn rate and path-angle rate, amplitudes in [g].
+
+        None where the target swings so much itself that the aircraft must.
+        """
+        turn, climb = (
+            None if swing is None or self._forced > FORCED * swing.amplitude else swing
+            for swing in (watch.swing for watch in self._watches)
+        )
+        return turn, climb
+
+    @property
+    def going_on(self) -> tuple[bool, bool]:
+        """Whether each of them goes on, rather than dies away."""
         turn, climb = self._watches
-        return turn.swing, climb.swing
+        return turn.going_on, climb.going_on
 
     def reset(self) -> None:
         """Forget what was seen."""
         for watch in self._watches:
             watch.reset()
         self.causes = ["", ""]
+        self._forced, self._time = 0.0, -math.inf
 
     def see(
         self,
@@ -154,6 +176,7 @@ class OscillationReport:
         airspeed: float,
         channels: Sequence[ChannelResponse],
         delays: Sequence[float],
+        forced: float = 0.0,
     ) -> None:
         """Take in a command.
 
@@ -163,12 +186,18 @@ class OscillationReport:
             airspeed: v in [m/s].
             channels: What is known of the response of each channel.
             delays: Lag plus dead time that each channel is flown by, in [s].
+            forced: Horizontal acceleration of the target in [m/s^2].
         """
-        for axis, (watch, rate) in enumerate(zip(self._watches, inputs, strict=False)):
-            if not watch.see(time, airspeed * rate / GRAVITY):
+        kept = math.exp(-max(0.0, time - self._time) / FORCED_TIME)
+        self._forced, self._time = max(kept * self._forced, forced / GRAVITY), time
+        before = self.swings
+        for watch, rate in zip(self._watches, inputs, strict=False):
+            watch.see(time, airspeed * rate / GRAVITY)
+        for axis, (was, swing) in enumerate(zip(before, self.swings, strict=True)):
+            if (was is None) is (swing is None):
                 continue
             cycle = f"limit cycle of the {CHANNELS[axis]}"
-            if watch.swing is None:
+            if swing is None:
                 self._events.add(Level.INFO, f"the {cycle} has ended")
             else:
                 self.causes[axis] = _cause(channels[axis], delays[axis])

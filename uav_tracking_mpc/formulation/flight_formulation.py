@@ -35,6 +35,7 @@ from uav_tracking_mpc.symbolic.functions import BufferedFunction
 # -, share of the wanted range, range and airspeed at which the penalty of the artificial orbit's
 # offset turns from quadratic to linear. Steep near the wanted orbit, or errors would be shared
 # between both and met half-heartedly; linear beyond, or far away it would drown everything else.
+LEAST_SOFTENED = 0.01  # -, weight of a rate from which on a loop is softened that has none
 OFFSET_REACH = np.array([0.01, 0.01, 0.03])
 
 
@@ -74,6 +75,7 @@ class FlightFormulation:
         # Altitude above the target [m] and airspeed [m/s] that the last plan has decided on, and
         # the height above the target with which it ends [m].
         self._held: tuple[float, float, float] | None = None
+        self._factors = np.ones(3)
         self.change(parameters)
 
     def check(self, parameters: FlightParameters) -> None:
@@ -93,7 +95,7 @@ class FlightFormulation:
         parts = {
             "state_weights": parameters.state_weights,
             "input_weights": parameters.input_weights,
-            "rate_weights": parameters.rate_weights,
+            "rate_weights": self._rate_weights(),
             "airspeed_band": parameters.airspeed
             * (1.0 + parameters.airspeed_band * np.array([-1.0, 1.0])),
             "offset_weights": parameters.offset_weights,
@@ -117,6 +119,15 @@ class FlightFormulation:
         # Held commands lag by tau, and by half a step behind what they follow.
         self._data[:, where["lead"]] = float(self.model.lags[0]) + 0.5 * self.step
         self._data[:, where["model"]] = self.model.numbers(self.step)
+
+    def soften(self, factors: NDArray[np.float64]) -> None:
+        """See :meth:`Formulation.soften`."""
+        self._factors = factors.copy()
+        self._data[:, self.flight.where["rate_weights"]] = self._rate_weights()
+
+    def _rate_weights(self) -> NDArray[np.float64]:
+        told = np.array(self.parameters.rate_weights)
+        return np.where(self._factors > 1.0, self._factors * np.maximum(told, LEAST_SOFTENED), told)
 
     def reset(self) -> None:
         """Forget the last plan."""

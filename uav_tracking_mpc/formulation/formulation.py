@@ -100,6 +100,14 @@ class Formulation(Protocol):
             response: As it was learnt in flight.
         """
 
+    def soften(self, factors: NDArray[np.float64]) -> None:
+        """Weigh changes of the inputs' rates more from now on, as far as they are weighed at all.
+
+        Args:
+            factors: Of the weights of turn rate, path-angle rate and acceleration, shape (3,), at
+                least 1 [-].
+        """
+
     def solve(
         self, situation: Situation, forecast: Forecast, orbit: Orbit, elapsed: float | None
     ) -> Plan:

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import (
@@ -182,6 +183,9 @@ class PaperFormulation:
             self._flown, self.decrease = self._next, self._next.decrease.after(self.decrease)
             self.solver.change(self._flown.problem)
         self.solver.time_limit = parameters.solve_time_max
+
+    def soften(self, factors: NDArray[np.float64]) -> None:
+        """See :meth:`Formulation.soften`: the paper's cost knows no rates of inputs."""
 
     def respond(self, response: Response) -> None:
         """See :meth:`Formulation.respond`: the paper's aircraft answers at once."""

@@ -186,14 +186,17 @@ def bank_rate_rms(log: FlightLog) -> float | None:
 
 
 def flown_bank(log: FlightLog, samples: Any = slice(None)) -> NDArray[np.float64]:
-    """Bank of a coordinated turn between each two samples, shape (n - 1,), in [rad].
+    """Bank between each two samples, shape (n - 1,), in [rad]: by the attitude where it is known.
 
-    Right wing down positive, as everywhere.
+    Else that of a coordinated turn. Right wing down positive, as everywhere.
 
     Args:
         log: Record of the flight.
         samples: Which samples count, as an index of arrays; all by default.
     """
+    if log.measured_bank is not None:
+        bank = log.measured_bank[samples]
+        return np.asarray(0.5 * (bank[1:] + bank[:-1]))
     _, _, _, heading, _, airspeed = log.vehicle[samples].T
     turn_rate = np.asarray(wrap_angle(np.diff(heading))) / np.diff(log.time[samples])
     return np.asarray(bank_from_turn_rate(turn_rate, 0.5 * (airspeed[1:] + airspeed[:-1])))

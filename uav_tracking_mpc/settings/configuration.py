@@ -178,6 +178,8 @@ class Configuration:
         mission: Section ``mission``.
         sections: The values as they stood in the files, with overrides, by section.
         scenario: Section ``scenario`` of the scenario, None without one.
+        changes: What changes in a simulated flight: times in [s], in order, and overrides as
+            ``SECTION.PARAMETER=VALUE``.
     """
 
     name: str
@@ -188,6 +190,7 @@ class Configuration:
     mission: MissionParameters
     sections: Sections = field(default_factory=dict)
     scenario: ScenarioParameters | None = None
+    changes: tuple[tuple[float, str], ...] = ()
 
     def yaml(self) -> str:
         """The configuration as a ROS 2 parameter file for nodes in any namespace."""

@@ -155,6 +155,21 @@ class SimulatorParameters(HoldParameters, FrameParameters):
         size=3,
         fixed=True,
     )
+    command_delay: float = parameter(
+        0.0, "How much later than it was sent a command reaches the aircraft.", "s", 0.0, 5.0
+    )
+    roll_frequency: float = parameter(
+        0.0,
+        "Natural frequency with which the yaw rate follows its command, instead of with its lag; "
+        "0 for the lag.",
+        "rad/s",
+        0.0,
+        100.0,
+        fixed=True,
+    )
+    roll_damping: float = parameter(
+        0.6, "Damping ratio that belongs to roll_frequency.", lower=0.05, upper=0.99, fixed=True
+    )
     wind: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0),
         "Mean velocity of the air in map: where it blows to.",
@@ -288,6 +303,10 @@ class TargetParameters(MapFrameParameters):
         20.0, "How long stop_and_go and zigzag drive at a time, straight on.", "s", 0.1, 1e5
     )
     stand_time: float = parameter(20.0, "How long stop_and_go stands in between.", "s", 0.1, 1e5)
+    weave_speed: float = parameter(
+        3.0, "Greatest speed across its way with which weaving swings.", "m/s", 0.0, 100.0
+    )
+    weave_period: float = parameter(8.0, "Period of weaving.", "s", 0.1, 1e5)
     jump_time: float = parameter(
         60.0, "When jump, otherwise a straight run, is somewhere else at once.", "s", 0.0, 1e6
     )

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -33,7 +33,7 @@ from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.formulation.formulation import Formulation
 from uav_tracking_mpc.parameters.specification import changed
-from uav_tracking_mpc.settings.configuration import Configuration
+from uav_tracking_mpc.settings.configuration import Configuration, Sections, override
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, FlownMode
 from uav_tracking_mpc.simulation.plants import Plant, SimulationError, plant_of
@@ -43,6 +43,9 @@ Progress = Callable[[float], None]
 Witness = Callable[[float, Measurement, Command | None], None]
 Disturbance = Callable[[float], NDArray[np.float64]]
 Sightings = Sequence[tuple[float, NDArray[np.float64]]]
+
+
+SAMPLE = 18  # numbers that are recorded at each time
 
 
 class Tick(NamedTuple):
@@ -65,12 +68,14 @@ class _Recorder:
     """Collects a flight sample by sample, as bare numbers: a flight may last for hours."""
 
     def __init__(self) -> None:
-        # Rows of time, vehicle, velocity over ground, turn rate, the target's place and velocity;
+        # Rows of time, vehicle, velocity over ground, turn rate, the target's place and velocity,
+        # bank;
         # and of stamp, inputs, cost, time of the solve, whether it is what was asked for.
         self.samples, self.commands = array("d"), array("d")
         self.flown_modes: list[FlownMode] = []
         self.modes: Counter[FallbackMode] = Counter()
         self.failures = 0
+        self.softened = 1.0
         self._asked: TrackingParameters | None = None
         self._steered = False
         self._orbits: list[tuple[float, Orbit]] = []
@@ -79,7 +84,8 @@ class _Recorder:
         airspeed = np.nan if truth.airspeed is None else truth.airspeed
         self.samples.extend([now, *truth.state(airspeed).tolist(), *truth.ground_velocity.tolist()])
         place, velocity = target.position(now).tolist(), target.velocity(now).tolist()
-        self.samples.extend([truth.turn_rate, *place, *velocity])
+        bank = np.nan if truth.bank is None else truth.bank
+        self.samples.extend([truth.turn_rate, *place, *velocity, bank])
 
     def mode(self, now: float, mode: FallbackMode, reason: str) -> None:
         """Note the mode where it is another, with the reason that it begins with."""
@@ -153,6 +159,7 @@ class ClosedLoop:
         period = self.plant.period
         self.rate = configuration.simulator.state_rate if period is None else 1.0 / period
         self._ticks_of_target = max(1, round(self.rate / configuration.target.rate))
+        self._changes = deque(configuration.changes)
         self._ticks, self._recorder = 0, _Recorder()
         self._began, self._failsafes = 0.0, 0  # of the present plant [s], and before it
 
@@ -165,9 +172,12 @@ class ClosedLoop:
         """Measure, answer, fly on.
 
         Raises:
+            ParameterError: What the configuration changes now cannot be changed in flight.
             SimulationError: The flight left what the plant can describe.
         """
         now, plant, began = self.time, self.plant, self._began
+        while self._changes and self._changes[0][0] <= now:
+            self._change(now, self._changes.popleft()[1])
         truth = self._sample()
         if self._ticks % self._ticks_of_target == 0:
             self.sensor.measure(now)
@@ -181,6 +191,8 @@ class ClosedLoop:
         self._recorder.mode(now, self.controller.modes.mode, self.controller.modes.reason)
         if command is not None:
             self._recorder.command(command, self.controller.parameters)
+            factors = self.controller.response.softening.factors
+            self._recorder.softened = max(self._recorder.softened, *factors.tolist())
             starts = command.stamp - began + command.step * np.arange(len(command.inputs))
             inputs = command.inputs
             if self._disturbance is not None:
@@ -191,6 +203,20 @@ class ClosedLoop:
         plant.advance(1.0 / self.rate)
         self._ticks += 1
         return Tick(now, truth, measured, command)
+
+    def _change(self, now: float, assignment: str) -> None:
+        """Change one parameter in flight: ``SECTION.PARAMETER=VALUE``."""
+        sections: Sections = {"uav_simulator": {}, "target_publisher": {}, "nmpc_controller": {}}
+        override(sections, assignment)
+        simulator, target, controller = sections.values()
+        if simulator:
+            self.plant.change(changed(self.plant.parameters, simulator))
+        if target:
+            parameters = changed(self.target.parameters, target)
+            self.target.change(now, parameters)
+            self.sensor.change(parameters)
+        if controller:
+            self.controller.change(**controller)
 
     def answer(self, sightings: Sightings, measured: Measurement, now: float) -> Command | None:
         """Command for what has arrived; a loop in which messages get lost overrides this.
@@ -239,7 +265,7 @@ class ClosedLoop:
             )
         self._sample()
         formulation, modes = self.controller.formulation, recorder.modes
-        samples = np.array(recorder.samples).reshape(-1, 17).T
+        samples = np.array(recorder.samples).reshape(-1, SAMPLE).T
         commands = np.array(recorder.commands).reshape(-1, 7).T
         return FlightLog(
             config=self.configuration.name,
@@ -269,11 +295,13 @@ class ClosedLoop:
                 + modes[FallbackMode.HOLD],
             ),
             ground_velocity=samples[7:10].T,
-            target_velocity=samples[14:].T,
+            target_velocity=samples[14:17].T,
             nominal=commands[6] > 0.0,
             turn_rate=samples[10],
             modes=tuple(recorder.flown_modes),
             tracking=tracking,
+            softened=recorder.softened,
+            measured_bank=None if np.isnan(samples[17]).any() else samples[17],
         )
 
     def _sample(self) -> Measurement:
@@ -284,7 +312,7 @@ class ClosedLoop:
             truth = self.plant.truth
         except ValueError as error:
             raise SimulationError(f"at {now:g} s the plant's {error}") from error
-        if len(self._recorder.samples) <= 17 * self._ticks:
+        if len(self._recorder.samples) <= SAMPLE * self._ticks:
             self._recorder.sample(now, truth, self.target)
         return truth
 

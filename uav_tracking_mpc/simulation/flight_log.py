@@ -143,6 +143,8 @@ class FlightLog:
             where it is not known.
         measured_bank: At the times of the states by the attitude, positive to the right, shape
             (n,), in [rad]; None where the source tells none.
+        softened: Greatest factor by which a limit cycle made changes of an input weigh more; 1
+            where there was none.
         unusable: Messages that could not be read as what they are.
     """
 
@@ -174,6 +176,7 @@ class FlightLog:
     modes: tuple[FlownMode, ...] = ()
     tracking: TrackingParameters | None = None
     measured_bank: NDArray[np.float64] | None = None
+    softened: float = 1.0
     unusable: int = 0
 
     @property
@@ -234,7 +237,12 @@ class FlightLog:
 
     @property
     def bank(self) -> NDArray[np.float64]:
-        """Bank of the coordinated turn that is flown, right wing down, shape (n,), in [rad]."""
+        """Bank by the attitude, else of the coordinated turn that is flown, right wing down.
+
+        Shape (n,), in [rad].
+        """
+        if self.measured_bank is not None:
+            return self.measured_bank
         _, _, _, heading, _, airspeed = self.vehicle.T
         turn_rate = self.turn_rate
         if turn_rate is None:

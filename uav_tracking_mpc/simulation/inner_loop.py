@@ -14,6 +14,8 @@
 
 r"""The autopilot's inner loop: each rate follows its command after a dead time, with a lag.
 
+The turn rate may follow as a damped oscillation instead, as the roll of many aircraft does.
+
 While rates still approach their commands, heading, path angle and airspeed are sums of
 exponentials in closed form; only the position, the integral of
 :func:`~uav_tracking_mpc.dynamics.vehicle.air_velocity`, is left to a quadrature, Gauss-Legendre
@@ -104,6 +106,54 @@ class Channel:
         begun = (self.rate - self.wanted) * self.lag * followed(duration, self.lag)
         return self.wanted * duration + begun
 
+    def follow(self, duration: float) -> None:
+        """Move the rate on by a time in which ``wanted`` stays.
+
+        Args:
+            duration: Of that time in [s].
+        """
+        self.rate = self.rate_after(duration)
+
+
+class OscillatingChannel(Channel):
+    """One rate: rate'' + 2 d w rate' + w^2 rate = w^2 wanted, w the frequency, d the damping.
+
+    Args:
+        frequency: Natural frequency w in [rad/s].
+        damping: Damping ratio d, below 1, [-].
+        dead_time: In [s].
+    """
+
+    def __init__(self, frequency: float, damping: float, dead_time: float) -> None:
+        super().__init__(2.0 * damping / frequency, dead_time)  # the lag that it is alike
+        self._frequency, self._decay = frequency, damping * frequency
+        self._swing = frequency * math.sqrt(1.0 - damping**2)
+        self._slope = 0.0  # rate'
+
+    def _after(self, duration: float) -> tuple[float, float]:
+        """What the rate is off what is wanted after a time, and its slope."""
+        off, decay, swing = self.rate - self.wanted, self._decay, self._swing
+        across = (self._slope + decay * off) / swing
+        cos, sin = math.cos(swing * duration), math.sin(swing * duration)
+        left = math.exp(-decay * duration)
+        after = left * (off * cos + across * sin)
+        return after, left * swing * (across * cos - off * sin) - decay * after
+
+    def rate_after(self, duration: float) -> float:
+        """See :meth:`Channel.rate_after`."""
+        return self.wanted + self._after(duration)[0]
+
+    def integral(self, duration: float) -> float:
+        """See :meth:`Channel.integral`."""
+        after, slope = self._after(duration)
+        lost = slope - self._slope + 2.0 * self._decay * (after - self.rate + self.wanted)
+        return self.wanted * duration - lost / self._frequency**2
+
+    def follow(self, duration: float) -> None:
+        """See :meth:`Channel.follow`."""
+        after, self._slope = self._after(duration)
+        self.rate = self.wanted + after
+
 
 class InnerLoop:
     """The channels of turn rate, path-angle rate and acceleration.
@@ -111,14 +161,17 @@ class InnerLoop:
     Args:
         lags: Time constants in [s], three.
         dead_times: In [s], three.
+        turn: Of the turn rate, where it does not follow with its lag.
 
     Attributes:
         channels: The three.
     """
 
-    def __init__(self, lags: Sequence[float], dead_times: Sequence[float]) -> None:
-        turn, climb, acceleration = zip(lags, dead_times, strict=True)
-        self.channels = Channel(*turn), Channel(*climb), Channel(*acceleration)
+    def __init__(
+        self, lags: Sequence[float], dead_times: Sequence[float], turn: Channel | None = None
+    ) -> None:
+        lagging, climb, gain = (Channel(*each) for each in zip(lags, dead_times, strict=True))
+        self.channels = turn or lagging, climb, gain
 
     def command(self, time: float, inputs: Sequence[float]) -> None:
         """Record inputs that take effect a dead time later.
@@ -181,7 +234,7 @@ def advance_lagged(
             for start, channel in zip((psi, chi, v), channels, strict=True)
         )
         for channel in channels:
-            channel.rate = channel.rate_after(step)
+            channel.follow(step)
     if max(abs(psi), abs(chi)) >= math.pi:  # seldom, and slow
         psi, chi = wrap_angle([psi, chi]).tolist()
     return x, y, z, psi, chi, v

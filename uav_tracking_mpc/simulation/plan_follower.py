@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,12 +28,18 @@ LEAD_LIMIT = 1.0  # s, by which a plan may begin in the future
 class PlanFollower:
     """Keeps the newest plan and says which inputs it asks for.
 
+    Args:
+        delay: By which plans arrive and begin later than they say, in [s].
+
     Attributes:
+        delay: As above; plans under way keep theirs.
         holding: Whether no plan was left when inputs were last asked for.
         failsafes: How often a plan came to its end with no other there.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, delay: float = 0.0) -> None:
+        self.delay = delay
+        self._under_way: deque[tuple[float, NDArray[np.float64], NDArray[np.float64]]] = deque()
         self.holding = True
         self.failsafes = 0
         self._inputs: NDArray[np.float64] | None = None
@@ -71,8 +78,14 @@ class PlanFollower:
             )
         if len(self._starts) and starts[0] < self._starts[0]:
             raise ValueError("plan is older than the one that is flown")
-        self._inputs, self._starts = plan.copy(), starts
-        self._end = starts[-1] + (steps[-1] if len(steps) else 1.0)
+        if self.delay or self._under_way:
+            self._under_way.append((now + self.delay, plan.copy(), starts + self.delay))
+        else:
+            self._fly(plan.copy(), starts)
+
+    def _fly(self, plan: NDArray[np.float64], starts: NDArray[np.float64]) -> None:
+        self._inputs, self._starts = plan, starts
+        self._end = starts[-1] + (starts[-1] - starts[-2] if len(starts) > 1 else 1.0)
 
     def inputs(self, now: float) -> NDArray[np.float64] | None:
         """(u_psi, u_chi, u_v) that the plan asks for, shape (3,); None where no plan is left.
@@ -80,6 +93,9 @@ class PlanFollower:
         Args:
             now: Present time in [s].
         """
+        while self._under_way and self._under_way[0][0] <= now + 1e-9:
+            _, plan, starts = self._under_way.popleft()
+            self._fly(plan, starts)
         if self._inputs is not None and now < self._end:
             self.holding = False
             segment = int(np.searchsorted(self._starts, now + 1e-9, side="right")) - 1

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Targets that stand or run straight on: always, with stops, with turns, with a jump."""
+"""Targets that stand or run straight on: always, with stops, turns or a jump, or weaving."""
 
 from __future__ import annotations
 
@@ -112,3 +112,25 @@ class Zigzag(Line):
         if time % (2.0 * self.parameters.drive_time) < self.parameters.drive_time:
             return np.array([east, north, up])
         return np.array([-north, east, up])
+
+
+class Weaving(Line):
+    """Runs like :class:`Line` and swings across its way."""
+
+    name = "weaving"
+
+    def position(self, time: float) -> NDArray[np.float64]:
+        """See :meth:`TargetMotion.position`."""
+        frequency = 2.0 * np.pi / self.parameters.weave_period
+        aside = self.parameters.weave_speed / frequency * (1.0 - np.cos(frequency * time))
+        return super().position(time) + aside * self._across
+
+    def velocity(self, time: float) -> NDArray[np.float64]:
+        """See :meth:`TargetMotion.velocity`."""
+        phase = 2.0 * np.pi * time / self.parameters.weave_period
+        return super().velocity(time) + self.parameters.weave_speed * np.sin(phase) * self._across
+
+    @property
+    def _across(self) -> NDArray[np.float64]:
+        east, north, _ = self._direction
+        return np.array([-north, east, 0.0])

@@ -44,7 +44,7 @@ from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.plan_follower import PlanFollower
 from uav_tracking_mpc.simulation.vehicle_sensors import ERRORS, VehicleSensors
 
-PACE = ("speed",)  # of the parameters, what is not about the plant
+PACE = ("speed", "command_delay")  # of the parameters, what is not about the plant
 AIR = ("wind", "gust_intensity")  # of the parameters, what a plant makes its air of
 
 
@@ -74,7 +74,7 @@ class Plant(ABC):
     def __init__(self, parameters: SimulatorParameters) -> None:
         self.parameters = parameters
         self.time = 0.0
-        self.plan = PlanFollower()
+        self.plan = PlanFollower(parameters.command_delay)
         _, noise = np.random.SeedSequence(parameters.seed).spawn(2)  # the first is the air's
         self._sensors = VehicleSensors(parameters, noise)
 
@@ -141,6 +141,7 @@ class Plant(ABC):
         """
         self.check(parameters)
         self.parameters = parameters
+        self.plan.delay = parameters.command_delay
         self._sensors.change(parameters)
 
     @abstractmethod

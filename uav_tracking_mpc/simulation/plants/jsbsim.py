@@ -108,6 +108,7 @@ class JSBSimPlant(Plant):
             turn_rate=turn_rate_from_bank(flown.bank, flown.airspeed),
             path_angle_rate=(flown.lift * math.cos(flown.bank) - weight) / flown.airspeed,
             airspeed=flown.airspeed,
+            bank=flown.bank,
         )
 
     def change(self, parameters: SimulatorParameters) -> None:

@@ -27,7 +27,12 @@ from uav_tracking_mpc.dynamics.frames import turn_rate_from_bank
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
-from uav_tracking_mpc.simulation.inner_loop import Channel, InnerLoop, advance_lagged
+from uav_tracking_mpc.simulation.inner_loop import (
+    Channel,
+    InnerLoop,
+    OscillatingChannel,
+    advance_lagged,
+)
 from uav_tracking_mpc.simulation.plants import AIR, Plant
 from uav_tracking_mpc.simulation.wind import Wind
 
@@ -54,7 +59,11 @@ class VehiclePlant(Plant):
     def __init__(self, parameters: SimulatorParameters) -> None:
         super().__init__(parameters)
         self.state = parameters.initial_state
-        self._inner_loop = InnerLoop(parameters.rate_lag, parameters.dead_time)
+        turn: Channel | None = None
+        if parameters.roll_frequency:
+            roll = parameters.roll_frequency, parameters.roll_damping
+            turn = OscillatingChannel(*roll, parameters.dead_time[0])
+        self._inner_loop = InnerLoop(parameters.rate_lag, parameters.dead_time, turn)
         gusts, _ = np.random.SeedSequence(parameters.seed).spawn(2)  # the other is the sensors'
         _, _, height = parameters.initial_position
         self._wind = Wind(

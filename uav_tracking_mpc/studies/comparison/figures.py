@@ -254,7 +254,7 @@ def mismatch_figure(mismatches: Sequence[Scenario]) -> Figure:
             asked = mismatch.asked
             if not isinstance(asked, Asked) or PREDICTIVE not in mismatch.measures:
                 continue
-            bounds = asked.resolved(mismatch.measures)
+            bounds = asked.resolved(mismatch.known)
             for axes, bound in zip(panels, (bounds.range_rms, bounds.bank_rate_rms), strict=True):
                 if math.isfinite(bound):
                     axes.plot([bound] * 2, [index - 0.36, index + 0.36], color=BLACK, lw=1.6)
@@ -281,7 +281,8 @@ def mismatch_figure(mismatches: Sequence[Scenario]) -> Figure:
 
 
 TEMPLATE = "comparison.html.j2"
-PLACES = {"compare": "comparison", "mismatches": "mismatches"}  # of the documentation, by kind
+# Of the documentation, by kind
+PLACES = {"compare": "comparison", "mismatches": "mismatches"}
 SEEN = "Paths about the target, range error and bank"
 ALTERNATIVES = {
     "summary": "Range RMS, settling time and bank rate of every law in every scenario",
@@ -299,7 +300,7 @@ def comparison(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS, left: str 
     """
     table, content = comparison_table(scenarios, kind), as_json(scenarios, kind)
     missed = misses(scenarios)
-    if kind is SCENARIOS:
+    if kind.flown == SCENARIOS.flown:
         figures = {"summary": partial(summary_figure, scenarios)}
         figures |= {each.name: partial(scenario_figure, each) for each in scenarios}
     else:
@@ -312,7 +313,7 @@ def comparison(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS, left: str 
         sections = [
             {
                 "picture": picture,
-                "alternative": ALTERNATIVES.get(name, SEEN),
+                "alternative": ALTERNATIVES.get(name.partition("_")[0], SEEN),
                 **about.get(name, {"title": "", "description": ""}),
             }
             for name, picture in pictures.items()
@@ -335,6 +336,6 @@ def comparison(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS, left: str 
         written=f"report: {{}}/{kind.name}.html",
         figures=figures,
         page=page,
-        tables={PLACES[kind.name]: table},
+        tables={PLACES.get(kind.name, kind.name): table},
         left=left,
     )

@@ -20,6 +20,9 @@ mean of position, path angle and airspeed over it; the bank, for instance:
 
 .. math:: \tan\phi = \frac{\bar v}{g} \frac{\Delta\psi}{\Delta t}
 
+A plant that tells its roll angle is judged by that: its air velocity turns in every gust, its wings
+do not.
+
 What is asked is for ``small_uav``. In a scenario the figures are absolute, and it is compared with
 the better classical law: the one with the least range RMS in the same flight. Under a mismatch they
 are absolute or shares of those of that law.
@@ -29,21 +32,26 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.dynamics.frames import wrap_angle
+from uav_tracking_mpc.dynamics.air import GRAVITY
+from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate, wrap_angle
+from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE
 from uav_tracking_mpc.limits import TOLERANCE, Motion
+from uav_tracking_mpc.limits.turn import Bank
 from uav_tracking_mpc.report.metrics import flown_bank, settling_time
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.settings.tracking import PREDICTIVE, TrackingParameters
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 from uav_tracking_mpc.simulation.motions import motion_of
 
+# Tolerances where gusts shake the aircraft: share of a bound [-], and bank [rad].
+SHAKEN, SHAKEN_BANK = 0.03, math.radians(2.0)
 SETTLED = 10.0  # m of range error: coarser than in a report, for what every law reaches
 
 
@@ -60,8 +68,13 @@ class Measures:
         altitude_rms_m: Of z - z_d in [m].
         airspeed_rms_mps: Of v - v_d in [m/s].
         bank_rate_rms_dps: Of the rate of the bank that was flown in [deg/s].
+        swing_deg: Greatest difference between the bank that was flown and that of the orbit at the
+            same azimuth, in the air and about the target as they are, in [deg].
+        softened: Of the whole flight: greatest factor by which a limit cycle made changes of an
+            input weigh more [-]; 1 where there was none.
         envelope_violations: Of the whole flight: samples at which some limit was passed by more
-            than 1 %.
+            than 1 %; where gusts shake an aircraft whose response is told wrong, by more than 3 %,
+            and of the bank by more than 2 deg.
         violations: How many of them for each limit that was passed.
         off_plan: Commands that were neither an optimal plan nor the answer of the law that flew;
             None where that was not recorded.
@@ -74,13 +87,18 @@ class Measures:
     altitude_rms_m: float
     airspeed_rms_mps: float
     bank_rate_rms_dps: float
+    swing_deg: float
+    softened: float
     envelope_violations: int
     violations: dict[str, int]
     off_plan: int | None
 
 
 def measures(
-    log: FlightLog, parameters: TrackingParameters, settled_after: float | None = None
+    log: FlightLog,
+    parameters: TrackingParameters,
+    settled_after: float | None = None,
+    shaken: bool = False,
 ) -> Measures:
     """Measure a flight.
 
@@ -88,13 +106,17 @@ def measures(
         log: Record of the flight, at least four samples.
         parameters: The limits.
         settled_after: Time in [s] from which on the flight counts; its last third by default.
+        shaken: Whether limits are judged as where gusts shake the aircraft.
     """
     range_error, _, altitude_error, _, airspeed_error = log.error.T
     if settled_after is None:
         settled_after = 2.0 / 3.0 * (log.time[-1] - log.time[0])
     late = log.time >= log.time[0] + settled_after
-    bank_rate = np.diff(flown_bank(log)) / np.diff(log.time)[1:]  # at the samples but two
-    beyond = violations(log, parameters)
+    bank = flown_bank(log)
+    bank_rate = np.diff(bank) / np.diff(log.time)[1:]  # at the samples but two
+    swing = bank - _middle(_orbit_bank(log))
+    tolerance = (SHAKEN, SHAKEN_BANK) if shaken else (TOLERANCE, 0.0)
+    beyond = violations(log, parameters, *tolerance)
     off_plan = None
     if log.nominal is not None:
         counted = log.command_time >= log.time[0] + settled_after
@@ -107,14 +129,40 @@ def measures(
         altitude_rms_m=_rms(altitude_error[late]),
         airspeed_rms_mps=_rms(airspeed_error[late]),
         bank_rate_rms_dps=float(np.degrees(_rms(bank_rate[late[1:-1]]))),
+        swing_deg=float(np.degrees(np.max(np.abs(swing[late[:-1]])))),
+        softened=log.softened,
         envelope_violations=int(np.any(list(beyond.values()), axis=0).sum()),
         violations={name: int(found.sum()) for name, found in beyond.items() if found.any()},
         off_plan=off_plan,
     )
 
 
+def worst(flights: Sequence[Measures]) -> Measures:
+    """Each figure of the flight in which it is worst.
+
+    Args:
+        flights: At least one.
+    """
+    if len(flights) == 1:
+        return flights[0]
+    figures: dict[str, Any] = {}
+    for field in dataclasses.fields(Measures):
+        values = [getattr(flight, field.name) for flight in flights]
+        if field.name == "violations":
+            names = dict.fromkeys(name for value in values for name in value)
+            figures["violations"] = {n: max(v.get(n, 0) for v in values) for n in names}
+        elif None in values:  # never settled, or not recorded
+            figures[field.name] = None
+        else:
+            figures[field.name] = max(values, key=abs)
+    return Measures(**figures)
+
+
 def violations(
-    log: FlightLog, parameters: TrackingParameters, tolerance: float = TOLERANCE
+    log: FlightLog,
+    parameters: TrackingParameters,
+    tolerance: float = TOLERANCE,
+    bank_tolerance: float = 0.0,
 ) -> dict[str, NDArray[np.bool_]]:
     """At which samples which limit is passed by more than a tolerance, each of shape (n,).
 
@@ -124,11 +172,15 @@ def violations(
         log: Record of the flight.
         parameters: The limits.
         tolerance: As a share of the bound [-].
+        bank_tolerance: Of the bank in [rad], where that is more; of a measured bank it is at least
+            :data:`SHAKEN_BANK`.
 
     Returns:
         By the label of the limit.
     """
     at_samples, between = _at_samples(log), _between_samples(log)
+    if log.measured_bank is not None:
+        bank_tolerance = max(bank_tolerance, SHAKEN_BANK)
     passed = {}
     for limit in parameters.envelope.limits:
         motion, targets = at_samples, log.target
@@ -136,8 +188,11 @@ def violations(
             motion, targets = between, log.target[:-1]
         bound = limit.flown(motion, limit.numbers(targets).T)
         if bound is not None:
+            allowed = tolerance
+            if isinstance(limit, Bank):
+                allowed = max(tolerance, bank_tolerance / limit.bank_max)
             # The last sample begins no interval.
-            passed[limit.label] = np.append(bound.passed(tolerance), False)[: len(log.time)]
+            passed[limit.label] = np.append(bound.passed(allowed), False)[: len(log.time)]
     return passed
 
 
@@ -150,15 +205,33 @@ def _at_samples(log: FlightLog) -> Motion:
 def _between_samples(log: FlightLog) -> Motion:
     samples, step = _at_samples(log), np.diff(log.time)
     _, _, _, heading, _, _ = log.vehicle.T
+    turn_rate = np.asarray(wrap_angle(np.diff(heading))) / step
+    if log.measured_bank is not None:
+        turn_rate = -GRAVITY * np.tan(flown_bank(log)) / _middle(samples.airspeed)
     return Motion(
         x=_middle(samples.x),
         y=_middle(samples.y),
         z=_middle(samples.z),
         path_angle=_middle(samples.path_angle),
         airspeed=_middle(samples.airspeed),
-        turn_rate=np.asarray(wrap_angle(np.diff(heading))) / step,
+        turn_rate=turn_rate,
         acceleration=np.diff(samples.airspeed) / step,
     )
+
+
+def _orbit_bank(log: FlightLog) -> NDArray[np.float64]:
+    """Bank of steady flight on the orbit at the azimuths of the samples, shape (n,), in [rad].
+
+    psi' = sigma s^2 / (d q), as of :func:`~uav_tracking_mpc.dynamics.orbit.orbit_motion`.
+    """
+    x, y = (log.vehicle[:, :2] - log.target[:, :2]).T
+    sense = 1.0 if log.orbit.direction == COUNTER_CLOCKWISE else -1.0
+    distance, airspeed = np.hypot(x, y), log.vehicle[:, 5]
+    t_x, t_y = -sense * y / distance, sense * x / distance
+    c_x, c_y, _ = log.drift.T
+    q = np.sqrt(np.maximum(airspeed**2 - (c_y * t_x - c_x * t_y) ** 2, 1e-3 * airspeed**2))
+    s = c_x * t_x + c_y * t_y + q
+    return np.asarray(bank_from_turn_rate(sense * s**2 / (log.radius * q), airspeed))
 
 
 def _middle(values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -248,8 +321,11 @@ class Target:
 
 def _better(flights: Flights) -> str | None:
     """The classical law with the least range RMS; None where none has flown."""
-    others = [law for law in flights if law != PREDICTIVE]
+    others = [law for law in flights if law != PREDICTIVE and law not in ASKED]
     return min(others, key=lambda law: flights[law].range_rms_m) if others else None
+
+
+BETTER = "the better law"
 
 
 @dataclass(frozen=True)
@@ -260,35 +336,49 @@ class Asked:
         range_rms: At most, in [m].
         bank_rate_rms: At most, in [deg/s].
         range_mean: Magnitude at most, in [m].
-        relative: Whether range and bank rate RMS are shares of the better classical law's, [-].
-        law: That law, where they were; empty where they are absolute.
+        relative: Whose range and bank rate RMS they are shares of [-]: :data:`BETTER`, the better
+            classical law's, or those of a law, or of the controller under another mismatch; empty
+            where they are absolute.
+        law: Whose they were; empty where they are absolute.
         limits: Whether no limit may be passed.
         optimal: Whether every command that counts is to be an optimal plan.
+        swing: Of the bank about that of the orbit, at most, in [deg].
+        after: Time in [s] from which on the flight counts; None for the usual one.
+        shaken: Whether limits are judged as where gusts shake the aircraft.
+        unswung: Whether no limit cycle may be told, and the loop not be softened.
     """
 
     range_rms: float
     bank_rate_rms: float
     range_mean: float = math.inf
-    relative: bool = False
+    relative: str = ""
     law: str = ""
     limits: bool = True
     optimal: bool = False
+    swing: float = math.inf
+    after: float | None = None
+    shaken: bool = False
+    unswung: bool = False
 
     def resolved(self, flights: Flights) -> Asked:
         """The figures as absolute ones; without classical laws what is relative is not asked."""
         if not self.relative:
             return self
-        law = _better(flights)
-        range_rms = math.inf if law is None else self.range_rms * flights[law].range_rms_m
-        bank_rate = math.inf if law is None else self.bank_rate_rms * flights[law].bank_rate_rms_dps
+        law = _better(flights) if self.relative == BETTER else self.relative
+        range_rms = bank_rate = math.inf
+        if law is not None and law in flights:
+            range_rms = self.range_rms * flights[law].range_rms_m
+            bank_rate = self.bank_rate_rms * flights[law].bank_rate_rms_dps
+        else:
+            law = ""
         return dataclasses.replace(
-            self, relative=False, law=law or "", range_rms=range_rms, bank_rate_rms=bank_rate
+            self, relative="", law=law, range_rms=range_rms, bank_rate_rms=bank_rate
         )
 
     def words(self, flights: Flights) -> str:
         """For instance ``0.5 m, 3 deg/s``."""
         bounds = self.resolved(flights)
-        shares = f"({self.range_rms:g}, {self.bank_rate_rms:g} x {bounds.law or 'the better law'})"
+        shares = f"({self.range_rms:g}, {self.bank_rate_rms:g} x {bounds.law or self.relative})"
         if self.relative and not bounds.law:
             return shares
         words = f"{bounds.range_rms:.3g} m, {bounds.bank_rate_rms:.3g} deg/s"
@@ -296,6 +386,8 @@ class Asked:
             words += f" {shares}"
         if math.isfinite(self.range_mean):
             words += f", mean {self.range_mean:g} m"
+        if math.isfinite(self.swing):
+            words += f", swing {self.swing:g} deg"
         return words
 
     def as_json(self, flights: Flights) -> dict[str, Any]:
@@ -305,6 +397,8 @@ class Asked:
             "range_rms_m": bounds.range_rms,
             "range_mean_m": bounds.range_mean,
             "bank_rate_rms_dps": bounds.bank_rate_rms,
+            "swing_deg": self.swing,
+            "softened": 1.0 if self.unswung else None,
             "envelope_violations": 0 if self.limits else None,
             "off_plan": 0 if self.optimal else None,
             "of_law": bounds.law or None,
@@ -329,6 +423,7 @@ class Asked:
                 "bank rate RMS", own.bank_rate_rms_dps, bounds.bank_rate_rms, "deg/s",
                 self.bank_rate_rms,
             ),
+            ("swing of the bank", own.swing_deg, self.swing, "deg", None),
         ):  # fmt: skip
             if not value <= bound:
                 compared = bounds.law and share is not None
@@ -337,6 +432,8 @@ class Asked:
         beyond = [f"{name} {own.violations[name]}" for name in JUDGED if name in own.violations]
         if self.limits and beyond:
             words.append(f"samples outside the envelope: {', '.join(beyond)}")
+        if self.unswung and own.softened > 1.0:
+            words.append(f"the loop was softened {own.softened:.0f} times")
         if self.optimal and own.off_plan:
             words.append(f"{own.off_plan} commands off the optimal plan")
         return words
@@ -354,7 +451,9 @@ TARGETS = {
 }
 _WRONG_LAG, _NEARLY_RIGHT = Asked(0.5, 3.0), Asked(0.05, 1.0)
 _BIASED = Asked(0.3, 2.0, range_mean=0.1)
-_GUSTY = Asked(0.7, 1.5, relative=True, limits=False)
+_GUSTY = Asked(0.7, 1.25, relative="l1", limits=False)
+_GUSTY_LAG = Asked(1.3, 1.3, relative="gust_moderate", shaken=True)
+_LATER = Asked(0.5, math.inf, swing=3.0, after=130.0)
 ASKED = {
     "lag_0": _WRONG_LAG,
     "lag_0.25": _WRONG_LAG,
@@ -377,9 +476,20 @@ ASKED = {
     "gust_light": _GUSTY,
     "gust_moderate": _GUSTY,
     "gust_severe": _GUSTY,
-    "tight_gale": Asked(1.5, 1.5, relative=True),
-    "zigzag": Asked(0.8, 1.5, relative=True),
+    **{f"gust_lag_{share}": _GUSTY_LAG for share in ("0", "0.25", "0.5", "2", "3")},
+    "delay_100": _LATER,
+    "delay_200": _LATER,
+    "delay_400": dataclasses.replace(_LATER, after=140.0),
+    "second_order_roll": Asked(0.5, math.inf, swing=3.0, shaken=True),
+    "weaving_target": Asked(math.inf, math.inf, limits=False, unswung=True),
+    "tight_gale": Asked(1.5, 1.5, relative=BETTER),
+    "zigzag": Asked(0.8, 1.5, relative=BETTER),
     "sensor_noise": Asked(0.1, 2.0, limits=False),
+}
+ASKED_ON_JSBSIM = {
+    **{name: Asked(0.1, 1.0, limits=False) for name in ASKED if name.startswith("lag_")},
+    "gust_light": Asked(0.2, 5.0, limits=False),
+    "gust_moderate": Asked(0.4, 9.0, limits=False),
 }
 
 
@@ -387,4 +497,6 @@ def asked_of(configuration: Configuration, name: str) -> Target | Asked | None:
     """What is asked in a scenario or under a mismatch, by its name; None where nothing is."""
     if configuration.name != CONFIGURATION:
         return None
+    if configuration.mission.plant == "jsbsim":
+        return ASKED_ON_JSBSIM.get(name)
     return TARGETS.get(name) or ASKED.get(name)

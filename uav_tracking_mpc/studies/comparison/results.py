@@ -18,8 +18,9 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -34,8 +35,15 @@ from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
-from uav_tracking_mpc.studies.comparison.measures import Asked, Measures, Target, asked_of, measures
-from uav_tracking_mpc.studies.comparison.scenarios import law_labels
+from uav_tracking_mpc.studies.comparison.measures import (
+    Asked,
+    Measures,
+    Target,
+    asked_of,
+    measures,
+    worst,
+)
+from uav_tracking_mpc.studies.comparison.scenarios import SETTLED_AFTER, law_labels, variants
 from uav_tracking_mpc.studies.executors import StoppedError, parallel_map
 from uav_tracking_mpc.studies.study import plain
 
@@ -63,6 +71,16 @@ class Kind:
     columns: tuple[tuple[str, str, str], ...]
     numeric: tuple[str, ...]
     caption: str
+
+    def on(self, plant: str) -> Kind:
+        """The same on a plant that is asked for: files and keys are named by it.
+
+        Args:
+            plant: Its name, or ``path.py:Class``.
+        """
+        label = plant.rpartition(":")[2]
+        name, key = f"{self.name}_{label}", f"{self.key}_{label}"
+        return replace(self, name=name, key=key, title=f"{self.title}, plant {label}")
 
 
 RANGE_RMS = ("range RMS [m]", "range_rms_m", ".3f")
@@ -98,6 +116,7 @@ MISTOLD = Kind(
         ("range mean [m]", "range_mean_m", ".3f"),
         ("worst [m]", "worst_m", ".2f"),
         BANK_RATE_RMS,
+        ("swing [deg]", "swing_deg", ".1f"),
         VIOLATIONS,
         ("off plan", "off_plan", "d"),
     ),
@@ -118,20 +137,33 @@ class Scenario:
     Attributes:
         name: Of the scenario's file, or of the mismatch.
         configuration: What was flown.
-        logs: Flight of each law, by its label.
+        flights: Of each law, by its label: one, or one of each variant.
         settled_after: Time in [s] from which on flights count; their last third by default.
+        beside: Measures of the predictive controller under other mismatches, by their names.
     """
 
     name: str
     configuration: Configuration
-    logs: Mapping[str, FlightLog]
+    flights: Mapping[str, Sequence[FlightLog]]
     settled_after: float | None = None
+    beside: Mapping[str, Measures] = field(default_factory=dict)
+
+    @property
+    def logs(self) -> dict[str, FlightLog]:
+        """The first flight of each law, by its label."""
+        return {law: logs[0] for law, logs in self.flights.items()}
 
     @cached_property
     def measures(self) -> dict[str, Measures]:
-        """Of the flights, by the law's label."""
-        limits = self.configuration.controller
-        return {law: measures(log, limits, self.settled_after) for law, log in self.logs.items()}
+        """Of the flights, by the law's label: each figure of the flight in which it is worst."""
+        limits, asked, after = self.configuration.controller, self.asked, self.settled_after
+        shaken = isinstance(asked, Asked) and asked.shaken
+        if after is not None and isinstance(asked, Asked) and asked.after is not None:
+            after *= asked.after / SETTLED_AFTER
+        return {
+            law: worst([measures(log, limits, after, shaken) for log in logs])
+            for law, logs in self.flights.items()
+        }
 
     @property
     def title(self) -> str:
@@ -154,7 +186,12 @@ class Scenario:
     def missed(self) -> list[str]:
         """What it missed of that, in words."""
         asked = self.asked
-        return [] if asked is None else asked.missed(self.configuration, self.measures)
+        return [] if asked is None else asked.missed(self.configuration, self.known)
+
+    @property
+    def known(self) -> dict[str, Measures]:
+        """The measures, and those of the predictive controller under other mismatches."""
+        return {**self.beside, **self.measures}
 
 
 def compare(
@@ -183,19 +220,26 @@ def compare(
         SimulationError: The target of a scenario was never seen.
     """
     labels = law_labels(laws)
-    tasks = [prepared(each, law) for each in configurations.values() for law in laws]
+    several = {name: variants(each, name) for name, each in configurations.items()}
+    tasks = [prepared(each, law) for all in several.values() for law in laws for each in all]
     try:
         logs = parallel_map(simulate, tasks, workers, "flights", show)
     except StoppedError as stopped:
         logs = stopped.done
-        if len(logs) < len(laws):
+        if len(logs) < len(laws) * len(next(iter(several.values()))):
             raise
-    size = len(laws)
-    flights = [logs[k : k + size] for k in range(0, len(logs) - size + 1, size)]
-    return [
-        Scenario(name, configuration, dict(zip(labels, flown, strict=True)), settled_after)
-        for (name, configuration), flown in zip(configurations.items(), flights, strict=False)
-    ]
+    left, found = iter(logs), list[Scenario]()
+    beside: dict[str, Measures] = {}
+    for name, configuration in configurations.items():
+        count = len(several[name])
+        flights = {law: list(islice(left, count)) for law in labels}
+        if len(flights[labels[-1]]) < count:
+            break
+        flown = Scenario(name, configuration, flights, settled_after, beside)
+        found.append(flown)
+        if PREDICTIVE in labels:
+            beside[name] = flown.measures[PREDICTIVE]
+    return found
 
 
 def prepared(configuration: Configuration, law: str) -> Configuration:
@@ -244,7 +288,7 @@ def as_json(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> dict[str, 
             for each in scenarios
         },
         kind.asked: {
-            each.name: {**each.asked.as_json(each.measures), "missed": each.missed}
+            each.name: {**each.asked.as_json(each.known), "missed": each.missed}
             for each in flown
             if each.asked is not None
         },
@@ -295,7 +339,7 @@ def _verdict(scenario: Scenario) -> tuple[str, str]:
     """What is asked, and whether it is reached."""
     if scenario.asked is None:
         return "", ""
-    return scenario.asked.words(scenario.measures), "missed" if scenario.missed else "reached"
+    return scenario.asked.words(scenario.known), "missed" if scenario.missed else "reached"
 
 
 def misses(scenarios: Sequence[Scenario]) -> list[str]:

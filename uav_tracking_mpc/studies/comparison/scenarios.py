@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from uav_tracking_mpc.parameters.registry import names_of
 from uav_tracking_mpc.parameters.specification import ParameterError
@@ -80,6 +81,11 @@ DURATION, SETTLED_AFTER = 300.0, 90.0  # s, of a flight and until it counts
 LAG_SHARES = (0.0, 0.25, 0.5, 0.75, 1.5, 2.0, 3.0)  # -, of lag and dead time, as configured
 GUSTS = {"light": 7.7, "moderate": 15.4, "severe": 23.2}  # m/s: W20
 NOISES = (0.5, 2.0, 5.0)  # m, noise of the target's position
+SEEDS = range(5)  # of gusts: the worst flight counts
+GUSTY_LAG_SHARES = (0.0, 0.25, 0.5, 2.0, 3.0)  # -, told in moderate gusts
+LATER, DELAYS = 120.0, (100, 200, 400)  # s from which on commands are delayed, and by how many ms
+ROLL = 3.0, 0.6  # rad/s and -, frequency and damping of a roll that is told as a lag
+WEAVING_PERIODS = (4.0, 8.0, 12.0)  # s
 
 _SIMULATOR, _TARGET, _CONTROLLER = "uav_simulator", "target_publisher", "nmpc_controller"
 _MISTAKEN: dict[str, dict[str, object]] = {
@@ -92,6 +98,12 @@ _MISTAKEN: dict[str, dict[str, object]] = {
     "airspeed_bias_2": {f"{_SIMULATOR}.airspeed_bias": 2.0},
     "turn_rate_bias_2": {f"{_SIMULATOR}.turn_rate_bias": math.radians(2.0)},
     **{f"gust_{name}": {f"{_SIMULATOR}.gust_intensity": w20} for name, w20 in GUSTS.items()},
+    "second_order_roll": {
+        f"{_SIMULATOR}.roll_frequency": ROLL[0],
+        f"{_SIMULATOR}.roll_damping": ROLL[1],
+        f"{_CONTROLLER}.rate_lag": [round(2.0 * ROLL[1] / ROLL[0], 9), 0.13, 0.16],
+    },
+    "weaving_target": {f"{_TARGET}.motion": "weaving"},
     "tight_gale": {f"{_CONTROLLER}.range": 180.0, f"{_SIMULATOR}.wind": [-12.0, 0.0, 0.0]},
     "zigzag": {f"{_TARGET}.motion": "zigzag", f"{_TARGET}.drive_time": 20.0},
     "sensor_noise": {
@@ -101,11 +113,13 @@ _MISTAKEN: dict[str, dict[str, object]] = {
     },
 }
 _LAGS = {f"lag_{share:g}": share for share in LAG_SHARES}
-MISMATCHES = (*_LAGS, *_MISTAKEN)
+_GUSTY_LAGS = {f"gust_lag_{share:g}": share for share in GUSTY_LAG_SHARES}
+_DELAYS = {f"delay_{delay}": 1e-3 * delay for delay in DELAYS}
+MISMATCHES = (*_LAGS, *_MISTAKEN, *_GUSTY_LAGS, *_DELAYS)
 
 
 def mismatched(config: str, name: str, overrides: tuple[str, ...] = ()) -> Configuration:
-    """The flight of a mismatch.
+    """The flight of a mismatch; the first one where there are :func:`variants`.
 
     Args:
         config: Name or file of the configuration.
@@ -119,16 +133,41 @@ def mismatched(config: str, name: str, overrides: tuple[str, ...] = ()) -> Confi
     if name not in MISMATCHES:
         raise ParameterError(f"mismatch is {name!r}, must be one of {', '.join(MISMATCHES)}")
     overrides = (f"mission.duration={DURATION:g}", *overrides)
-    if name in _LAGS:
+    mistaken: dict[str, object] = dict(_MISTAKEN.get(name, {}))
+    share = (_LAGS | _GUSTY_LAGS).get(name)
+    if share is not None:
         truth = load_configuration(config, overrides, SCENARIO).simulator
-        mistaken: dict[str, object] = {
-            f"{_CONTROLLER}.{channel}": [_LAGS[name] * time for time in getattr(truth, channel)]
-            for channel in ("rate_lag", "dead_time")
-        }
-    else:
-        mistaken = _MISTAKEN[name]
+        for channel in ("rate_lag", "dead_time"):
+            mistaken[f"{_CONTROLLER}.{channel}"] = [
+                share * time for time in getattr(truth, channel)
+            ]
+    if name in _GUSTY_LAGS:
+        mistaken |= _MISTAKEN["gust_moderate"]
     told = [f"{parameter}={value}" for parameter, value in mistaken.items()]
-    return load_configuration(config, [*overrides, *told], SCENARIO)
+    configuration = load_configuration(config, [*overrides, *told], SCENARIO)
+    if name not in _DELAYS:
+        return configuration
+    begin = LATER / DURATION * min(configuration.mission.duration, DURATION)
+    late = f"{_SIMULATOR}.command_delay={_DELAYS[name]:g}"
+    return replace(configuration, changes=((begin, late),))
+
+
+def variants(configuration: Configuration, name: str) -> list[Configuration]:
+    """All flights of a mismatch, of which the worst counts: seeds of gusts, periods of weaving.
+
+    Args:
+        configuration: As of :func:`mismatched`.
+        name: Of the mismatch.
+    """
+    section, parameter, values = _SIMULATOR, "seed", list[float](SEEDS)
+    if name == "weaving_target":
+        section, parameter, values = _TARGET, "weave_period", list(WEAVING_PERIODS)
+    elif not name.startswith("gust_"):
+        return [configuration]
+    return [
+        replace(configuration.changed(section, {parameter: value}), changes=configuration.changes)
+        for value in values
+    ]
 
 
 def settled_after(configuration: Configuration) -> float:
