@@ -46,7 +46,7 @@ class Faulty:
         self.formulation = formulation
         self.solver, self.step, self.reset = formulation.solver, formulation.step, formulation.reset
         self.change, self.check, self.decrease = formulation.change, formulation.check, None
-        self.respond = formulation.respond
+        self.respond, self.soften = formulation.respond, formulation.soften
         self.status = self.error = None
         self.violation = 0.0
 

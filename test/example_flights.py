@@ -152,6 +152,8 @@ KEYS = {  # of a flight in the JSON
     "altitude_rms_m",
     "airspeed_rms_mps",
     "bank_rate_rms_dps",
+    "swing_deg",
+    "softened",
     "envelope_violations",
     "violations",
     "off_plan",

@@ -21,7 +21,12 @@ from scipy.integrate import solve_ivp
 
 from uav_tracking_mpc.dynamics.frames import wrap_angle
 from uav_tracking_mpc.dynamics.vehicle import advance
-from uav_tracking_mpc.simulation.inner_loop import Channel, InnerLoop, advance_lagged
+from uav_tracking_mpc.simulation.inner_loop import (
+    Channel,
+    InnerLoop,
+    OscillatingChannel,
+    advance_lagged,
+)
 
 
 def test_without_lag_and_dead_time_a_command_is_flown_at_once():
@@ -131,3 +136,22 @@ def test_rates_that_are_what_is_wanted_are_held():
     np.testing.assert_allclose(
         advance_lagged(STATE, made, 1.0), advance(STATE, WANTED, 1.0), atol=1e-9
     )
+
+
+@given(st.floats(0.5, 20.0), st.floats(0.1, 0.95), st.floats(-1, 1), st.floats(-1, 1))
+def test_a_roll_may_follow_as_a_damped_oscillation(frequency, damping, first, second):
+    """Against the differential equation, through a change of the command."""
+    channel, times = OscillatingChannel(frequency, damping, dead_time=0.0), (0.3, 0.45)
+    integral, state = 0.0, np.zeros(3)
+    for begin, wanted, duration in zip((0.0, times[0]), (first, second), times, strict=True):
+        channel.command(begin, wanted)
+        integral += channel.integral(duration)
+        assert channel.rate_after(0.0) == pytest.approx(channel.rate, abs=1e-12)
+        channel.follow(duration)
+
+        def motion(_, y, wanted=wanted):
+            rate, slope, _ = y
+            return [slope, frequency**2 * (wanted - rate) - 2 * damping * frequency * slope, rate]
+
+        state = solve_ivp(motion, (0.0, duration), state, rtol=1e-9, atol=1e-11).y[:, -1]
+    assert [channel.rate, integral] == pytest.approx([state[0], state[2]], abs=1e-7)

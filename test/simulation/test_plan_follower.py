@@ -72,3 +72,16 @@ def test_a_plan_is_kept_as_it_was_given():
     follower.accept(given, [0.0], now=0.0)
     given[:] = 9.0
     np.testing.assert_array_equal(follower.inputs(0.0), PRESENT[0])
+
+
+def test_a_delayed_plan_is_flown_so_much_later_and_the_one_before_until_then():
+    follower = PlanFollower(delay=0.3)
+    follower.accept([[0.1, 0.0, 0.0]], [0.0], now=0.0)
+    assert follower.inputs(0.2) is None
+    follower.accept([[0.2, 0.0, 0.0], [0.4, 0.0, 0.0]], [0.1, 0.5], now=0.1)
+    assert [follower.inputs(now)[0] for now in (0.3, 0.39, 0.4, 0.79, 0.8)] == [
+        0.1, 0.1, 0.2, 0.2, 0.4,
+    ]  # fmt: skip
+    follower.delay = 0.0
+    follower.accept([[0.5, 0.0, 0.0]], [0.9], now=0.9)
+    assert follower.inputs(0.9)[0] == 0.5

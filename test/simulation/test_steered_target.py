@@ -118,7 +118,10 @@ def test_before_a_change_it_stands_where_that_was():
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"motion": "waltz"}, "circle, jump, line, stationary, stop_and_go, waypoints, zigzag"),
+        (
+            {"motion": "waltz"},
+            "circle, jump, line, stationary, stop_and_go, waypoints, weaving, zigzag",
+        ),
         ({"seed": 4, "motion": "circle"}, "'seed' is 4, must stay 0 while the target moves"),
         ({"motion": f"{__file__}:Broken"}, "which failed: no wheels"),
     ],

@@ -22,6 +22,7 @@
 ``command``          what the controller answers
 ``commanded_path``   where a plan or a command leads
 ``adaptation``       flies by the response that the aircraft shows
+``softening``        makes a loop slower that swings, until it stops
 ``watches``          tells limit cycles, and another orbit than the one asked for
 ``event``            what it reports
 ``record``           what a controller was given, to be flown again

@@ -206,8 +206,9 @@ class Controller:
         """Forget aircraft, air, target, plans and commands; counts stay."""
         self._gate.reset()
         self.flying = self.navigator.claimed = False
+        softened = bool(np.any(self.response.softening.factors > 1.0))
         self._respond(self.response.reset())
-        if self.formulation is not None:
+        if softened and self.formulation is not None:
             self.formulation.soften(self.response.softening.factors)
         self._forget()
 
@@ -364,7 +365,8 @@ class Controller:
             return None
         # A clock that stands ahead does not send later than that.
         delay = min(max(0.0, now - stamp), self.parameters.state_timeout) + taken
-        forced = math.hypot(*target.track.state[2, :2].tolist())
+        known = target.time is not None
+        forced = math.hypot(*target.track.state[2, :2].tolist()) if known else 0.0
         flown = self.response.commanded(stamp, delay, command.inputs, command.step, forced)
         self.navigator.commanded(stamp, delay, flown, command.step)
         self.flying = True

@@ -34,7 +34,7 @@ from uav_tracking_mpc.control.watches import Swing
 from uav_tracking_mpc.estimation.channel_response import CHANNELS
 
 STEP, MOST = 8.0, 8.0**5  # -, factor of each step, and of all of them
-LASTING = 1.5  # periods, for which a swing must go on to be answered again
+LASTING = 1.5  # -, periods for which a swing must go on to be answered again
 LEAST_TIME = 0.3  # s, of a plan with other weights before they are judged
 QUIET = 15.0  # s without a swing before the gain comes back
 RETURN_TIME = 10.0  # s, in which the factor falls to 1/e of itself

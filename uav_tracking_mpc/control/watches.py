@@ -36,6 +36,7 @@ from uav_tracking_mpc.formulation.formulation import Plan
 
 LEAST_AMPLITUDE = 0.05  # g across the path: 3 deg of bank
 HALF_CYCLES = 9  # that must be alike, four periods and a half
+GROWING = 6  # half cycles of a steady period that grow one by one are enough
 SHORTEST, LONGEST = 0.08, 15.0  # s, of a period
 PERIOD_SPREAD, AMPLITUDE_SPREAD = 0.12, 0.3  # -, spread over mean, when it begins
 ENDING = 2.0  # -, times these, or periods without a swing, when it ends
@@ -108,9 +109,17 @@ class LimitCycleWatch:
 
     def _judged(self) -> Swing | None:
         """The oscillation that the last swings are, if they are one."""
-        if len(self._halves) < HALF_CYCLES:
+        if len(self._halves) < GROWING:
             return None
         halves, peaks = np.array(self._halves).T
+        latest = halves[1 - GROWING :] + halves[-GROWING:-1]
+        steady = np.std(latest) <= PERIOD_SPREAD * np.mean(latest)
+        if self.swing is None and steady and np.all(np.diff(peaks[-GROWING:]) > 0.0):
+            period, amplitude = float(np.mean(latest)), float(peaks[-1])
+            if amplitude >= LEAST_AMPLITUDE and SHORTEST <= period <= LONGEST:
+                return Swing(period, amplitude)
+        if len(self._halves) < HALF_CYCLES:
+            return None
         periods = halves[:-1] + halves[1:]
         period, amplitude = float(np.mean(periods)), float(np.mean(peaks))
         slack = 1.0 if self.swing is None else ENDING

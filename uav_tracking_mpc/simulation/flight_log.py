@@ -143,8 +143,8 @@ class FlightLog:
             where it is not known.
         measured_bank: At the times of the states by the attitude, positive to the right, shape
             (n,), in [rad]; None where the source tells none.
-        softened: Greatest factor by which a limit cycle made changes of an input weigh more; 1
-            where there was none.
+        softened: Greatest factor by which a limit cycle made changes of an input weigh more
+            [-]; 1 where there was none.
         unusable: Messages that could not be read as what they are.
     """
 

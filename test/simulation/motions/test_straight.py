@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from uav_tracking_mpc.settings.simulator import TargetParameters
-from uav_tracking_mpc.simulation.motions.straight import Jump, Line, Stationary, StopAndGo
+from uav_tracking_mpc.simulation.motions.straight import Jump, Line, Stationary, StopAndGo, Weaving
 
 
 def test_it_stands_whatever_its_speed():
@@ -62,3 +62,15 @@ TARGET = StopAndGo(
 def test_it_drives_and_stands_in_turn(time, east, speed):
     np.testing.assert_allclose(TARGET.position(time), [east, 2.0, 3.0])
     np.testing.assert_allclose(TARGET.velocity(time), [speed, 0.0, 0.0])
+
+
+def test_it_weaves_across_its_way():
+    parameters = TargetParameters(
+        position=(1.0, 2.0, 3.0), speed=5.0, heading=0.0, weave_speed=3.0, weave_period=8.0
+    )
+    target = Weaving(parameters)
+    np.testing.assert_allclose(target.position(8.0), [41.0, 2.0, 3.0], atol=1e-12)
+    np.testing.assert_allclose(target.velocity(2.0), [5.0, 3.0, 0.0], atol=1e-12)
+    for time in (0.7, 3.1, 5.9):
+        moved = target.position(time + 1e-5) - target.position(time - 1e-5)
+        np.testing.assert_allclose(moved / 2e-5, target.velocity(time), atol=1e-6)

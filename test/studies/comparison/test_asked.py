@@ -21,11 +21,14 @@ import pytest
 from uav_tracking_mpc.settings.configuration import load_configuration, scenario_names
 from uav_tracking_mpc.studies.comparison.measures import (
     ASKED,
+    ASKED_ON_JSBSIM,
+    BETTER,
     TARGETS,
     Asked,
     Measures,
     Target,
     asked_of,
+    worst,
 )
 from uav_tracking_mpc.studies.comparison.scenarios import MISMATCHES, mismatched
 
@@ -38,6 +41,8 @@ GOOD = {
     "altitude_rms_m": 0.1,
     "airspeed_rms_mps": 0.1,
     "bank_rate_rms_dps": 1.0,
+    "swing_deg": 0.5,
+    "softened": 1.0,
     "envelope_violations": 0,
     "violations": {},
     "off_plan": 0,
@@ -121,7 +126,8 @@ def test_without_the_controller_nothing_is_judged():
 SOUND = flight(range_rms_m=0.2, range_mean_m=-0.05, bank_rate_rms_dps=2.0)
 CROSSWIND = load_configuration("small_uav", scenario="crosswind")
 ABSOLUTE = Asked(0.3, 2.0, range_mean=0.1, optimal=True)
-RELATIVE = Asked(0.7, 1.5, relative=True)
+RELATIVE = Asked(0.7, 1.5, relative=BETTER)
+SWUNG = Asked(0.3, 2.0, swing=3.0, unswung=True)
 OTHERS = {
     "l1": replace(SOUND, range_rms_m=0.5, bank_rate_rms_dps=1.0),
     "npfg": replace(SOUND, range_rms_m=0.3, bank_rate_rms_dps=4.0),
@@ -158,6 +164,8 @@ def test_a_sound_flight_misses_nothing():
         (ABSOLUTE, {"range_mean_m": -0.2}, "mean of the range error 0.2 m, at most 0.1 m"),
         (ABSOLUTE, {"bank_rate_rms_dps": 3.0}, "bank rate RMS 3 deg/s, at most 2 deg/s"),
         (ABSOLUTE, {"off_plan": 4}, "4 commands off the optimal plan"),
+        (SWUNG, {"swing_deg": 4.0}, "swing of the bank 4 deg, at most 3 deg"),
+        (SWUNG, {"softened": 64.0}, "the loop was softened 64 times"),
         (
             RELATIVE,
             {"envelope_violations": 3, "violations": {"bank": 2, "force": 1}},
@@ -188,3 +196,30 @@ def test_what_is_not_asked_is_not_missed():
 def test_alone_nothing_is_compared_and_without_the_controller_nothing_is_judged():
     assert RELATIVE.missed(CROSSWIND, {"nmpc": replace(SOUND, range_rms_m=99.0)}) == []
     assert ABSOLUTE.missed(CROSSWIND, OTHERS) == []
+
+
+def test_shares_may_be_those_of_a_law_or_of_another_mismatch():
+    of_l1 = replace(RELATIVE, relative="l1").resolved({"nmpc": SOUND, **OTHERS})
+    assert (of_l1.law, of_l1.range_rms, of_l1.bank_rate_rms) == pytest.approx(("l1", 0.35, 1.5))
+    of_gusts = replace(RELATIVE, relative="gust_moderate")
+    told_right = replace(SOUND, range_rms_m=1.0, bank_rate_rms_dps=10.0)
+    bounds = of_gusts.resolved({"nmpc": SOUND, "gust_moderate": told_right, **OTHERS})
+    assert (bounds.range_rms, bounds.bank_rate_rms) == pytest.approx((0.7, 15.0))
+    assert of_gusts.missed(CROSSWIND, {"nmpc": replace(SOUND, range_rms_m=99.0), **OTHERS}) == []
+
+
+def test_with_six_degrees_of_freedom_other_figures_are_asked():
+    told = ("uav_simulator.plant=jsbsim", "mission.plant=jsbsim")
+    assert set(ASKED_ON_JSBSIM) <= set(MISMATCHES)
+    assert asked_of(mismatched("small_uav", "lag_3", told), "lag_3") == ASKED_ON_JSBSIM["lag_3"]
+    assert asked_of(mismatched("small_uav", "zigzag", told), "zigzag") is None
+
+
+def test_of_several_flights_each_figure_is_the_worst():
+    one = replace(SOUND, range_mean_m=-0.3, violations={"bank": 2}, settling_s=10.0, softened=8.0)
+    other = replace(SOUND, range_rms_m=0.4, violations={"force": 1}, settling_s=None)
+    both = worst([one, other])
+    assert (both.range_rms_m, both.range_mean_m, both.settling_s) == (0.4, -0.3, None)
+    assert both.violations == {"bank": 2, "force": 1}
+    assert both.softened == 8.0
+    assert worst([one]) is one

@@ -94,7 +94,7 @@ def test_there_is_a_mark_for_every_flight_and_a_bar_for_what_is_asked():
     assert other.get_xdata()[0] == mismatches[0].measures["l1"].range_rms_m
     assert list(bar.get_xdata()) == [0.5, 0.5]
     better = mismatches[1].measures["l1"].bank_rate_rms_dps
-    assert list(bank_rates.lines[-1].get_xdata()) == pytest.approx([1.5 * better] * 2)
+    assert list(bank_rates.lines[-1].get_xdata()) == pytest.approx([1.25 * better] * 2)
     assert len(png(figure)) < 300_000
 
 

@@ -28,6 +28,7 @@ from uav_tracking_mpc.studies.comparison.scenarios import (
     MISMATCHES,
     mismatched,
     settled_after,
+    variants,
 )
 
 SHORT = ["mission.duration=4"]
@@ -99,12 +100,13 @@ def test_the_share_is_that_of_the_aircraft_that_is_flown():
     assert told.rate_lag == pytest.approx((0.25, 0.1, 0.1))
 
 
-@pytest.mark.parametrize("name", [name for name in MISMATCHES if not name.startswith("lag")])
+@pytest.mark.parametrize("name", [name for name in MISMATCHES if "lag" not in name])
 def test_what_else_is_wrong_the_controller_is_not_told(name):
     flown = mismatched("small_uav", name)
-    if name != "tight_gale":
+    if name not in ("tight_gale", "second_order_roll"):
         assert flown.controller == BASE.controller
-    assert (flown.simulator, flown.target) != (BASE.simulator, BASE.target)
+    before = BASE.simulator, BASE.target, BASE.changes
+    assert (flown.simulator, flown.target, flown.changes) != before
     assert flown.mission.duration == 300.0
 
 
@@ -134,3 +136,33 @@ def test_a_shorter_flight_counts_from_an_earlier_time_on():
 def test_no_other_name_is_a_mismatch():
     with pytest.raises(ParameterError, match="mismatch is 'lag_9', must be one of lag_0, lag_0.25"):
         mismatched("small_uav", "lag_9")
+
+
+def test_in_gusts_the_response_is_told_wrong_likewise():
+    still, gusty = mismatched("small_uav", "lag_2"), mismatched("small_uav", "gust_lag_2")
+    assert gusty.controller == still.controller
+    assert gusty.simulator == mismatched("small_uav", "gust_moderate").simulator
+
+
+def test_commands_are_delayed_later_in_a_shorter_flight_earlier():
+    flown = mismatched("small_uav", "delay_200")
+    assert flown.changes == ((120.0, "uav_simulator.command_delay=0.2"),)
+    assert flown.simulator.command_delay == 0.0
+    ((begin, _),) = mismatched("small_uav", "delay_200", ("mission.duration=30",)).changes
+    assert begin == pytest.approx(12.0)
+
+
+def test_the_roll_is_told_as_the_lag_of_the_same_time():
+    flown = mismatched("small_uav", "second_order_roll")
+    assert (flown.simulator.roll_frequency, flown.simulator.roll_damping) == (3.0, 0.6)
+    assert flown.controller.rate_lag[0] == pytest.approx(0.4)
+
+
+def test_where_there_is_chance_five_seeds_fly_and_of_weaving_three_periods():
+    def of(name):
+        return variants(mismatched("small_uav", name), name)
+
+    assert [each.simulator.seed for each in of("gust_lag_0")] == [0, 1, 2, 3, 4]
+    assert [each.target.weave_period for each in of("weaving_target")] == [4.0, 8.0, 12.0]
+    (late,) = of("delay_100")
+    assert late.changes

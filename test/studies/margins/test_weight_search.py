@@ -60,7 +60,7 @@ START = (
     "nmpc_controller.input_weights=[10.0, 2.0, 1.0]",
     "nmpc_controller.rate_weights=[10.0, 2.0, 1.0]",
 )
-FLIGHT = Measures(0.0, 0.0, 0.0, 20.0, 0.0, 0.0, 0.0, 0, {}, None)
+FLIGHT = Measures(0.0, 0.0, 0.0, 20.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0, {}, None)
 
 
 def flights(cost):

@@ -1,0 +1,97 @@
+"""A loop that swings is made slower until it stops, and comes back as far as it stays quiet."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.control.event import EventLog
+from uav_tracking_mpc.control.guidance import formulation_of
+from uav_tracking_mpc.control.softening import MOST, QUIET, STEP, Softening
+from uav_tracking_mpc.control.watches import Swing
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.simulation.closed_loop import simulate
+from uav_tracking_mpc.studies.comparison.measures import measures
+from uav_tracking_mpc.studies.comparison.scenarios import mismatched
+
+SWING, STILL = (Swing(2.0, 0.2), None), (None, None)
+DELAYS, GAINS = np.full(3, 0.5), np.ones(3)
+
+
+class Flight:
+    """Time goes on in steps of 0.1 s."""
+
+    def __init__(self):
+        self.events, self.time = EventLog(), 0.0
+        self.softening = Softening(self.events)
+
+    def fly(self, seconds, swings, delays=DELAYS, going_on=(True, True)):
+        for _ in range(round(seconds / 0.1)):
+            self.time += 0.1
+            self.softening.follow(self.time, swings, going_on, delays, GAINS)
+        return self.softening.factors.tolist()
+
+
+def test_a_swing_is_answered_at_once_and_as_long_as_it_goes_on():
+    flight = Flight()
+    assert flight.fly(0.1, SWING) == [STEP, 1.0, 1.0]
+    assert flight.fly(2.5, SWING) == [STEP, 1.0, 1.0]
+    assert flight.fly(1.0, SWING) == [STEP**2, 1.0, 1.0]
+    assert flight.fly(60.0, SWING) == [MOST, 1.0, 1.0]
+    words = [event.words for event in flight.events.take()]
+    assert words[0] == "the loop is softened: changes of the turn rate weigh 8 times as much"
+
+
+def test_a_swing_that_dies_away_is_left_to_it():
+    assert Flight().fly(30.0, SWING, going_on=(False, True)) == [1.0, 1.0, 1.0]
+
+
+def test_the_gain_comes_back_only_so_far_that_it_stays_quiet():
+    flight = Flight()
+    flight.fly(0.1, SWING)
+    assert flight.fly(QUIET - 1.0, STILL)[0] == STEP
+    back = flight.fly(100.0, STILL)[0]
+    assert 1.0 < back < STEP
+    assert flight.fly(600.0, STILL)[0] == back
+
+
+def test_another_response_is_another_loop():
+    flight = Flight()
+    flight.fly(0.1, SWING)
+    assert flight.fly(200.0, STILL, delays=DELAYS + 0.2)[0] == 1.0
+    assert flight.events.take()[-1].words.endswith("weigh as they are told again")
+
+
+def test_a_new_flight_begins_with_what_is_told():
+    flight = Flight()
+    flight.fly(0.1, SWING)
+    flight.softening.reset()
+    assert flight.softening.factors.tolist() == [1.0, 1.0, 1.0]
+
+
+def test_a_loop_that_cannot_learn_ends_its_cycle_all_the_same():
+    """Commands are 0.4 s late from 40 s on, which is beyond the delay margin."""
+    told = ["nmpc_controller.response_estimation=false", "mission.duration=140"]
+    configuration = load_configuration("small_uav", told, "crosswind")
+    late = ((40.0, "uav_simulator.command_delay=0.4"),)
+    log = simulate(replace(configuration, changes=late))
+    flown = measures(log, configuration.controller, settled_after=120.0)
+    assert log.softened > 1.0
+    assert flown.swing_deg < 3.0
+    assert flown.range_rms_m < 0.5
+
+
+@pytest.mark.parametrize("period", [4.0, 12.0])
+def test_a_target_that_weaves_is_followed_with_the_whole_gain(period):
+    told = ("mission.duration=60", f"target_publisher.weave_period={period}")
+    assert simulate(mismatched("small_uav", "weaving_target", told)).softened == 1.0
+
+
+def test_weights_of_rates_are_multiplied_in_the_problem():
+    parameters = load_configuration("small_uav").controller
+    formulation = formulation_of(parameters)
+    where = formulation.flight.where["rate_weights"]
+    formulation.soften(np.array([8.0, 1.0, 1.0]))
+    told = parameters.rate_weights
+    expected = [8.0 * told[0], *told[1:]]
+    assert formulation._data[0, where] == pytest.approx(expected)
