@@ -35,8 +35,8 @@ from uav_tracking_mpc.symbolic.functions import BufferedFunction
 # -, share of the wanted range, range and airspeed at which the penalty of the artificial orbit's
 # offset turns from quadratic to linear. Steep near the wanted orbit, or errors would be shared
 # between both and met half-heartedly; linear beyond, or far away it would drown everything else.
-LEAST_SOFTENED = 0.01  # -, weight of a rate from which on a loop is softened that has none
 OFFSET_REACH = np.array([0.01, 0.01, 0.03])
+LEAST_SOFTENED = 0.01  # -, weight of a rate from which on a loop is softened that has none
 
 
 class FlightFormulation:

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import resources
 from pathlib import Path
 from typing import Any, TypeVar
@@ -207,7 +207,7 @@ class Configuration:
             ParameterError: As of :func:`configuration_of`.
         """
         sections = {**self.sections, section: {**self.sections[section], **values}}
-        return configuration_of(self.name, sections, self.scenario)
+        return replace(configuration_of(self.name, sections, self.scenario), changes=self.changes)
 
 
 def configuration_folder() -> Path:

@@ -498,6 +498,6 @@ def asked_of(configuration: Configuration, name: str) -> Target | Asked | None:
     """What is asked in a scenario or under a mismatch, by its name; None where nothing is."""
     if configuration.name != CONFIGURATION:
         return None
-    if configuration.mission.plant == "jsbsim":
+    if configuration.simulator.plant == "jsbsim":  # what flies, whatever the mission says
         return ASKED_ON_JSBSIM.get(name)
     return TARGETS.get(name) or ASKED.get(name)

@@ -101,7 +101,6 @@ _MISTAKEN: dict[str, dict[str, object]] = {
     "second_order_roll": {
         f"{_SIMULATOR}.roll_frequency": ROLL[0],
         f"{_SIMULATOR}.roll_damping": ROLL[1],
-        f"{_CONTROLLER}.rate_lag": [round(2.0 * ROLL[1] / ROLL[0], 9), 0.13, 0.16],
     },
     "weaving_target": {f"{_TARGET}.motion": "weaving"},
     "tight_gale": {f"{_CONTROLLER}.range": 180.0, f"{_SIMULATOR}.wind": [-12.0, 0.0, 0.0]},
@@ -141,6 +140,10 @@ def mismatched(config: str, name: str, overrides: tuple[str, ...] = ()) -> Confi
             mistaken[f"{_CONTROLLER}.{channel}"] = [
                 share * time for time in getattr(truth, channel)
             ]
+    if name == "second_order_roll":
+        frequency, damping = ROLL
+        _, climb, gain = load_configuration(config, overrides, SCENARIO).simulator.rate_lag
+        mistaken[f"{_CONTROLLER}.rate_lag"] = [2.0 * damping / frequency, climb, gain]
     if name in _GUSTY_LAGS:
         mistaken |= _MISTAKEN["gust_moderate"]
     told = [f"{parameter}={value}" for parameter, value in mistaken.items()]
@@ -164,10 +167,7 @@ def variants(configuration: Configuration, name: str) -> list[Configuration]:
         section, parameter, values = _TARGET, "weave_period", list(WEAVING_PERIODS)
     elif not name.startswith("gust_"):
         return [configuration]
-    return [
-        replace(configuration.changed(section, {parameter: value}), changes=configuration.changes)
-        for value in values
-    ]
+    return [configuration.changed(section, {parameter: value}) for value in values]
 
 
 def settled_after(configuration: Configuration) -> float:
