@@ -58,6 +58,7 @@ if TYPE_CHECKING:
     from uav_tracking_mpc.dynamics.vehicle_models import VehicleModel as VehicleModel
     from uav_tracking_mpc.dynamics.vehicle_models import VehicleState as VehicleState
     from uav_tracking_mpc.dynamics.vehicle_models.conformance import check_model as check_model
+    from uav_tracking_mpc.estimation.measurement import Axis as Axis
     from uav_tracking_mpc.estimation.measurement import Measurement as Measurement
     from uav_tracking_mpc.estimation.situation import Situation as Situation
     from uav_tracking_mpc.laws import GuidanceLaw as GuidanceLaw
@@ -86,6 +87,7 @@ if TYPE_CHECKING:
 # Where each name lives. It is imported when it is first asked for: the import of the package alone
 # costs next to nothing.
 _HOMES = {
+    "Axis": "estimation.measurement",
     "CasadiSolver": "mpc.casadi_solver",
     "Command": "control.command",
     "Configuration": "settings.configuration",

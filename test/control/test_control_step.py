@@ -341,7 +341,7 @@ def test_commands_that_are_not_flown_count_for_nothing(constant):
 
     def turning(stamp):
         now, navigator = measured(stamp), constant.navigator
-        return navigator.estimate(now, navigator.air.vehicle_state(now)).effect.rates[0]
+        return navigator.estimate(*navigator.air.see_state(now)).effect.rates[0]
 
     constant.engage(False)
     constant.see_target(0.0, STILL)

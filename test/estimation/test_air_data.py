@@ -28,23 +28,23 @@ def measurement(**more):
 def test_its_own_airspeed_counts_before_the_one_that_came_by_itself():
     air = AirData(0.5)
     air.see(10.0, 20.0)
-    *_, heading, path_angle, airspeed = air.vehicle_state(measurement(airspeed=21.0))
+    *_, heading, path_angle, airspeed = air.see_state(measurement(airspeed=21.0))[1]
     assert (heading, path_angle, airspeed) == (2.0, 0.1, 21.0)
-    assert air.vehicle_state(measurement())[-1] == 20.0
+    assert air.see_state(measurement())[1][-1] == 20.0
 
 
 @pytest.mark.parametrize("stamp", [9.4, 10.6])
 def test_an_airspeed_of_another_time_does_not_count(stamp):
     air = AirData(0.5)
     air.see(stamp, 20.0)
-    *_, heading, path_angle, airspeed = air.vehicle_state(measurement())
+    *_, heading, path_angle, airspeed = air.see_state(measurement())[1]
     assert (heading, path_angle, airspeed) == (np.arctan2(4.0, 3.0), 0.0, 5.0)
     assert air.missing
 
 
 def test_at_rest_the_body_tells_where_it_would_go():
     standing = Measurement(10.0, np.zeros(3), np.zeros(3), 2.0, 0.1)
-    *_, heading, path_angle, airspeed = AirData(0.5).vehicle_state(standing)
+    *_, heading, path_angle, airspeed = AirData(0.5).see_state(standing)[1]
     assert (heading, path_angle, airspeed) == (2.0, 0.1, 0.0)
 
 
@@ -59,14 +59,14 @@ def test_reset_forgets():
     air = AirData(0.5)
     air.see(10.0, 20.0)
     air.reset()
-    assert air.vehicle_state(measurement())[-1] == 5.0
+    assert air.see_state(measurement())[1][-1] == 5.0
 
 
 def test_after_a_gap_the_airspeed_from_before_counts_until_its_own_may_have_come():
     air = AirData(0.5)
     air.see(10.0, 20.0)
-    air.vehicle_state(measurement())
-    assert air.vehicle_state(replace(measurement(), stamp=12.0))[-1] == 20.0
-    assert air.vehicle_state(replace(measurement(), stamp=12.0))[-1] == 20.0  # asked once more
-    assert air.vehicle_state(replace(measurement(), stamp=12.05))[-1] == 5.0
+    air.see_state(measurement())
+    assert air.see_state(replace(measurement(), stamp=12.0))[1][-1] == 20.0
+    assert air.see_state(replace(measurement(), stamp=12.0))[1][-1] == 20.0  # asked once more
+    assert air.see_state(replace(measurement(), stamp=12.05))[1][-1] == 5.0
     assert air.missing

@@ -37,7 +37,7 @@ def measured(time, ground_velocity=(0.0, 0.0, 0.0), rates=(0.0, 0.0), vehicle=VE
 
 
 def estimated(navigator, measurement):
-    return navigator.estimate(measurement, navigator.air.vehicle_state(measurement))
+    return navigator.estimate(*navigator.air.see_state(measurement))
 
 
 def seen(parameters, until=6.0, start=(5.0, -3.0, 2.0), run=(0.0, 0.0, 0.0)):

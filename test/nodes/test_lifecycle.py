@@ -127,6 +127,10 @@ def own_objects():
     return Counter(kind for kind in kinds if str(kind.__module__).startswith("uav_tracking_mpc."))
 
 
+def no_margins():
+    return "margins" not in {thread.name for thread in threading.enumerate()}
+
+
 def test_a_cycle_through_all_states_leaves_nothing_behind(flight, monkeypatch):
     """No judgement of margins waits for a controller that is gone; no object of it stays."""
     monkeypatch.setattr("uav_tracking_mpc.nodes.nmpc_controller.MARGIN_PATIENCE", 1e6)
@@ -137,9 +141,10 @@ def test_a_cycle_through_all_states_leaves_nothing_behind(flight, monkeypatch):
         assert flight.commanded(3)
         assert flight.change("deactivate", "cleanup")
         if cycle == 2:  # all that is loaded once is loaded
+            assert wait_for(no_margins)
             before = own_objects()
+    assert wait_for(no_margins)  # are judged any more
     assert not own_objects() - before
-    assert wait_for(lambda: "margins" not in {thread.name for thread in threading.enumerate()})
 
 
 def test_a_transition_that_is_not_possible_is_refused_and_the_node_flies_on(flying):

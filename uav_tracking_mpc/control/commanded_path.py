@@ -77,7 +77,7 @@ class CommandPaths:
             path = self.planned(present.vehicle, present.rates, controller.navigator.wind, *answer)
             if np.isfinite(path.states).all():
                 return path
-        vehicle = controller.navigator.air.vehicle_state(measurement)
+        measurement, vehicle = controller.navigator.air.see_state(measurement)
         rates = np.array([measurement.turn_rate, measurement.path_angle_rate, 0.0])
         wind = measurement.ground_velocity - velocity(vehicle)
         return self.planned(vehicle, rates, wind, *answer)

@@ -335,9 +335,10 @@ class Controller:
             None while no command is due, the measurement is doubted or late, or no target seen.
         """
         begin, stamp = self._stopwatch(), measurement.stamp
-        vehicle = self._believe(measurement, begin, now)
-        if vehicle is None:
+        believed = self._believe(measurement, begin, now)
+        if believed is None:
             return None
+        measurement, vehicle = believed
         self.rate.state(stamp)
         target = self.navigator.target
         if target.time is not None and target.time - stamp > self.parameters.target_timeout:
@@ -398,8 +399,8 @@ class Controller:
 
     def _believe(
         self, measurement: Measurement, arrival: float, now: float
-    ) -> NDArray[np.float64] | None:
-        """Position and air velocity of a measurement, shape (6,); None if it is not to be used."""
+    ) -> tuple[Measurement, NDArray[np.float64]] | None:
+        """See :meth:`AirData.see_state`; None if the measurement is not to be used."""
         verdict = self._gate.judge(measurement, arrival, now)
         reason = f"vehicle state: {self._gate.reason}"
         if verdict is Verdict.DOUBT:
@@ -409,9 +410,9 @@ class Controller:
             self._forget()
         if verdict not in (Verdict.USE, Verdict.RESTART):
             return None
-        vehicle = self.navigator.air.vehicle_state(measurement)
+        measurement, vehicle = self.navigator.air.see_state(measurement)
         self.response.see(measurement, vehicle, not self.navigator.air.missing)
-        return vehicle
+        return measurement, vehicle
 
     def _answer(self, measurement: Measurement, vehicle: NDArray[np.float64]) -> Command:
         """Command for a measurement that is believed and due."""

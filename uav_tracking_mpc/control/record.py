@@ -39,7 +39,7 @@ from uav_tracking_mpc import __version__
 from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.guidance import formulation_of
-from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError, SensorNoise
+from uav_tracking_mpc.estimation.measurement import Axis, Measurement, MeasurementError, SensorNoise
 from uav_tracking_mpc.formulation.formulation import Formulation, solver_as_told
 from uav_tracking_mpc.parameters.specification import ParameterError, from_mapping
 from uav_tracking_mpc.settings.tracking import TrackingParameters
@@ -245,17 +245,24 @@ def _repeat(
 
 
 def _measurement(values: dict[str, Any]) -> Measurement:
-    """In records of 0.2 the noise may be unknown, and one number holds for all axes of a vector."""
+    """A measurement of this record or of an older one.
+
+    In records of 0.2 the noise may be unknown, and one number holds for all axes of a vector; those
+    without an axis are of the air velocity.
+    """
     noise = dict(values["noise"] or {})
     if "attitude" in noise:
         noise["heading"] = noise["path_angle"] = noise.pop("attitude")
     for name in {"position", "velocity"} & set(noise):
         noise[name] = tuple(np.broadcast_to(noise[name], 3).tolist())
-    return Measurement(**{**values, "noise": SensorNoise(**noise)})
+    axis = Axis(values.get("axis", Axis.AIR_VELOCITY))
+    return Measurement(**{**values, "noise": SensorNoise(**noise), "axis": axis})
 
 
 def _plain(value: Any) -> Any:
     """What JSON does not know."""
+    if isinstance(value, Axis):
+        return value.value
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, np.generic):

@@ -26,6 +26,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.estimation.flight_path import QUICK_CLIMB, SLOW_CLIMB, FlightPath
 from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
 
 SLOW = 0.1  # m/s over ground, below which the body's axis tells where the vehicle goes
@@ -45,13 +46,23 @@ class AirData:
 
     def __init__(self, timeout: float) -> None:
         self.timeout = timeout
+        self._path = FlightPath()
         self.reset()
+
+    def hold_altitude(self, held: bool) -> None:
+        """Say whether an autopilot holds the altitude, so that quick changes are not commanded.
+
+        Args:
+            held: Whether it does; not so at the start.
+        """
+        self._path.climb_frequency = SLOW_CLIMB if held else QUICK_CLIMB
 
     def reset(self) -> None:
         """Forget the airspeed."""
         self._stamp, self._airspeed = -math.inf, math.nan
         self._latest = self._before = -math.inf  # stamps of the two newest measurements
-        self.missing = self.awaited = self._told = False
+        self.missing = self.awaited = self._told = self._doubted = False
+        self._path.reset()
         self._first: float | None = None  # stamp of the first measurement; -inf after an airspeed
 
     def see(self, stamp: float, airspeed: float) -> None:
@@ -70,10 +81,10 @@ class AirData:
             )
         self._stamp, self._airspeed = stamp, airspeed
 
-    def vehicle_state(self, measurement: Measurement) -> NDArray[np.float64]:
-        """State (x, y, z, psi, chi, v) of position and air velocity, shape (6,).
+    def see_state(self, measurement: Measurement) -> tuple[Measurement, NDArray[np.float64]]:
+        """The measurement, of the path through the air, and (x, y, z, psi, chi, v), shape (6,).
 
-        In still air the velocity over ground is that through the air.
+        Without an airspeed the velocity over ground is taken for that through the air.
 
         Args:
             measurement: Its own airspeed counts first, then the one that came by itself.
@@ -89,16 +100,21 @@ class AirData:
             self._first = measurement.stamp if airspeed is None else -math.inf
         self.awaited = self.missing and measurement.stamp - self._first < self.timeout
         if airspeed is not None:
-            return measurement.state(airspeed)
+            measurement = self._path.of(measurement, airspeed)
+            return measurement, measurement.state(airspeed)
         east, north, up = (float(value) for value in measurement.ground_velocity)
         speed = math.sqrt(east**2 + north**2 + up**2)
+        measurement = self._path.of(measurement, speed)
         if not speed > SLOW:
-            return measurement.state(speed)
+            return measurement, measurement.state(speed)
         heading, path_angle = math.atan2(north, east), math.atan2(up, math.hypot(east, north))
-        return np.array([*measurement.position, heading, path_angle, speed])
+        return measurement, np.array([*measurement.position, heading, path_angle, speed])
 
     def complaint(self) -> str:
-        """That the air is taken as still, in words, the first time that it is; else empty."""
+        """What is taken otherwise than it is measured, in words, the first time; else empty."""
+        if self._path.contradicted and not self._doubted:
+            self._doubted = True
+            return "the nose turns against the bank: the attitude is taken for the direction flown"
         if self._told or self.awaited or not self.missing:
             return ""
         self._told = True

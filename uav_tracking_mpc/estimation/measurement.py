@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,6 +73,13 @@ class SensorNoise:
                 )
 
 
+class Axis(Enum):
+    """Which axis a heading and a path angle are of, and what tells how it turns."""
+
+    BODY = "body"  # forward axis of the attitude; rates by the gyros
+    AIR_VELOCITY = "air_velocity"  # velocity through the air; rates as the path turns
+
+
 SILENT = SensorNoise()  # of a source that tells nothing of its noise
 
 
@@ -83,13 +91,16 @@ class Measurement:
         stamp: Time of the measurement in [s], by the clock that stamps all others.
         position: In ``map``, shape (3,), in [m].
         ground_velocity: In ``map``, shape (3,), in [m/s].
-        heading: psi of the body in [rad].
-        path_angle: chi, the climb of the body's axis, in [rad].
+        heading: psi, counter-clockwise from East, of the axis in [rad].
+        path_angle: chi, the elevation of the axis, in [rad].
         turn_rate: psi' in [rad/s].
         path_angle_rate: chi' in [rad/s].
         airspeed: v in [m/s]; None where the source has no air data.
         noise: What is known of the sensors' noise.
         bank: Of the body, right wing down, in [rad]; None where the source tells none.
+        axis: Which axis is measured. The controller flies the air velocity: that of a body whose
+            bank is told is found from bank and climb, and a body without one is taken to point
+            along it (:mod:`~uav_tracking_mpc.estimation.flight_path`).
 
     Raises:
         MeasurementError: A value is not finite, or not of its shape.
@@ -105,6 +116,7 @@ class Measurement:
     airspeed: float | None = None
     noise: SensorNoise = SILENT
     bank: float | None = None
+    axis: Axis = Axis.BODY
 
     def __post_init__(self) -> None:
         """Refuse what is no measurement; copy the vectors, which must not change afterwards."""

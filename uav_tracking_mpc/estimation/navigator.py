@@ -127,6 +127,7 @@ class Navigator:
             self._times = np.zeros(len(self._stages) + 1)
             self._outlook = Outlook(len(self._times), REWIND)
         self.air.timeout = parameters.state_timeout
+        self.air.hold_altitude(self._model.commanded == 1)
         self.target.tune(parameters.target_noise, parameters.target_agility)
 
     def respond(self, response: Response) -> None:
@@ -219,7 +220,7 @@ class Navigator:
 
         Args:
             measurement: Of the aircraft, not older than the one before.
-            vehicle: (x, y, z, psi, chi, v) of it, as of :meth:`AirData.vehicle_state`, shape (6,).
+            vehicle: (x, y, z, psi, chi, v) of it, as of :meth:`AirData.see_state`, shape (6,).
 
         Raises:
             ValueError: No target position is known.

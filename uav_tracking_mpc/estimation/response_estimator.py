@@ -119,7 +119,8 @@ class ResponseEstimator:
             self._candidates.commanded(sent, begin, inputs, step)
             self._commanded = True
             turn, (u_psi, _, _) = self.channels[0], inputs[0].tolist()
-            if abs(u_psi) * turn.gain > TOO_MUCH * self._turn_rate_max:
+            gain = turn.gain if turn.gain_trusted else 1.0
+            if abs(u_psi) * gain > TOO_MUCH * self._turn_rate_max:
                 self._saturated = max(self._saturated, sent + turn.delay)
 
     def see(

@@ -59,7 +59,7 @@ from uav_tracking_mpc.links.mavlink.findings import (
 )
 from uav_tracking_mpc.links.mavlink.mavlink_link import MavlinkLink
 from uav_tracking_mpc.links.mavlink.requests import NOT_ANSWERED
-from uav_tracking_mpc.links.mavlink.telemetry import DEGREE_SCALE, SLOW_CLIMB
+from uav_tracking_mpc.links.mavlink.telemetry import DEGREE_SCALE
 
 NAMES = (
     "ROLL_LIMIT_DEG", "LIM_ROLL_CD", "AIRSPEED_MIN", "ARSPD_FBW_MIN", "AIRSPEED_MAX",
@@ -233,11 +233,6 @@ class ArduPilotLink(MavlinkLink):
         self._loiter: tuple[FlownOrbit, float] | None = None
         self._places: deque[NDArray[np.float64]] = deque(maxlen=PLACES)  # of our loiters
         self._heeded = False  # whether it has had one of them since the commands began
-
-    def connect(self, timeout: float) -> None:
-        """See :meth:`VehicleLink.connect`."""
-        super().connect(timeout)
-        self.heard.telemetry.climb_frequency = SLOW_CLIMB
 
     def mode_name(self, custom_mode: int) -> str:
         """See :meth:`MavlinkLink.mode_name`."""

@@ -61,7 +61,6 @@ from uav_tracking_mpc.settings.simulator import TargetParameters
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, Latency, LinkFigures
 from uav_tracking_mpc.simulation.motions import motion_of
 
-WINGS_LEVEL = 1e-6  # rad, tolerance: a source that never sends more knows no bank
 REASON = "mode reason"  # value of the controller that says more than its message
 
 
@@ -320,7 +319,7 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
         )
         for name in ("cost", "solve_time")
     )
-    banks = np.array([motion.bank for _, motion in flown])
+    banks = np.array([motion.bank or 0.0 for _, motion in flown])
     return FlightLog(
         config=configuration.name,
         duration=min(configuration.mission.duration, span),
@@ -354,7 +353,7 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
         ground_velocity=np.array([motion.ground_velocity for _, motion in flown]),
         target_velocity=target.velocity,
         turn_rate=np.array([motion.turn_rate for _, motion in flown]),
-        measured_bank=banks if np.abs(banks).max(initial=0.0) > WINGS_LEVEL else None,
+        measured_bank=banks if banks.any() else None,
         unusable=unusable,
         modes=mode_changes(modes, start, end),
         tracking=tracking,

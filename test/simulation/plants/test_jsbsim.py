@@ -118,7 +118,7 @@ def test_a_start_that_cannot_be_flown_is_told():
 
 
 def test_the_controller_holds_its_orbit_and_nothing_is_printed(capfd):
-    overrides = ["mission.duration=40.0", "nmpc_controller.solve_time_max=10.0"]
+    overrides = ["mission.duration=60.0", "nmpc_controller.solve_time_max=10.0"]
     configuration = load_configuration("jsbsim_uav", overrides, "still")
     flight = measures(simulate(configuration), configuration.controller)
     assert flight.range_rms_m < 0.1

@@ -93,7 +93,7 @@ def test_sensors_become_noisy_and_true_again(kind):
     plant.change(replace(PARAMETERS, position_noise=2.0, heading_bias=0.1, speed=3.0))
     first, second = plant.measured(), plant.measured()
     assert not np.array_equal(first.position, second.position)
-    assert first.heading == pytest.approx(plant.truth.heading + 0.1)
+    assert first.heading == pytest.approx(plant.aboard.heading + 0.1)
     plant.change(PARAMETERS)
     np.testing.assert_array_equal(plant.measured().position, plant.truth.position)
 

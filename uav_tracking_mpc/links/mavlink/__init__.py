@@ -21,7 +21,6 @@
 ``connection``        sockets and serial ports that never block; bytes to messages and back
 ``autopilot_clock``   the autopilot's clock by ours
 ``telemetry``         messages to measurements, and how accurate these are
-``flight_direction``  where it flies, from where the nose points
 ``requests``          commands until they are acknowledged; parameters, read
 ``engagement``        who flies: pilot and autopilot, or our commands
 ``findings``          what is looked at before a flight, and the autopilot's fence

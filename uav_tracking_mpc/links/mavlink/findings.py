@@ -24,10 +24,11 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
+from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED
 from uav_tracking_mpc.links import Inspection
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.links.mavlink.listener import Listener
-from uav_tracking_mpc.links.mavlink.telemetry import LEAST_AIRSPEED, Telemetry
+from uav_tracking_mpc.links.mavlink.telemetry import Telemetry
 
 
 class HomeFence(NamedTuple):

@@ -49,10 +49,10 @@ from uav_tracking_mpc.dynamics.frames import (
     turn_rate_from_bank,
 )
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
+from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED, FlightDirection
 from uav_tracking_mpc.estimation.measurement import SILENT, Measurement, SensorNoise
 from uav_tracking_mpc.estimation.told_noise import UNKNOWN, axes_noise
 from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
-from uav_tracking_mpc.links.mavlink.flight_direction import Climb, FlightDirection
 
 AGE = 5.0  # s that what is told counts
 MILLI = 1e-3  # m or m/s, code: unit on the wire
@@ -104,11 +104,8 @@ def _axes(name: str, level: float, vertical: float) -> tuple[float, float, float
 DEGREE_SCALE = math.radians(1e-7)  # rad, code: unit of latitude and longitude on the wire
 ATTITUDE_AGE = 0.25  # s that attitude and position may lie apart
 AIRSPEED_AGE = 1.0  # s that airspeed may be older than the position
-LEAST_AIRSPEED = 3.0  # m/s; below it nothing flies, and the path angle means nothing
-STEEPEST = 0.5 * math.pi  # rad, path angle
+STEEPEST = 0.5 * math.pi  # rad, of the pitch
 FARTHEST = 1e6  # m from the origin; beyond it the autopilot's filter has no origin yet
-QUICK_CLIMB = 8.0  # rad/s, for autopilots whose climb is commanded: it delays by little
-SLOW_CLIMB = 0.5  # rad/s, for those that hold altitude themselves, where the rest is turbulence
 WIND_AGE = 10.0  # s that a wind counts
 
 
@@ -138,7 +135,6 @@ class Telemetry:
         origin: Of ``map``; None for the autopilot's home.
 
     Attributes:
-        climb_frequency: Up to which changes of the climb count, in [rad/s].
         frame: Axes of ``map``; None until the origin is known.
         attitude: The newest.
         altitude: Above sea level in [m]; None until it is known.
@@ -151,7 +147,7 @@ class Telemetry:
     """
 
     def __init__(self, clock: AutopilotClock, origin: LocalFrame | None = None) -> None:
-        self._clock, self.climb_frequency = clock, QUICK_CLIMB
+        self._clock = clock
         self.frame = origin
         self.home: LocalFrame | None = None
         self.forget()
@@ -164,7 +160,6 @@ class Telemetry:
         self.newest: Measurement | None = None
         self.direction = FlightDirection()
         self._accuracies = Accuracies()
-        self._climb = Climb()
         self.throttle: float | None = None
         self._calibrated: float | None = None
         self._calibrated_at = self._wind_at = self._position_at = -math.inf
@@ -196,11 +191,9 @@ class Telemetry:
         if all(map(math.isfinite, values)) and abs(message.pitch) < STEEPEST:
             time = message.time_boot_ms * 1e-3
             self.attitude = Attitude(time, message.roll, message.pitch, message.yaw, rates)
-            yaw_rate, _ = course_rates_from_euler(message.roll, message.pitch, rates)
-            airspeed = self.airspeed or 0.0
-            known = airspeed >= LEAST_AIRSPEED
-            by_bank = turn_rate_from_bank(message.roll, airspeed) if known else None
-            self.direction.see(time, heading_from_yaw(message.yaw), yaw_rate, by_bank)
+            if (airspeed := self.airspeed or 0.0) >= LEAST_AIRSPEED:
+                by_bank = turn_rate_from_bank(message.roll, airspeed)
+                self.direction.see(time, heading_from_yaw(message.yaw), by_bank)
 
     def _see_airspeed(self, message: Any, arrival: float) -> None:
         self.throttle = min(message.throttle * 1e-2, 1.0)
@@ -250,26 +243,20 @@ class Telemetry:
         )
         if not np.linalg.norm(place) <= FARTHEST:
             return None
-        direction = self.direction
-        self._climb.see(time, -message.vz * 1e-2, self.climb_frequency)
-        climb = self._climb.value
-        airspeed = self.airspeed
-        if airspeed is None or airspeed < LEAST_AIRSPEED:
-            airspeed = None
-            level = math.hypot(message.vx * 1e-2, message.vy * 1e-2)
-            path_angle = math.atan2(climb, max(level, LEAST_AIRSPEED))
-        else:
-            path_angle = math.asin(max(-1.0, min(1.0, climb / airspeed)))
+        turn_rate, elevation_rate = course_rates_from_euler(
+            attitude.roll, attitude.pitch, attitude.rates
+        )
+        nose, airspeed = heading_from_yaw(attitude.yaw) + turn_rate * apart, self.airspeed
         self._position_at = time
         self.newest = Measurement(
             stamp=stamp,
             position=place,
-            ground_velocity=np.array([message.vy * 1e-2, message.vx * 1e-2, climb]),
-            heading=math.remainder(direction.heading + direction.rate * apart, 2.0 * math.pi),
-            path_angle=path_angle,
-            turn_rate=direction.rate,
-            path_angle_rate=self._climb.rate / max(airspeed or 0.0, LEAST_AIRSPEED),
-            airspeed=airspeed,
+            ground_velocity=1e-2 * np.array([message.vy, message.vx, -message.vz]),
+            heading=math.remainder(nose, 2.0 * math.pi),
+            path_angle=attitude.pitch,
+            turn_rate=turn_rate,
+            path_angle_rate=elevation_rate,
+            airspeed=None if airspeed is None or airspeed < LEAST_AIRSPEED else airspeed,
             noise=self._accuracies.noise(arrival),
             bank=attitude.roll,
         )

@@ -22,10 +22,10 @@ scalar; NaN would pass, hence the checks on everything that comes in.
 As nav_msgs defines it, the covariance of an odometry's pose is about the axes of ``map``, in the
 order x, y, z and rotations about x, y, z; that of the twist is about those of ``base_link``. A
 heading turns about the axis up. A path angle turns about the horizontal axis to the left of the
-heading, so its variance spreads over the rotations about x and y. There is no roll to be wrong
-about. A covariance of zeros is unknown, by ROS convention, and so is each of its parts that makes
-no sense (:mod:`~uav_tracking_mpc.estimation.told_noise`). What it says between axes counts for the
-velocity alone, which is turned to ``map``.
+heading, so its variance spreads over the rotations about x and y. A covariance of zeros is unknown,
+by ROS convention, and so is each of its parts that makes no sense
+(:mod:`~uav_tracking_mpc.estimation.told_noise`). What it says between axes counts for the velocity
+alone, which is turned to ``map``.
 """
 
 from __future__ import annotations
@@ -78,6 +78,7 @@ ROUNDING = 1e-9  # -, rounding: share of the greatest variance by which another 
 VARIANCES = slice(0, 15, 7)  # of x, y, z among the 36 entries
 BLOCK = (slice(0, 3), slice(6, 9), slice(12, 15))  # rows of x, y, z among them
 HEADING = 35  # index of the rotation about the axis up
+WINGS_LEVEL = 1e-6  # rad, tolerance: a source that never sends more knows no bank
 TILT = (21, 22, 27, 28)  # indices of the rotations about x and y
 
 
@@ -259,7 +260,7 @@ def set_point(
 def measurement_from_odometry(
     message: Odometry, stamp: float = 0.0, frames: FrameNames = FRAMES
 ) -> Measurement:
-    """Measurement of an Odometry message, whose body may roll.
+    """Measurement of an Odometry message; wings that are level tell no bank, as of a point mass.
 
     Args:
         message: As in ``uav/odometry``.
@@ -275,12 +276,12 @@ def measurement_from_odometry(
     ground = finite_vector(ODOMETRY, "twist.linear", twist.linear, SPEED_LIMIT)
     angular = finite_vector(ODOMETRY, "twist.angular", twist.angular, RATE_LIMIT)
     q = pose.orientation
-    heading, path_angle = _course(ODOMETRY, q)
+    directions = _course(ODOMETRY, q)
     rotation = rotation_from_quaternion(q.x, q.y, q.z, q.w)
-    turn_rate, path_angle_rate = course_rates(rotation, angular)
-    course = heading, path_angle, turn_rate, path_angle_rate
+    course = *directions, *course_rates(rotation, angular)
     noise, bank = noise_from_odometry(message, rotation), bank_from_quaternion(q.x, q.y, q.z, q.w)
-    return Measurement(stamp, position, rotation @ ground, *course, noise=noise, bank=bank)
+    banked = bank if abs(bank) > WINGS_LEVEL else None
+    return Measurement(stamp, position, rotation @ ground, *course, noise=noise, bank=banked)
 
 
 def _course(topic: Topic, q: Quaternion) -> tuple[float, float]:

@@ -158,7 +158,12 @@ class Plant(ABC):
     @property
     @abstractmethod
     def truth(self) -> Measurement:
-        """The state now, as ideal sensors would give it."""
+        """The state now: position and velocity through the air."""
+
+    @property
+    def aboard(self) -> Measurement:
+        """The state now as ideal sensors aboard give it: the truth, unless the body says less."""
+        return self.truth
 
     @property
     def wind(self) -> NDArray[np.float64]:
@@ -167,7 +172,7 @@ class Plant(ABC):
 
     def measured(self) -> Measurement:
         """The state now, as the sensors give it; every call draws their noise anew."""
-        return self._sensors.measure(self.truth)
+        return self._sensors.measure(self.aboard)
 
 
 PLANT = ExtensionPoint("plant", Plant)

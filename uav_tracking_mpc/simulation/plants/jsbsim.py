@@ -14,20 +14,12 @@
 
 r"""Six degrees of freedom: JSBSim's equations of motion behind an autopilot's inner loops.
 
-What is measured is the motion of the point mass that the controller plans with, from what an
-autopilot knows of an aircraft that does not slip: attitude, climb rate, airspeed and specific
-force. The nose is no measure of it, for it points above the path by the angle of attack
-:math:`\alpha` and, in a turn, past it, and it swings with the yaw. With the path angle
-:math:`\chi = \arcsin(\dot z / v)`, bank :math:`\phi` and pitch :math:`\theta`, positive to the
-right and upwards,
+Its sensors tell position, ground velocity and airspeed, and attitude and rates of the body: the
+path is found from them by :mod:`~uav_tracking_mpc.estimation.flight_path`. The truth is the motion
+of a point mass that does not slip: the heading past the nose, the turn rate of the bank, and with
+the path angle :math:`\chi = \arcsin(\dot z / v)`
 
-.. math::
-
-    \sin\chi &= \sin\theta \cos\alpha - \cos\theta \cos\phi \sin\alpha, &
-    \psi &= \psi_{nose} + \operatorname{atan2}(\sin\phi \sin\alpha,
-              \cos\theta \cos\alpha + \sin\theta \cos\phi \sin\alpha), \\
-    \dot\psi &= -g \tan\phi / v, &
-    \dot\chi &= (a_L \cos\phi - g \cos\chi) / v,
+.. math:: \dot\chi = (a_L \cos\phi - g \cos\chi) / v,
 
 where :math:`a_L` is the specific force upwards in the body.
 """
@@ -35,16 +27,18 @@ where :math:`a_L` is the specific force upwards in the body.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.air import GRAVITY
-from uav_tracking_mpc.dynamics.frames import turn_rate_from_bank
-from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.dynamics.frames import course_rates_from_euler, turn_rate_from_bank
+from uav_tracking_mpc.estimation.flight_path import past_nose
+from uav_tracking_mpc.estimation.measurement import Axis, Measurement
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.flight_control import FlightControl
-from uav_tracking_mpc.simulation.flight_dynamics import RATE, Airframe, AirframeError, Flown, Start
+from uav_tracking_mpc.simulation.flight_dynamics import RATE, Airframe, AirframeError, Start
 from uav_tracking_mpc.simulation.plants import AIR, Plant, SimulationError
 
 
@@ -94,19 +88,35 @@ class JSBSimPlant(Plant):
     @property
     def truth(self) -> Measurement:
         """See :meth:`Plant.truth`."""
+        flown = self.airframe.flown
+        weight = GRAVITY * math.cos(flown.path_angle)
+        past = past_nose(flown.bank, flown.pitch, flown.path_angle)
+        return replace(
+            self.aboard,
+            heading=math.remainder(self.airframe.yaw + past, 2.0 * math.pi),
+            path_angle=flown.path_angle,
+            turn_rate=turn_rate_from_bank(flown.bank, flown.airspeed),
+            path_angle_rate=(flown.lift * math.cos(flown.bank) - weight) / flown.airspeed,
+            axis=Axis.AIR_VELOCITY,
+        )
+
+    @property
+    def aboard(self) -> Measurement:
+        """See :meth:`Plant.aboard`."""
         airframe = self.airframe
         flown, velocity = airframe.flown, airframe.ground_velocity
-        weight = GRAVITY * math.cos(flown.path_angle)
+        rates = flown.roll_rate, flown.pitch_rate, flown.yaw_rate
+        turn_rate, elevation_rate = course_rates_from_euler(flown.bank, flown.pitch, rates)
         # A stamp between two steps: at most half a step from the nearer one.
         ahead = self.time - airframe.steps / RATE
         return Measurement(
             stamp=self.time,
             position=airframe.position + ahead * velocity,
             ground_velocity=velocity,
-            heading=math.remainder(airframe.yaw + _past_nose(flown), 2.0 * math.pi),
-            path_angle=flown.path_angle,
-            turn_rate=turn_rate_from_bank(flown.bank, flown.airspeed),
-            path_angle_rate=(flown.lift * math.cos(flown.bank) - weight) / flown.airspeed,
+            heading=airframe.yaw,
+            path_angle=flown.pitch,
+            turn_rate=turn_rate,
+            path_angle_rate=elevation_rate,
             airspeed=flown.airspeed,
             bank=flown.bank,
         )
@@ -136,14 +146,3 @@ class JSBSimPlant(Plant):
             raise SimulationError(f"at {now:.4g} s {error}") from error
         if self.airframe.height < 0.0:
             raise SimulationError(f"at {now:.4g} s the aircraft hits the ground")
-
-
-def _past_nose(flown: Flown) -> float:
-    """By how much the velocity through the air points to the left of the nose, in [rad]."""
-    sin_pitch, cos_pitch = math.sin(flown.pitch), math.cos(flown.pitch)
-    sin_bank, cos_bank = math.sin(flown.bank), math.cos(flown.bank)
-    upright = math.hypot(sin_pitch, cos_pitch * cos_bank)
-    climb = min(max(math.sin(flown.path_angle) / upright, -1.0), 1.0)
-    alpha = math.atan2(sin_pitch, cos_pitch * cos_bank) - math.asin(climb)
-    ahead = cos_pitch * math.cos(alpha) + sin_pitch * cos_bank * math.sin(alpha)
-    return math.atan2(sin_bank * math.sin(alpha), ahead)

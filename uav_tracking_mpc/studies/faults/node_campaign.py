@@ -26,6 +26,7 @@ import numpy as np
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
+from rclpy.serialization import serialize_message
 from rich.console import Console
 
 from uav_tracking_mpc.launch.supervisor import NODES, LaunchError
@@ -172,8 +173,10 @@ class NodeCampaign(FaultCampaign):
         return time.monotonic() - self._begin
 
     def order(self, text: str) -> None:
-        """Send an order to the relay."""
-        self._orders.publish(ORDERS.type(data=text))
+        """Send an order to the relay, and keep it: a case may end before it would be heard."""
+        order = ORDERS.type(data=text)
+        self.observer.keep(ORDERS, serialize_message(order))
+        self._orders.publish(order)
 
     def fly(
         self, cases: Iterable[Case], *, seed: int, minutes: float, domain: int | None = None

@@ -47,7 +47,8 @@ MOST = 100_000  # messages; a case has a tenth of it
 BEFORE = 1_000_000_000  # ns of what came before the case
 
 # Of every relayed topic both sides: as sent (under ``raw``) and as received.
-TOPICS = (*(raw(topic) for topic in STREAMS), *STREAMS, DIAGNOSTICS, ORDERS)
+HEARD = (*(raw(topic) for topic in STREAMS), *STREAMS, DIAGNOSTICS)
+TOPICS = (*HEARD, ORDERS)  # of a bag
 
 
 QUEUE = 1000  # messages that may wait
@@ -86,12 +87,21 @@ class Observer(Node):
             raw(COMMAND).name: self._on_command,
             DIAGNOSTICS.name: self._on_diagnostics,
         }
-        for topic in TOPICS:
+        for topic in HEARD:
             callback = functools.partial(self._on_message, topic, judges.get(topic.name))
             FollowingSubscription(self, topic, callback, QUEUE, raw=True)
 
-    def _on_message(self, topic: Topic, judge: Any, data: bytes) -> None:
+    def keep(self, topic: Topic, data: bytes) -> None:
+        """Keep a message for the bag.
+
+        Args:
+            topic: On which it is sent.
+            data: Serialized.
+        """
         self._messages.append((topic, time.time_ns(), data))
+
+    def _on_message(self, topic: Topic, judge: Any, data: bytes) -> None:
+        self.keep(topic, data)
         if judge is not None:
             judge(deserialize_message(data, topic.type))
 

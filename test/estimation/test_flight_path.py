@@ -1,0 +1,147 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Where the aircraft flies, from where its nose points."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.dynamics.frames import (
+    bank_from_turn_rate,
+    rotation_from_quaternion,
+    turn_rate_from_bank,
+)
+from uav_tracking_mpc.estimation.flight_path import (
+    QUICK_CLIMB,
+    SLOW_CLIMB,
+    SURPLUS_LIMIT,
+    FlightDirection,
+    FlightPath,
+    past_nose,
+)
+from uav_tracking_mpc.estimation.measurement import Axis, Measurement
+
+STEP, AIRSPEED = 0.02, 22.0
+
+
+def flown(direction, seconds, turn_rate, bank_rate, swing=lambda t: 0.0):
+    """Fly; the true heading at the end, and the greatest errors of heading and rate meanwhile."""
+    true, worst, worst_rate = 0.0, 0.0, 0.0
+    for k in range(round(seconds / STEP)):
+        time = k * STEP
+        true = turn_rate * time
+        direction.see(time, true + swing(time), bank_rate)
+        worst = max(worst, abs(direction.heading - true))
+        worst_rate = max(worst_rate, abs(direction.rate - turn_rate))
+    return true, worst, worst_rate
+
+
+def body(time, bank, **changes):
+    """In level flight to the East through still air, with an angle of attack of 0.1 rad."""
+    measurement = Measurement(
+        time, np.zeros(3), np.array([AIRSPEED, 0.0, 0.0]), 0.0, 0.1, 0.0, 0.0, AIRSPEED, bank=bank
+    )
+    return dataclasses.replace(measurement, **changes)
+
+
+def test_a_coordinated_turn_is_told_as_it_is():
+    _, heading, rate = flown(FlightDirection(), 60.0, 0.1, 0.1)
+    assert heading < 1e-9
+    assert rate < 1e-9
+
+
+def test_the_nose_swings_and_the_flight_does_not():
+    # 3 deg at 0.7 Hz, as ArduPlane's simulated plane swings: what is left of it is some tenths.
+    amplitude, omega = math.radians(3.0), 2.0 * math.pi * 0.7
+    swing = lambda t: amplitude * math.sin(omega * t)  # noqa: E731
+    _, heading, rate = flown(FlightDirection(), 60.0, 0.1, 0.1, swing)
+    assert heading < 0.3 * amplitude
+    assert rate < 0.03 * amplitude * omega
+
+
+def test_a_turn_that_slips_is_learnt():
+    direction, rate, by_bank = FlightDirection(), 0.072, 0.1
+    true, _, _ = flown(direction, 60.0, rate, by_bank)
+    assert direction.surplus == pytest.approx(rate - by_bank, abs=1e-4)
+    assert direction.rate == pytest.approx(rate, abs=1e-4)
+    assert direction.heading == pytest.approx(true, abs=1e-3)
+
+
+def test_a_broken_compass_is_not_flown_by_without_end():
+    direction = FlightDirection()
+    flown(direction, 60.0, 3.0, 0.1)
+    assert abs(direction.surplus) <= SURPLUS_LIMIT
+
+
+@pytest.mark.parametrize("bank", [-0.9, -0.3, 0.0, 0.6, 1.2])
+@pytest.mark.parametrize("alpha", [-0.05, 0.08, 0.2])
+def test_the_air_velocity_without_sideslip_is_found_from_the_attitude(bank, alpha):
+    # In body axes (forward, left, up) it lies in the plane of symmetry, alpha below the nose.
+    pitch, yaw = 0.15, 0.7
+    (sr, cr), (sp, cp), (sy, cy) = (
+        (math.sin(0.5 * a), math.cos(0.5 * a)) for a in (bank, -pitch, yaw)
+    )
+    rotation = rotation_from_quaternion(
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+        cr * cp * cy + sr * sp * sy,
+    )
+    east, north, up = rotation @ [math.cos(alpha), 0.0, -math.sin(alpha)]
+    found = yaw + past_nose(bank, pitch, math.asin(up))
+    assert found == pytest.approx(math.atan2(north, east), abs=1e-9)
+
+
+def test_a_bank_tells_the_turn_and_the_climb_tells_the_path_angle():
+    path, bank = FlightPath(), 0.5
+    seen = path.of(body(0.0, bank, turn_rate=0.9, path_angle_rate=-0.4), AIRSPEED)
+    assert seen.axis is Axis.AIR_VELOCITY
+    assert seen.turn_rate == pytest.approx(turn_rate_from_bank(bank, AIRSPEED))
+    assert seen.path_angle == seen.path_angle_rate == 0.0
+    assert seen.heading == pytest.approx(past_nose(bank, 0.1, 0.0))
+    assert path.of(seen, AIRSPEED) is seen
+    again = path.of(body(0.0, bank), AIRSPEED)  # the same once more changes nothing
+    assert (again.heading, again.path_angle) == (seen.heading, seen.path_angle)
+
+
+@pytest.mark.parametrize("changes", [{"bank": None}, {"bank": 1.55}, {"path_angle": 1.55}])
+def test_a_body_of_which_too_little_is_known_is_taken_to_fly_where_it_points(changes):
+    measurement = dataclasses.replace(body(0.0, 0.3), **changes)
+    assert FlightPath().of(measurement, AIRSPEED) is measurement
+    assert FlightPath().of(body(0.0, 0.3), 2.0).axis is Axis.BODY
+
+
+@pytest.mark.parametrize("frequency", [QUICK_CLIMB, SLOW_CLIMB])
+def test_a_climb_that_grows_is_followed_without_an_error(frequency):
+    path, rate = FlightPath(), 0.5
+    path.climb_frequency = frequency
+    for k in range(1000):
+        velocity = np.array([AIRSPEED, 0.0, rate * k * STEP])
+        seen = path.of(body(k * STEP, 0.0, ground_velocity=velocity), AIRSPEED)
+    assert AIRSPEED * math.sin(seen.path_angle) == pytest.approx(velocity[2], abs=0.02)
+    assert seen.path_angle_rate == pytest.approx(rate / AIRSPEED, rel=5e-3)
+
+
+@pytest.mark.parametrize("turn_rate", [0.07, 0.3])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_bank_of_the_wrong_sign_is_left_out(turn_rate, sign):
+    path, right = FlightPath(), bank_from_turn_rate(turn_rate, AIRSPEED)
+    for k in range(2000):
+        time, bank = k * STEP, sign * right * min(k * STEP, 1.0)
+        heading = math.remainder(turn_rate * time, 2.0 * math.pi)
+        seen = path.of(body(time, bank, heading=heading), AIRSPEED)
+    assert path.contradicted is (seen.axis is Axis.BODY) is (sign < 0.0)

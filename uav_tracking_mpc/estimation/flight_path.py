@@ -1,0 +1,216 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+r"""Path through the air of an aircraft whose attitude is measured: what the body does, and is not.
+
+The controller plans the path: where the velocity through the air points, and how it turns. Sensors
+aboard tell where the nose points. This is the one place that makes the one of the other, for every
+source of measurements.
+
+With bank :math:`\phi`, pitch :math:`\theta` and path angle :math:`\chi` an aircraft that does not
+slip flies past its nose by an angle that they tell (:func:`past_nose`). In a roll it slips (adverse
+yaw, rudder, Dutch roll): its nose swings to the side, while it turns as its bank says. A controller
+that took the swing for a turn would answer it, against the phase, with a limit cycle. Quick changes
+are therefore those of the bank, slow ones those of the nose, by a complementary filter (e.g.
+Mahony, Hamel, Pflimlin, IEEE Trans. Automatic Control 53(5), 2008):
+
+.. math::
+
+    \dot\psi = r_b + b + 2 \omega \beta, \quad \dot b = \omega^2 \beta, \quad
+    \beta = \psi_n - \psi
+
+with the direction :math:`\psi_n` that the nose tells and the rate :math:`r_b = -g \tan\phi / v` of
+a coordinated turn. An aircraft that slips in a steady turn turns at another rate than that of its
+bank, by b; this shows slowly, and is taken out as slowly: in a quick roll the bank counts in full.
+
+Up and down there is no such second source: in turbulence the nose's pitch rate is mostly that of
+the gusts and of the answer to them. The measured climb :math:`w_m` is followed instead, by a filter
+of second order, which a steady change passes without an error:
+
+.. math::
+
+    \dot w = a + 2 \omega_w (w_m - w), \quad \dot a = \omega_w^2 (w_m - w)
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+from uav_tracking_mpc.dynamics.frames import turn_rate_from_bank
+from uav_tracking_mpc.estimation.measurement import Axis, Measurement
+
+FREQUENCY = 0.3  # rad/s, omega: well below the swing's, which is some rad/s
+LONGEST_STEP = 0.5  # s between attitudes, after which the filter begins anew
+SURPLUS_LIMIT = 0.15  # rad/s, of a turn's surplus over its bank
+LEAST_AIRSPEED = 3.0  # m/s; below it nothing flies, and the path angle means nothing
+TRIAL = 20.0  # s, over which bank and nose are compared
+CONTRADICTION = 0.01  # rad^2/s^2; slipping into a turn makes a quarter of it
+STEEPEST = 1.5  # rad, of a bank or a pitch, beyond which no turn is coordinated
+QUICK_CLIMB = 8.0  # rad/s, where the climb is commanded: it delays by little
+SLOW_CLIMB = 0.5  # rad/s, where an autopilot holds the altitude, and the rest is turbulence
+
+
+class FlightDirection:
+    """Follows the direction in which one aircraft flies.
+
+    Attributes:
+        heading: psi, counter-clockwise from East, in [rad]; not wrapped.
+        rate: psi' in [rad/s].
+        surplus: b, what the turn rate exceeds that of a coordinated turn by, in [rad/s].
+    """
+
+    def __init__(self) -> None:
+        self.heading = self.rate = self.surplus = 0.0
+        self._bank_rate = 0.0
+        self._time = -math.inf
+
+    def see(self, time: float, nose: float, bank_rate: float) -> None:
+        """Take in an attitude.
+
+        Args:
+            time: Of the attitude in [s].
+            nose: Direction that the nose tells, counter-clockwise from East, in [rad].
+            bank_rate: r_b in [rad/s].
+        """
+        step, before = time - self._time, self._bank_rate
+        self._time, self._bank_rate = time, bank_rate
+        if 0.0 < step <= LONGEST_STEP:
+            self.heading += step * (0.5 * (before + bank_rate) + self.surplus)
+            swing = math.remainder(nose - self.heading, 2.0 * math.pi)
+            self.heading += 2.0 * FREQUENCY * step * swing
+            surplus = self.surplus + FREQUENCY**2 * step * swing
+            self.surplus = min(max(surplus, -SURPLUS_LIMIT), SURPLUS_LIMIT)
+        elif step != 0.0:
+            self.heading = nose
+        self.rate = bank_rate + self.surplus
+
+
+class Climb:
+    """Follows one aircraft's climb.
+
+    Attributes:
+        value: w, positive up, in [m/s].
+        rate: a in [m/s^2].
+    """
+
+    def __init__(self) -> None:
+        self.value = self.rate = 0.0
+        self._time = -math.inf
+
+    def see(self, time: float, measured: float, frequency: float) -> None:
+        """Take in a climb.
+
+        Args:
+            time: Of the measurement in [s].
+            measured: Positive up, in [m/s].
+            frequency: omega_w in [rad/s].
+        """
+        step, self._time = time - self._time, time
+        if not 0.0 < step <= LONGEST_STEP:
+            if step != 0.0:
+                self.value, self.rate = measured, 0.0
+            return
+        # The solution for a measurement that stands still during the step.
+        faded, error = math.exp(-frequency * step), self.value - measured
+        slope = self.rate - frequency * error
+        error += step * slope
+        self.value = measured + faded * error
+        self.rate = faded * (slope + frequency * error)
+
+
+class FlightPath:
+    """Makes measurements of the body ones of the path through the air.
+
+    A bank of another sign, or of an aircraft that skids, explains the turn worse than none would:
+    r_b (r_b - 2 r_n), averaged, is positive. It is then left out.
+
+    Attributes:
+        climb_frequency: Up to which changes of the climb count, in [rad/s].
+    """
+
+    def __init__(self) -> None:
+        self.climb_frequency = QUICK_CLIMB
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the aircraft."""
+        self._direction, self._climb = FlightDirection(), Climb()
+        self._contradiction, self._time, self._nose = 0.0, -math.inf, 0.0
+
+    @property
+    def contradicted(self) -> bool:
+        """Whether the nose turns against the bank."""
+        return self._contradiction > CONTRADICTION
+
+    def of(self, measurement: Measurement, airspeed: float) -> Measurement:
+        """The same with climb, heading, path angle and their rates of the air velocity.
+
+        Without a bank the nose is all that is known of it, and is taken for it.
+
+        Args:
+            measurement: Not older than the one before.
+            airspeed: That belongs to it in [m/s].
+        """
+        bank, pitch = measurement.bank, measurement.path_angle
+        if measurement.axis is Axis.AIR_VELOCITY or bank is None or airspeed < LEAST_AIRSPEED:
+            return measurement
+        if max(abs(bank), abs(pitch)) > STEEPEST:
+            return measurement
+        time, direction, climb = measurement.stamp, self._direction, self._climb
+        east, north, up = measurement.ground_velocity.tolist()
+        climb.see(time, up, self.climb_frequency)
+        path_angle = math.asin(min(max(climb.value / airspeed, -1.0), 1.0))
+        nose = measurement.heading + past_nose(bank, pitch, path_angle)
+        by_bank = turn_rate_from_bank(bank, airspeed)
+        direction.see(time, nose, by_bank)
+        self._compare(time, nose, by_bank)
+        if self.contradicted:
+            return measurement
+        return dataclasses.replace(
+            measurement,
+            ground_velocity=np.array([east, north, climb.value]),
+            heading=direction.heading,
+            path_angle=path_angle,
+            turn_rate=direction.rate,
+            path_angle_rate=climb.rate / airspeed,
+            axis=Axis.AIR_VELOCITY,
+        )
+
+    def _compare(self, time: float, nose: float, by_bank: float) -> None:
+        """Average over how the bank and the nose turn."""
+        step, turned = time - self._time, math.remainder(nose - self._nose, 2.0 * math.pi)
+        self._time, self._nose = time, nose
+        if 0.0 < step <= LONGEST_STEP:
+            against = by_bank * (by_bank - 2.0 * turned / step)
+            self._contradiction += step / TRIAL * (against - self._contradiction)
+
+
+def past_nose(bank: float, pitch: float, path_angle: float) -> float:
+    """By how much an air velocity without sideslip points to the left of the nose, in [rad].
+
+    Args:
+        bank: Right wing down, in [rad].
+        pitch: Nose up, in [rad].
+        path_angle: chi in [rad].
+    """
+    sin_pitch, cos_pitch = math.sin(pitch), math.cos(pitch)
+    sin_bank, cos_bank = math.sin(bank), math.cos(bank)
+    upright = math.hypot(sin_pitch, cos_pitch * cos_bank)
+    climb = min(max(math.sin(path_angle) / upright, -1.0), 1.0)
+    alpha = math.atan2(sin_pitch, cos_pitch * cos_bank) - math.asin(climb)
+    ahead = cos_pitch * math.cos(alpha) + sin_pitch * cos_bank * math.sin(alpha)
+    return math.atan2(sin_bank * math.sin(alpha), ahead)
