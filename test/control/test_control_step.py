@@ -200,13 +200,13 @@ def test_an_answer_that_took_too_long_is_not_given():
     assert "answered only after" in words(controller)[-2]
 
 
-def test_without_air_data_the_air_is_taken_as_still_and_that_is_said_once(seeing):
+def test_without_air_data_the_air_is_taken_as_still_at_first_and_that_is_said_once(seeing):
     wind = np.array([5.0, 0.0, 0.0])
     for k in range(10):
         seeing.see_target(0.1 * k, STILL)
         seeing.step(measured(0.1 * k, wind=wind, airspeed=None), 0.1 * k)
     assert [w for w in words(seeing) if "air" in w] == [
-        "no airspeed is measured: the air is taken as still"
+        "airspeed is not measured: ground velocity and wind stand in for it"
     ]
     np.testing.assert_allclose(seeing.drift, 0.0, atol=1e-12)
     seeing.see_air(1.0, 22.0)
@@ -247,7 +247,7 @@ def test_an_airspeed_that_ends_in_flight_is_told(seeing):
         if k < 5:
             seeing.see_air(0.1 * k, 22.0)
     told = [w for w in words(seeing) if "air" in w]
-    assert told == ["no airspeed is measured: the air is taken as still"]
+    assert told == ["airspeed is not measured: ground velocity and wind stand in for it"]
 
 
 @pytest.mark.parametrize("law", ["l1", "npfg", "vector_field"])

@@ -411,7 +411,7 @@ class Controller:
         if verdict not in (Verdict.USE, Verdict.RESTART):
             return None
         measurement, vehicle = self.navigator.air.see_state(measurement)
-        self.response.see(measurement, vehicle, not self.navigator.air.missing)
+        self.response.see(measurement, vehicle, self.navigator.airspeed_known)
         return measurement, vehicle
 
     def _answer(self, measurement: Measurement, vehicle: NDArray[np.float64]) -> Command:
@@ -423,7 +423,7 @@ class Controller:
             # No measurement should make the navigation fail; the aircraft is not lost over it.
             trouble = str(error) if seen is None else f"the navigation failed: {error}"
             return self._hold(stamp, vehicle, trouble)
-        if words := self.navigator.air.complaint():
+        for words in self.navigator.complaints():
             self.events.add(Level.WARNING, words)
         self.drift = estimate.present.drift
         fresh = seen is not None and stamp - seen <= self.parameters.target_timeout

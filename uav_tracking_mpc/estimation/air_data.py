@@ -110,12 +110,16 @@ class AirData:
         heading, path_angle = math.atan2(north, east), math.atan2(up, math.hypot(east, north))
         return measurement, np.array([*measurement.position, heading, path_angle, speed])
 
-    def complaint(self) -> str:
-        """What is taken otherwise than it is measured, in words, the first time; else empty."""
+    def complaint(self, wind_known: bool = False) -> str:
+        """What is taken otherwise than it is measured, in words, the first time; else empty.
+
+        Args:
+            wind_known: Whether the wind stands in for an airspeed that is missing.
+        """
         if self._path.contradicted and not self._doubted:
             self._doubted = True
             return "the nose turns against the bank: the attitude is taken for the direction flown"
-        if self._told or self.awaited or not self.missing:
+        if self._told or self.awaited or not self.missing or wind_known:
             return ""
         self._told = True
         return "no airspeed is measured: the air is taken as still"

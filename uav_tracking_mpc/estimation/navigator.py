@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc.dynamics import vehicle as vehicle_model
 from uav_tracking_mpc.dynamics.vehicle import Response, followed
 from uav_tracking_mpc.dynamics.vehicle_models import step_function
+from uav_tracking_mpc.estimation.air_check import AIRSPEED, AirCheck
 from uav_tracking_mpc.estimation.air_data import AirData
 from uav_tracking_mpc.estimation.command_history import CommandHistory
 from uav_tracking_mpc.estimation.forecast import Forecast
@@ -89,6 +90,7 @@ class Navigator:
         air: The airspeed that came by itself.
         target: The filter of the target's positions.
         air_filter: Of mean wind, gusts and biases.
+        air_check: Which of airspeed and heading are left out.
         wind: At the latest estimate, gust included, shape (3,), in [m/s].
         airspeed: As it was measured last in [m/s], before noise and bias are taken out.
         latency: Time from a measurement to the command that answers it, averaged, in [s].
@@ -97,7 +99,7 @@ class Navigator:
     @one_at_a_time
     def __init__(self, parameters: TrackingParameters) -> None:
         self.air = AirData(parameters.state_timeout)
-        self.air_filter = WindFilter()
+        self.air_filter, self.air_check = WindFilter(), AirCheck()
         angle = RateAided(*GYRO, ATTITUDE_NOISE, circular=True)
         speed = RateAided(*ACCELERATION_MODEL, AIRSPEED_NOISE, circular=False)
         self._air_motion = RateAidedFilters([angle, angle, speed])  # heading, path angle, airspeed
@@ -146,12 +148,22 @@ class Navigator:
         self.air.reset()
         self.target.reset()
         self._history.reset()
-        for part in (self.air_filter, self._air_motion):
+        for part in (self.air_filter, self.air_check, self._air_motion):
             part.reset()
         self.wind = np.zeros(3)
         self._faded, self._fade_begin = np.zeros((2, 3)), 0.0
         self._acceleration = 0.0
         self._time: float | None = None
+
+    @property
+    def airspeed_known(self) -> bool:
+        """Whether the airspeed is measured and believed."""
+        return not self.air.missing and not self.air_check.reasons[AIRSPEED]
+
+    def complaints(self) -> list[str]:
+        """What has become of the sensors since it was asked last, in words."""
+        words = self.air.complaint(self._estimating)
+        return [*([words] if words else []), *self.air_check.news()]
 
     def see_target(
         self,
@@ -249,16 +261,17 @@ class Navigator:
     ) -> _AircraftInAir:
         """What is measured, without noise and biases as far as they are known."""
         rates = np.array([measurement.turn_rate, measurement.path_angle_rate, self._acceleration])
-        if self.air.missing or not self._estimating:
+        if not self._estimating:
             wind = measurement.ground_velocity - vehicle_model.velocity(vehicle)
             return _AircraftInAir(vehicle, rates, wind, np.zeros(3), np.ones(3))
         filters, noise = self._air_motion, measurement.noise
+        air, check, ground = self.air_filter, self.air_check, measurement.ground_velocity
         told = noise.heading, noise.path_angle, noise.airspeed
-        filters.update(measurement.stamp, vehicle[3:], rates, told)
+        motion = self._by_wind(measurement, vehicle)
+        filters.update(measurement.stamp, motion, rates, told)
         heading, path_angle, airspeed = filters.values.tolist()
         seen = np.array(vehicle_model.air_velocity(heading, path_angle, airspeed, math))
-        air = self.air_filter
-        ground, by_source = measurement.ground_velocity, (noise.position, noise.velocity)
+        by_source = noise.position, noise.velocity, check.loose(heading)
         air.update(measurement.stamp, vehicle[:3], ground, seen, height, *by_source)
         heading = math.remainder(heading - air.heading_bias, 2.0 * math.pi)
         airspeed *= 1.0 - air.airspeed_share
@@ -270,6 +283,21 @@ class Navigator:
             air.gust,
             air.correlation_times,
         )
+
+    def _by_wind(
+        self, measurement: Measurement, vehicle: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Heading, path angle and airspeed; what does not fit the wind is that of the wind."""
+        heading, path_angle, airspeed = vehicle[3:].tolist()
+        air = self.air_filter
+        level = math.cos(path_angle) * (1.0 - air.airspeed_share)
+        by_wind = (measurement.ground_velocity - air.ground_velocity_bias - air.mean_wind)[:2]
+        reading = None if self.air.missing else airspeed
+        if self.air.missing:
+            heading = measurement.heading
+        known = by_wind, air.wind_deviation, self._acceleration
+        judged = self.air_check.judge(measurement.stamp, heading, reading, level, *known)
+        return np.array([judged[0], path_angle, judged[1]])
 
     def _at_effect(
         self, time: float, delay: float, present: Situation, forecast: Forecast

@@ -42,7 +42,7 @@ import math
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics.air import gust_scales
 from uav_tracking_mpc.estimation.noise_meter import MEMORY, NoiseMeters, Signal
@@ -60,6 +60,7 @@ GUST_WALK = 1.0  # m^2/s^3, that of moderate gusts, until it is seen how strong 
 # Over which the air velocity is averaged that multiplies alpha and beta. A gust changes the
 # airspeed of a real aircraft, and its heading as it weathercocks, before it moves the aircraft:
 # v_measured - a then changes exactly as -a does, and the gust would be taken for alpha.
+JUMP, DEVIATIONS, JUMP_TIME = 2.0, 6.0, 2.0  # m, -, s: of positions that are elsewhere, how long
 AVERAGING_TIME = 5.0  # s
 STEADY_SHARE = 0.1  # of the airspeed, that the air velocity may be apart from its average
 LONGEST_GAP = 2.0  # s without a measurement, after which the position begins anew
@@ -78,7 +79,8 @@ class WindFilter:
         self._air, self._air_before = np.zeros(3), np.zeros(3)
         self._steady_air, self._times = np.zeros(3), np.ones(3)
         self._scalars = np.zeros(2)  # elapsed time [s], turn rate [rad/s]
-        self._measured = np.zeros(12)  # position, ground velocity, and what is told of their noise
+        # Position, ground velocity, what is told of their noise, and the guess of the air velocity.
+        self._measured = np.zeros(15)
         air = self._air_before, self._air, self._steady_air
         meters = self._meters.state, self._meters.compared
         self._update = BufferedFunction(
@@ -95,6 +97,7 @@ class WindFilter:
         self._meters.reset()
         self._check.reset()
         self._time: float | None = None
+        self._jumped = 0.0  # s, for which positions have been elsewhere
         self._state[:] = 0.0
         deviations = [POSITION_NOISE, WIND, GUST, GROUND_BIAS]
         prior = [*np.repeat(deviations, 3), AIRSPEED_SHARE, HEADING_BIAS]
@@ -113,6 +116,11 @@ class WindFilter:
     def mean_wind(self) -> NDArray[np.float64]:
         """w, shape (3,), in [m/s]."""
         return self._state[W].copy()
+
+    @property
+    def wind_deviation(self) -> float:
+        """Standard deviation of the level part of w, on the worse axis, in [m/s]."""
+        return math.sqrt(max(self._covariance[_DIAGONAL[W]][:2].max(), 0.0))
 
     @property
     def gust(self) -> NDArray[np.float64]:
@@ -148,6 +156,7 @@ class WindFilter:
         height: float,
         position_noise: tuple[float, ...] = UNKNOWN,
         velocity_noise: tuple[float, ...] = UNKNOWN,
+        loose: ArrayLike = UNKNOWN,
     ) -> None:
         """Take in a measurement.
 
@@ -160,12 +169,15 @@ class WindFilter:
             position_noise: Standard deviation on each axis of ``map`` by the source, shape (3,), in
                 [m]; zeros where it is unknown.
             velocity_noise: Of the ground velocity, likewise, in [m/s].
+            loose: Direction in which the air velocity is a guess, times its deviation, shape (3,),
+                in [m/s].
         """
         elapsed = math.inf if self._time is None else time - self._time
         self._time = time
         self._air_before[:], self._air[:] = self._air, air_velocity
         self._measured[:3], self._measured[3:6] = position, ground_velocity
-        self._measured[6:9], self._measured[9:] = position_noise, velocity_noise
+        self._measured[6:9], self._measured[9:12] = position_noise, velocity_noise
+        self._measured[12:] = loose
         if not 0.0 <= elapsed <= LONGEST_GAP:
             self._check.reset()
             self._begin(position_noise)
@@ -177,6 +189,8 @@ class WindFilter:
                 self._time, self._air[:] = time, air_velocity
             self._begin(position_noise)
             return
+        if elapsed <= LONGEST_GAP and not self._place_fits(elapsed):
+            self._measured[:3] = self._state[P] + elapsed * (ground_velocity - self._state[B])
         self._meters.begin(time)
         self._update.evaluate()
         results = self._update.results
@@ -193,6 +207,20 @@ class WindFilter:
         return self._check.judge(
             elapsed, measured[:3], measured[3:6], expected, math.sqrt(max(variance, 0.0))
         )
+
+    def _place_fits(self, elapsed: float) -> bool:
+        """Whether the position is to be used: one that has jumped is not, unless it stays there."""
+        measured, state = self._measured, self._state
+        offset = measured[:3] - state[P] - elapsed * (measured[3:6] - state[B])
+        most = JUMP + DEVIATIONS * max(math.sqrt(self._meters.state[-1]), *measured[6:9].tolist())
+        if offset @ offset <= most * most:
+            self._jumped = 0.0
+            return True
+        self._jumped += elapsed
+        if self._jumped < JUMP_TIME:
+            return False
+        state[P], self._jumped = measured[:3], 0.0
+        return True
 
     def _begin(self, noise: tuple[float, ...]) -> None:
         """The position begins anew, whatever was known of it."""
@@ -232,8 +260,8 @@ def _function() -> ca.Function:
     state, triangle = ca.SX.sym("state", SIZE), ca.SX.sym("P", len(_ROWS))
     meters = _meters()
     known, compared = ca.SX.sym("m", len(meters.state)), ca.SX.sym("c", len(meters.compared))
-    measured = ca.SX.sym("measured", 12)
-    position, velocity, position_noise, velocity_noise = ca.vertsplit(measured, 3)
+    measured = ca.SX.sym("measured", 15)
+    position, velocity, position_noise, velocity_noise, loose = ca.vertsplit(measured, 3)
     arguments = [scalars, before, air, steady, times, state, triangle, known, compared, measured]
 
     steady, turn_rate = _averaged(elapsed, turn_rate, before, air, steady)
@@ -255,7 +283,8 @@ def _function() -> ca.Function:
         *[ca.fmax(variance[k], VELOCITY_NOISE**2) for k in (0, 0, 1)],
     )
     seen = ca.vertcat(position, velocity)
-    state, covariance = _corrected(air, steady, state, covariance, seen, noise)
+    guessed = ca.vertcat(ca.SX.zeros(3), loose)
+    state, covariance = _corrected(air, steady, state, covariance, seen, noise, guessed)
     upper = ca.vertcat(*[covariance[r, c] for r, c in zip(_ROWS, _COLUMNS, strict=True)])
     return ca.Function("wind_filter", arguments, [steady, turn_rate, state, upper, metered, sample])
 
@@ -304,7 +333,13 @@ def _predicted(
 
 
 def _corrected(
-    air: ca.SX, steady: ca.SX, state: ca.SX, covariance: ca.SX, measured: ca.SX, noise: ca.SX
+    air: ca.SX,
+    steady: ca.SX,
+    state: ca.SX,
+    covariance: ca.SX,
+    measured: ca.SX,
+    noise: ca.SX,
+    guessed: ca.SX,
 ) -> tuple[ca.SX, ca.SX]:
     """State and covariance, in its upper triangle, with position and ground velocity measured."""
     sensed = ca.SX(6, SIZE)
@@ -318,7 +353,8 @@ def _corrected(
     apart = air - steady
     explained = sensed @ state + ca.vertcat(ca.SX.zeros(3), air - _beside(state, apart))
     crossed = sensed @ covariance
-    gain = _solved(crossed @ sensed.T + ca.diag(noise), crossed).T
+    spread = crossed @ sensed.T + ca.diag(noise) + guessed @ guessed.T
+    gain = _solved(spread, crossed).T
     # Heading and airspeed are sure while the aircraft turns as it did over the average.
     is_steady = ca.sumsqr(apart) <= STEADY_SHARE**2 * ca.sumsqr(air)
     gain[ALPHA:, :] *= is_steady

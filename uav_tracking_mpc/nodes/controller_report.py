@@ -328,7 +328,7 @@ class ControllerReport:
             **self.peers.values(),
         }
         if controller.parameters.air_estimation:
-            values |= air_values(navigator.air_filter)
+            values |= air_values(navigator.air_filter) | navigator.air_check.values()
         decrease = None if formulation is None else formulation.decrease
         if decrease is not None:
             values["cost decrease (54) checked"] = decrease.checked

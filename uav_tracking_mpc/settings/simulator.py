@@ -211,6 +211,11 @@ class SimulatorParameters(HoldParameters, FrameParameters):
     airspeed_bias: float = parameter(
         0.0, "Constant error of the measured airspeed.", "m/s", -50.0, 50.0
     )
+    airspeed_stuck: bool = parameter(False, "Measure one airspeed for ever.")
+    airspeed_silent: bool = parameter(False, "Measure no airspeed.")
+    position_bias: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0), "Constant error of the measured position.", "m", -1e4, 1e4, size=3
+    )
     turn_rate_bias: float = parameter(
         0.0, "Constant error of the measured turn rate.", "rad/s", -1.0, 1.0
     )

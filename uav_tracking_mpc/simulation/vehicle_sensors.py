@@ -34,7 +34,8 @@ from uav_tracking_mpc.settings.simulator import SimulatorParameters
 # Parameters that may change while it measures.
 ERRORS = (
     *("position_noise", "velocity_noise", "attitude_noise", "airspeed_noise"),
-    *("velocity_bias", "heading_bias", "airspeed_bias", "turn_rate_bias"),
+    *("velocity_bias", "heading_bias", "airspeed_bias", "turn_rate_bias", "position_bias"),
+    *("airspeed_stuck", "airspeed_silent"),
 )
 TIME_ROUNDING = 1e-9  # s, rounding by which a measurement may be too young
 
@@ -49,6 +50,7 @@ class VehicleSensors:
 
     def __init__(self, parameters: SimulatorParameters, seed: np.random.SeedSequence) -> None:
         self._held: deque[Measurement] = deque()
+        self._airspeed: float | None = None  # at which it is stuck [m/s]
         self._random = np.random.default_rng(seed)
         self.change(parameters)
 
@@ -68,9 +70,15 @@ class VehicleSensors:
         )
         self._told = _told(parameters)
         heading, airspeed = parameters.heading_bias, parameters.airspeed_bias
-        self._biases = np.array([0.0] * 3 + [heading, 0.0, airspeed, *parameters.velocity_bias])
+        self._biases = np.array(
+            [*parameters.position_bias, heading, 0.0, airspeed, *parameters.velocity_bias]
+        )
+        self._stuck, self._silent = parameters.airspeed_stuck, parameters.airspeed_silent
+        if not self._stuck:
+            self._airspeed = None
         self._turn_rate_bias = parameters.turn_rate_bias
-        self._wrong = bool(np.any([*self._deviations, *self._biases, self._turn_rate_bias]))
+        wrong = self._turn_rate_bias, self._stuck, self._silent
+        self._wrong = bool(np.any([*self._deviations, *self._biases, *wrong]))
         self._delay, self._stamp_true = parameters.state_delay, parameters.state_stamp_true
 
     def measure(self, truth: Measurement) -> Measurement:
@@ -99,6 +107,8 @@ class VehicleSensors:
         position, attitude, ground_velocity = errors.reshape(3, 3)
         heading, path_angle, airspeed = attitude.tolist()
         airspeed = None if truth.airspeed is None else max(truth.airspeed + airspeed, 0.0)
+        if self._stuck:
+            self._airspeed = airspeed = airspeed if self._airspeed is None else self._airspeed
         right_angle = 0.5 * math.pi
         return dataclasses.replace(
             truth,
@@ -107,7 +117,7 @@ class VehicleSensors:
             heading=float(wrap_angle(truth.heading + heading)),
             path_angle=min(max(truth.path_angle + path_angle, -right_angle), right_angle),
             turn_rate=truth.turn_rate + self._turn_rate_bias,
-            airspeed=airspeed,
+            airspeed=None if self._silent else airspeed,
             noise=self._told,
         )
 

@@ -1,0 +1,115 @@
+"""Sensors that fail are left out and named; air that changes is not taken for one."""
+
+import math
+
+import numpy as np
+import pytest
+
+from uav_tracking_mpc.estimation.air_check import AIRSPEED, HEADING, AirCheck
+
+STEP, AIRSPEED_FLOWN, TURN = 0.05, 22.0, 0.073
+
+
+def circled(check, reading, begin=0.0, end=100.0, heading_error=0.0, gust=None, acceleration=0.0):
+    """Circle in a wind that is known; what was gone by at last, and the reasons on the way."""
+    reasons = []
+    for k in range(round(begin / STEP), round(end / STEP)):
+        time = k * STEP
+        heading = math.remainder(TURN * time, 2.0 * math.pi)
+        air = AIRSPEED_FLOWN * np.array([math.cos(heading), math.sin(heading)])
+        if gust is not None:
+            air = air + gust(time)
+        seen = math.remainder(heading + heading_error, 2.0 * math.pi)
+        gone_by = check.judge(time, seen, reading(time), 1.0, air, 0.1, acceleration)
+        if not reasons or reasons[-1] != check.reasons:
+            reasons.append(list(check.reasons))
+    return math.remainder(gone_by[0] - heading, 2.0 * math.pi), gone_by[1], reasons
+
+
+def right(time):
+    return AIRSPEED_FLOWN + 0.01 * math.sin(time)
+
+
+@pytest.fixture
+def check():
+    check = AirCheck()
+    assert circled(check, right)[2] == [["", ""]]
+    return check
+
+
+@pytest.mark.parametrize("wrong", [-22.0, -3.0, 3.0, 10.0])
+def test_an_airspeed_that_jumps_is_left_out_until_it_agrees(check, wrong):
+    _, airspeed, reasons = circled(check, lambda time: right(time) + wrong, 100.0, 130.0)
+    assert airspeed == pytest.approx(AIRSPEED_FLOWN)
+    assert reasons[-1] == ["jumped", ""]
+    assert check.news() == ["airspeed has jumped: ground velocity and wind stand in for it"]
+    assert circled(check, right, 130.0, 150.0)[2][-1] == ["", ""]
+    (words,) = check.news()
+    assert words.endswith("it is used again")
+    assert check.news() == []
+
+
+def test_a_heading_that_jumps_is_left_out(check):
+    heading, airspeed, reasons = circled(check, right, 100.0, 130.0, heading_error=0.5)
+    assert (heading, airspeed) == pytest.approx((0.0, AIRSPEED_FLOWN), abs=0.02)
+    assert reasons[-1] == ["", "jumped"]
+    assert check.values() == {"airspeed sensor": "used", "heading sensor": "jumped"}
+
+
+def test_an_airspeed_that_drifts_is_left_out_before_it_is_off_by_a_quarter(check):
+    _, airspeed, _ = circled(check, lambda time: right(time) + 0.1 * (time - 100.0), 100.0, 150.0)
+    assert check.reasons[AIRSPEED] == "off"
+    assert airspeed == pytest.approx(AIRSPEED_FLOWN)
+
+
+def test_an_airspeed_that_stays_while_the_aircraft_accelerates_is_stuck(check):
+    """It does not come back by agreeing for a while: a clock that stands is right now and then."""
+    speeding = lambda time: np.array([2.0, 0.0]) * math.cos(TURN * time)  # noqa: E731
+    circled(check, lambda _: 22.0, 100.0, 110.0, gust=speeding, acceleration=0.5)
+    assert check.reasons[AIRSPEED] == "stuck"
+    circled(check, lambda _: 22.0, 110.0, 150.0)
+    assert check.reasons[AIRSPEED] == "stuck"
+    circled(check, right, 150.0, 170.0)
+    assert check.reasons[AIRSPEED] == ""
+
+
+def test_an_airspeed_that_stays_in_steady_flight_is_not_stuck(check):
+    assert circled(check, lambda _: 22.0, 100.0, 160.0)[2] == [["", ""]]
+
+
+def test_without_an_airspeed_the_wind_tells_it(check):
+    _, airspeed, reasons = circled(check, lambda _: None, 100.0, 110.0)
+    assert airspeed == pytest.approx(AIRSPEED_FLOWN)
+    assert reasons[-1] == ["silent", ""]
+    assert circled(check, right, 110.0, 112.0)[2][-1] == ["", ""]
+
+
+@pytest.mark.parametrize("period", [3.0, 10.0, 40.0])
+def test_gusts_are_no_fault(period):
+    """Of 3 m/s, as strong along as across."""
+    blowing = lambda t: (
+        3.0 * np.array([math.sin(2.0 * math.pi * t / period), math.cos(2.2 * math.pi * t / period)])
+    )
+    check = AirCheck()
+    circled(check, right, gust=blowing)
+    assert circled(check, right, 100.0, 300.0, gust=blowing)[2] == [["", ""]]
+
+
+def test_a_wind_that_turns_is_no_fault(check):
+    """By 90 deg in a minute, of which the filter follows a half."""
+    turning = lambda t: (
+        2.5
+        * np.array(
+            [1.0 - math.cos(math.pi / 120.0 * (t - 100.0)), math.sin(math.pi / 120.0 * (t - 100.0))]
+        )
+    )
+    assert circled(check, right, 100.0, 120.0, gust=turning)[2] == [["", ""]]
+
+
+def test_what_is_left_out_is_not_measured(check):
+    assert not check.loose(0.3).any()
+    circled(check, lambda time: right(time) + 5.0, 100.0, 110.0)
+    loose = check.loose(0.0)
+    assert loose[0] > 10.0
+    assert loose[1] == 0.0
+    assert not check.reasons[HEADING]

@@ -1,0 +1,186 @@
+r"""Whether airspeed and heading fit the wind: which of them is wrong where they do not.
+
+With the ground velocity :math:`v_g` and the mean wind w, the velocity through the air is
+:math:`u = v_g - w`. Along the heading it is to be the airspeed, across it nothing:
+
+.. math:: r = v - u_\parallel, \qquad c = u_\perp .
+
+A wind that changes shows on both as the aircraft turns, and gusts show on both alike. A sensor that
+fails shows on its own one. It is left out when its residual has jumped within a few seconds, or has
+stayed away from zero for longer, by more than is explained by the gusts and the change of the wind
+as they show on the other one. So is an airspeed that stays the same to the last bit though the
+aircraft has been accelerated. Ground velocity and wind stand in for it until it agrees again.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+SMOOTHING, CHANGE_TIME, LASTING = 0.7, 4.0, 10.0  # s: of noise, of a jump, of what lasts
+LEAST_JUMP, LEAST_OFFSET = 1.0, 1.0  # m/s
+DEVIATIONS = 4.0  # standard deviations of gusts that explain a residual
+DOMINANCE = 3.0  # -, by which what lasts on one must exceed that on the other
+TURNED = 0.3  # rad, that the wind's error turns against the heading in a jump
+WIND_KNOWN = 1.5  # m/s, standard deviation of the wind from which on there is something to compare
+MEMORY = 60.0  # s, of the gusts
+PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts taken at first, and how much that weighs
+AGREEING, AGREED_FOR = 0.5, 5.0  # -, s: share of the limits to be kept to, to be used again
+STUCK_FOR, STUCK_CHANGE = 1.0, 0.4  # s and m/s: of a reading, and of the speed meanwhile
+AIRSPEED, HEADING = 0, 1
+NAMES = "airspeed", "heading"
+SILENT, STUCK, JUMPED, OFF = "silent", "stuck", "jumped", "off"
+WORDS = {
+    reason: f"{what}: ground velocity and wind stand in for it"
+    for reason, what in (
+        (SILENT, "is not measured"),
+        (STUCK, "is stuck"),
+        (JUMPED, "has jumped"),
+        (OFF, "is off"),
+    )
+} | {"": "agrees with ground velocity and wind: it is used again"}
+BLIND = 100.0  # m/s, standard deviation of what is not measured
+
+
+class AirCheck:
+    """Compares airspeed and heading with the wind triangle.
+
+    Attributes:
+        reasons: Why airspeed and heading are left out, in a word; empty where they are used.
+    """
+
+    def __init__(self) -> None:
+        self.reset()
+
+    def reset(self) -> None:
+        """Believe both sensors."""
+        self.reasons = ["", ""]
+        self._time = -math.inf
+        # (r, c) in m/s: without noise, as of some seconds ago, and what lasts; squares of gusts.
+        self._now, self._before, self._lasting = np.zeros(2), np.zeros(2), np.zeros(2)
+        self._jumps, self._offsets = np.full(2, PRIOR**2), np.full(2, PRIOR**2)
+        self._weight = 0.0  # s, for which they have been compared
+        self._agreed = [0.0, 0.0]  # s
+        self._reading, self._since, self._gained, self._speed = math.nan, 0.0, 0.0, 0.0
+        self._told = ["", ""]
+
+    def judge(
+        self,
+        time: float,
+        heading: float,
+        reading: float | None,
+        level: float,
+        air: NDArray[np.float64],
+        wind_deviation: float,
+        acceleration: float,
+    ) -> tuple[float, float]:
+        """Heading [rad] and airspeed [m/s] to go by.
+
+        Args:
+            time: Of the measurement in [s].
+            heading: As measured in [rad].
+            reading: Airspeed as measured in [m/s]; None where there is none.
+            level: Share of it that is level, less what it is known to read too much, [-].
+            air: u, shape (2,), in [m/s].
+            wind_deviation: Standard deviation of w in [m/s].
+            acceleration: That is commanded and flown in [m/s^2].
+        """
+        step, self._time = time - self._time, time
+        east, north = air.tolist()
+        cosine, sine = math.cos(heading), math.sin(heading)
+        along, across = cosine * east + sine * north, cosine * north - sine * east
+        airspeed = 0.0 if reading is None else level * reading
+        if reading is None:
+            self.reasons[AIRSPEED] = SILENT
+        elif self.reasons[AIRSPEED] == SILENT:
+            self.reasons[AIRSPEED] = ""
+            self._weight = 0.0
+        elif 0.0 < step <= CHANGE_TIME:
+            self._see_reading(time, step, reading, along, acceleration)
+        residuals = np.array([0.0 if reading is None else airspeed - along, across])
+        if not (0.0 <= step <= CHANGE_TIME and wind_deviation <= WIND_KNOWN):
+            self._weight = 0.0
+        elif step > 0.0:
+            self._compare(step, residuals, TURNED * wind_deviation)
+        flown = math.atan2(north, east) if self.reasons[HEADING] else heading
+        if self.reasons[AIRSPEED]:
+            airspeed = math.hypot(east, north) if self.reasons[HEADING] else max(along, 0.0)
+        return flown, airspeed / level
+
+    def _compare(self, step: float, residuals: NDArray[np.float64], turned: float) -> None:
+        """Follow r and c, and leave a sensor out or take it back."""
+        if self._weight == 0.0:
+            self._now[:] = self._before[:] = residuals
+            self._lasting[:] = 0.0
+            self._weight = PRIOR_TIME
+        self._weight = min(self._weight + step, MEMORY)
+        self._now += min(step / SMOOTHING, 1.0) * (residuals - self._now)
+        self._before += step / CHANGE_TIME * (self._now - self._before)
+        self._lasting += step / LASTING * (self._now - self._lasting)
+        jumps, offsets = self._now - self._before, self._lasting
+        for which, reason in enumerate(self.reasons):
+            other = 1 - which
+            most = LEAST_JUMP + DEVIATIONS * (math.sqrt(self._jumps[other]) + turned)
+            lasting = LEAST_OFFSET + DEVIATIONS * math.sqrt(self._offsets[other])
+            lasting = max(lasting, DOMINANCE * abs(offsets[other]))
+            if not reason and not self.reasons[other]:
+                jumped = abs(jumps[which]) > most
+                known = (
+                    which == AIRSPEED and self._weight >= MEMORY
+                )  # a bias has been found by then
+                off = known and abs(offsets[which]) > lasting
+                self.reasons[which] = JUMPED if jumped else OFF if off else ""
+                self._agreed[which] = 0.0
+            elif reason in (JUMPED, OFF):
+                agrees = abs(self._now[which]) < AGREEING * min(most, lasting)
+                agrees &= which == HEADING or self._time - self._since < STUCK_FOR
+                self._agreed[which] = self._agreed[which] + step if agrees else 0.0
+                if self._agreed[which] > AGREED_FOR:
+                    self.reasons[which] = ""
+                    self._before[which] = self._lasting[which] = self._now[which]
+        share = np.where([not reason for reason in self.reasons], step / self._weight, 0.0)
+        self._jumps += share * (np.square(self._now - self._before) - self._jumps)
+        self._offsets += share * (np.square(self._lasting) - self._offsets)
+
+    def _see_reading(
+        self, time: float, step: float, reading: float, along: float, acceleration: float
+    ) -> None:
+        """Compare a reading that does not change with how the aircraft has been accelerated."""
+        if reading != self._reading:
+            self._reading, self._since, self._gained, self._speed = reading, time, 0.0, along
+            if self.reasons[AIRSPEED] == STUCK:
+                self.reasons[AIRSPEED] = JUMPED  # it must agree first
+            return
+        self._gained += step * acceleration
+        moved = min(abs(self._gained), abs(along - self._speed)) > STUCK_CHANGE
+        if moved and time - self._since > STUCK_FOR and not self.reasons[AIRSPEED]:
+            self.reasons[AIRSPEED] = STUCK
+
+    def news(self) -> list[str]:
+        """What has become of the sensors since it was asked last, in words."""
+        words = [
+            f"{name} {WORDS[reason]}"
+            for name, reason, told in zip(NAMES, self.reasons, self._told, strict=True)
+            if reason != told
+        ]
+        self._told = list(self.reasons)
+        return words
+
+    def values(self) -> dict[str, object]:
+        """Of each sensor whether it is used, or why not."""
+        return {
+            f"{name} sensor": reason or "used"
+            for name, reason in zip(NAMES, self.reasons, strict=True)
+        }
+
+    def loose(self, heading: float) -> NDArray[np.float64]:
+        """Direction in which the air velocity is not measured, times its deviation, shape (3,).
+
+        Args:
+            heading: That is gone by in [rad].
+        """
+        along = np.array([math.cos(heading), math.sin(heading), 0.0])
+        across = np.array([-along[1], along[0], 0.0])
+        return BLIND * (bool(self.reasons[AIRSPEED]) * along + bool(self.reasons[HEADING]) * across)
