@@ -30,8 +30,7 @@ from uav_tracking_mpc import load_configuration
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 from uav_tracking_mpc.view import recorded_scene as module
-from uav_tracking_mpc.view.logged_flight import LoggedSource
-from uav_tracking_mpc.view.recorded_scene import BUDGET, pace_of, recorded_scene
+from uav_tracking_mpc.view.recorded_scene import BUDGET, LoggedSource, pace_of, recorded_scene
 
 pytest.importorskip("viser", reason="the scene needs viser")
 DATA = re.compile(r'__VISER_EMBED_DATA__="([^"]*)"')
