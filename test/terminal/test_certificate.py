@@ -23,7 +23,7 @@ import numpy as np
 import pytest
 
 from uav_tracking_mpc.control.certification import certificate_status
-from uav_tracking_mpc.dynamics.relative_models.exact import Exact
+from uav_tracking_mpc.dynamics.relative_models.kinematics import Exact
 from uav_tracking_mpc.studies.stability.proof import certificate, prove_direct_condition
 from uav_tracking_mpc.terminal import certificate as certificate_module
 from uav_tracking_mpc.terminal import interval, quadratic_bound
