@@ -338,11 +338,12 @@ def _bank_panel(axes: Axes, log: FlightLog) -> None:
     """Right wing down is positive; asked for is what the orbit needs without a drift."""
     turn_rate, _, _ = log.steady_inputs.tolist()
     asked = np.full(len(log.time), math.degrees(bank_from_turn_rate(turn_rate, log.orbit.speed)))
-    bank, most = np.degrees(log.bank), np.degrees(_limits(log, "bank_max"))
-    words = f"at most {{1:.0f}}° of {most[0]:.0f}°" if len(most) else ""
-    largest = _span(np.abs(bank), words)
+    bank, most, words = np.degrees(log.bank), np.degrees(_limits(log, "bank_max")), ""
+    if len(most) and len(bank):
+        largest = np.nanmax(np.abs(bank), initial=0.0)
+        words = f"at most {largest:.0f}° of {most[0]:.0f}°"
     title, label = "Bank, right wing down", r"$\phi$ [deg]"
-    _limited_panel(axes, log, bank, asked, [*-most, *most], largest, title, label)
+    _limited_panel(axes, log, bank, asked, [*-most, *most], words, title, label)
 
 
 def _airspeed_panel(axes: Axes, log: FlightLog) -> None:

@@ -93,8 +93,7 @@ class LoggedFlight(WatchedFlight):
     def _at(self, k: int) -> Sight:
         log = self._log
         c = int(np.searchsorted(log.command_time, log.time[k], side="right")) - 1
-        still = np.zeros(3)
-        target_velocity = still if log.target_velocity is None else log.target_velocity[k]
+        target_velocity = np.zeros(3) if log.target_velocity is None else log.target_velocity[k]
         heading, path_angle, airspeed = log.vehicle[k, 3:]
         mode, reason = None, ""
         if (flown := log.mode_at(float(log.time[k]))) is not None:
