@@ -38,9 +38,8 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from uav_tracking_mpc import load_configuration, simulate
 from uav_tracking_mpc.report.mission_report import write_report
 from uav_tracking_mpc.simulation.flight_log import FlightLog
-from uav_tracking_mpc.view.logged_flight import LoggedSource
 from uav_tracking_mpc.view.page import Page as LivePage
-from uav_tracking_mpc.view.recorded_scene import recorded_scene
+from uav_tracking_mpc.view.recorded_scene import LoggedSource, recorded_scene
 
 FOLDER = Path(__file__).parent / "gallery"
 SCENARIO = "circling_target"

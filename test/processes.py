@@ -75,16 +75,18 @@ def started(module, *arguments, after="", env=None, apart=False):
         env=environment() if env is None else env,
     )
     try:
-        process.said, lines = "", process.stderr if apart else process.stdout
-        while after not in process.said:
-            line = lines.readline()
-            if not line:
-                break
-            process.said += line
+        process.said, process.lines = "", process.stderr if apart else process.stdout
+        hear(process, after)
         yield process
     finally:
         process.kill()
         process.wait()
+
+
+def hear(process, words):
+    """Read what a started process says until it has said some words, or says no more."""
+    while words not in process.said and (line := process.lines.readline()):
+        process.said += line
 
 
 def ended(process, stop=None, limit=120.0):
@@ -95,15 +97,20 @@ def ended(process, stop=None, limit=120.0):
     return process.returncode, process.said + rest
 
 
-def outcome(module, *arguments, env=None, limit=300.0):
+def outcome(module, *arguments, **how):
     """Exit code, output and errors of a process that ends by itself."""
-    finished = subprocess.run(
-        command(module, *map(str, arguments)),
-        capture_output=True,
-        text=True,
-        env=environment() if env is None else env,
-        timeout=limit,
-    )
+    return _outcome(command(module, *map(str, arguments)), **how)
+
+
+def scripted(program, *arguments, missing=(), **how):
+    """The same of a program in Python that finds some modules missing."""
+    program = f"import sys; sys.modules.update(dict.fromkeys({missing!r}))\n{program}"
+    return _outcome([sys.executable, "-c", program, *map(str, arguments)], **how)
+
+
+def _outcome(words, env=None, limit=300.0):
+    env = environment() if env is None else env
+    finished = subprocess.run(words, capture_output=True, text=True, env=env, timeout=limit)
     return finished.returncode, finished.stdout, finished.stderr
 
 
@@ -132,17 +139,24 @@ def refused_start(name, *arguments):
     return fatal_words(name, *run_node(name, "--ros-args", *arguments))
 
 
+def children_of(parent):
+    """Process ids of children, and with which words they were started."""
+    listed = subprocess.run(
+        ["ps", "-ww", "-o", "pid=,args=", "--ppid", str(parent)], capture_output=True, text=True
+    ).stdout
+    for line in listed.splitlines():
+        identity, _, words = line.strip().partition(" ")
+        yield int(identity), words
+
+
 def nodes_of(launcher):
     """Process ids of a launcher's nodes, by name."""
-    children = subprocess.run(
-        ["ps", "-ww", "-o", "pid=,args=", "--ppid", str(launcher)], capture_output=True, text=True
-    ).stdout
-    found = {}
-    for line in children.splitlines():
-        identity, _, words = line.strip().partition(" ")
-        if "uav_tracking_mpc.nodes." in words:
-            found[words.split("uav_tracking_mpc.nodes.")[1].split()[0]] = int(identity)
-    return found
+    room = "uav_tracking_mpc.nodes."
+    return {
+        words.split(room)[1].split()[0]: identity
+        for identity, words in children_of(launcher)
+        if room in words
+    }
 
 
 def alive(identity):

@@ -115,8 +115,8 @@ class PageProcess:
 
 
 def _main(flight: str, port: str) -> None:
-    from uav_tracking_mpc.view.logged_flight import LoggedSource
     from uav_tracking_mpc.view.page import Page
+    from uav_tracking_mpc.view.recorded_scene import LoggedSource
 
     source = LoggedSource(*pickle.loads(Path(flight).read_bytes()))
     page = Page(source, None, int(port))

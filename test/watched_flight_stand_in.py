@@ -149,3 +149,13 @@ class StandInSource(FlightSource):
 
     def close(self):
         pass
+
+
+class StandInClient:
+    """A browser, as far as requests know it."""
+
+    def __init__(self):
+        self.notifications = []
+
+    def add_notification(self, title, body, **_):
+        self.notifications.append((title, body))

@@ -30,7 +30,7 @@ pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
 def logged(flight):
     """A flight that stands at its begin."""
-    from uav_tracking_mpc.view.logged_flight import LoggedSource
+    from uav_tracking_mpc.view.recorded_scene import LoggedSource
 
     source = LoggedSource(*flight)
     source.clock.pause()

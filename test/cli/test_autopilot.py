@@ -34,23 +34,3 @@ def test_it_flies_until_it_is_told_to_end():
     assert position.lat == pytest.approx(-339000000, abs=1e5)
     assert code == 0
     assert words.startswith("px4: system 7, mode LOITER, at udpout:")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["--connection", "radio"], "connection is 'radio', must be"),
-        (["--config", "no_such"], "configuration is 'no_such', must be"),
-        (["--set", "uav_simulator.plant=balloon"], "'balloon'"),
-    ],
-)
-def test_what_is_wrong_is_one_line(arguments, words, uav_tracking):
-    error = uav_tracking.refused("autopilot", *arguments)
-    assert words in error
-    assert len(error.splitlines()) == 1
-
-
-@pytest.mark.parametrize("origin", ["here", "95,0,0", "nan,0,0"])
-def test_an_origin_that_is_none_is_told(origin, uav_tracking):
-    error = uav_tracking.refused("autopilot", "--origin", origin)
-    assert f"'{origin}' is not LAT,LON,ALT" in error

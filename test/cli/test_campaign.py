@@ -16,12 +16,10 @@
 
 import json
 
-import pytest
 from campaign_files import SHORT, written
 from processes import started, wait_for
 from pyarrow import parquet
 
-from uav_tracking_mpc.cli.program import explanation
 from uav_tracking_mpc.studies.campaign import campaign_run
 from uav_tracking_mpc.studies.campaign.campaign_run import fly_batch
 
@@ -79,26 +77,3 @@ def test_people_get_tables(tmp_path, uav_tracking):
     )  # fmt: skip
     for words in ("vector_field", "bounds", "a minute and worker"):
         assert words in told
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["storm"], "campaign is 'storm', must be a file or one of lag_sweep"),
-        (["robustness", "--set", "wind.sped=3"], "'wind.sped' must be SECTION.PARAMETER"),
-        (["robustness", "--set", "wind.speed={uniform: [3]}"], "must have 2 values"),
-        (["robustness", "--laws", "pid"], "'law' is 'pid', must be one of"),
-        (["robustness", "--flights", "0"], "'0' is not an integer at least 1"),
-        (["robustness", "--workers", "2", "--scheduler", "tcp://x:1"], "not allowed with"),
-    ],
-)
-def test_mistakes_are_explained(arguments, words, tmp_path, uav_tracking):
-    refusal = uav_tracking.refused("campaign", *arguments, "--output", tmp_path / "out")
-    assert words in refusal
-
-
-def test_an_extra_that_is_missing_is_named():
-    error = ModuleNotFoundError("No module named 'pyarrow'", name="pyarrow")
-    assert explanation(error) == (
-        2, "pyarrow is not installed: `pip install 'uav_tracking_mpc[campaign]'`",
-    )  # fmt: skip

@@ -58,21 +58,6 @@ def test_people_get_a_table(uav_tracking):
     assert "missed" not in told  # without the controller nothing is judged
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["--scenario", "storm"], "scenario is 'storm', must be a file or one of"),
-        (["--laws", "pid"], "invalid choice: 'pid'"),
-        (["--law", "nowhere.py:Pursuit"], "there is no file"),
-        (["--config", "mars"], "configuration is 'mars'"),
-        (["--mismatch", "lag_9"], "invalid choice: 'lag_9'"),
-        (["--mismatch", "lag_0", "--scenario", "still"], "not allowed with argument --mismatch"),
-    ],
-)
-def test_mistakes_are_explained(arguments, words, uav_tracking):
-    assert words in uav_tracking.refused("compare", *arguments)
-
-
 class Interrupting:
     """Flies, and is interrupted at some flight."""
 

@@ -56,7 +56,3 @@ def test_another_problem_is_compiled_anew(quick, uav_tracking):
 def test_a_law_needs_nothing(uav_tracking):
     told = uav_tracking.told("compile", "--set", "nmpc_controller.law=l1")
     assert told == "paper: nothing has to be compiled for it\n"
-
-
-def test_what_is_not_allowed_is_refused(uav_tracking):
-    assert "no_such" in uav_tracking.refused("compile", "--config", "no_such")

@@ -132,9 +132,6 @@ def test_without_a_flight_it_says_where_it_looked(words, capfd, monkeypatch):
     assert f"of ROS domain {DOMAIN}" in errors
 
 
-pytest.importorskip("rclpy")
-
-
 @pytest.mark.parametrize(
     ("words", "namespace"),
     [([], "/"), (["--namespace", "red"], "/red"), (["--namespace", "/fleet/red/"], "/fleet/red")],

@@ -17,21 +17,14 @@
 import json
 import os
 import re
-import subprocess
 import urllib.request
 
 import pytest
-from processes import DOMAIN, INTERRUPT, KILL, alive, command, environment, wait_for
+from processes import DOMAIN, INTERRUPT, KILL, alive, children_of, hear, started
 
 from uav_tracking_mpc.cli.main import main
 
 LIMIT = 240.0  # s; for what is broken, not a measure of what works
-
-
-@pytest.mark.parametrize("words", [("--port", "0"), ("--host", "0.0.0.0"), ("--no-browser",)])
-def test_options_of_a_page_need_one(words, tmp_path, uav_tracking):
-    refusal = uav_tracking.refused("fly", *words, "--output", tmp_path)
-    assert f"{words[0]} needs --view" in refusal
 
 
 def test_what_does_not_fly_leaves_the_last_flight_as_it_is(tmp_path, monkeypatch, uav_tracking):
@@ -55,49 +48,23 @@ def test_security_without_keys_is_refused_in_words(tmp_path, monkeypatch, capfd)
     assert not list(output.iterdir())
 
 
-class ViewedFlight:
-    """``uav_tracking fly --view`` as a process."""
-
-    def __init__(self, folder):
-        self.folder = folder
-        self.log = (folder / "log").open("w")
-        words = ("--view", "--no-browser", "--port", "0", "--duration", "20", "--output", folder)
-        self.process = subprocess.Popen(
-            command("cli.main", "fly", *words, "--domain-id", DOMAIN),
-            stdout=subprocess.DEVNULL,
-            stderr=self.log,
-            env=environment(),
-        )
-
-    def words(self):
-        return (self.folder / "log").read_text()
-
-    def address(self):
-        assert wait_for(lambda: "page: http" in self.words(), LIMIT), self.words()
-        return re.search(r"page: (http://127\.0\.0\.1:\d+\S*)", self.words())[1]
-
-    def page(self):
-        """Process id of the page."""
-        children = subprocess.run(
-            ["ps", "-ww", "-o", "pid=,args=", "--ppid", str(self.process.pid)],
-            capture_output=True,
-            text=True,
-        ).stdout
-        (line,) = [line for line in children.splitlines() if " view --domain-id " in line]
-        return int(line.split()[0])
-
-    def end(self):
-        self.log.close()
-        if self.process.poll() is None:
-            self.process.kill()
-            self.process.wait()
-
-
 @pytest.fixture
 def flight(tmp_path):
-    flight = ViewedFlight(tmp_path)
-    yield flight
-    flight.end()
+    pytest.importorskip("viser")
+    words = ("--view", "--no-browser", "--port", 0, "--duration", 20, "--output", tmp_path)
+    started_page = {"after": "page: http", "apart": True}
+    with started("cli.main", "fly", *words, "--domain-id", DOMAIN, **started_page) as process:
+        children = children_of(process.pid)
+        (process.page,) = (child for child, words in children if " view --domain-id " in words)
+        yield process
+
+
+def end_of(flight):
+    """Exit code and words; the code is that of the flight, not of Ctrl-C."""
+    _, rest = flight.communicate(timeout=LIMIT)
+    words = flight.said + rest
+    assert flight.returncode == (3 if "not settled" in words else 0), words
+    return words
 
 
 def answers(address):
@@ -107,28 +74,21 @@ def answers(address):
 
 @pytest.mark.nodes
 @pytest.mark.timeout(900)
-def test_the_page_stays_after_the_report_until_ctrl_c(flight):
-    pytest.importorskip("viser")
-    address = flight.address()
-    page = flight.page()
+def test_the_page_stays_after_the_report_until_ctrl_c(flight, tmp_path):
+    address = re.search(r"page: (http://127\.0\.0\.1:\d+\S*)", flight.said)[1]
     assert answers(address)
-    assert wait_for(lambda: "until Ctrl-C" in flight.words(), LIMIT), flight.words()
-    metrics = json.loads((flight.folder / "metrics.json").read_text())
+    hear(flight, "until Ctrl-C")
+    metrics = json.loads((tmp_path / "metrics.json").read_text())
     assert metrics["duration_s"] == pytest.approx(20.0, abs=1.0)
     assert answers(address)
-    flight.process.send_signal(INTERRUPT)
-    code = flight.process.wait(LIMIT)
-    assert code == (3 if "not settled" in flight.words() else 0)  # of the flight, not of Ctrl-C
-    assert not alive(page)
-    assert "Traceback" not in flight.words()
+    flight.send_signal(INTERRUPT)
+    assert "Traceback" not in end_of(flight)
+    assert not alive(flight.page)
 
 
 @pytest.mark.nodes
 @pytest.mark.timeout(900)
-def test_a_page_that_dies_ends_no_flight(flight):
-    pytest.importorskip("viser")
-    flight.address()
-    os.kill(flight.page(), KILL)
-    code = flight.process.wait(LIMIT)
-    assert code == (3 if "not settled" in flight.words() else 0), flight.words()
-    assert (flight.folder / "report.html").exists()
+def test_a_page_that_dies_ends_no_flight(flight, tmp_path):
+    os.kill(flight.page, KILL)
+    end_of(flight)
+    assert (tmp_path / "report.html").exists()

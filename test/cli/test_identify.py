@@ -49,14 +49,3 @@ def test_people_get_a_table_and_the_yaml(flight, uav_tracking):
     out = uav_tracking.told("identify", flight / "record.csv")
     assert "How the aircraft answers commands" in out
     assert "/**/nmpc_controller:" in out
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ([], "either a bag or CSV file, or --validate N"),
-        (["nowhere.mcap"], "there is no bag or CSV file 'nowhere.mcap'"),
-    ],
-)
-def test_what_cannot_be_done_is_said_in_a_line(arguments, words, uav_tracking):
-    assert words in uav_tracking.refused("identify", *arguments)

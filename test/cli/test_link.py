@@ -16,14 +16,12 @@
 
 import argparse
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from processes import scripted
 
-from uav_tracking_mpc.cli.options import add_link_arguments, check_link_arguments, place
-from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.cli.options import add_link_arguments, place
 from uav_tracking_mpc.settings.configuration import load_configuration
 
 LINK = f"{Path(__file__).parents[1] / 'paced_link.py'}:PacedLink"
@@ -62,6 +60,7 @@ def test_the_same_as_one_object(uav_tracking):
         (["--connection", "disarmed"], "disarmed"),
         (["--connection", "tight"], "needs a turn rate"),
         (["--set", "nmpc_controller.range=1"], "orbit range is 1.0 m"),
+        (["--link", "nowhere.py:Link"], "there is no file"),
         (["--link", "balloon"], "parameter 'link' is 'balloon', must be one of ardupilot"),
         (["--link", "ardupilot", "--connection", "udpin:nowhere"], "must be udpin:HOST:PORT"),
         (["--link", "ardupilot", "--connection", "tcp:127.0.0.1:1"], "cannot be opened"),
@@ -90,30 +89,11 @@ def test_options_are_short_forms_of_settings():
         *("--link", "ardupilot", "--connection", "udpin:0.0.0.0:14550", "--engage"),
         *("--origin=-33.9,18.4,40", "--target-system", "7", "--signing-key", "key"),
     )
-    check_link_arguments(arguments)
     link = load_configuration("small_uav", arguments.overrides).link
     assert (link.link, link.connection, link.engage) == ("ardupilot", "udpin:0.0.0.0:14550", True)
     assert link.origin == (-33.9, 18.4, 40.0)
     assert (link.target_system, link.signing_key) == (7, "key")
     assert parsed().overrides == []
-
-
-@pytest.mark.parametrize(
-    ("words", "reason"),
-    [
-        (["--engage"], "--engage needs --link"),
-        (["--simulated"], "--simulated needs --link"),
-        (["--connection", "udpin:127.0.0.1:14550"], "--connection needs --link"),
-        (["--target-system", "3"], "--target-system needs --link"),
-        (
-            ["--link", "ardupilot", "--simulated", "--connection", "udpin:127.0.0.1:14550"],
-            "leave --connection out",
-        ),
-    ],
-)
-def test_options_that_contradict_each_other_are_refused(words, reason):
-    with pytest.raises(ParameterError, match=reason):
-        check_link_arguments(parsed(*words))
 
 
 @pytest.mark.parametrize("text", ["", "47", "47,8", "91,0,0", "a,b,c", "nan,0,0", "0,0,1e9"])
@@ -124,13 +104,8 @@ def test_what_is_no_place_is_refused(text):
 
 
 def test_an_autopilot_is_looked_at_without_ros():
-    program = (
-        "import sys; sys.modules['rclpy'] = None; import uav_tracking_mpc.cli.main as cli; "
-        f"sys.exit(cli.main(['link', 'check', '--link', {LINK!r}]))"
-    )
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
-    finished = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, env=environment
-    )
-    assert finished.returncode == 0, finished.stderr
-    assert "it fits" in finished.stdout
+    program = f"from uav_tracking_mpc.cli.main import main; sys.exit(main({CHECK}))"
+    finding = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+    code, output, errors = scripted(program, missing=("rclpy",), env=finding)
+    assert code == 0, errors
+    assert "it fits" in output

@@ -71,7 +71,3 @@ def test_a_search_prints_what_to_paste(monkeypatch, tmp_path, uav_tracking):
     pasted = yaml.safe_load(out[out.index("/**") :])
     assert pasted["/**/nmpc_controller"]["ros__parameters"]["rate_weights"] == [9.0, 10.0, 11.0]
     assert json.loads((tmp_path / "search.json").read_text())["best"]["cost"] == 1.0
-
-
-def test_an_unknown_scenario_is_refused(uav_tracking):
-    assert "scenario is 'storm'" in uav_tracking.refused("margins", "--scenario", "storm")

@@ -16,11 +16,10 @@
 
 import ast
 import importlib
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from processes import scripted
 
 from uav_tracking_mpc.cli import node_programs
 
@@ -45,12 +44,7 @@ def test_it_ends_with_the_code_of_its_node(monkeypatch):
 
 @pytest.mark.parametrize("name", NODES)
 def test_without_ros_one_line_and_code_2(name):
-    program = (
-        "import sys; sys.modules['rclpy'] = None\n"
-        f"from uav_tracking_mpc.cli.node_programs import {name} as node\n"
-        "sys.exit(node())"
-    )
-    finished = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-    assert finished.returncode == 2, finished.stderr
-    assert finished.stderr.startswith(f"{name}: rclpy is not installed; flying needs ROS 2 Jazzy")
-    assert finished.stderr.count("\n") == 1
+    program = f"from uav_tracking_mpc.cli.node_programs import {name} as node; sys.exit(node())"
+    code, _, errors = scripted(program, missing=("rclpy",))
+    assert (code, errors.count("\n")) == (2, 1), errors
+    assert errors.startswith(f"{name}: rclpy is not installed; flying needs ROS 2 Jazzy")

@@ -51,7 +51,11 @@ from uav_tracking_mpc.simulation.closed_loop import SimulationError
             2,
             "nav_msgs is not installed; flying needs ROS",
         ),
-        (ModuleNotFoundError(name="pyarrow.parquet"), 2, "uav_tracking_mpc[campaign]"),
+        (
+            ModuleNotFoundError(name="pyarrow.parquet"),
+            2,
+            "pyarrow is not installed: `pip install 'uav_tracking_mpc[campaign]'`",
+        ),
         (ModuleNotFoundError(name="viser.transforms"), 2, "uav_tracking_mpc[view]"),
         (ModuleNotFoundError(name="rich.console"), 2, "`pip install uav_tracking_mpc` brings it"),
         (ImportError("the page needs viser"), 2, "viser"),
@@ -213,8 +217,3 @@ def test_every_command_looks_before_it_works(arguments, tmp_path, uav_tracking):
     refusal = uav_tracking.refused(*arguments, "--output", file)
     assert "must be a folder that can be written: it is a file" in refusal
     assert "simulating" not in refusal
-
-
-def test_a_page_that_is_not_there_is_refused_at_once(tmp_path, uav_tracking):
-    words = ("campaign", "robustness", "--page", tmp_path / "nowhere.md")
-    assert "there is no file" in uav_tracking.refused(*words)

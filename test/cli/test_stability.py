@@ -42,11 +42,6 @@ def test_what_is_no_certificate_is_rejected(text, tmp_path, uav_tracking):
     assert "REJECTED" in ended.out
 
 
-def test_a_missing_file_is_bad_usage(tmp_path, uav_tracking):
-    refusal = uav_tracking.refused("stability", "--verify", tmp_path / "none.json")
-    assert "none.json" in refusal
-
-
 def test_an_artificial_orbit_has_guarantees_instead(uav_tracking):
     text = uav_tracking.told("stability", "--config", "small_uav")
     for words in ("Guaranteed.", "Not guaranteed.", "ellipsoid"):
@@ -60,9 +55,3 @@ def test_a_campaign_is_one_object(tmp_path, uav_tracking):
     assert (content["states"], content["steps"]) == (2, 80)
     assert content["clean"] is True
     assert json.loads((tmp_path / "stability.json").read_text()) == content
-
-
-@pytest.mark.parametrize("option", ["--design", "--maps", "--figures"])
-def test_what_belongs_to_the_ellipsoid_is_refused(option, uav_tracking):
-    refusal = uav_tracking.refused("stability", "--config", "small_uav", option)
-    assert f"{option} is about the ellipsoid" in refusal

@@ -16,7 +16,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import io
 import os
 import signal
@@ -64,9 +63,6 @@ def test_the_log_of_a_node_names_it_once(tmp_path, monkeypatch):
         "[pilot] [INFO] [12.5]: flying, says [pilot]: so",
         "[pilot] by print",
     ]
-
-
-pytest.importorskip("rclpy")
 
 
 class Client:
@@ -131,11 +127,6 @@ def test_a_refusal_is_said(paced, tmp_path):
     (tmp_path / machine_code.DESCRIPTION).write_text("{}")
     pace.follow()
     assert said.getvalue() == "simulated time goes on at 1 times real time: read-only\n"
-
-
-def test_a_law_needs_nothing_compiled():
-    parameters = load_configuration("paper").controller
-    assert flight.compiled_into(dataclasses.replace(parameters, law="l1")) is None
 
 
 SERVER = ("http.server", ["0", "--bind", "127.0.0.1"])  # runs until it is ended

@@ -20,9 +20,7 @@ import numpy as np
 import pytest
 
 from uav_tracking_mpc.launch.preflight import preflight, refusal, refuse, with_envelope
-from uav_tracking_mpc.links import LinkError, LinkRefusedError
 from uav_tracking_mpc.links.px4 import Px4Envelope
-from uav_tracking_mpc.parameters.registry import ExtensionError
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration
 
@@ -137,25 +135,3 @@ def test_a_link_is_looked_at_and_let_go():
     assert found.configuration.link == configuration().link
     np.testing.assert_allclose(found.wind, np.zeros(3), atol=0.1)
     refuse(found)
-
-
-@pytest.mark.parametrize(
-    ("address", "words"), [("tight", "needs a turn rate"), ("disarmed", "disarmed")]
-)
-def test_what_cannot_be_flown_is_refused(address, words):
-    found = preflight(configuration(address=address), 1.0)
-    with pytest.raises(LinkRefusedError, match=words):
-        refuse(found)
-
-
-@pytest.mark.parametrize(
-    ("chosen", "error", "words"),
-    [
-        ({"address": "nobody"}, LinkError, "nobody answers"),
-        ({"address": "copter"}, LinkRefusedError, "it is a copter"),
-        ({"link": "nowhere.py:Link"}, ExtensionError, "there is no file"),
-    ],
-)
-def test_an_aircraft_that_is_not_there_is_an_error(chosen, error, words):
-    with pytest.raises(error, match=words):
-        preflight(configuration(**chosen), 1.0)

@@ -19,7 +19,6 @@ from small_uav import SMALL_UAV, fly
 
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.laws import altitude_hold
 from uav_tracking_mpc.laws.l1 import L1Loiter
 
@@ -27,10 +26,9 @@ ORBIT = Orbit(300.0, 120.0, 22.0)
 RADIUS = ORBIT.radius
 
 
-def situation(height=120.0, path_angle=0.0, speed=22.0, climb=0.0, target=0.0):
-    vehicle = np.array([RADIUS, 0.0, height, -np.pi / 2, path_angle, speed])
-    drift = np.array([0.0, 0.0, climb])
-    return Situation(vehicle, np.array([0.0, 0.0, target]), drift, np.zeros(3), np.zeros(3))
+def situation(height=120.0, path_angle=0.0, speed=22.0, climb=0.0):
+    drift = (0.0, 0.0, climb)
+    return small_uav.situation(RADIUS, 0.0, height, -np.pi / 2, path_angle, speed, drift=drift)
 
 
 def test_on_the_orbit_nothing_is_asked():

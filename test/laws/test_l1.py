@@ -15,10 +15,9 @@
 
 import numpy as np
 import pytest
-from small_uav import SMALL_UAV
+from small_uav import SMALL_UAV, situation
 
 from uav_tracking_mpc.dynamics.orbit import DIRECTIONS, Orbit
-from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.laws.l1 import L1Loiter
 
 
@@ -26,16 +25,11 @@ def law(direction="clockwise", **values):
     return L1Loiter(Orbit(300.0, 120.0, 22.0, direction), SMALL_UAV, **values)
 
 
-def situation(x, y, psi):
-    vehicle = np.array([x, y, 120.0, psi, 0.0, 22.0])
-    return Situation(vehicle, np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3))
-
-
 @pytest.mark.parametrize("direction", DIRECTIONS)
 def test_on_the_circle_it_is_the_centripetal_acceleration(direction):
     loiter = law(direction)
     sense = 1.0 if direction == "counter_clockwise" else -1.0
-    on = situation(loiter.orbit.radius, 0.0, sense * np.pi / 2)
+    on = situation(loiter.orbit.radius, heading=sense * np.pi / 2)
     expected = sense * 22.0**2 / loiter.orbit.radius
     assert loiter.lateral_acceleration(on) == pytest.approx(expected)
     np.testing.assert_allclose(loiter.inputs(on), [expected / 22.0, 0.0, 0.0], atol=1e-12)
@@ -45,9 +39,9 @@ def test_about_the_circle_period_and_damping_are_those_of_a_pendulum():
     """Outside by e: omega^2 e more; outbound with e': 2 zeta omega e' more."""
     loiter = law("counter_clockwise", period=10.0, damping=0.8)
     omega, R, e, slip = 2 * np.pi / 10.0, loiter.orbit.radius, 2.0, 0.01
-    outside = loiter.lateral_acceleration(situation(R + e, 0.0, np.pi / 2))
+    outside = loiter.lateral_acceleration(situation(R + e, heading=np.pi / 2))
     assert outside == pytest.approx(omega**2 * e + 22.0**2 / (R + e))
-    outbound = loiter.lateral_acceleration(situation(R, 0.0, np.pi / 2 - slip))
+    outbound = loiter.lateral_acceleration(situation(R, heading=np.pi / 2 - slip))
     speed = 22.0 * np.sin(slip)
     centripetal = (22.0 * np.cos(slip)) ** 2 / R
     assert outbound == pytest.approx(2 * 0.8 * omega * speed + centripetal)
@@ -58,5 +52,5 @@ def test_far_away_it_flies_to_the_target_by_l1():
     loiter, nu = law("counter_clockwise", period=10.0, damping=0.8), 0.1
     distance = 0.8 * 10.0 * 22.0 / np.pi
     expected = 4 * 0.8**2 * 22.0**2 / distance * np.sin(nu)
-    asked = loiter.lateral_acceleration(situation(5e3, 0.0, np.pi - nu))
+    asked = loiter.lateral_acceleration(situation(5e3, heading=np.pi - nu))
     assert asked == pytest.approx(expected)

@@ -16,10 +16,9 @@ import math
 
 import numpy as np
 import pytest
-from small_uav import SMALL_UAV, fly
+from small_uav import SMALL_UAV, fly, situation
 
 from uav_tracking_mpc.dynamics.orbit import DIRECTIONS, Orbit
-from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.laws.npfg import DAMPING, PERIOD, NPFGLoiter
 
 V = 22.0
@@ -30,15 +29,10 @@ def law(direction="clockwise", **values):
     return NPFGLoiter(Orbit(300.0, 120.0, V, direction), SMALL_UAV, **values)
 
 
-def situation(x, y, psi, drift=(0.0, 0.0, 0.0)):
-    vehicle = np.array([x, y, 120.0, psi, 0.0, V])
-    return Situation(vehicle, np.zeros(3), np.array(drift), np.zeros(3), np.zeros(3))
-
-
 def on_the_circle(drift, sense=1.0, slip=0.0):
     """East of the target; the relative velocity points North, times sense, at a slip of 0."""
     psi = sense * math.pi / 2 + math.asin(sense * drift[0] / V) + slip
-    return situation(R, 0.0, psi, drift)
+    return situation(R, heading=psi, drift=drift)
 
 
 @pytest.mark.parametrize("direction", DIRECTIONS)
@@ -60,11 +54,11 @@ def test_off_the_circle_the_bearing_is_that_of_the_look_ahead_angle():
     e = 20.0
     angle = 0.5 * math.pi * (1.0 - e / (V * DAMPING * PERIOD)) ** 2
     gain = 4.0 * math.pi * DAMPING / PERIOD
-    lateral, speed = law("counter_clockwise").guide(situation(R + e, 0.0, math.pi / 2))
+    lateral, speed = law("counter_clockwise").guide(situation(R + e, heading=math.pi / 2))
     circle = math.sin(angle) ** 2 * V * V / (R + e)
     assert lateral == pytest.approx(gain * V * math.cos(angle) + circle)
     assert speed == V
-    inside, _ = law("counter_clockwise").guide(situation(R - e, 0.0, math.pi / 2))
+    inside, _ = law("counter_clockwise").guide(situation(R - e, heading=math.pi / 2))
     circle = math.sin(angle) ** 2 * V * V / (R - e)
     assert inside == pytest.approx(-gain * V * math.cos(angle) + circle)
 
@@ -73,9 +67,9 @@ def test_about_the_circle_period_and_damping_are_those_of_a_pendulum():
     """Outside by e: omega^2 e more; outbound with e': 2 zeta omega e' more."""
     loiter = law("counter_clockwise", period=12.0, damping=0.8)
     omega, e, slip = 2 * np.pi / 12.0, 1e-3, 1e-3
-    outside, _ = loiter.guide(situation(R + e, 0.0, np.pi / 2))
+    outside, _ = loiter.guide(situation(R + e, heading=np.pi / 2))
     assert outside - V**2 / (R + e) == pytest.approx(omega**2 * e, rel=1e-3)
-    outbound, _ = loiter.guide(situation(R, 0.0, np.pi / 2 - slip))
+    outbound, _ = loiter.guide(situation(R, heading=np.pi / 2 - slip))
     centripetal = V**2 * np.cos(slip) / R
     assert outbound - centripetal == pytest.approx(2 * 0.8 * omega * V * np.sin(slip))
 
@@ -83,9 +77,9 @@ def test_about_the_circle_period_and_damping_are_those_of_a_pendulum():
 def test_far_away_it_flies_to_the_target_and_turns_no_harder_beyond_a_right_angle():
     loiter, gain = law(), 4.0 * math.pi * DAMPING / PERIOD
     for psi in (0.0, 1.0, -1.5):
-        lateral, _ = loiter.guide(situation(5e3, 0.0, psi))
+        lateral, _ = loiter.guide(situation(5e3, heading=psi))
         assert abs(lateral) == pytest.approx(gain * V)
-    assert loiter.guide(situation(5e3, 0.0, math.pi - 0.1))[0] == pytest.approx(
+    assert loiter.guide(situation(5e3, heading=math.pi - 0.1))[0] == pytest.approx(
         gain * V * math.sin(0.1)
     )
 
@@ -126,7 +120,7 @@ def test_the_period_is_bounded(asked, drift, expected):
 )
 def test_the_airspeed_keeps_5_metres_per_second_along_the_bearing(drift, speed):
     loiter = law("counter_clockwise")
-    on = situation(R, 0.0, math.pi / 2, drift)
+    on = situation(R, heading=math.pi / 2, drift=drift)
     assert loiter.guide(on)[1] == pytest.approx(speed)
     acceleration = loiter.inputs(on)[2]
     assert (acceleration > 0.0) == (speed > V)
@@ -135,11 +129,13 @@ def test_the_airspeed_keeps_5_metres_per_second_along_the_bearing(drift, speed):
 def test_the_wind_triangle_leads_the_relative_velocity_along_the_bearing():
     """No turn beyond the circle's is asked for once the velocity has the bearing, only then."""
     drift = (7.0, 4.0, 0.0)
-    still = law().guide(situation(900.0, 0.0, math.pi))[0]
+    still = law().guide(situation(900.0, heading=math.pi))[0]
     assert still == pytest.approx(0.0, abs=1e-9)  # the bearing is West
     psi = math.pi + math.asin(4.0 / V)  # makes up for the drift to the North
-    assert law().guide(situation(900.0, 0.0, psi, drift))[0] == pytest.approx(0.0, abs=1e-9)
-    assert law().guide(situation(900.0, 0.0, psi - 0.1, drift))[0] > 0.5
+    assert law().guide(situation(900.0, heading=psi, drift=drift))[0] == pytest.approx(
+        0.0, abs=1e-9
+    )
+    assert law().guide(situation(900.0, heading=psi - 0.1, drift=drift))[0] > 0.5
 
 
 @pytest.mark.parametrize("drift", [(10.0, -35.0, 0.0), (-12.0, -31.0, 0.0), (40.0, 10.0, 0.0)])
@@ -151,7 +147,7 @@ def test_what_no_airspeed_makes_up_for_is_met_as_infeasible_air_vel_ref_says(dri
     psi = math.atan2(north, east)
     loiter, gain = law("counter_clockwise"), 4.0 * math.pi * DAMPING / PERIOD
     for slip in (-0.1, 0.0, 0.1):
-        lateral, _ = loiter.guide(situation(R, 0.0, psi + slip, drift))
+        lateral, _ = loiter.guide(situation(R, heading=psi + slip, drift=drift))
         assert lateral == pytest.approx(-gain * V * math.sin(slip), abs=1e-9)
 
 

@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 import pytest
-from small_uav import SMALL_UAV, fly, range_errors
+from small_uav import SMALL_UAV, fly, range_errors, situation
 
 from uav_tracking_mpc.dynamics.orbit import DIRECTIONS, Orbit
 from uav_tracking_mpc.dynamics.vehicle import advance
@@ -26,11 +26,6 @@ from uav_tracking_mpc.laws.vector_field import VectorField
 
 def law(direction="clockwise", **values):
     return VectorField(Orbit(300.0, 120.0, 22.0, direction), SMALL_UAV, **values)
-
-
-def situation(x, y, drift=(0.0, 0.0, 0.0), psi=0.0):
-    vehicle = np.array([x, y, 120.0, psi, 0.0, 22.0])
-    return Situation(vehicle, np.zeros(3), np.array(drift), np.zeros(3), np.zeros(3))
 
 
 def test_far_away_it_points_inwards_on_the_circle_along_it_near_the_centre_outwards():
@@ -56,7 +51,9 @@ def test_a_circulation_of_one_is_the_field_of_2008():
 
 def test_the_heading_gives_the_relative_velocity_the_direction_of_the_field():
     drift = (6.0, -9.0, 0.0)
-    still, drifted = (law().heading(situation(310.0, -40.0, c))[0] for c in ((0, 0, 0), drift))
+    still, drifted = (
+        law().heading(situation(310.0, -40.0, drift=c))[0] for c in ((0, 0, 0), drift)
+    )
     relative = 22.0 * np.array([np.cos(drifted), np.sin(drifted)]) + drift[:2]
     assert math.atan2(relative[1], relative[0]) == pytest.approx(still)
 

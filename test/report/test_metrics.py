@@ -21,7 +21,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from example_flights import ORBIT, log_of, orbiting, paper_flight
+from example_flights import ORBIT, log_of, orbiting
 
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
@@ -250,22 +250,3 @@ def test_values_that_are_not_finite_become_null():
     assert numbers["settling_s"]["range"] is None
     assert numbers["speed"] is None
     json.dumps(numbers, allow_nan=False)
-
-
-def test_the_published_simulation():
-    """Euler steps, N = 10: when altitude and range settle, by model."""
-    exact = metrics(paper_flight("exact", "euler"))
-    paper = metrics(paper_flight("paper", "euler"))
-    assert exact["settling_s"]["altitude"] == 16.0
-    assert exact["settling_s"]["range"] == 20.0
-    assert paper["settling_s"]["altitude"] == 18.0
-    assert paper["settling_s"]["range"] == 21.0
-    assert exact["steady_state"]["range_rms_m"] < 1e-6
-    assert exact["solver"]["failures"] == paper["solver"]["failures"] == 0
-    assert_plain(exact)
-
-
-def test_the_papers_model_leaves_an_offset_on_the_vehicle():
-    """The exact model leaves none."""
-    assert range_errors(paper_flight("paper", "vehicle")).mean() == pytest.approx(0.028, abs=0.002)
-    assert range_errors(paper_flight("exact", "vehicle")).mean() == pytest.approx(0.0, abs=1e-6)

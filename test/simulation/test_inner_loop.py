@@ -124,18 +124,14 @@ def test_against_scipy(lags, duration):
         assert channel.rate == pytest.approx(wanted if lag == 0.0 else rate, abs=1e-9)
 
 
-def test_without_lag_it_is_the_exact_vehicle():
-    made = channels((0.0, 0.0, 0.0))
-    np.testing.assert_allclose(
-        advance_lagged(STATE, made, 1.0), advance(STATE, WANTED, 1.0), atol=1e-9
-    )
-
-
-def test_rates_that_are_what_is_wanted_are_held():
-    made = channels((0.3, 0.2, 0.1), rates=WANTED)
-    np.testing.assert_allclose(
-        advance_lagged(STATE, made, 1.0), advance(STATE, WANTED, 1.0), atol=1e-9
-    )
+@pytest.mark.parametrize(
+    ("lags", "rates"),
+    [((0.0, 0.0, 0.0), RATES), ((0.3, 0.2, 0.1), WANTED)],
+    ids=["without lag", "rates that are what is wanted"],
+)
+def test_what_is_wanted_at_once_is_the_exact_vehicle(lags, rates):
+    flown = advance_lagged(STATE, channels(lags, rates), 1.0)
+    np.testing.assert_allclose(flown, advance(STATE, WANTED, 1.0), atol=1e-9)
 
 
 @given(st.floats(0.5, 20.0), st.floats(0.1, 0.95), st.floats(-1, 1), st.floats(-1, 1))

@@ -15,15 +15,13 @@
 """What is heard is seen, silence is told in words, and requests reach the nodes."""
 
 import math
-import subprocess
-import sys
 from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from heard_flight import FIGURES, NOW, STATE, AnsweringNode, aircraft, nothing, report, said
-from processes import DOMAIN, environment
+from processes import DOMAIN, scripted
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.air import GRAVITY
@@ -339,7 +337,7 @@ def test_when_time_begins_anew_the_past_does(flight):
 
 # In a process of its own, as the page is: that of the tests holds the participants of many others.
 WATCHER = """
-import sys, threading, time
+import threading, time
 import numpy as np
 import rclpy
 from uav_tracking_mpc.nodes.messages.conversions import set_odometry
@@ -371,6 +369,5 @@ assert (words, same, name, list(position), left) == ("", True, "red", [1.0, 2.0,
 
 @pytest.mark.nodes
 def test_a_source_waits_until_something_flies_and_ends():
-    words = [sys.executable, "-c", WATCHER, DOMAIN]
-    finished = subprocess.run(words, capture_output=True, text=True, env=environment())
-    assert finished.returncode == 0, finished.stderr
+    code, _, errors = scripted(WATCHER, DOMAIN)
+    assert code == 0, errors

@@ -28,10 +28,8 @@ from example_flights import log_of, orbiting
 
 from uav_tracking_mpc import load_configuration
 from uav_tracking_mpc.dynamics.orbit import Orbit
-from uav_tracking_mpc.simulation.flight_log import FlightLog
 from uav_tracking_mpc.view import recorded_scene as module
-from uav_tracking_mpc.view.logged_flight import LoggedSource
-from uav_tracking_mpc.view.recorded_scene import BUDGET, pace_of, recorded_scene
+from uav_tracking_mpc.view.recorded_scene import BUDGET, LoggedSource, pace_of, recorded_scene
 
 pytest.importorskip("viser", reason="the scene needs viser")
 DATA = re.compile(r'__VISER_EMBED_DATA__="([^"]*)"')
@@ -175,32 +173,10 @@ def test_without_parameters_or_viser_there_is_none(monkeypatch):
 
 
 FIRST, SECOND = Orbit(300.0, 120.0, 22.0), Orbit(400.0, 150.0, 20.0)
-TIME = np.arange(0.0, 10.0, 0.5)
 
 
 def test_the_orbit_that_is_wanted_changes_as_it_was_asked_for():
-    still = np.zeros((len(TIME), 3))
-    log = FlightLog(
-        config="small_uav",
-        duration=10.0,
-        speed=0.0,
-        model="exact",
-        plant="vehicle",
-        orbit=SECOND,
-        orbits=((1.0, FIRST), (6.0, SECOND)),
-        input_lower=-np.ones(3),
-        input_upper=np.ones(3),
-        time=TIME,
-        vehicle=np.column_stack(
-            [np.add(still, [275.0, 0.0, 120.0]), still[:, :2], 22.0 + still[:, 0]]
-        ),
-        target=still,
-        command_time=TIME,
-        inputs=still,
-        cost=still[:, 0],
-        solve_time=still[:, 0],
-        solver="newton",
-    )
+    log = orbiting(20, SECOND, 0.5, orbits=((1.0, FIRST), (6.0, SECOND)))
     source = LoggedSource(log, load_configuration("small_uav").controller)
     source.clock.pause()
     wanted = []

@@ -16,14 +16,12 @@
 
 import json
 import resource
-import subprocess
-import sys
 from dataclasses import asdict
 from time import perf_counter, process_time
 
 import numpy as np
 import pytest
-from mcap.writer import CompressionType
+from processes import scripted
 from recorded_bag import (
     COMMAND_DELAY,
     ORBIT_WANTED,
@@ -275,23 +273,6 @@ def test_several_aircraft_are_several_flights(tmp_path):
         }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "options",
-    [{"compression": CompressionType.LZ4}, {"use_chunking": False}],
-    ids=["lz4", "unchunked"],
-)
-def test_bags_of_other_recorders_show_the_same(tmp_path, bag, options):
-    sights = []
-    for path in (bag, rewritten(bag, tmp_path / "other.mcap", **options)):
-        source = RecordedSource(path)
-        sights.append(source.flights()[0].at(2.0))
-    ours, theirs = sights
-    np.testing.assert_array_equal(ours.position, theirs.position)
-    np.testing.assert_array_equal(ours.plan, theirs.plan)
-    assert ours.statuses == theirs.statuses
-    assert (ours.time, ours.errors, ours.cost) == (theirs.time, theirs.errors, theirs.cost)
-
-
 @pytest.fixture
 def folder(tmp_path, bag):
     """As `ros2 bag record` splits it, after 1.5 s."""
@@ -314,14 +295,6 @@ def test_a_folder_that_a_recorder_split_is_one_flight(folder, bag):
         assert (ours.time, ours.statuses) == (theirs.time, theirs.statuses)
         assert ours.errors == theirs.errors
     parts.close()
-
-
-def test_a_folder_with_one_file_is_its_bag(tmp_path, bag):
-    (tmp_path / "mission.mcap").write_bytes(bag.read_bytes())
-    flown = load_configuration("small_uav", ["nmpc_controller.range=333.0"]).controller
-    header = json.dumps({"version": "1", "parameters": asdict(flown)})
-    (tmp_path / "controller.jsonl").write_text(f"{header}\n")
-    assert RecordedSource(tmp_path).flights()[0].tracking == flown
 
 
 def test_folders_that_are_no_bag_are_refused_in_words(tmp_path, folder):
@@ -370,7 +343,8 @@ def test_limits_are_those_that_the_controller_recorded_beside_the_bag(tmp_path, 
     flown = load_configuration("small_uav", ["nmpc_controller.range=333.0"]).controller
     header = json.dumps({"version": "1", "parameters": asdict(flown)})
     (tmp_path / "controller.jsonl").write_text(f"{header}\n")
-    assert RecordedSource(path).flights()[0].tracking == flown
+    for place in (path, tmp_path):  # a folder with one file is its bag
+        assert RecordedSource(place).flights()[0].tracking == flown
     told = load_configuration("small_uav").controller
     assert RecordedSource(path, told).flights()[0].tracking is told
 
@@ -385,9 +359,6 @@ def test_a_record_that_cannot_be_read_is_left_out_and_logged(tmp_path, bag, capl
 
 
 WITHOUT_ROS = """
-import sys
-for name in sys.argv[2:]:
-    sys.modules[name] = None
 from pathlib import Path
 from uav_tracking_mpc.view.recorded_source import RecordedSource
 sight = RecordedSource(Path(sys.argv[1])).flights()[0].at(2.0)
@@ -401,12 +372,8 @@ def test_a_bag_is_shown_without_ros(bag):
         "rcl_interfaces", "rosgraph_msgs", "sensor_msgs", "std_msgs", "trajectory_msgs",
         "visualization_msgs",
     ]  # fmt: skip
-    words = [sys.executable, "-c", WITHOUT_ROS, str(bag), *missing]
-    finished = subprocess.run(words, capture_output=True, text=True)
-    assert finished.returncode == 0, finished.stderr
-    assert finished.stdout.split() == [
-        "2.0", "optimal", "plan", "20", "3", "altitude_error",
-    ]  # fmt: skip
+    code, output, errors = scripted(WITHOUT_ROS, bag, missing=missing)
+    assert (code, output) == (0, "2.0 optimal plan 20 3 altitude_error\n"), errors
 
 
 HOURS = 2.0

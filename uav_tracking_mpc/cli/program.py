@@ -297,9 +297,7 @@ def settings(prefix: str) -> Iterator[str]:
             if not equals:
                 yield f"{key}="
             elif key == name:
-                values = list(known.names)
-                if isinstance(known.default, bool):
-                    values = ["true", "false"]
+                values = ("true", "false") if isinstance(known.default, bool) else known.names
                 yield from (f"{key}={value}" for value in values)
 
 

@@ -32,6 +32,8 @@ from uav_tracking_mpc.cli.options import (
 from uav_tracking_mpc.cli.program import publish
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from uav_tracking_mpc.studies.faults.schedule import Case
     from uav_tracking_mpc.studies.study import Study
 
@@ -101,41 +103,42 @@ def run(arguments: argparse.Namespace) -> int:
     Returns:
         Exit code.
     """
+    from rich.console import Console
+
     arguments.output.mkdir(parents=True, exist_ok=True)
     # SIGTERM ends the campaign as Ctrl-C does.
     previous = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         fly = _soak if arguments.soak else _link if arguments.link else _nodes
-        return publish(fly(arguments), arguments)
+        return publish(fly(arguments, Console(stderr=True)), arguments)
     finally:
         signal.signal(signal.SIGTERM, previous)
 
 
-def _soak(arguments: argparse.Namespace) -> Study:
-    from rich.console import Console
-
+def _soak(arguments: argparse.Namespace, console: Console) -> Study:
     from uav_tracking_mpc.studies.faults.soak import SPEED, soak
 
     arguments.overrides = [f"mission.speed={SPEED!r}", *arguments.overrides]
-    configuration, console = chosen_configuration(arguments), Console(stderr=True)
-    return soak(configuration, arguments.soak, arguments.output, console, arguments.domain_id)
+    return soak(
+        chosen_configuration(arguments),
+        arguments.soak,
+        arguments.output,
+        console,
+        arguments.domain_id,
+    )
 
 
-def _link(arguments: argparse.Namespace) -> Study:
-    from rich.console import Console
-
+def _link(arguments: argparse.Namespace, console: Console) -> Study:
     from uav_tracking_mpc.studies.faults.link_campaign import LINK_FAULTS, LinkCampaign
     from uav_tracking_mpc.studies.faults.schedule import schedule
 
     configuration = chosen_configuration(arguments, "crosswind")
     cases = itertools.islice(schedule(LINK_FAULTS, arguments.seed, most=1), arguments.cases)
-    flown = LinkCampaign(arguments.link, configuration, Console(stderr=True))
+    flown = LinkCampaign(arguments.link, configuration, console)
     return flown.fly(_chosen(arguments, cases), seed=arguments.seed)
 
 
-def _nodes(arguments: argparse.Namespace) -> Study:
-    from rich.console import Console
-
+def _nodes(arguments: argparse.Namespace, console: Console) -> Study:
     from uav_tracking_mpc.studies.faults.node_campaign import NodeCampaign
     from uav_tracking_mpc.studies.faults.schedule import catalogue, schedule, variants
 
@@ -147,7 +150,7 @@ def _nodes(arguments: argparse.Namespace) -> Study:
     for bag in (arguments.output / "cases").glob("case_*.mcap"):
         bag.unlink()  # of another run
     cases = _chosen(arguments, schedule(faults, seed, minutes, first))
-    flown = NodeCampaign(configuration, faults, arguments.output, Console(stderr=True))
+    flown = NodeCampaign(configuration, faults, arguments.output, console)
     return flown.fly(cases, seed=seed, minutes=minutes, domain=arguments.domain_id)
 
 

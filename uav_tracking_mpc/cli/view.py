@@ -33,7 +33,6 @@ from uav_tracking_mpc.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from uav_tracking_mpc.settings.tracking import TrackingParameters
     from uav_tracking_mpc.view.page import Page
     from uav_tracking_mpc.view.watched_flight import FlightSource
 
@@ -80,20 +79,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _recorded(arguments: argparse.Namespace) -> FlightSource:
+    from uav_tracking_mpc.parameters.specification import ParameterError
     from uav_tracking_mpc.view.recorded_source import RecordedSource
 
-    return RecordedSource(arguments.bag, _told_tracking(arguments))
-
-
-def _told_tracking(arguments: argparse.Namespace) -> TrackingParameters | None:
-    """What the options say that was flown by; None where they say nothing."""
-    from uav_tracking_mpc.parameters.specification import ParameterError
-
-    if arguments.config is not None:
-        return chosen_configuration(arguments).controller
-    if arguments.overrides:
+    if arguments.config is None and arguments.overrides:
         raise ParameterError(f"--set {arguments.overrides[0]} needs --config")
-    return None
+    tracking = None if arguments.config is None else chosen_configuration(arguments).controller
+    return RecordedSource(arguments.bag, tracking)
 
 
 def _live(arguments: argparse.Namespace) -> FlightSource:

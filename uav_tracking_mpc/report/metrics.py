@@ -69,6 +69,7 @@ def metrics(log: FlightLog) -> dict[str, Any]:
     errors = dict(zip(COLUMNS, log.error.T, strict=True))
     steady = {name: values[_last_third(log)] for name, values in errors.items()}
     bands = settling_bands(log)
+    horizontal = np.hypot(*(log.vehicle[:, :2] - log.target[:, :2]).T) - log.radius
     numbers: dict[str, Any] = {
         "config": log.config,
         "duration_s": _plain(log.duration),
@@ -82,7 +83,7 @@ def metrics(log: FlightLog) -> dict[str, Any]:
             "range_max_m": _plain(np.max(np.abs(steady["range"]), initial=-np.inf)),
             "altitude_rms_m": _rms(steady["altitude"]),
             "speed_rms_mps": _rms(steady["speed"]),
-            "horizontal_rms_m": _rms(_horizontal_error(log)[_last_third(log)]),
+            "horizontal_rms_m": _rms(horizontal[_last_third(log)]),
             "bank_rate_rms_dps": bank_rate_rms(log),
         },
         "final": {
@@ -209,12 +210,6 @@ def _last_third(log: FlightLog) -> NDArray[np.bool_]:
     begin, end = log.time[0], log.time[-1]
     # The last sample always belongs, whatever rounding does to a record of one instant.
     return np.asarray(log.time >= min(begin + 2.0 / 3.0 * (end - begin), end))
-
-
-def _horizontal_error(log: FlightLog) -> NDArray[np.float64]:
-    """Horizontal distance to the target minus the radius of the orbit, shape (n,), in [m]."""
-    x, y = (log.vehicle[:, :2] - log.target[:, :2]).T
-    return np.asarray(np.hypot(x, y) - log.radius)
 
 
 def _rms(values: NDArray[np.float64]) -> float | None:

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The colour of each fallback mode, in figures, scene and panel alike."""
+"""The colour and the words of each fallback mode, in figures, scene and panel alike."""
 
 from __future__ import annotations
 
@@ -40,3 +40,12 @@ def mode_colour(mode: FallbackMode | None) -> Colour:
         mode: What is flown; None, before the first command, looks like silence.
     """
     return MODE_COLOURS[FallbackMode.SILENCE if mode is None else mode]
+
+
+def mode_words(mode: FallbackMode | None) -> str:
+    """What is flown, in words.
+
+    Args:
+        mode: None before the first command.
+    """
+    return "no command yet" if mode is None else mode.value

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -138,26 +139,34 @@ def states_figure(log: FlightLog) -> Figure:
             _input_panel(right[column], log, column, title, label)
         _cost_panel(right[3], log)
         _solve_time_panel(right[4], log)
-        for letter, axes in zip("abcdefghij", [*left, *right], strict=True):
-            axes.set_title(f"({letter}) {axes.get_title(loc='left')}", loc="left")
-        for axes in (left[-1], right[-1]):
-            axes.set_xlabel("time [s]")
-        share_time(axes, log)
         figure.subplots_adjust(
             left=0.075, right=0.985, bottom=0.06, top=0.925, hspace=0.34, wspace=0.2
         )
-        figure.legend(
-            handles=[
-                Line2D([], [], color=BLUE, label="flight"),
-                Line2D([], [], label="reference, steady input", **REFERENCE),
-                Patch(label="settled", **BAND),
-                Line2D([], [], label="bound", **BOUND),
-            ],
-            loc="upper center",
-            ncols=4,
-            columnspacing=2.5,
-        )
+        lowest = left[-1], right[-1]
+        _assemble(log, [*left, *right], lowest, "reference, steady input", "bound")
     return figure
+
+
+def _assemble(
+    log: FlightLog, panels: Sequence[Axes], lowest: Sequence[Axes], reference: str, bound: str
+) -> None:
+    """Letter the panels, name the time that they share, and say above them what their lines are."""
+    for letter, axes in zip("abcdefghij", panels, strict=False):
+        axes.set_title(f"({letter}) {axes.get_title(loc='left')}", loc="left")
+    for axes in lowest:
+        axes.set_xlabel("time [s]")
+    share_time(axes, log)
+    axes.figure.legend(
+        handles=[
+            Line2D([], [], color=BLUE, label="flight"),
+            Line2D([], [], label=reference, **REFERENCE),
+            Patch(label="settled", **BAND),
+            Line2D([], [], label=bound, **BOUND),
+        ],
+        loc="upper center",
+        ncols=4,
+        columnspacing=2.5,
+    )
 
 
 def _state_panel(
@@ -308,61 +317,46 @@ def conditions_figure(log: FlightLog) -> Figure:
         _air_panel(right[1], log)
         _target_panel(right[2], log)
         _mode_panel(below, log, rows)
-        panels = [*left, *right, below]
-        for letter, axes in zip("abcdefg", panels, strict=True):
-            axes.set_title(f"({letter}) {axes.get_title(loc='left')}", loc="left")
-        for axes in (left[-1], right[-1], below):
-            axes.set_xlabel("time [s]")
-        share_time(below, log)
-        figure.legend(
-            handles=[
-                Line2D([], [], color=BLUE, label="flight"),
-                Line2D([], [], label="orbit asked for", **REFERENCE),
-                Line2D([], [], label="limit", **BOUND),
-                Patch(label="settled", **BAND),
-            ],
-            loc="upper center",
-            ncols=4,
-            columnspacing=2.5,
-        )
+        lowest = left[-1], right[-1], below
+        _assemble(log, [*left, *right, below], lowest, "orbit asked for", "limit")
     return figure
+
+
+def _limits(log: FlightLog, *names: str) -> list[float]:
+    """Limits by which the controller planned; none where it knew none."""
+    if log.tracking is None or not has_limits(log):
+        return []
+    return [getattr(log.tracking.envelope, name) for name in names]
+
+
+def _span(values: NDArray[np.float64], form: str) -> str:
+    """From the least to the greatest value in words; none where there is none."""
+    return form.format(np.nanmin(values), np.nanmax(values)) if len(values) else ""
 
 
 def _bank_panel(axes: Axes, log: FlightLog) -> None:
     """Right wing down is positive; asked for is what the orbit needs without a drift."""
     turn_rate, _, _ = log.steady_inputs.tolist()
-    steady = math.degrees(bank_from_turn_rate(turn_rate, log.orbit.speed))
-    limits = []
-    if log.tracking is not None and has_limits(log):
-        most = math.degrees(log.tracking.envelope.bank_max)
-        limits = [-most, most]
-    asked = np.full(len(log.time), steady)
-    _limited_panel(axes, log, np.degrees(log.bank), asked, limits)
-    if limits and len(log.time):
-        largest = np.nanmax(np.abs(np.degrees(log.bank)), initial=0.0)
-        _aside(axes, f"at most {largest:.0f}° of {limits[1]:.0f}°")
-    finish(axes, "Bank, right wing down", r"$\phi$ [deg]", *axes.get_ylim())
+    asked = np.full(len(log.time), math.degrees(bank_from_turn_rate(turn_rate, log.orbit.speed)))
+    bank, most, words = np.degrees(log.bank), np.degrees(_limits(log, "bank_max")), ""
+    if len(most) and len(bank):
+        largest = np.nanmax(np.abs(bank), initial=0.0)
+        words = f"at most {largest:.0f}° of {most[0]:.0f}°"
+    title, label = "Bank, right wing down", r"$\phi$ [deg]"
+    _limited_panel(axes, log, bank, asked, [*-most, *most], words, title, label)
 
 
 def _airspeed_panel(axes: Axes, log: FlightLog) -> None:
-    values, limits = log.vehicle[:, 5], []
-    if log.tracking is not None and has_limits(log):
-        limits = [log.tracking.envelope.airspeed_min, log.tracking.envelope.airspeed_max]
-    _limited_panel(axes, log, values, log.reference[:, COLUMNS["speed"]], limits)
-    if len(values):
-        _aside(axes, f"{np.nanmin(values):.1f} to {np.nanmax(values):.1f} m/s")
-    finish(axes, "Airspeed", "$v$ [m/s]", *axes.get_ylim())
+    values, limits = log.vehicle[:, 5], _limits(log, "airspeed_min", "airspeed_max")
+    asked, words = log.reference[:, COLUMNS["speed"]], _span(values, "{:.1f} to {:.1f} m/s")
+    _limited_panel(axes, log, values, asked, limits, words, "Airspeed", "$v$ [m/s]")
 
 
 def _path_angle_panel(axes: Axes, log: FlightLog) -> None:
-    values, limits = np.degrees(log.vehicle[:, 4]), []
-    if log.tracking is not None and has_limits(log):
-        envelope = log.tracking.envelope
-        limits = np.degrees([envelope.path_angle_min, envelope.path_angle_max]).tolist()
-    _limited_panel(axes, log, values, np.zeros(len(log.time)), limits)
-    if len(values):
-        _aside(axes, f"{np.nanmin(values):.1f}° to {np.nanmax(values):.1f}°")
-    finish(axes, "Path angle through the air", r"$\chi$ [deg]", *axes.get_ylim())
+    values = np.degrees(log.vehicle[:, 4])
+    limits = np.degrees(_limits(log, "path_angle_min", "path_angle_max")).tolist()
+    words, title = _span(values, "{:.1f}° to {:.1f}°"), "Path angle through the air"
+    _limited_panel(axes, log, values, np.zeros(len(values)), limits, words, title, r"$\chi$ [deg]")
 
 
 def _limited_panel(
@@ -370,14 +364,18 @@ def _limited_panel(
     log: FlightLog,
     values: NDArray[np.float64],
     asked: NDArray[np.float64],
-    limits: list[float],
+    limits: Sequence[float],
+    words: str,
+    title: str,
+    label: str,
 ) -> None:
-    """A quantity, what is asked of it, and its limits."""
+    """A quantity, what is asked of it, its limits, and how far it came in words."""
     for limit in limits:
         axes.axhline(limit, **BOUND)
     axes.plot(log.time, asked, **REFERENCE)
     axes.plot(log.time, values, color=BLUE)
-    axes.set_ylim(*value_limits(np.append(values, asked), *limits))
+    _aside(axes, words)
+    finish(axes, title, label, *value_limits(np.append(values, asked), *limits))
 
 
 def _error_panel(axes: Axes, log: FlightLog) -> None:

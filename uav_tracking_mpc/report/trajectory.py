@@ -165,7 +165,8 @@ def trajectory_figure(log: FlightLog) -> Figure:
     target = np.where(np.isfinite(log.target), log.target, np.nan)
     if not len(path):
         path, target = np.full((1, 3), np.nan), np.zeros((1, 3))
-    orbit = _circle(log, _last_finite(target))
+    start, goal = _known(path, np.nan)[:1].T, _known(target, 0.0)[-1:].T
+    orbit = _circle(log, goal.T)
     with drawing(*SIZE) as figure:
         # Larger than the figure: mplot3d clips lines at the axes, and the scene is fitted below.
         axes: Axes3D = figure.add_axes((-0.5, -0.5, 2.0, 2.0), projection="3d")
@@ -173,7 +174,6 @@ def trajectory_figure(log: FlightLog) -> Figure:
         axes.computed_zorder = False
         ground = _frame(axes, np.vstack([path, target, orbit]))
         _fit(figure, axes)
-        start, goal = _first_finite(path)[:, None], _last_finite(target)[:, None]
         dashed: dict[str, Any] = {"color": BLACK, "ls": (0, (5, 2.5))}
         axes.plot(*path.T, color=BLUE, lw=2.4, label="UAV", zorder=5)
         axes.plot(*start, "s", color=BLACK, ms=6, ls="none", label="start", zorder=8)
@@ -252,11 +252,7 @@ def _scene_box(figure: Figure, axes: Axes3D) -> Bbox:
     return Bbox.union([corners, *boxes]).transformed(figure.transFigure.inverted())
 
 
-def _first_finite(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _known(points: NDArray[np.float64], missing: float) -> NDArray[np.float64]:
+    """Points that are finite; where there is none, one that stands for them."""
     finite = points[np.isfinite(points).all(axis=1)]
-    return finite[0] if len(finite) else np.full(3, np.nan)
-
-
-def _last_finite(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    finite = points[np.isfinite(points).all(axis=1)]
-    return finite[-1] if len(finite) else np.zeros(3)
+    return finite if len(finite) else np.full((1, 3), missing)

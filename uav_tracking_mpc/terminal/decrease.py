@@ -114,8 +114,7 @@ class DecreaseMonitor:
             check = DecreaseCheck(held, float(cost), float(bound), reason)
         self._last = None
         if np.isfinite(cost):
-            fall = self.rate * float(error @ self.weight @ error)
-            self._last = (float(cost), fall, inside)
+            self._last = float(cost), self.rate * float(error @ self.weight @ error), inside
         return check
 
     def _ends_inside(self, final_error: NDArray[np.float64] | None) -> bool:

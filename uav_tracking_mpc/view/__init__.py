@@ -21,8 +21,7 @@
 ``simulated_source``     a flight that is simulated in this process
 ``simulated_steering``   how that is steered, and its faults
 ``recorded_source``      flights of a bag
-``logged_flight``        a flight from its log
-``recorded_scene``       a whole flight as a scene that needs no server
+``recorded_scene``       a flight from its log, and all of it as a scene that needs no server
 ``page``                 the server: draws every aircraft of a source, twenty times a second
 ``serving``              who may open a page, and where it listens
 ``cameras``              from where each page looks

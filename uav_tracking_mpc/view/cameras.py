@@ -153,7 +153,7 @@ class _Seat:
     def __init__(
         self, client: viser.ClientHandle, world: str, firsts: Sequence[NDArray[np.float64]]
     ) -> None:
-        self._client, self._firsts = client, firsts
+        self.client, self._firsts = client, firsts
         self._world = client.scene.add_frame(world, show_axes=False)
         self._view = client.gui.add_dropdown("Camera", VIEWS, order=-2.0)
         self._names: tuple[str, ...] = ()
@@ -165,10 +165,6 @@ class _Seat:
         self._to_place = True
 
     def show(self, watched: Mapping[str, Watched]) -> None:
-        with self._client.atomic():
-            self._show(watched)
-
-    def _show(self, watched: Mapping[str, Watched]) -> None:
         names = tuple(watched)
         if names != self._names:
             self._offer(names)
@@ -181,13 +177,13 @@ class _Seat:
         self._world.position, self._world.wxyz = moved.translation(), moved.rotation().wxyz
         if self._to_place or (view == VIEWS[0] and self._narrow_at_first):
             self._to_place = False
-            camera = self._client.camera
+            camera = self.client.camera
             camera.position, camera.look_at = first_pose(view, (flight, sight), camera.aspect)
 
     @property
     def _narrow_at_first(self) -> bool:
         """Whether a picture that is higher than wide has a first view that is made for others."""
-        camera = self._client.camera
+        camera = self.client.camera
         return camera.aspect < 1.0 and any(
             np.allclose(camera.position, first, atol=1.0) for first in self._firsts
         )
@@ -197,7 +193,7 @@ class _Seat:
         if len(names) < 2:
             return
         if self._chosen is None:
-            self._chosen = self._client.gui.add_dropdown("of", names, order=-1.0)
+            self._chosen = self.client.gui.add_dropdown("of", names, order=-1.0)
         else:
             self._chosen.options = names
 
@@ -235,7 +231,8 @@ class Cameras:
             return
         self._set_first(next(iter(watched.values())))
         for seat in list(self._seats.values()):
-            seat.show(watched)
+            with seat.client.atomic():
+                seat.show(watched)
 
     def _set_first(self, watched: Watched) -> None:
         """What a new page and the button that resets the view show."""

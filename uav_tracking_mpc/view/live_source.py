@@ -269,7 +269,14 @@ class LiveFlight(WatchedFlight):
     def sight(self) -> Sight | None:
         """What there is to see now; None before the first state."""
         with self._lock:
-            return self._look()
+            now = time.monotonic()
+            if now >= self._status_due:
+                self._status_due = now + STATUS_PERIOD
+                self._statuses = node_statuses(self._heard, now)
+            self._sight = live_sight(self._heard, self._sight, self._statuses, now)
+            if self._sight is not None:  # kept a few times a second
+                self._past.add(self._sight)
+            return self._sight
 
     @property
     def tracking(self) -> TrackingParameters | None:  # type: ignore[override]  # only read
@@ -283,18 +290,6 @@ class LiveFlight(WatchedFlight):
             span: How far back from now in [s].
         """
         return self._past.of(span)
-
-    def _look(self) -> Sight | None:
-        """See what is now, and keep it a few times a second."""
-        now = time.monotonic()
-        if now >= self._status_due:
-            self._status_due = now + STATUS_PERIOD
-            self._statuses = node_statuses(self._heard, now)
-        sight = self._sight = live_sight(self._heard, self._sight, self._statuses, now)
-        if sight is None:
-            return None
-        self._past.add(sight)
-        return sight
 
 
 class LiveSource(FlightSource):

@@ -274,7 +274,8 @@ class SimulatedFlight(WatchedFlight):
             logger.warning(f"the plant failed, reset it to fly on: {error}")
             self._fail(str(error))
         else:
-            self._show(self._sights.at(tick))
+            self._sight = self._sights.at(tick)
+            self._past.add(self._sight)
             if self._witness is not None:
                 self._witness(tick.time, tick.measured, tick.command)
         return 0.0
@@ -285,10 +286,6 @@ class SimulatedFlight(WatchedFlight):
             others = [each for each in self._sight.statuses if each.node != SIMULATOR]
             failed = NodeStatus(SIMULATOR, ERROR, f"the plant failed: {words}")
             self._sight = replace(self._sight, statuses=(failed, *others))
-
-    def _show(self, sight: Sight) -> None:
-        self._sight = sight
-        self._past.add(sight)
 
 
 class SimulatedSource(FlightSource):

@@ -37,7 +37,7 @@ SIMULATOR = "uav_simulator"
 TARGET = "target_publisher"
 SILENT = 3  # level of a node that says nothing, as in diagnostic_msgs
 PAST_PERIOD = 0.2  # s of the flight's clock between sights of its past
-RATES = (0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)  # speeds of a replay [-]
+RATES = (0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)  # speeds of a replay and of simulated time [-]
 
 
 @dataclass(frozen=True)

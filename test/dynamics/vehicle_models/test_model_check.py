@@ -18,13 +18,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
 import pytest
 
 from uav_tracking_mpc import Controller, check_model, load_configuration
+from uav_tracking_mpc.dynamics.vehicle import VehicleState
 from uav_tracking_mpc.dynamics.vehicle_models import VEHICLE_MODEL
 from uav_tracking_mpc.dynamics.vehicle_models.lagged import Lagged
 from uav_tracking_mpc.parameters.conformance import ConformanceError
@@ -37,19 +37,10 @@ def test_the_models_of_the_project_and_the_example_pass(name):
     check_model(VEHICLE_MODEL.find(name))
 
 
-class SixComponents(NamedTuple):
-    x: Any
-    y: Any
-    z: Any
-    heading: Any
-    path_angle: Any
-    airspeed: Any
-
-
 @dataclass(frozen=True)
 class Short(Lagged):
     name = "short"
-    State = SixComponents
+    State = VehicleState
 
 
 @dataclass(frozen=True)

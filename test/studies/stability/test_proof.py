@@ -19,7 +19,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.dynamics.relative_models.exact import Exact
+from uav_tracking_mpc.dynamics.relative_models.kinematics import Exact
 from uav_tracking_mpc.studies.stability.analysis import (
     largest_lipschitz,
     lowest_violation,

@@ -22,17 +22,7 @@ from processes import PATIENCE, wait_for
 
 viser = pytest.importorskip("viser")
 from viser._messages import GuiUpdateMessage  # noqa: E402
-from watched_flight_stand_in import StandInFlight, StandInSource, StandInSteering  # noqa: E402
-
-
-class Client:
-    """A browser, as far as requests know it."""
-
-    def __init__(self):
-        self.notifications = []
-
-    def add_notification(self, title, body, **_):
-        self.notifications.append((title, body))
+from watched_flight_stand_in import StandInClient, StandInFlight, StandInSource, StandInSteering  # noqa: E402
 
 
 class Panel:
@@ -41,7 +31,7 @@ class Panel:
     def __init__(self, server, part, flight, clock=None):
         self.gui, self.flight, self.source = server.gui, flight, StandInSource(flight)
         self.source.clock = clock
-        self.client = server._connected_clients[0] = Client()
+        self.client = server._connected_clients[0] = StandInClient()
         self.part = part(server.gui, flight, self.source)
 
     def show(self, *sights):

@@ -70,11 +70,13 @@ def test_a_value_is_marked_where_it_meets_a_limit(degrees, mark, panel, flight):
 
 
 def test_what_is_not_known_is_a_dash(panel, flight):
-    flight.seen = [sight(airspeed=math.nan, bank=math.inf, target=None, errors={})]
+    flight.seen = [
+        sight(airspeed=math.nan, bank=math.inf, latency=math.nan, target=None, errors={})
+    ]
     text = panel(Readings).show()
-    assert "nan" not in text
-    assert "inf" not in text
+    assert "nan" not in text and "inf" not in text
     assert text.count("–") >= 7  # noqa: RUF001
+    assert cells(panel(Timing).show(), "Latency") == ["–"] * 3  # noqa: RUF001
 
 
 def cells(text, row):
@@ -93,15 +95,9 @@ def test_now_median_and_p99_of_the_last_minute(panel, flight):
     assert cells(shown.text, "Latency") == ["5.00"] * 3
 
 
-def test_what_is_not_measured_is_a_dash(panel, flight):
-    flight.seen = [sight(latency=math.nan)]
-    assert cells(panel(Timing).show(), "Latency") == ["–"] * 3  # noqa: RUF001
-
-
 def test_points_are_bounded(panel, flight):
     flight.seen = [sight(0.001 * k) for k in range(2 * MOST)]
-    shown = panel(Timing).shown()
-    assert len(shown.part._recent.rows) == MOST
+    assert len(panel(Timing).shown().part._recent.rows) == MOST
 
 
 def plots(shown):
@@ -119,14 +115,13 @@ def test_the_last_minutes_over_the_time_before_now(panel, flight):
     assert error.data[2][-1] == 0.4
 
 
-def test_points_are_bounded_plots(panel, flight):
+def test_plotted_points_are_bounded(panel, flight):
     shown = panel(Plots)
     for begin in range(0, 800, 10):
         flight.seen = [sight(begin + 0.1 * k) for k in range(100)]
         shown.show()
-    for plot in plots(shown):
-        assert len(plot.data[0]) <= SPAN / RESOLUTION + 1
-        assert plot.data[0].min() >= -SPAN
+    for times, *_ in (plot.data for plot in plots(shown)):
+        assert len(times) <= SPAN / RESOLUTION + 1 and times.min() >= -SPAN
 
 
 def test_a_plot_without_a_point_does_not_appear(panel, flight):
@@ -136,15 +131,14 @@ def test_a_plot_without_a_point_does_not_appear(panel, flight):
 
 def test_what_is_not_finite_is_left_out(panel, flight):
     flight.seen = [sight(1.0), sight(2.0, cost=math.nan), sight(3.0, cost=math.inf), sight(4.0)]
-    shown = panel(Plots).shown()
-    assert plots(shown)[2].data[0].tolist() == [-3.0, 0.0]
-    assert all(np.isfinite(line).all() for plot in plots(shown) for line in plot.data)
+    shown = plots(panel(Plots).shown())
+    assert shown[2].data[0].tolist() == [-3.0, 0.0]
+    assert all(np.isfinite(line).all() for plot in shown for line in plot.data)
 
 
 def test_fallback_is_shaded(panel, flight):
     flight.seen = [sight(1.0), sight(2.0, mode=FallbackMode.LOITER), sight(3.0)]
-    shown = panel(Plots).shown()
-    assert plots(shown)[0].data[1].tolist() == [0.0, 1.0, 0.0]
+    assert plots(panel(Plots).shown())[0].data[1].tolist() == [0.0, 1.0, 0.0]
 
 
 def test_time_is_no_date_and_the_logarithmic_axis_alone_has_no_grid(panel):

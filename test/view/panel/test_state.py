@@ -14,6 +14,7 @@
 
 """What is flown and why, and what the nodes say."""
 
+import pytest
 from watched_flight_stand_in import StandInFlight, StandInSource, sight
 
 from uav_tracking_mpc.control.fallback import FallbackMode
@@ -24,23 +25,32 @@ from uav_tracking_mpc.view.watched_flight import NodeStatus
 LOST = {"mode": FallbackMode.LOITER, "reason": "target position is lost"}
 
 
-def test_mode_and_reason_are_shown_in_the_colour_of_the_mode(panel, flight):
-    flight.seen = [sight(**LOST)]
-    text = panel(State).show()
-    assert "loiter law" in text
-    assert "target position is lost" in text
-    assert f"rgb{mode_colour(FallbackMode.LOITER)}" in text
-
-
-def test_a_fallback_and_its_recovery_are_seen_afterwards(panel, flight):
-    shown = panel(State).shown()
-    flight.seen += [sight(11.0), sight(12.0, **LOST), sight(20.0)]
-    shown.show()
-    text = shown.show(sight(25.0))
-    assert "for 5 s" in text
-    assert "before: loiter law, 8 s" in text
-    assert "12.0 s, 8 s" in text
-    assert "target position is lost" in text
+@pytest.mark.parametrize(
+    ("seen", "words"),
+    [
+        (
+            [sight(**LOST)],
+            ["loiter law", "target position is lost", f"rgb{mode_colour(FallbackMode.LOITER)}"],
+        ),
+        (
+            [sight(), sight(11.0), sight(12.0, **LOST), sight(20.0), sight(25.0)],
+            ["for 5 s", "before: loiter law, 8 s", "12.0 s, 8 s", "target position is lost"],
+        ),
+        (
+            [sight(1.0), sight(2.0, mode=FallbackMode.LOITER), sight(2.2, **LOST), sight(5.0)],
+            ["target position is lost"],
+        ),
+        ([sight(mode=None)], ["no command yet"]),
+    ],
+    ids=["fallback", "recovery", "a reason that comes after its mode", "no command"],
+)
+@pytest.mark.parametrize("begin", [0, -1], ids=["from the start", "opened later"])
+def test_what_was_flown_is_told(panel, flight, seen, words, begin):
+    shown = panel(State)
+    for count in range(1, len(seen) + 1)[begin:]:
+        flight.seen = seen[:count]
+        text = shown.show()
+    assert [word for word in words if word not in text] == []
 
 
 def test_the_last_fallback_stands_on_top(panel, flight):
@@ -59,18 +69,6 @@ def test_a_fallback_that_comes_again_and_again_is_told_once(panel, flight):
     text = panel(State).show()
     assert text.count("slow") == 1
     assert "0.2 s, 4 s, 10 times" in text
-
-
-def test_a_page_that_is_opened_later_shows_what_was(panel, flight):
-    flight.seen = [sight(1.0), sight(2.0, **LOST), sight(4.0), sight(6.0)]
-    text = panel(State).show()
-    assert "before: loiter law, 2 s" in text
-    assert "for 2 s" in text
-
-
-def test_a_reason_that_comes_after_its_mode_is_taken(panel, flight):
-    flight.seen = [sight(1.0), sight(2.0, mode=FallbackMode.LOITER), sight(2.2, **LOST), sight(5.0)]
-    assert "target position is lost" in panel(State).show()
 
 
 def test_events_do_not_grow_without_bound(panel, flight):
@@ -93,21 +91,12 @@ def test_words_of_others_are_no_html(panel, flight):
     assert "<img" not in panel(State).show()
 
 
-def test_before_the_first_command(panel, flight):
-    flight.seen = [sight(mode=None)]
-    assert "no command yet" in panel(State).show()
-
-
 def test_each_node_has_its_level_and_words(panel, flight):
-    names = "ok", "warning", "error", "silent"
-    flight.seen = [
-        sight(statuses=tuple(NodeStatus(f"node_{k}", k, f"words {k}") for k in range(4)))
-    ]
-    text = panel(Diagnostics).show()
-    for k, level in enumerate(names):
-        line = next(line for line in text.split("<div") if f"node_{k}" in line)
-        assert level in line
-        assert f"words {k}" in line
+    nodes = [NodeStatus(f"node_{k}", k, f"words {k}") for k in range(4)]
+    flight.seen = [sight(statuses=tuple(nodes))]
+    lines = panel(Diagnostics).show().split("<div")[-4:]
+    for node, level, line in zip(nodes, ("ok", "warning", "error", "silent"), lines, strict=True):
+        assert node.node in line and level in line and node.words in line
 
 
 def test_figures_fold_out_and_follow(panel, flight):

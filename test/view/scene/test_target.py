@@ -22,7 +22,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 import viser.transforms as rigid
-from watched_flight_stand_in import StandInFlight, StandInSteering, sight
+from watched_flight_stand_in import StandInClient, StandInFlight, StandInSteering, sight
 
 from uav_tracking_mpc.view.scene.orbits import TargetTrack
 from uav_tracking_mpc.view.scene.target import Target, TargetDrag, caption, meets_height
@@ -73,11 +73,11 @@ def test_its_track_goes_to_where_it_is(draw, node):
 CAMERA = np.array([0.0, -500.0, 400.0])
 
 
-class StandInClient:
+class ClientOfScene(StandInClient):
     """A page, for which the scene may be moved."""
 
     def __init__(self, moved=None):
-        self.notices = []
+        super().__init__()
         self.camera = types.SimpleNamespace(position=CAMERA)
         self.moved = moved
         world = None
@@ -85,9 +85,6 @@ class StandInClient:
             world = types.SimpleNamespace(wxyz=moved.rotation().wxyz, position=moved.translation())
             self.camera.position = moved @ CAMERA
         self.scene = types.SimpleNamespace(get_handle_by_name=lambda name: world)
-
-    def add_notification(self, title, body, **more):
-        self.notices.append(body)
 
     def tells(self, point):
         return np.array(point) if self.moved is None else self.moved @ np.array(point)
@@ -151,31 +148,31 @@ COCKPIT = rigid.SE3.from_rotation_and_translation(
 @pytest.mark.parametrize("moved", [None, FOLLOWED, COCKPIT])
 def test_it_is_sent_to_where_it_is_let_go(drag, flight, moved):
     wanted = np.array([130.0, 60.0, 2.0])
-    drag(StandInClient(moved), half_way(np.array([50.0, 0.0, 2.0])), half_way(wanted))
+    drag(ClientOfScene(moved), half_way(np.array([50.0, 0.0, 2.0])), half_way(wanted))
     [(request, east, north)] = flight.steering.asked
     assert request == "send_target"
     np.testing.assert_allclose([east, north], wanted[:2], atol=1e-6)
 
 
 def test_a_ghost_shows_where_it_would_stand(drag, node):
-    drag(StandInClient(), half_way(np.array([130.0, 60.0, 2.0])), release=False)
+    drag(ClientOfScene(), half_way(np.array([130.0, 60.0, 2.0])), release=False)
     assert node("target_ghost").visible
     np.testing.assert_allclose(node("target_ghost").position, [130.0, 60.0, 2.0])
     assert node("target_ghost/label").text == "to 130 m east, 60 m north"
-    drag(StandInClient(), half_way(np.array([130.0, 60.0, 2.0])))
+    drag(ClientOfScene(), half_way(np.array([130.0, 60.0, 2.0])))
     assert not node("target_ghost").visible
 
 
 def test_let_go_in_the_sky_it_stays(drag, flight):
-    drag(StandInClient(), np.add(CAMERA, [0.0, 100.0, 50.0]))
+    drag(ClientOfScene(), np.add(CAMERA, [0.0, 100.0, 50.0]))
     assert flight.steering.asked == []
 
 
 def test_a_refusal_is_shown_to_the_page_that_asked(drag, flight):
     flight.steering.refusal = "parameter 'position' is beyond the fence"
-    client = StandInClient()
+    client = ClientOfScene()
     drag(client, half_way(np.add(PLACE, [10.0, 0.0, 0.0])))
-    assert client.notices == [flight.steering.refusal]
+    assert [body for _, body in client.notifications] == [flight.steering.refusal]
 
 
 @pytest.mark.parametrize("steering", [None, StandInSteering([CONTROLLER])])

@@ -21,81 +21,40 @@ from uav_tracking_mpc.view.serving.access import Access, new_token
 HERE = "127.0.0.1:8080"
 
 
-def asked(access, path="/", host=HERE, origin=None, cookie=None):
-    return access.refusal(
-        path, [host], [] if origin is None else [origin], [] if cookie is None else [cookie]
-    )
-
-
 WITH = "/?token=secret"
-
-
-@pytest.mark.parametrize("host", [HERE, "localhost:8080", "LOCALHOST", "[::1]:8080", "127.0.0.2"])
-def test_loopback_needs_the_token(host):
-    assert "token" in asked(Access("secret"), host=host)
-    assert asked(Access("secret"), WITH, host=host) == ""
-    assert asked(Access("secret"), WITH, host=host, origin=f"http://{host}") == ""
-
-
-@pytest.mark.parametrize("host", ["rebound.example:8080", "", "127.0.0.1.example", "a b", "[::1"])
-def test_names_of_others_are_refused(host):
-    assert "host name" in asked(Access("secret"), WITH, host=host)
-
-
-def test_a_request_names_one_host():
-    assert "host name" in Access("secret").refusal(WITH, [], [], [])
-    assert "host name" in Access("secret").refusal(WITH, [HERE, HERE], [], [])
+OWN = [HERE, "localhost:8080", "LOCALHOST", "[::1]:8080", "127.0.0.2", "robot:8080",
+       "192.168.1.7:8080", "[fd00::7]:8080"]  # fmt: skip
+OTHERS = ["rebound.example:8080", "", "127.0.0.1.example", "a b", "[::1"]
+SITES = ["http://site.example", "http://127.0.0.1:3000", "http://localhost:8080", "null", "",
+         "file://"]  # fmt: skip
+WRONG = ["/?token=wrong", "/?token=", "/?token=secre%C3%A9", "/?token=\udcff"]
 
 
 @pytest.mark.parametrize(
-    "origin",
+    ("words", "path", "hosts", "origins"),
     [
-        "http://site.example",
-        "http://127.0.0.1:3000",
-        "http://localhost:8080",
-        "null",
-        "",
-        "file://",
+        *(("", WITH, [host], []) for host in OWN),
+        *(("", WITH, [host], [f"http://{host}"]) for host in OWN),
+        *(("token", "/", [host], []) for host in OWN),
+        *(("token", path, [HERE], []) for path in WRONG),
+        *(("host name", WITH, hosts, []) for hosts in ([], [HERE, HERE], *([x] for x in OTHERS))),
+        *(("other sites", WITH, [HERE], [origin]) for origin in SITES),
+        ("other sites", WITH, [HERE], [f"http://{HERE}"] * 2),
     ],
 )
-def test_other_sites_are_refused(origin):
-    assert "other sites" in asked(Access("secret"), WITH, origin=origin)
-
-
-def test_two_origins_are_refused():
-    assert "other sites" in Access("secret").refusal(WITH, [HERE], [f"http://{HERE}"] * 2, [])
-
-
-def test_with_a_token_nobody_passes_without_it():
-    access = Access("secret", names=["robot"])
-    assert "token" in asked(access)
-    assert "token" in asked(access, "/?token=wrong")
-    assert "token" in asked(access, "/?token=")
-    assert "token" in asked(access, "/?token=secre%C3%A9")
-    assert "token" in asked(access, "/?token=\udcff")
-    assert "token" in asked(access, cookie="uav_tracking=secret")
-    assert asked(access, "/?token=secret") == ""
+def test_who_may_open_a_page(words, path, hosts, origins):
+    refusal = Access("secret", names=["Robot"]).refusal(path, hosts, origins, [])
+    assert words in refusal and bool(words) == bool(refusal)
 
 
 def test_the_cookie_stands_for_the_token():
     access = Access("secret")
-    assert asked(access, cookie="theme=dark; " + access.cookie.partition(";")[0]) == ""
-    assert "token" in asked(access, cookie=access.cookie.partition("=")[0] + "=wrong")
-    assert "HttpOnly" in access.cookie
-    assert "SameSite=Strict" in access.cookie
-    assert access.cookie.partition("=")[0] != Access("other").cookie.partition("=")[0]
-
-
-def test_a_token_does_not_excuse_a_foreign_site():
-    access = Access("secret", names=["robot"])
-    assert "other sites" in asked(access, "/?token=secret", origin="http://site.example")
-    assert "host name" in asked(access, "/?token=secret", host="rebound.example:8080")
-
-
-def test_with_a_token_the_machine_goes_by_its_names_and_addresses():
-    access = Access("secret", names=["Robot"])
-    for host in ("robot:8080", "192.168.1.7:8080", "[fd00::7]:8080", "localhost"):
-        assert asked(access, "/?token=secret", host=host) == ""
+    name, _, rest = access.cookie.partition("=")
+    assert access.refusal("/", [HERE], [], [f"theme=dark; {name}={rest.partition(';')[0]}"]) == ""
+    for wrong in (f"{name}=wrong", "uav_tracking=secret"):
+        assert "token" in access.refusal("/", [HERE], [], [wrong])
+    assert "HttpOnly" in rest and "SameSite=Strict" in rest
+    assert name != Access("other").cookie.partition("=")[0]
 
 
 def test_every_token_is_new():

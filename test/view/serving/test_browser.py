@@ -15,10 +15,9 @@
 """A browser is opened only where somebody sits before it, and it says nothing on stdout."""
 
 import os
-import subprocess
-import sys
 
 import pytest
+from processes import scripted
 
 from uav_tracking_mpc.view.serving.browser import is_watched
 
@@ -44,32 +43,20 @@ def test_only_where_there_is_a_screen(environment, platform, watched):
 def test_it_opens_a_file_that_leads_to_the_address_and_is_not_waited_for(tmp_path):
     opened, kept = tmp_path / "opened", tmp_path / "kept.html"
     browser = tmp_path / "browser.sh"
-    lines = (
-        "#!/bin/sh",
-        "echo words",
-        f'echo "$1" > {opened}.part',
-        f"mv {opened}.part {opened}",
-        "",
+    browser.write_text(
+        f'#!/bin/sh\necho words\necho "$1" > {opened}.part\nmv {opened}.part {opened}\n'
     )
-    browser.write_text("\n".join(lines))
     browser.chmod(0o755)
-    script = (
+    program = (
         f"import os, pathlib, time; home = pathlib.Path({str(tmp_path)!r})\n"
         "from uav_tracking_mpc.view.serving.browser import open_browser\n"
         "with open_browser('http://127.0.0.1:1/?token=secret'):\n"
         f"    while not pathlib.Path({str(opened)!r}).exists(): time.sleep(0.05)\n"
         f"    os.link(next(home.glob('uav_tracking_page_*')), {str(kept)!r})\n"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", script],
-        env={**os.environ, "BROWSER": str(browser), "HOME": str(tmp_path)},
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=True,
-    )
+    env = {**os.environ, "BROWSER": str(browser), "HOME": str(tmp_path)}
+    assert scripted(program, env=env) == (0, "", "")
     assert opened.read_text().startswith((tmp_path / "uav_tracking_page_").as_uri())
     assert 'href="http://127.0.0.1:1/?token=secret"' in kept.read_text()
     assert kept.stat().st_mode & 0o077 == 0  # the user's own
     assert list(tmp_path.glob("uav_tracking_page_*")) == []
-    assert done.stdout == done.stderr == ""

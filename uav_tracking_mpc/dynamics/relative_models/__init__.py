@@ -14,10 +14,9 @@
 
 """Models of the motion relative to the target, state (r, theta, z, chi, v).
 
-=========== =======================================================================================
-``exact``   the kinematics (3) in these coordinates, no approximation
-``paper``   (11) as printed, (9) with r^2 - z_p^2 replaced by r^2 cos^2(chi); and (9), `paper9`
-=========== =======================================================================================
+``kinematics`` holds them by their names: ``exact``, the kinematics (3) in these coordinates without
+approximation; ``paper``, (11) as printed, which is (9) with r^2 - z_p^2 replaced by r^2 cos^2(chi);
+and ``paper9``, (9) itself.
 
 theta = psi - phi - pi with phi = atan2(y, x), the azimuth of the UAV seen from the target; the
 inputs are (u_psi, u_chi, u_v). (6), (7) and hence (9) replace d/r by cos(chi) and z/r by sin(chi),

@@ -88,9 +88,8 @@ class Waypoints(TargetMotion):
             along = float((place - corner) @ chord) / length if length > 0.0 else -1.0
             beside = np.linalg.norm(place - corner - along * chord / max(length, 1e-9))
             if 0.0 <= along < length and beside < BESIDE and velocity @ chord >= 0.0:
-                onward = np.roll(corners, -(index + 1), axis=0)
-                path = np.vstack([place, onward]).ravel()
-                return replace(parameters, waypoints=tuple(path.tolist()))
+                path = np.vstack([place, np.roll(corners, -(index + 1), axis=0)])
+                return replace(parameters, waypoints=tuple(path.ravel().tolist()))
         return parameters
 
     def position(self, time: float) -> NDArray[np.float64]:

@@ -137,8 +137,7 @@ class VehiclePlant(Plant):
         _, _, height, heading, _, airspeed = self.state.tolist()
         flown = 0.0
         while flown < duration:
-            change = self._inner_loop.unchanged_until(self.time + flown) - self.time
-            until = min(change, duration)
+            until = min(self._inner_loop.unchanged_until(self.time + flown) - self.time, duration)
             self._fly(until - flown)
             flown = until
         *_, heading_after, _, _ = self.state.tolist()

@@ -20,7 +20,8 @@ import html
 import math
 from collections.abc import Iterable, Sequence
 
-from uav_tracking_mpc.report.mode_colours import Colour
+from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.report.mode_colours import Colour, mode_colour, mode_words
 
 DASH = "–"  # noqa: RUF001, a value that there is not
 ATTENTION: Colour = (230, 159, 0)
@@ -84,6 +85,15 @@ def badge(words: str, colour: Colour) -> str:
         f'<span style="background:rgb{colour};color:{ink};border-radius:0.25em;padding:0 0.4em;'
         f'white-space:nowrap">{html.escape(words)}</span>'
     )
+
+
+def mode_badge(mode: FallbackMode | None) -> str:
+    """What is flown, on its colour.
+
+    Args:
+        mode: None before the first command.
+    """
+    return badge(mode_words(mode), mode_colour(mode))
 
 
 def faint(words: str) -> str:

@@ -109,9 +109,7 @@ class Replay(PanelPart):
         self.clock.rate = SPEEDS.get(self._speed.value, self.clock.rate)
 
     def _label(self) -> None:
-        label = "pause" if self.clock.playing else "play"
-        if self._button.label != label:
-            self._button.label = label
+        self._button.label = "pause" if self.clock.playing else "play"
 
     def _time_in_words(self) -> str:
         return f"**{clock_words(self.clock.time)}** of {clock_words(self.clock.end)}"

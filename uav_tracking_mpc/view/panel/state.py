@@ -27,7 +27,7 @@ import viser
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.control.fallback import FallbackMode
-from uav_tracking_mpc.report.mode_colours import Colour, mode_colour
+from uav_tracking_mpc.report.mode_colours import Colour, mode_words
 from uav_tracking_mpc.view.panel import PanelPart
 from uav_tracking_mpc.view.panel._html import (
     ALARM,
@@ -38,6 +38,7 @@ from uav_tracking_mpc.view.panel._html import (
     clock,
     duration,
     faint,
+    mode_badge,
     table,
 )
 from uav_tracking_mpc.view.watched_flight import FlightSource, NodeStatus, Sight, WatchedFlight
@@ -193,11 +194,11 @@ class State(PanelPart):
         known = now is not None and now.mode is sight.mode
         since = f"for {now.lasted}" if now is not None and known else ""
         before = self._spells[0] if len(self._spells) > 1 and known else None
-        flown = f'<span style="font-size:1.2em">{_mode(sight.mode)}</span> {faint(since)}'
+        flown = f'<span style="font-size:1.2em">{mode_badge(sight.mode)}</span> {faint(since)}'
         return block(
             table([[flown, clock(sight.time)]]),
             html.escape(sight.reason),
-            "" if before is None else faint(f"before: {_name(before.mode)}, {before.lasted}"),
+            "" if before is None else faint(f"before: {mode_words(before.mode)}, {before.lasted}"),
             *(_told(fallback) for fallback in reversed(self._fallbacks)),
         )
 
@@ -209,15 +210,7 @@ def _falls_back(mode: FallbackMode | None) -> bool:
 def _told(fallback: Spell) -> str:
     times = f", {fallback.times} times" if fallback.times > 1 else ""
     when = faint(f"{clock(fallback.begin)}, {fallback.lasted}{times}")
-    return f"{when} {_mode(fallback.mode)} {html.escape(fallback.reason)}"
-
-
-def _name(mode: FallbackMode | None) -> str:
-    return "no command yet" if mode is None else mode.value
-
-
-def _mode(mode: FallbackMode | None) -> str:
-    return badge(_name(mode), mode_colour(mode))
+    return f"{when} {mode_badge(fallback.mode)} {html.escape(fallback.reason)}"
 
 
 SILENT: Colour = (128, 128, 128)

@@ -22,14 +22,14 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from uav_tracking_mpc.report.mode_colours import mode_colour
 from uav_tracking_mpc.settings.simulator import SimulatorParameters, TargetParameters
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.motions import TARGET_MOTION
-from uav_tracking_mpc.view.panel._html import CALM, badge, block, duration, faint
+from uav_tracking_mpc.view.panel._html import CALM, badge, block, duration, faint, mode_badge
 from uav_tracking_mpc.view.panel._steering_part import ParameterPart, SteeringPart, set_slider
 from uav_tracking_mpc.view.watched_flight import (
     CONTROLLER,
+    RATES,
     SIMULATOR,
     TARGET,
     FlightSource,
@@ -41,7 +41,6 @@ DEEP = -1e4  # m; a least height below that is none
 FAST = 15.0  # m/s, of a car in town
 STRONG, SEVERE = 15.0, 25.0  # m/s of wind, and of gusts (23.2 is severe)
 STILL = 0.01  # m/s; slower wind comes from nowhere
-SPEEDS = (0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 STANDS = 1.0  # s of wall time without a new state after which time is said to stand
 
 
@@ -152,7 +151,7 @@ class SimulatedTime(ParameterPart):
 
     def build(self, known: Mapping[str, Any]) -> None:
         """See :meth:`ParameterPart.build`."""
-        self.add_choice("speed", known, SPEEDS, "Simulated over wall time.", "{:g} x")
+        self.add_choice("speed", known, RATES, "Simulated over wall time.", "{:g} x")
         self.add_buttons(
             "time",
             {
@@ -273,9 +272,7 @@ class Faults(SteeringPart):
             return
         heading = f"<b>{html.escape(self._fault)}</b> {faint(duration(since) + ' ago')}"
         if lost:
-            words = "no command yet" if mode is None else mode.value
-            now = badge(words, mode_colour(mode))
-            story = f"now flying {now} {html.escape(sight.reason)}"
+            story = f"now flying {mode_badge(mode)} {html.escape(sight.reason)}"
         elif self._left > self._since:
             lasted = duration(self._left - self._since)
             story = f"{badge('recovered', CALM)} after {lasted}"

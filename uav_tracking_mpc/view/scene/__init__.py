@@ -38,7 +38,9 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
+import numpy as np
 import viser
+from numpy.typing import NDArray
 
 from uav_tracking_mpc.parameters.registry import ExtensionPoint
 from uav_tracking_mpc.report.mode_colours import Colour
@@ -68,6 +70,27 @@ class SceneElement(ABC):
         self.scene, self.root, self.flight, self.colour = scene, root, flight, colour
         self.at_aircraft = f"{root}/aircraft"
         self.add()
+
+    def add_lines(
+        self,
+        name: str,
+        points: NDArray[np.float64],
+        colour: Colour,
+        width: float,
+        visible: bool = False,
+    ) -> viser.LineSegmentsHandle:
+        """Draw lines that are as wide from near as from afar.
+
+        Args:
+            name: Of the node, with that under which it hangs.
+            points: Both ends of each, shape (n, 2, 3), in [m].
+            colour: Red, green, blue from 0 to 255.
+            width: On the screen in [pixels].
+            visible: Whether they are seen at once.
+        """
+        return self.scene.add_line_segments(
+            name, points, colour, thickness=width, thickness_units="screen", visible=visible
+        )
 
     @abstractmethod
     def add(self) -> None:

@@ -22,7 +22,7 @@ import numpy as np
 import viser.transforms as rigid
 
 from uav_tracking_mpc.control.fallback import FallbackMode
-from uav_tracking_mpc.report.mode_colours import mode_colour
+from uav_tracking_mpc.report.mode_colours import mode_colour, mode_words
 from uav_tracking_mpc.view.scene import SceneElement
 from uav_tracking_mpc.view.scene._drawing import (
     GREY,
@@ -82,9 +82,8 @@ def caption(name: str, mode: FallbackMode | None) -> str:
         name: Of the aircraft.
         mode: None before the first command.
     """
-    if mode is None:
-        return f"{name}: no command yet"
-    return name if mode.nominal else f"{name}: {mode.value}"
+    as_asked = mode is not None and mode.nominal
+    return name if as_asked else f"{name}: {mode_words(mode)}"
 
 
 class Airframe(SceneElement):
@@ -139,14 +138,8 @@ class DropLine(SceneElement):
     def add(self) -> None:
         """Send the line, 1 long."""
         line = np.array([[[0.0, 0.0, 0.0], [0.0, 0.0, -1.0]]])
-        self._drawn = math.nan
-        self._line = self.scene.add_line_segments(
-            f"{self.at_aircraft}/drop_line",
-            np.concatenate([line, ring() - [0.0, 0.0, 1.0]]),
-            GREY,
-            thickness=1.5,
-            thickness_units="screen",
-        )
+        points, self._drawn = np.concatenate([line, ring() - [0.0, 0.0, 1.0]]), math.nan
+        self._line = self.add_lines(f"{self.at_aircraft}/drop_line", points, GREY, 1.5, True)
 
     def show(self, sight: Sight) -> None:
         """Give it the length of now.

@@ -21,10 +21,8 @@ from collections.abc import Callable
 
 import numpy as np
 import viser
-from numpy.typing import NDArray
 
 from uav_tracking_mpc.limits import Ball, Cylinder, Floor, Limit, Shape
-from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.view.scene import SceneElement
 from uav_tracking_mpc.view.scene._drawing import (
     FAINT,
@@ -156,6 +154,9 @@ FLOOR = 1.4  # radius of the piece of floor that is drawn, by that of the orbit
 FOLLOW = 0.05  # by the radius of the orbit: how far its centre goes before the floor follows
 
 
+Move = Callable[[Sight], None]
+
+
 def wall() -> Mesh:
     """Walls of an upright cylinder of radius and height 1."""
     points, faces = turned([(0.0, 1.0), (1.0, 1.0)], 48)
@@ -169,10 +170,9 @@ class Limits(SceneElement):
 
     def add(self) -> None:
         """Begin with none: they are known when the controller's parameters are."""
-        self._of: TrackingParameters | None = None
         self._shapes: list[tuple[Limit, Shape]] = []
         self._nodes: list[viser.SceneNodeHandle] = []
-        self._moves: list[Callable[[Sight], None]] = []
+        self._moves: list[Move] = []
 
     def show(self, sight: Sight) -> None:
         """Draw those of now, and move those that go with target or orbit.
@@ -181,16 +181,14 @@ class Limits(SceneElement):
             sight: Of this aircraft.
         """
         tracking = self.flight.tracking
-        if tracking is not self._of:
-            self._of = tracking
-            limits = () if tracking is None else tracking.envelope.limits
-            self._draw([(limit, shape) for limit in limits for shape in limit.shapes])
+        limits = () if tracking is None else tracking.envelope.limits
+        shapes = [(limit, shape) for limit in limits for shape in limit.shapes]
+        if shapes != self._shapes:
+            self._draw(shapes)
         for move in self._moves:
             move(sight)
 
     def _draw(self, shapes: list[tuple[Limit, Shape]]) -> None:
-        if shapes == self._shapes:
-            return
         for node in self._nodes:
             node.remove()
         self._shapes, self._nodes, self._moves = shapes, [], []
@@ -199,13 +197,14 @@ class Limits(SceneElement):
             place = self.scene.add_frame(name, show_axes=False, visible=False)
             self._nodes.append(place)
             if isinstance(shape, Cylinder):
-                self._add_cylinder(place, shape, limit.label)
+                move = self._add_cylinder(place, shape, limit.label)
             elif isinstance(shape, Floor):
-                self._add_floor(place, shape)
+                move = self._add_floor(place, shape)
             else:
-                self._add_ball(place, shape)
+                move = self._add_ball(place, shape)
+            self._moves.append(move)
 
-    def _add_cylinder(self, place: viser.FrameHandle, shape: Cylinder, label: str) -> None:
+    def _add_cylinder(self, place: viser.FrameHandle, shape: Cylinder, label: str) -> Move:
         walls = self.scene.add_mesh_simple(
             f"{place.name}/wall",
             *wall(),
@@ -215,7 +214,8 @@ class Limits(SceneElement):
             cast_shadow=False,
             receive_shadow=False,
         )
-        rim = self._lines(place, np.concatenate([ring(), ring() + np.array([0.0, 0.0, 1.0])]))
+        rings = np.concatenate([ring(), ring() + np.array([0.0, 0.0, 1.0])])
+        rim = self.add_lines(f"{place.name}/lines", rings, LIMIT, 1.5, True)
         words = self.scene.add_label(f"{place.name}/label", label, anchor="bottom-center")
 
         def move(sight: Sight) -> None:
@@ -225,10 +225,10 @@ class Limits(SceneElement):
             walls.scale = rim.scale = (shape.radius, shape.radius, height)
             words.position = (0.0, -shape.radius, height)
 
-        self._moves.append(move)
+        return move
 
-    def _add_floor(self, place: viser.FrameHandle, shape: Floor) -> None:
-        rim = self._lines(place, ring(48))
+    def _add_floor(self, place: viser.FrameHandle, shape: Floor) -> Move:
+        rim = self.add_lines(f"{place.name}/lines", ring(48), LIMIT, 1.5, True)
         words = self.scene.add_label(
             f"{place.name}/label", f"floor at {shape.height:g} m", anchor="top-center"
         )
@@ -243,23 +243,16 @@ class Limits(SceneElement):
             rim.scale = FLOOR * size
             words.position = (0.0, -FLOOR * size, 0.0)
 
-        self._moves.append(move)
+        return move
 
-    def _add_ball(self, place: viser.FrameHandle, shape: Ball) -> None:
+    def _add_ball(self, place: viser.FrameHandle, shape: Ball) -> Move:
         flat = ring()
         sphere = np.concatenate([flat, flat[..., [0, 2, 1]], flat[..., [2, 0, 1]]])
-        self._lines(place, sphere).scale = shape.radius
+        self.add_lines(f"{place.name}/lines", sphere, LIMIT, 1.5, True).scale = shape.radius
 
         def move(sight: Sight) -> None:
             place.visible = sight.target is not None and finite(sight.target.position)
             if sight.target is not None and place.visible:
                 place.position = sight.target.position
 
-        self._moves.append(move)
-
-    def _lines(
-        self, place: viser.FrameHandle, points: NDArray[np.float64]
-    ) -> viser.LineSegmentsHandle:
-        return self.scene.add_line_segments(
-            f"{place.name}/lines", points, LIMIT, thickness=1.5, thickness_units="screen"
-        )
+        return move

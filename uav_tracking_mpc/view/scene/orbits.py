@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.report.mode_colours import mode_colour
-from uav_tracking_mpc.view.scene import Colour, SceneElement
+from uav_tracking_mpc.view.scene import SceneElement
 from uav_tracking_mpc.view.scene._drawing import chevrons, extent, finite, paint, ring
 from uav_tracking_mpc.view.watched_flight import Sight
 
@@ -39,19 +39,17 @@ class Orbits(SceneElement):
 
     def add(self) -> None:
         """Send the circles."""
-        self._wanted = self._circle("wanted", 24, self.colour, 2.5)
-        self._flown = self._circle("flown", 0, mode_colour(None), 1.5)
-
-    def _circle(
-        self, name: str, dashes: int, colour: Colour, width: float
-    ) -> viser.LineSegmentsHandle:
-        return self.scene.add_line_segments(
-            f"{self.root}/orbits/{name}",
-            np.concatenate([ring(dashes), chevrons(4)]),
-            colour,
-            thickness=width,
-            thickness_units="screen",
-            visible=False,
+        self._wanted, self._flown = (
+            self.add_lines(
+                f"{self.root}/orbits/{name}",
+                np.concatenate([ring(dashes), chevrons(4)]),
+                colour,
+                width,
+            )
+            for name, dashes, colour, width in (
+                ("wanted", 24, self.colour, 2.5),
+                ("flown", 0, mode_colour(None), 1.5),
+            )
         )
 
     def show(self, sight: Sight) -> None:
@@ -87,14 +85,7 @@ class Plan(SceneElement):
         """Begin with none."""
         colour = mode_colour(None)
         self._drawn = NOTHING
-        self._line = self.scene.add_line_segments(
-            f"{self.root}/plan/line",
-            _segments(NOTHING),
-            colour,
-            thickness=2.0,
-            thickness_units="screen",
-            visible=False,
-        )
+        self._line = self.add_lines(f"{self.root}/plan/line", _segments(NOTHING), colour, 2.0)
         self._stages = self.scene.add_point_cloud(
             f"{self.root}/plan/stages",
             NOTHING,
@@ -168,14 +159,7 @@ class Track(SceneElement):
         self._points: deque[NDArray[np.float64]] = deque()
         self._pending = 0
         self._line, self._head = (
-            self.scene.add_line_segments(
-                f"{self.root}/{self.name}/{part}",
-                NO_TRACK,
-                self.colour,
-                thickness=2.5,
-                thickness_units="screen",
-                visible=False,
-            )
+            self.add_lines(f"{self.root}/{self.name}/{part}", NO_TRACK, self.colour, 2.5)
             for part in ("line", "head")
         )
 

@@ -79,17 +79,9 @@ class Target(SceneElement):
             visible=False,
         )
         self._label = self.scene.add_label(f"{place}/label", "target", anchor="bottom-center")
-        self._measured = self._lines("measured", CROSS)
-        self._truth = self._lines("truth", ring())
-
-    def _lines(self, name: str, points: NDArray[np.float64]) -> viser.LineSegmentsHandle:
-        return self.scene.add_line_segments(
-            f"{self.root}/target_{name}",
-            points,
-            GREY,
-            thickness=2.0,
-            thickness_units="screen",
-            visible=False,
+        self._measured, self._truth = (
+            self.add_lines(f"{place}_{name}", points, GREY, 2.0)
+            for name, points in (("measured", CROSS), ("truth", ring()))
         )
 
     def show(self, sight: Sight) -> None:

@@ -150,7 +150,8 @@ class GuardedServer(viser.ViserServer):
         listener = listen(host or LOOPBACK, port)
         token = new_token()
         self.address = f"{address_of(listener, host or LOOPBACK)}/?token={token}"
-        names = () if host is None else (host, *_names_of_this_machine())
+        machine = socket.gethostname()
+        names = () if host is None else (host, machine, f"{machine}.local")
         guard = _Guard(Access(token, names), listener)
         with _silent(), guard.around_serve():
             super().__init__(LOOPBACK, listener.getsockname()[1], label=label, verbose=False)
@@ -279,11 +280,6 @@ class _Checked(ServerConnection):
                 self._refuse("its message is none that a page sends", self)
             else:
                 return raw
-
-
-def _names_of_this_machine() -> tuple[str, str]:
-    name = socket.gethostname()
-    return name, f"{name}.local"
 
 
 def _quiet_logger() -> logging.Logger:
