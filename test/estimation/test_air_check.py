@@ -87,9 +87,11 @@ def test_without_an_airspeed_the_wind_tells_it(check):
 @pytest.mark.parametrize("period", [3.0, 10.0, 40.0])
 def test_gusts_are_no_fault(period):
     """Of 3 m/s, as strong along as across."""
-    blowing = lambda t: (
-        3.0 * np.array([math.sin(2.0 * math.pi * t / period), math.cos(2.2 * math.pi * t / period)])
-    )
+
+    def blowing(time):
+        angle = 2.0 * math.pi * time / period
+        return 3.0 * np.array([math.sin(angle), math.cos(1.1 * angle)])
+
     check = AirCheck()
     circled(check, right, gust=blowing)
     assert circled(check, right, 100.0, 300.0, gust=blowing)[2] == [["", ""]]
@@ -97,12 +99,11 @@ def test_gusts_are_no_fault(period):
 
 def test_a_wind_that_turns_is_no_fault(check):
     """By 90 deg in a minute, of which the filter follows a half."""
-    turning = lambda t: (
-        2.5
-        * np.array(
-            [1.0 - math.cos(math.pi / 120.0 * (t - 100.0)), math.sin(math.pi / 120.0 * (t - 100.0))]
-        )
-    )
+
+    def turning(time):
+        angle = math.pi / 120.0 * (time - 100.0)
+        return 2.5 * np.array([1.0 - math.cos(angle), math.sin(angle)])
+
     assert circled(check, right, 100.0, 120.0, gust=turning)[2] == [["", ""]]
 
 

