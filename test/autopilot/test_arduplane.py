@@ -18,7 +18,7 @@ import math
 
 import numpy as np
 import pytest
-from autopilot_steps import autopilot, bank, fly, place
+from autopilot_steps import autopilot, bank, banks, fly, off_circle, place
 
 from uav_tracking_mpc.autopilot.arduplane import ArduPlane
 from uav_tracking_mpc.autopilot.autopilot_core import (
@@ -39,20 +39,12 @@ def guided(*overrides):
     return core
 
 
-def banks(states):
-    return np.degrees([state.roll for state in states])
-
-
-def distances(states, east=0.0, north=0.0):
-    return np.array([math.hypot(state.east - east, state.north - north) for state in states])
-
-
 def test_it_begins_in_a_loiter_about_its_start_at_its_height_and_speed():
     core = autopilot(ArduPlane)
     start, states = core.state, fly(core, 40.0)
     assert (core.mode, core.armed, core.system_state) == ("LOITER", True, SystemState.ACTIVE)
     radius = core.parameters["WP_LOITER_RAD"]
-    assert np.max(np.abs(distances(states[-1500:], start.east, start.north) - radius)) < 1.0
+    assert off_circle(states[-1500:], radius, start.east, start.north) < 1.0
     assert np.ptp([state.up for state in states]) < 0.5
     assert states[-1].airspeed == pytest.approx(22.0, abs=0.2)
     assert np.all(banks(states[-1500:]) > 10.0)  # WP_LOITER_RAD is positive: clockwise
@@ -71,23 +63,16 @@ def test_the_bank_is_taken_in_guided_alone_and_altitude_and_airspeed_are_held_me
     assert states[-1].airspeed == pytest.approx(22.0, abs=0.1)
 
 
-def test_a_forced_bank_is_forgotten_after_three_seconds_and_the_guided_point_circled():
+@pytest.mark.parametrize(("timeout", "off"), [(3.0, 0.5), (1.0, 3.0)])  # by default; as it is set
+def test_a_forced_bank_is_forgotten_after_its_time_and_the_guided_point_circled(timeout, off):
     core = guided()
-    start = core.state
+    if timeout != core.parameters["GUIDED_TIMEOUT"]:
+        assert core.parameters.set("GUIDED_TIMEOUT", timeout)
+    start, radius = core.state, core.parameters["WP_LOITER_RAD"]
     fly(core, 1.0, lambda: core.attitude_target(bank(-20.0)))
-    assert banks(fly(core, 2.9))[-1] == pytest.approx(-20.0, abs=0.5)
+    assert banks(fly(core, timeout - 0.1))[-1] == pytest.approx(-20.0, abs=off)
     assert abs(banks(fly(core, 1.5))[-1] + 20.0) > 5.0
-    states = fly(core, 40.0)
-    radius = core.parameters["WP_LOITER_RAD"]
-    assert np.max(np.abs(distances(states[-800:], start.east, start.north) - radius)) < 2.0
-
-
-def test_how_long_a_bank_is_forced_is_a_parameter():
-    core = guided()
-    core.parameters.set("GUIDED_TIMEOUT", 1.0)
-    fly(core, 1.0, lambda: core.attitude_target(bank(-20.0)))
-    assert banks(fly(core, 0.9))[-1] == pytest.approx(-20.0, abs=3.0)
-    assert abs(banks(fly(core, 1.5))[-1] + 20.0) > 5.0
+    assert off_circle(fly(core, 40.0)[-800:], radius, start.east, start.north) < 2.0
 
 
 @pytest.mark.parametrize(
@@ -169,7 +154,7 @@ def test_a_reposition_is_circled_at_its_radius_in_its_direction(yaw, sense):
     assert core.command(order._replace(param2=1.0)) == Result.ACCEPTED
     assert core.mode == "GUIDED"
     states = fly(core, 45.0)
-    assert np.max(np.abs(distances(states[-1000:]) - 150.0)) < 2.0
+    assert off_circle(states[-1000:], 150.0) < 2.0
     assert np.all(sense * banks(states[-1000:]) > 10.0)
 
 
@@ -199,8 +184,7 @@ def test_a_place_that_is_none_is_denied(change):
 def test_return_leads_home_and_a_pilot_may_take_any_mode():
     core = guided()
     assert core.command(Order(Cmd.NAV_RETURN_TO_LAUNCH)) == Result.ACCEPTED
-    states = fly(core, 50.0)
-    assert np.max(np.abs(distances(states[-800:]) - core.parameters["WP_LOITER_RAD"])) < 2.0
+    assert off_circle(fly(core, 50.0)[-800:], core.parameters["WP_LOITER_RAD"]) < 2.0
     assert core.set_mode("FBWA")
     assert abs(banks(fly(core, 5.0))[-1]) < 0.5
     assert core.base_mode & BaseMode.STABILIZE_ENABLED
@@ -267,8 +251,8 @@ def test_armed_in_takeoff_it_runs_climbs_straight_on_and_loiters():
 def test_wind_moves_it_over_ground_and_its_loiter_stays():
     core = autopilot(ArduPlane, "uav_simulator.wind=[0.0, 8.0, 0.0]")
     start, states = core.state, fly(core, 60.0)
-    off = distances(states[-3000:], start.east, start.north) - core.parameters["WP_LOITER_RAD"]
-    assert np.max(np.abs(off)) < 15.0
+    radius = core.parameters["WP_LOITER_RAD"]
+    assert off_circle(states[-3000:], radius, start.east, start.north) < 15.0
     speeds = [state.groundspeed for state in states[-3000:]]
     assert max(speeds) == pytest.approx(30.0, abs=0.3)
     assert core.airframe.wind == pytest.approx((0.0, 8.0, 0.0))
