@@ -16,7 +16,6 @@
 
 import time
 from collections import defaultdict
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -24,6 +23,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from filled_messages import filled_command, filled_orbit
 from node_harness import tapped
+from paced_link import LINK
 from processes import refused_start, wait_for
 from rclpy.serialization import serialize_message
 
@@ -33,11 +33,9 @@ from uav_tracking_mpc.nodes.autopilot_link import AutopilotLink
 from uav_tracking_mpc.nodes.messages.conversions import measurement_from_odometry, nanoseconds
 from uav_tracking_mpc.nodes.ros.diagnostics import ERROR, OK, WARN
 from uav_tracking_mpc.nodes.topics import COMMAND, ENGAGED, ODOMETRY, TARGET_ODOMETRY
-from uav_tracking_mpc.parameters.specification import ParameterError
 
 pytestmark = pytest.mark.nodes
 
-LINK = f"{Path(__file__).parents[1] / 'paced_link.py'}:PacedLink"
 ORBIT = FlownOrbit(np.array([0.0, 0.0, 120.0]), np.array([5.0, 0.0, 0.0]), 275.0, 22.0)
 
 
@@ -197,19 +195,6 @@ def test_it_lets_go_at_the_end(node):
     (last,) = made.sent["/diagnostics"][-1][1].status
     assert (last.level, last.message) == (DiagnosticStatus.STALE, "ended")
     assert last.values
-
-
-@pytest.mark.parametrize(
-    ("parameters", "words"),
-    [
-        ({"link": "balloon"}, "'link' is 'balloon', must be one of"),
-        ({"link": "nowhere.py:Balloon"}, "there is no file"),
-        ({"origin": [1.0, 2.0]}, "'origin'"),
-    ],
-)
-def test_what_cannot_be_is_refused_at_the_start(node, parameters, words):
-    with pytest.raises(ParameterError, match=words):
-        node(**parameters)
 
 
 def test_an_aircraft_that_cannot_be_flown_ends_the_process_with_one_line():
