@@ -75,8 +75,12 @@ def flying(node, **parameters):
     return made
 
 
-def test_states_are_published_with_ros_stamps_as_they_come(node):
-    made = flying(node)
+@pytest.fixture
+def made(node):
+    return flying(node)
+
+
+def test_states_are_published_with_ros_stamps_as_they_come(made):
     heard = made.sent[ODOMETRY.name]
     stamps = [nanoseconds(message.header.stamp) for _, message in heard]
     assert stamps == sorted(stamps)
@@ -88,8 +92,7 @@ def test_states_are_published_with_ros_stamps_as_they_come(node):
     assert status(made) == (OK, "paced: not engaged, nothing is commanded")
 
 
-def test_a_command_reaches_the_link_in_its_time_with_the_orbit_carried_on(node):
-    made = flying(node)
+def test_a_command_reaches_the_link_in_its_time_with_the_orbit_carried_on(made):
     stamp = nanoseconds(made.sent[ODOMETRY.name][-1][1].header.stamp)
     made._on_orbit(filled_orbit(stamp - 100_000_000, ORBIT))
     made._on_command(command(stamp))
@@ -102,8 +105,7 @@ def test_a_command_reaches_the_link_in_its_time_with_the_orbit_carried_on(node):
     assert made._values()["commands received"] == 2
 
 
-def test_what_is_no_command_is_refused_in_words_and_never_reaches_the_link(node):
-    made = flying(node)
+def test_what_is_no_command_is_refused_in_words_and_never_reaches_the_link(made):
     for bad in (serialize_message(COMMAND.type()), b"", command(1, plan=[[np.nan, 0.0, 0.0]])):
         made._on_command(bad)
     made._on_orbit(type(filled_orbit(0, ORBIT))())
@@ -111,8 +113,7 @@ def test_what_is_no_command_is_refused_in_words_and_never_reaches_the_link(node)
     assert made._values()["plans refused"] == 4
 
 
-def test_it_engages_by_service_and_says_so(node):
-    made = flying(node)
+def test_it_engages_by_service_and_says_so(made):
     assert engage(made) == (True, "")
     made._on_command(command(time.time_ns()))
     made._look()
@@ -169,8 +170,7 @@ def test_it_waits_for_an_aircraft_and_outlives_one_that_fails(node, monkeypatch)
     assert "of a user" in str(flown._values()["link"])
 
 
-def test_states_that_stop_are_an_error(node, monkeypatch):
-    made = flying(node)
+def test_states_that_stop_are_an_error(made, monkeypatch):
     monkeypatch.setattr(made._link, "measured", lambda timeout: None)
     monkeypatch.setattr(autopilot_link, "SILENCE", 0.05)
     assert wait_for(lambda: made._status(made._state_time + 0.1)[0] == ERROR)
@@ -185,8 +185,7 @@ def test_a_target_that_tells_where_it_is_is_published(node):
     assert message.header.frame_id == message.child_frame_id == "map"
 
 
-def test_it_lets_go_at_the_end(node):
-    made = flying(node)
+def test_it_lets_go_at_the_end(made):
     engage(made)
     link = made._link
     made.finish()

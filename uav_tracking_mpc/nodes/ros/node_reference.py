@@ -105,10 +105,13 @@ def help_text(name: str, description: str) -> str:
         description: What it does, in a sentence.
     """
     command = f"ros2 run uav_tracking_mpc {name}"
-    words = [f"usage: {command} [--ros-args ARGUMENTS]", "", description, "", ARGUMENTS]
-    words += _listed("publishes", [_topic(topic) for topic in sent(name)])
-    words += _listed("subscribes", [_topic(topic) for topic in HEARD[name]])
-    words += _listed("services", SERVICES.get(name, ()))
+    words = [
+        f"usage: {command} [--ros-args ARGUMENTS]",
+        *("", description, "", ARGUMENTS),
+        *_listed("publishes", [_topic(topic) for topic in sent(name)]),
+        *_listed("subscribes", [_topic(topic) for topic in HEARD[name]]),
+        *_listed("services", SERVICES.get(name, ())),
+    ]
     if name in SECTIONS:
         known = [_parameter(item) for item in specifications(SECTIONS[name])]
         words += _listed("parameters (default; what is allowed)", known)
