@@ -33,17 +33,18 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from uav_tracking_mpc.report.pages import Table
+
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "uav_tracking_mpc"
 PAGE = ROOT / "docs/reference/constants.md"
 TRIED = ROOT / "docs/reference/constants_tried.json"  # written by test/constant_trial.py
 WAYS = ("halved", "doubled")
 UNTRIED = ("display", "code")  # nobody tunes a protocol or a layout
-MARK = "<!-- table constants -->"
-HEADER = (
-    "| constant | module | value | unit | kind | what it is for | source "
-    "| noticed when halved | when doubled |"
-)
+HEADINGS = (
+    "constant", "module", "value", "unit", "kind", "what it is for", "source",
+    "noticed when halved", "when doubled",
+)  # fmt: skip
 # Redesigned at present; and an example of what is generated for each problem.
 LEFT_OUT = re.compile(r"estimation/.*|control/adaptation\.py|mpc/newton/stage\.py")
 DISPLAY = re.compile(r"(view|report)/(?!metrics|bag).*|studies/.*(figures?|page)\.py")
@@ -177,24 +178,16 @@ def noticed(constant: Constant, tried: dict[str, dict[str, str]]) -> list[str]:
     return [said[way] or "by no test of its file" for way in WAYS]
 
 
-def table() -> str:
-    """Markdown: a row for every constant."""
-    tried = json.loads(TRIED.read_text(encoding="utf-8"))
-    lines = [HEADER, "|---" * 9 + "|"]
+def table() -> Table:
+    """A row for every constant."""
+    tried, rows = json.loads(TRIED.read_text(encoding="utf-8")), []
     for own in constants():
         words = UNIT.sub("", own.comment, count=1) if own.unit else own.comment
         value = re.sub(r"\b(math|np)\.", "", ast.unparse(own.value))
         cells = [f"`{own.name}`", f"`{own.path}`", f"`{value}`", own.unit, own.kind]
-        cells += [words.lstrip(" ,:;."), own.source or "chosen", *noticed(own, tried)]
-        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
-    return "\n".join(lines)
-
-
-def with_table(text: str) -> str:
-    """The page with the table behind its mark."""
-    before, _, _ = text.partition(MARK)
-    return f"{before}{MARK}\n{table()}\n"
+        rows.append([*cells, words.lstrip(" ,:;."), own.source or "chosen", *noticed(own, tried)])
+    return Table(HEADINGS, rows)
 
 
 if __name__ == "__main__":
-    PAGE.write_text(with_table(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    table().write_into(PAGE, "constants")

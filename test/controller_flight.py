@@ -28,6 +28,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, rule
 from message_strategies import changed
 
 from uav_tracking_mpc.dynamics.air import GRAVITY
+from uav_tracking_mpc.dynamics.vehicle import advance
 from uav_tracking_mpc.nodes.messages.conversions import nanoseconds
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY, TARGET
 from uav_tracking_mpc.settings.configuration import load_configuration
@@ -42,22 +43,6 @@ CALM = 250  # good rounds after which a command must have come
 SETTLED = 20  # good rounds, of 50 ms, after which no wrong message counts any more
 EFFECT = 0.7  # s until a command takes effect, at most
 WRONG_EFFECT = 2.0  # s, where a stamp may be wrong as well
-
-
-def advance(state, inputs, duration):
-    """Kinematics of (x, y, z, psi, chi, v), shape (6,), over a short time in [s]."""
-    x, y, z, psi, chi, v = state
-    turn, climb, acceleration = inputs
-    return np.array(
-        [
-            x + duration * v * math.cos(chi) * math.cos(psi),
-            y + duration * v * math.cos(chi) * math.sin(psi),
-            z + duration * v * math.sin(chi),
-            psi + duration * turn,
-            chi + duration * climb,
-            v + duration * acceleration,
-        ]
-    )
 
 
 class ControllerFlight(RuleBasedStateMachine):

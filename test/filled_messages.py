@@ -93,6 +93,19 @@ def filled_status(stamp, node, words="", level=b"\x00", values=None):
     return message
 
 
+def altered(message, path, value):
+    """With another value at a path of fields and indices, as ``points.0.velocities``."""
+    *parents, name = path.split(".")
+    part = message
+    for parent in parents:
+        part = part[int(parent)] if parent.isdigit() else getattr(part, parent)
+    if name.isdigit():
+        part[int(name)] = value
+    else:
+        setattr(part, name, value)
+    return message
+
+
 def over_the_wire(message):
     """As it arrives."""
     return deserialize_message(serialize_message(message), type(message))

@@ -18,10 +18,11 @@ What a launch file would start comes out as plain objects. Where the real packag
 they run the same files: see test/launch/test_launch_files.py.
 """
 
-import importlib.util
 import sys
 from contextlib import contextmanager
 from types import ModuleType
+
+import sources
 
 
 class Context:
@@ -144,10 +145,7 @@ def stand_in():
 
 def loaded(path):
     """Launch description of a file."""
-    specification = importlib.util.spec_from_file_location("launch_file", path)
-    module = importlib.util.module_from_spec(specification)
-    specification.loader.exec_module(module)
-    return module.generate_launch_description()
+    return sources.loaded(path, "launch_file").generate_launch_description()
 
 
 def started(entity, context):

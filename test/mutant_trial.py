@@ -51,6 +51,8 @@ from pathlib import Path
 
 from mutants import PACKAGE, ROOT, Mutant, digest, first_line, git, sample
 
+from uav_tracking_mpc.report.pages import Table
+
 LEVELS = ("near", "unit", "all")  # the module's folder; all without processes; everything
 KINDS = {
     "unit": ["-m", "not nodes and not browser and not long"],
@@ -388,13 +390,17 @@ def _probed(path: str, places: list[tuple[int, str]]) -> str:
 
 def table(mutants: list[Mutant], suites: list[Suite]) -> str:
     """Markdown: what each mutant is, and what the suites say."""
-    rows = [["where", "operator", "before", "after", *(f"tests of {s.revision}" for s in suites)]]
-    rows.append(["---"] * len(rows[0]))
-    for m in mutants:
-        change = [f"`{code}`" for code in m.change]
-        said = [suite.says(m) for suite in suites]
-        rows.append([f"{m.path}:{m.line}", m.operator, *change, *said])
-    return "".join("| " + " | ".join(w.replace("|", "\\|") for w in row) + " |\n" for row in rows)
+    headings = ["where", "operator", "before", "after", *(f"tests of {s.revision}" for s in suites)]
+    rows = [
+        [
+            f"{m.path}:{m.line}",
+            m.operator,
+            *(f"`{code}`" for code in m.change),
+            *(suite.says(m) for suite in suites),
+        ]
+        for m in mutants
+    ]
+    return Table(headings, rows).as_markdown()
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -432,7 +438,7 @@ def main(arguments: list[str] | None = None) -> int:
         old.judge(survivors, options.level, before)
         suites, lost = [new, old], [m for m in survivors if old.verdicts[m.key]["killed_by"]]
     written = table(mutants, suites)
-    (output / "mutants.md").write_text(written, encoding="utf-8")
+    (output / "mutants.md").write_text(written + "\n", encoding="utf-8")
     print(written)
     print(f"The tests of {options.tests} find {len(mutants) - len(survivors)} of {len(mutants)}.")
     for m in lost:

@@ -26,6 +26,8 @@ from uav_tracking_mpc.links import Inspection, LinkError, LinkRefusedError, Sigh
 from uav_tracking_mpc.links.simulated import SimulatedLink
 from uav_tracking_mpc.settings.configuration import load_configuration
 
+LINK = f"{__file__}:PacedLink"  # as a parameter has it
+
 
 class PacedLink(SimulatedLink):
     """What it does is told by its address: ``nobody``, ``copter``, ``tight``, ``slow`` or nothing.

@@ -19,7 +19,15 @@ import struct
 from dataclasses import replace
 
 import numpy as np
-from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticStatus
+from filled_messages import (
+    filled_air,
+    filled_clock,
+    filled_odometry,
+    filled_orbit,
+    filled_point,
+    filled_status,
+)
 from mcap.reader import make_reader
 from mcap.writer import Writer
 from rclpy.serialization import serialize_message
@@ -31,21 +39,9 @@ from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate
 from uav_tracking_mpc.dynamics.orbit import Orbit, orbit_about
 from uav_tracking_mpc.nodes.controller_report import markers_message, path_message
 from uav_tracking_mpc.nodes.flight_recorder import FlightBag
-from uav_tracking_mpc.nodes.messages.conversions import (
-    set_air_velocity,
-    set_odometry,
-    set_point,
-    set_stamp,
-    set_truth,
-)
+from uav_tracking_mpc.nodes.messages.conversions import set_stamp, set_truth
 from uav_tracking_mpc.nodes.messages.diagnostic_values import orbit_values
-from uav_tracking_mpc.nodes.messages.named_figures import (
-    ERRORS,
-    MODES,
-    orbit_message,
-    set_orbit,
-    tracking_message,
-)
+from uav_tracking_mpc.nodes.messages.named_figures import ERRORS, MODES, tracking_message
 from uav_tracking_mpc.nodes.messages.wires import CommandWire
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
@@ -175,8 +171,8 @@ class _Aircraft:
         self._bag, self._namespace, self._topics = bag, namespace, topics
         self._held = {topic.name for topic in held}
         self._flight, self._random = SyntheticFlight(turn), np.random.default_rng(0)
-        self._wire, self._orbit, self._errors = CommandWire(), orbit_message(), tracking_message()
-        self._messages = {topic.name: topic.type() for topic in ALL}
+        self._wire, self._errors = CommandWire(), tracking_message()
+        self._truth = TARGET_TRUTH.type()
         self._changes, self._mode = 0, OPTIMAL
 
     def _write(self, topic, heard, message):
@@ -186,30 +182,23 @@ class _Aircraft:
 
     def state(self, time, stamp, heard):
         flight = self._flight
-        odometry, air = self._messages[ODOMETRY.name], self._messages[AIR_VELOCITY.name]
-        clock, truth = self._messages[CLOCK.name], self._messages[TARGET_TRUTH.name]
-        vehicle = flight.vehicle(time)
-        rates = np.array([flight.turn_rate, 0.0, 0.0])
-        set_odometry(odometry, stamp, vehicle, rates, flight.ground_velocity(time))
-        set_air_velocity(air, stamp, vehicle[5])
-        set_stamp(clock.clock, stamp)
-        set_truth(truth, stamp, flight.target(time), TARGET_VELOCITY)
-        for topic, message in (
-            (CLOCK, clock), (TARGET_TRUTH, truth), (AIR_VELOCITY, air), (ODOMETRY, odometry),
-        ):  # fmt: skip
-            self._write(topic, heard, message)
+        vehicle, rates = flight.vehicle(time), (flight.turn_rate, 0.0, 0.0)
+        set_truth(self._truth, stamp, flight.target(time), TARGET_VELOCITY)
+        self._write(CLOCK, heard, filled_clock(stamp))
+        self._write(TARGET_TRUTH, heard, self._truth)
+        self._write(AIR_VELOCITY, heard, filled_air(stamp, vehicle[5]))
+        odometry = filled_odometry(stamp, vehicle, rates, flight.ground_velocity(time))
+        self._write(ODOMETRY, heard, odometry)
 
     def command(self, time, stamp, heard, mode):
-        flight, number = self._flight, self._messages[TRACKING["cost"].name]
+        flight, number = self._flight, TRACKING["cost"].type()
         plan = flight.plan(time)
         inputs = self._random.normal(0.0, 1e-3, (STAGES, 3))
         inputs[:, 0] += flight.turn_rate
         path = PlannedPath(plan, np.tile(flight.ground_velocity(time), (STAGES + 1, 1)))
         self._write(COMMAND, heard, self._wire.write(stamp, inputs, STEP, path))
-        set_orbit(
-            self._orbit, stamp, orbit_about(flight.target(time), TARGET_VELOCITY, ORBIT_WANTED)
-        )
-        self._write(ORBIT, heard, self._orbit)
+        orbit = orbit_about(flight.target(time), TARGET_VELOCITY, ORBIT_WANTED)
+        self._write(ORBIT, heard, filled_orbit(stamp, orbit))
         set_stamp(self._errors.header.stamp, stamp)
         for k, name in enumerate(ERRORS):
             number.data = self._errors.position[k] = float(self._random.normal())
@@ -234,9 +223,8 @@ class _Aircraft:
         plan, target = self._flight.plan(time), self._flight.target(time)
         self._write(PREDICTED_PATH, heard, path_message(stamp, plan))
         self._write(MARKERS, heard, markers_message(stamp, plan, target, ORBIT_WANTED))
-        seen = self._messages[TARGET.name]
-        set_point(seen, stamp, target + self._random.normal(0.0, STD, 3))
-        self._write(TARGET, heard, seen)
+        seen = target + self._random.normal(0.0, STD, 3)
+        self._write(TARGET, heard, filled_point(stamp, seen))
 
     def reports(self, time, stamp, heard, fallbacks, silent):
         mode = mode_at(time, fallbacks)
@@ -255,13 +243,8 @@ class _Aircraft:
         level = DiagnosticStatus.OK if mode is OPTIMAL else DiagnosticStatus.WARN
         prefix = f"{self._namespace}/" if self._namespace else ""
         for node, figures in nodes.items():
-            entries = [KeyValue(key=key, value=str(value)) for key, value in figures.items()]
-            status = DiagnosticStatus(
-                level=level, name=f"{prefix}{node}: status", message="fine", values=entries
-            )
-            message = DIAGNOSTICS.type(status=[status])
-            set_stamp(message.header.stamp, stamp)
-            self._write(DIAGNOSTICS, heard + DIAGNOSTIC_DELAY, message)
+            status = filled_status(stamp, f"{prefix}{node}", "fine", level, figures)
+            self._write(DIAGNOSTICS, heard + DIAGNOSTIC_DELAY, status)
 
 
 def rewritten(source, path, keep=lambda channel, message: True, **options):

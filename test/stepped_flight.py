@@ -38,10 +38,15 @@ STEP = 0.4  # s
 
 
 class Planner:
-    """Answers every state with the same turn."""
+    """Answers every state with the same turn, about an orbit that may move to the East."""
+
+    def __init__(self, orbit=ORBIT, speed=0.0):
+        self.orbit, self.speed, self.states = orbit, speed, 0
 
     def answer(self, flown, measured):
-        flown.link.command(measured.stamp, TURN, STEP, ORBIT)
+        centre = self.orbit.centre + np.array([self.speed * flown.time, 0.0, 0.0])
+        flown.link.command(measured.stamp, TURN, STEP, self.orbit._replace(centre=centre))
+        self.states += 1
 
 
 class Nobody:

@@ -14,14 +14,13 @@
 
 """The example with acados, a peer behind pipes: what it is told, answers, and how it is missed."""
 
-import importlib.util
 import json
 import sys
-from pathlib import Path
 
 import casadi as ca
 import numpy as np
 import pytest
+from sources import ROOT, loaded
 
 from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 from uav_tracking_mpc.studies.benchmark import benchmark_study
@@ -33,19 +32,9 @@ from uav_tracking_mpc.studies.benchmark.benchmark_study import (
     summary,
 )
 
-EXAMPLE = Path(__file__).parents[1] / "examples" / "acados"
-
-
-def loaded(name):
-    specification = importlib.util.spec_from_file_location(
-        f"{name}_example", EXAMPLE / f"{name}.py"
-    )
-    module = importlib.util.module_from_spec(specification)
-    specification.loader.exec_module(module)
-    return module
-
-
-acados, rebuilt = loaded("benchmark"), loaded("acados_program").rebuilt
+EXAMPLE = ROOT / "examples" / "acados"
+acados = loaded(EXAMPLE / "benchmark.py", "acados_benchmark")
+rebuilt = loaded(EXAMPLE / "acados_program.py").rebuilt
 AcadosPeer, PeerError = acados.AcadosPeer, acados.PeerError
 
 # Answers with the plan that it is given, after a second by its own clock; ends when told to.

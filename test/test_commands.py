@@ -31,11 +31,11 @@ from pathlib import Path
 
 import pytest
 from processes import wait_for
+from sources import ROOT, copied
 
 from uav_tracking_mpc.cli import main as program
 from uav_tracking_mpc.cli import options as options
 
-ROOT = Path(__file__).parents[1]
 ADDRESS = "https://github.com/uav-tracking-mpc/uav_tracking_mpc"
 TUTORIAL, README = ROOT / "docs" / "tutorial.md", ROOT / "README.md"
 FROM_APT = ("ros2", "colcon", "rosdep")
@@ -175,19 +175,7 @@ class Reader:
 @pytest.fixture
 def reader(tmp_path):
     """Somebody in an empty folder, and a repository with the sources as they are."""
-    if not (ROOT / ".git").exists():
-        pytest.skip("not a clone")
-    checkout = tmp_path / "published"
-    names = subprocess.run(
-        ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout.split()
-    for name in filter(lambda name: (ROOT / name).is_file(), names):
-        (checkout / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(ROOT / name, checkout / name)
+    checkout = copied(tmp_path / "published")
     git = ["git", "-C", checkout, "-c", "user.name=reader", "-c", "user.email=reader@localhost"]
     for words in (["init", "-q"], ["add", "-A"], ["commit", "-q", "-m", "published"]):
         subprocess.run([*git, *words], check=True)

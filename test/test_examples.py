@@ -14,7 +14,6 @@
 
 """Every example runs, and shows what it says it shows."""
 
-import importlib.util
 import json
 import re
 import subprocess
@@ -23,11 +22,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sources import ROOT, loaded
 
 from uav_tracking_mpc.dynamics.frames import wrap_angle
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 
-EXAMPLES = Path(__file__).parents[1] / "examples"
+EXAMPLES = ROOT / "examples"
 
 
 def run(name, *arguments, limit=280):
@@ -39,14 +39,6 @@ def run(name, *arguments, limit=280):
     )
     assert finished.returncode == 0, finished.stdout + finished.stderr
     return finished.stdout
-
-
-def loaded(name):
-    specification = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
-    module = importlib.util.module_from_spec(specification)
-    sys.modules[name] = module
-    specification.loader.exec_module(module)
-    return module
 
 
 def test_every_example_has_a_test():
@@ -64,7 +56,7 @@ def test_reproduce_the_paper(tmp_path):
 
 
 def test_fly_your_own_plant():
-    distances = loaded("fly_your_own_plant").fly()
+    distances = loaded(EXAMPLES / "fly_your_own_plant.py").fly()
     assert abs(distances[0] - 608.0) < 2.0
     assert np.abs(distances[-200:] - 300.0).max() < 1.0
 
@@ -92,7 +84,7 @@ def test_add_a_plant(tmp_path):
     shorter = ["--set", "mission.duration=60.0"]
     metrics = json.loads(run("add_a_plant.py", "--json", "--output", tmp_path, *shorter))
     assert metrics["steady_state"]["range_rms_m"] < 5.0
-    slipping = loaded("add_a_plant").Slipping(SimulatorParameters(initial_speed=20.0))
+    slipping = loaded(EXAMPLES / "add_a_plant.py").Slipping(SimulatorParameters(initial_speed=20.0))
     slipping.accept(np.tile([0.3, 0.0, 0.0], (6, 1)), np.arange(6.0))
     for _ in range(100):
         slipping.advance(0.05)

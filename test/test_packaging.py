@@ -23,14 +23,13 @@ import sys
 import sysconfig
 import tarfile
 import xml.etree.ElementTree as ElementTree
-from pathlib import Path
 
 import pytest
 from extras import EXTRAS
+from sources import ROOT, copied
 
 from uav_tracking_mpc import __version__
 
-ROOT = Path(__file__).parents[1]
 PACKAGE = ElementTree.parse(ROOT / "package.xml").getroot()
 KEYS = {element.text for element in PACKAGE if element.tag.endswith("_depend")}
 BUILT = ("build", "build_links", "install", "install_links", "log", "uav_tracking_mpc.egg-info")
@@ -47,22 +46,7 @@ EXECUTABLES = {
 @pytest.fixture(scope="module")
 def checkout(tmp_path_factory):
     """A clean copy of the sources, as a clone has them."""
-    if not (ROOT / ".git").exists():
-        pytest.skip("not a clone")
-    folder = tmp_path_factory.mktemp("checkout") / "uav_tracking_mpc"
-    folder.mkdir()
-    files = subprocess.run(
-        ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout.split()
-    for name in files:
-        if (ROOT / name).is_file():
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            (folder / name).write_bytes((ROOT / name).read_bytes())
-    return folder
+    return copied(tmp_path_factory.mktemp("checkout") / "uav_tracking_mpc")
 
 
 def run(*arguments, cwd, **environment):

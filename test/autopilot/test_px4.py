@@ -18,21 +18,13 @@ import math
 
 import numpy as np
 import pytest
-from autopilot_steps import autopilot, bank, fly, place
+from autopilot_steps import autopilot, bank, banks, fly, off_circle, place
 
 from uav_tracking_mpc.autopilot.autopilot_core import BaseMode, Cmd, Order, Result, SystemState
 from uav_tracking_mpc.autopilot.px4 import Px4
 
 RATES_IGNORED = 0b111  # attitude and thrust are taken
 OFFBOARD = Order(Cmd.DO_SET_MODE, 1.0, 6.0)
-
-
-def banks(states):
-    return np.degrees([state.roll for state in states])
-
-
-def distances(states, east=0.0, north=0.0):
-    return np.array([math.hypot(state.east - east, state.north - north) for state in states])
 
 
 def level(core, roll=0.0, mask=RATES_IGNORED):
@@ -68,7 +60,7 @@ def test_it_begins_in_hold_about_its_start():
     start, states = core.state, fly(core, 35.0)
     assert (core.mode, core.armed) == ("LOITER", True)
     radius = core.parameters["NAV_LOITER_RAD"]
-    assert np.max(np.abs(distances(states[-1000:], start.east, start.north) - radius)) < 1.0
+    assert off_circle(states[-1000:], radius, start.east, start.north) < 1.0
 
 
 def test_offboard_is_taken_only_while_setpoints_stream():
@@ -140,20 +132,15 @@ def test_when_setpoints_stop_the_last_is_flown_then_the_failsafe(action, mode):
     assert core.texts == [(2, "Failsafe: Offboard control lost")]
 
 
-def test_offboard_goes_on_by_itself_when_setpoints_come_back():
+@pytest.mark.parametrize("chosen", [False, True])
+def test_offboard_goes_on_when_setpoints_come_back_unless_a_mode_was_chosen_meanwhile(chosen):
     core = offboard(COM_OBL_RC_ACT=5)
     fly(core, 2.0)
     assert core.mode == "LOITER"
+    if chosen:
+        assert core.set_mode("LOITER")
     fly(core, 1.0, lambda: core.attitude_target(level(core)))
-    assert (core.mode, core.failsafe) == ("OFFBOARD", False)
-
-
-def test_but_not_when_somebody_has_changed_the_mode_meanwhile():
-    core = offboard(COM_OBL_RC_ACT=5)
-    fly(core, 2.0)
-    assert core.set_mode("LOITER")
-    fly(core, 1.0, lambda: core.attitude_target(level(core)))
-    assert (core.mode, core.failsafe) == ("LOITER", False)
+    assert (core.mode, core.failsafe) == ("LOITER" if chosen else "OFFBOARD", False)
 
 
 def test_a_pilot_takes_over_and_setpoints_mean_nothing_then():
@@ -192,7 +179,7 @@ def test_a_reposition_must_ask_for_the_change_of_mode_and_tells_altitude_above_s
     assert core.command(order._replace(param2=1.0)) == Result.ACCEPTED
     assert core.mode == "LOITER"
     states = fly(core, 45.0)
-    assert np.max(np.abs(distances(states[-1000:]) - 150.0)) < 2.0
+    assert off_circle(states[-1000:], 150.0) < 2.0
     assert np.all(banks(states[-1000:]) < -10.0)  # a negative radius is counter-clockwise
     assert states[-1].up == pytest.approx(100.0, abs=0.5)
 
@@ -202,8 +189,7 @@ def test_return_climbs_to_its_altitude_and_circles_home():
     assert core.command(Order(Cmd.NAV_RETURN_TO_LAUNCH)) == Result.ACCEPTED
     states = fly(core, 40.0)
     assert states[-1].up == pytest.approx(core.parameters["RTL_RETURN_ALT"], abs=0.5)
-    radius = core.parameters["RTL_LOITER_RAD"]
-    assert np.max(np.abs(distances(states[-1000:]) - radius)) < 3.0
+    assert off_circle(states[-1000:], core.parameters["RTL_LOITER_RAD"]) < 3.0
 
 
 def test_the_loss_of_the_ground_station_counts_where_it_is_enabled():

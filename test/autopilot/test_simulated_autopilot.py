@@ -14,12 +14,15 @@
 
 """In real time over UDP and TCP of this machine, heard by pymavlink itself."""
 
+import contextlib
+import itertools
 import math
 import os
 import time
 
 import pytest
-from autopilot_steps import ORIGIN
+from autopilot_steps import ORIGIN, position_of
+from processes import PATIENCE
 from pymavlink import mavutil
 
 from uav_tracking_mpc.autopilot.simulated_autopilot import GroundVehicle, SimulatedAutopilot
@@ -30,17 +33,38 @@ from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.simulator import TargetParameters
 
-PATIENCE = 60.0  # s; a busy machine may take long
-PORT = 20000 + os.getpid() % 20000  # of this process alone, among those that test at once
+PORTS = itertools.count(20000 + os.getpid() % 20000)  # of this process alone, one for each test
 CONFIGURATION = load_configuration("small_uav")
 
 
-def client(address):
-    return mavutil.mavlink_connection(address, source_system=1, source_component=191)
+@pytest.fixture
+def where():
+    return f"127.0.0.1:{next(PORTS)}"
+
+
+@contextlib.contextmanager
+def client(address, system=1):
+    with contextlib.closing(
+        mavutil.mavlink_connection(address, source_system=system, source_component=191)
+    ) as connection:
+        yield connection
+
+
+@pytest.fixture
+def listener(where):
+    with client(f"udpin:{where}") as connection:
+        yield connection
 
 
 def heard(connection, name, timeout=PATIENCE):
     return connection.recv_match(type=name, blocking=True, timeout=timeout)
+
+
+def hear_until(connection, name, wanted):
+    """Hear messages of a name until one is as it is wanted."""
+    deadline = time.monotonic() + PATIENCE
+    while not wanted(heard(connection, name)):
+        assert time.monotonic() < deadline
 
 
 def asked(connection, command, *values):
@@ -55,11 +79,11 @@ def asked(connection, command, *values):
     ("own", "other"), [("udpout", "udpin"), ("udpin", "udpout"), ("tcpin", "tcp")]
 )
 @pytest.mark.parametrize("dialect", ["ardupilot", "px4"])
-def test_a_flight_over_a_wire(dialect, own, other):
-    where = f"127.0.0.1:{PORT}"
-    listens = client(f"{other}:{where}") if other == "udpin" else None
-    with SimulatedAutopilot(dialect, CONFIGURATION, f"{own}:{where}") as autopilot:
-        connection = listens or client(f"{other}:{where}")
+def test_a_flight_over_a_wire(dialect, own, other, where):
+    with contextlib.ExitStack() as opened:
+        flown = SimulatedAutopilot(dialect, CONFIGURATION, f"{own}:{where}")
+        connection = opened.enter_context(client(f"{other}:{where}"))
+        autopilot = opened.enter_context(flown)
         connection.mav.heartbeat_send(mavlink.MAV_TYPE_ONBOARD_CONTROLLER, 8, 0, 0, 0)
         heartbeat = heard(connection, "HEARTBEAT")
         assert heartbeat.autopilot == autopilot.core.traits.maker
@@ -71,89 +95,76 @@ def test_a_flight_over_a_wire(dialect, own, other):
         assert last.time_boot_ms - first.time_boot_ms == pytest.approx(500, abs=60)
         assert autopilot.pilot_mode("RTL")
         number = type(autopilot.core).modes["RTL"]
-        deadline = time.monotonic() + PATIENCE
-        while heard(connection, "HEARTBEAT").custom_mode != number:
-            assert time.monotonic() < deadline
-    connection.close()
+        hear_until(connection, "HEARTBEAT", lambda message: message.custom_mode == number)
 
 
-def test_a_lost_tcp_connection_can_be_made_again():
-    where = f"127.0.0.1:{PORT + 1}"
+def test_a_lost_tcp_connection_can_be_made_again(where):
     with SimulatedAutopilot("ardupilot", CONFIGURATION, f"tcpin:{where}"):
         for _ in range(2):
-            connection = client(f"tcp:{where}")
-            assert heard(connection, "HEARTBEAT") is not None
-            connection.close()
+            with client(f"tcp:{where}") as connection:
+                assert heard(connection, "HEARTBEAT") is not None
 
 
-def test_two_companions_hear_the_pilots_change_at_once():
-    where = f"127.0.0.1:{PORT + 2}"
-    with SimulatedAutopilot("ardupilot", CONFIGURATION, f"udpin:{where}"):
-        companion = client(f"udpout:{where}")
+def test_two_companions_hear_the_pilots_change_at_once(where):
+    with (
+        SimulatedAutopilot("ardupilot", CONFIGURATION, f"udpin:{where}"),
+        client(f"udpout:{where}") as companion,
+        client(f"udpout:{where}", system=255) as ground,
+    ):
         companion.mav.heartbeat_send(mavlink.MAV_TYPE_ONBOARD_CONTROLLER, 8, 0, 0, 0)
         assert heard(companion, "HEARTBEAT") is not None
-        ground = mavutil.mavlink_connection(f"udpout:{where}", source_system=255)
         ground.mav.command_long_send(1, 1, 176, 0, 1.0, 5.0, 0, 0, 0, 0, 0)  # FBWA
-        deadline = time.monotonic() + PATIENCE
-        while heard(companion, "HEARTBEAT").custom_mode != 5:
-            assert time.monotonic() < deadline
-        companion.close()
-        ground.close()
+        hear_until(companion, "HEARTBEAT", lambda message: message.custom_mode == 5)
 
 
-def test_no_fault_ends_it():
-    where = f"127.0.0.1:{PORT + 3}"
-    connection = client(f"udpin:{where}")
+def test_no_fault_ends_it(where, listener):
     with SimulatedAutopilot("ardupilot", CONFIGURATION, f"udpout:{where}") as autopilot:
-        assert heard(connection, "HEARTBEAT") is not None
+        assert heard(listener, "HEARTBEAT") is not None
         for name in WIRE_FAULTS:
             fault = autopilot.begin_fault(name, seed=1)
             end = time.monotonic() + 0.2
             while time.monotonic() < end:
-                connection.mav.command_long_send(1, 1, 410, 0, *[0.0] * 7)
-                connection.recv_match(blocking=True, timeout=0.02)
+                listener.mav.command_long_send(1, 1, 410, 0, *[0.0] * 7)
+                listener.recv_match(blocking=True, timeout=0.02)
             autopilot.end_fault(fault)
-        while connection.recv_match(blocking=False) is not None:
+        while listener.recv_match(blocking=False) is not None:
             pass
-        assert heard(connection, "HEARTBEAT").get_srcSystem() in (1, 77)
-        deadline = time.monotonic() + PATIENCE
-        while heard(connection, "HEARTBEAT").get_srcSystem() != 1:
-            assert time.monotonic() < deadline
-    connection.close()
+        assert heard(listener, "HEARTBEAT").get_srcSystem() in (1, 77)
+        hear_until(listener, "HEARTBEAT", lambda message: message.get_srcSystem() == 1)
 
 
-def test_bad_words_are_told():
-    with pytest.raises(ParameterError, match="dialect is 'inav', must be one of ardupilot, px4"):
-        SimulatedAutopilot("inav", CONFIGURATION)
-    with pytest.raises(ParameterError, match="origin is latitude 91"):
-        SimulatedAutopilot("px4", CONFIGURATION, origin=(91.0, 0.0, 0.0))
-    with pytest.raises(LinkError, match="must be udpin:HOST:PORT"):
-        SimulatedAutopilot("px4", CONFIGURATION, "radio:7")
+@pytest.mark.parametrize(
+    ("dialect", "changed", "error", "words"),
+    [
+        ("inav", {}, ParameterError, "dialect is 'inav', must be one of ardupilot, px4"),
+        ("px4", {"origin": (91.0, 0.0, 0.0)}, ParameterError, "origin is latitude 91"),
+        ("px4", {"connection": "radio:7"}, LinkError, "must be udpin:HOST:PORT"),
+    ],
+)
+def test_bad_words_are_told(dialect, changed, error, words):
+    with pytest.raises(error, match=words):
+        SimulatedAutopilot(dialect, CONFIGURATION, **changed)
 
 
-def test_signed_messages_alone_are_taken_where_there_is_a_key(tmp_path):
-    key, where = tmp_path / "key", f"127.0.0.1:{PORT + 4}"
+def test_signed_messages_alone_are_taken_where_there_is_a_key(tmp_path, where, listener):
+    key = tmp_path / "key"
     key.write_bytes(bytes(range(32)))
-    connection = client(f"udpin:{where}")
     with SimulatedAutopilot("ardupilot", CONFIGURATION, f"udpout:{where}", key=str(key)):
-        assert heard(connection, "HEARTBEAT").get_header().incompat_flags == 1  # signed
-        connection.mav.command_long_send(1, 1, 410, 0, *[0.0] * 7)
-        assert heard(connection, "COMMAND_ACK", timeout=0.5) is None
-        connection.setup_signing(bytes(range(32)), sign_outgoing=True)
-        assert asked(connection, 410) == mavlink.MAV_RESULT_ACCEPTED
-    connection.close()
+        assert heard(listener, "HEARTBEAT").get_header().incompat_flags == 1  # signed
+        listener.mav.command_long_send(1, 1, 410, 0, *[0.0] * 7)
+        assert heard(listener, "COMMAND_ACK", timeout=0.5) is None
+        listener.setup_signing(bytes(range(32)), sign_outgoing=True)
+        assert asked(listener, 410) == mavlink.MAV_RESULT_ACCEPTED
 
 
-def test_a_second_vehicle_is_heard_on_the_same_wire():
-    where = f"127.0.0.1:{PORT + 5}"
-    connection = client(f"udpin:{where}")
+def test_a_second_vehicle_is_heard_on_the_same_wire(where, listener):
+    systems = set()
     with SimulatedAutopilot("px4", CONFIGURATION, f"udpout:{where}", target_system=9):
-        deadline = time.monotonic() + PATIENCE
-        systems = set()
-        while systems != {1, 9}:
-            systems.add(heard(connection, "GLOBAL_POSITION_INT").get_srcSystem())
-            assert time.monotonic() < deadline
-    connection.close()
+        hear_until(
+            listener,
+            "GLOBAL_POSITION_INT",
+            lambda message: systems.add(message.get_srcSystem()) or systems == {1, 9},
+        )
 
 
 def test_it_tells_where_it_drives():
@@ -166,10 +177,7 @@ def test_it_tells_where_it_drives():
     positions = [m for m in heard if m.get_type() == "GLOBAL_POSITION_INT"]
     assert len(positions) == 50
     last = positions[-1]
-    place = ORIGIN.position(
-        math.radians(last.lat * 1e-7), math.radians(last.lon * 1e-7), last.alt * 1e-3
-    )
-    east, north, _ = place
+    east, north, _ = position_of(last)
     driven = 5.0 * last.time_boot_ms * 1e-3
     assert math.hypot(east - 50.0, north + 20.0) == pytest.approx(driven, abs=0.05)
     assert math.hypot(last.vx, last.vy) == pytest.approx(500.0, abs=1.0)

@@ -20,7 +20,7 @@ import re
 import struct
 
 import pytest
-from autopilot_steps import ORIGIN, autopilot
+from autopilot_steps import BOTH, autopilot, position_of
 
 from uav_tracking_mpc.autopilot.arduplane import ArduPlane
 from uav_tracking_mpc.autopilot.px4 import Px4
@@ -29,7 +29,6 @@ from uav_tracking_mpc.dynamics.frames import quaternion_from_euler
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 
 GROUND = (255, 190)
-BOTH = pytest.mark.parametrize("dialect", [ArduPlane, Px4])
 
 
 class Talk:
@@ -60,6 +59,11 @@ class Talk:
         return self.say(mavlink.MAVLink_command_long_message(target, 1, number, 0, *numbers))
 
 
+@pytest.fixture(params=[ArduPlane, Px4])
+def talk(request):
+    return Talk(request.param)
+
+
 def of(name, messages):
     return [message for message in messages if message.get_type() == name]
 
@@ -70,9 +74,7 @@ def result(messages):
     return acknowledged.result
 
 
-@BOTH
-def test_telemetry_comes_at_the_rates_that_are_asked_for(dialect):
-    talk = Talk(dialect)
+def test_telemetry_comes_at_the_rates_that_are_asked_for(talk):
     for name, interval in {"VFR_HUD": 20000.0, "ATTITUDE": -1.0}.items():
         number = getattr(mavlink, f"MAVLINK_MSG_ID_{name}")
         assert result(talk.command(511, number, interval)) == mavlink.MAV_RESULT_ACCEPTED
@@ -99,13 +101,10 @@ def test_what_is_told_is_the_state(dialect):
     heard, core = talk.fly(10.0), talk.core
     position, attitude = of("GLOBAL_POSITION_INT", heard)[-1], of("ATTITUDE", heard)[-1]
     state = core.state
-    place = ORIGIN.position(
-        math.radians(position.lat * 1e-7), math.radians(position.lon * 1e-7), position.alt * 1e-3
-    )
     age = state.time - position.time_boot_ms * 1e-3
     assert -1e-3 < age < 0.26
     back = [state.east - age * state.east_rate, state.north - age * state.north_rate, state.up]
-    assert place == pytest.approx(back, abs=1.5)
+    assert position_of(position) == pytest.approx(back, abs=1.5)
     assert position.relative_alt == pytest.approx(1e5, abs=100)
     assert attitude.yaw == pytest.approx(state.yaw, abs=0.1)
     assert -attitude.yawspeed < 0.0  # clockwise
@@ -134,9 +133,7 @@ def test_a_change_of_mode_is_told_at_once_by_ardupilot_and_with_the_next_heartbe
     assert [message.custom_mode for message in of("HEARTBEAT", talk.fly(1.0))] == [84148224]
 
 
-@BOTH
-def test_its_time_is_told_to_who_asks(dialect):
-    talk = Talk(dialect)
+def test_its_time_is_told_to_who_asks(talk):
     talk.fly(2.0)
     (answer,) = talk.say(mavlink.MAVLink_timesync_message(0, 12345))
     assert (answer.tc1, answer.ts1) == (2_000_000_000, 12345)
@@ -147,9 +144,7 @@ def test_its_time_is_told_to_who_asks(dialect):
     assert of("ATTITUDE", talk.fly(1.0))[-1].time_boot_ms > 102_000
 
 
-@BOTH
-def test_parameters_are_listed_read_and_set(dialect):
-    talk = Talk(dialect)
+def test_parameters_are_listed_read_and_set(talk):
     listed = talk.say(mavlink.MAVLink_param_request_list_message(1, 1))
     assert [value.param_index for value in listed] == list(range(listed[0].param_count))
     assert [value.param_id for value in listed] == talk.core.parameters.names
@@ -177,9 +172,7 @@ def test_integers_are_values_at_ardupilot_and_bytes_at_px4():
     assert talk.core.parameters["COM_OBL_RC_ACT"] == 5
 
 
-@BOTH
-def test_messages_are_sent_on_request(dialect):
-    talk = Talk(dialect)
+def test_messages_are_sent_on_request(talk):
     for name in ("AUTOPILOT_VERSION", "HOME_POSITION", "EXTENDED_SYS_STATE"):
         heard = talk.command(512, getattr(mavlink, f"MAVLINK_MSG_ID_{name}"))
         assert result(heard) == mavlink.MAV_RESULT_ACCEPTED
@@ -189,9 +182,7 @@ def test_messages_are_sent_on_request(dialect):
     assert result(talk.command(512, 12345)) == talk.core.traits.unknown_message
 
 
-@BOTH
-def test_commands_that_are_unknown_or_for_somebody_else(dialect):
-    talk = Talk(dialect)
+def test_commands_that_are_unknown_or_for_somebody_else(talk):
     assert result(talk.command(31999)) == mavlink.MAV_RESULT_UNSUPPORTED
     assert talk.command(176, 1.0, 15.0, target=2) == []
     assert bool(talk.command(410, target=0)) == talk.core.traits.hears_all
@@ -225,17 +216,13 @@ def test_a_quaternion_is_flown_and_one_that_is_none_is_not():
     assert abs(math.degrees(talk.core.state.roll) + 25.0) > 1.0  # its time is over
 
 
-@BOTH
-def test_texts_reach_the_ground(dialect):
-    talk = Talk(dialect)
-    heard = talk.command(176, 1.0, 10.0 if dialect is ArduPlane else 6.0)
+def test_texts_reach_the_ground(talk):
+    heard = talk.command(176, 1.0, 10.0 if isinstance(talk.core, ArduPlane) else 6.0)
     (text,) = of("STATUSTEXT", heard)
     assert "Mode 10 cannot" in text.text or "Offboard is currently not possible" in text.text
 
 
-@BOTH
-def test_a_restart_begins_its_clock_and_rates_again(dialect):
-    talk = Talk(dialect)
+def test_a_restart_begins_its_clock_and_rates_again(talk):
     talk.command(511, mavlink.MAVLINK_MSG_ID_ATTITUDE, -1.0)
     talk.fly(5.0)
     talk.protocol.restart()
@@ -283,7 +270,7 @@ def mutated(rng, names):
     return kind(*values)
 
 
-@pytest.mark.parametrize("dialect", [ArduPlane, Px4])
+@BOTH
 def test_no_message_ends_the_flight(dialect):
     protocol = VehicleProtocol(autopilot(dialect))
     core, rng = protocol.core, random.Random(1)

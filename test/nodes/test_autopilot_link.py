@@ -16,7 +16,6 @@
 
 import time
 from collections import defaultdict
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -24,6 +23,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from filled_messages import filled_command, filled_orbit
 from node_harness import tapped
+from paced_link import LINK
 from processes import refused_start, wait_for
 from rclpy.serialization import serialize_message
 
@@ -33,11 +33,9 @@ from uav_tracking_mpc.nodes.autopilot_link import AutopilotLink
 from uav_tracking_mpc.nodes.messages.conversions import measurement_from_odometry, nanoseconds
 from uav_tracking_mpc.nodes.ros.diagnostics import ERROR, OK, WARN
 from uav_tracking_mpc.nodes.topics import COMMAND, ENGAGED, ODOMETRY, TARGET_ODOMETRY
-from uav_tracking_mpc.parameters.specification import ParameterError
 
 pytestmark = pytest.mark.nodes
 
-LINK = f"{Path(__file__).parents[1] / 'paced_link.py'}:PacedLink"
 ORBIT = FlownOrbit(np.array([0.0, 0.0, 120.0]), np.array([5.0, 0.0, 0.0]), 275.0, 22.0)
 
 
@@ -77,8 +75,12 @@ def flying(node, **parameters):
     return made
 
 
-def test_states_are_published_with_ros_stamps_as_they_come(node):
-    made = flying(node)
+@pytest.fixture
+def made(node):
+    return flying(node)
+
+
+def test_states_are_published_with_ros_stamps_as_they_come(made):
     heard = made.sent[ODOMETRY.name]
     stamps = [nanoseconds(message.header.stamp) for _, message in heard]
     assert stamps == sorted(stamps)
@@ -90,8 +92,7 @@ def test_states_are_published_with_ros_stamps_as_they_come(node):
     assert status(made) == (OK, "paced: not engaged, nothing is commanded")
 
 
-def test_a_command_reaches_the_link_in_its_time_with_the_orbit_carried_on(node):
-    made = flying(node)
+def test_a_command_reaches_the_link_in_its_time_with_the_orbit_carried_on(made):
     stamp = nanoseconds(made.sent[ODOMETRY.name][-1][1].header.stamp)
     made._on_orbit(filled_orbit(stamp - 100_000_000, ORBIT))
     made._on_command(command(stamp))
@@ -104,8 +105,7 @@ def test_a_command_reaches_the_link_in_its_time_with_the_orbit_carried_on(node):
     assert made._values()["commands received"] == 2
 
 
-def test_what_is_no_command_is_refused_in_words_and_never_reaches_the_link(node):
-    made = flying(node)
+def test_what_is_no_command_is_refused_in_words_and_never_reaches_the_link(made):
     for bad in (serialize_message(COMMAND.type()), b"", command(1, plan=[[np.nan, 0.0, 0.0]])):
         made._on_command(bad)
     made._on_orbit(type(filled_orbit(0, ORBIT))())
@@ -113,8 +113,7 @@ def test_what_is_no_command_is_refused_in_words_and_never_reaches_the_link(node)
     assert made._values()["plans refused"] == 4
 
 
-def test_it_engages_by_service_and_says_so(node):
-    made = flying(node)
+def test_it_engages_by_service_and_says_so(made):
     assert engage(made) == (True, "")
     made._on_command(command(time.time_ns()))
     made._look()
@@ -171,8 +170,7 @@ def test_it_waits_for_an_aircraft_and_outlives_one_that_fails(node, monkeypatch)
     assert "of a user" in str(flown._values()["link"])
 
 
-def test_states_that_stop_are_an_error(node, monkeypatch):
-    made = flying(node)
+def test_states_that_stop_are_an_error(made, monkeypatch):
     monkeypatch.setattr(made._link, "measured", lambda timeout: None)
     monkeypatch.setattr(autopilot_link, "SILENCE", 0.05)
     assert wait_for(lambda: made._status(made._state_time + 0.1)[0] == ERROR)
@@ -187,8 +185,7 @@ def test_a_target_that_tells_where_it_is_is_published(node):
     assert message.header.frame_id == message.child_frame_id == "map"
 
 
-def test_it_lets_go_at_the_end(node):
-    made = flying(node)
+def test_it_lets_go_at_the_end(made):
     engage(made)
     link = made._link
     made.finish()
@@ -197,19 +194,6 @@ def test_it_lets_go_at_the_end(node):
     (last,) = made.sent["/diagnostics"][-1][1].status
     assert (last.level, last.message) == (DiagnosticStatus.STALE, "ended")
     assert last.values
-
-
-@pytest.mark.parametrize(
-    ("parameters", "words"),
-    [
-        ({"link": "balloon"}, "'link' is 'balloon', must be one of"),
-        ({"link": "nowhere.py:Balloon"}, "there is no file"),
-        ({"origin": [1.0, 2.0]}, "'origin'"),
-    ],
-)
-def test_what_cannot_be_is_refused_at_the_start(node, parameters, words):
-    with pytest.raises(ParameterError, match=words):
-        node(**parameters)
 
 
 def test_an_aircraft_that_cannot_be_flown_ends_the_process_with_one_line():

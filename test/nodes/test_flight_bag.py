@@ -128,8 +128,10 @@ def fly_with_link(path, engaged=True, target_system=0):
             yield COMMAND, stamp + 1, filled_command(stamp, np.zeros((2, 3)))
             yield TARGET, stamp + 1, filled_point(stamp, [0.1 * k, 0.0, 0.0])
             yield ENGAGED, stamp - 1, ENGAGED.type(data=engaged and k >= 5)
-        values = {"dialect": "ardupilot", "rate [Hz]": 50.0, "latency median [ms]": 2.5}
-        values |= {"messages lost": 3, "commands refused": 1, "plans refused": 2}
+        values = {
+            "dialect": "ardupilot", "rate [Hz]": 50.0, "latency median [ms]": 2.5,
+            "messages lost": 3, "commands refused": 1, "plans refused": 2,
+        }  # fmt: skip
         yield DIAGNOSTICS, WALL + 1, filled_status(0, "autopilot_link", values=values)
         began = {"began [ns]": WALL - 10 * STEP}
         yield DIAGNOSTICS, WALL + 1, filled_status(0, "target_publisher", values=began)

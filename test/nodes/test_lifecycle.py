@@ -109,15 +109,26 @@ def test_after_a_rest_the_first_command_comes_from_an_optimal_plan(flight):
     assert flight.controller.report.refused == 0
 
 
-def test_a_target_is_not_refused_while_the_vehicle_is_silent(flight):
-    """It is the vehicle's state that is missing: nobody's clock is wrong."""
+def test_a_vehicle_that_falls_silent_is_told_at_once_and_nobody_else_is_blamed(flight):
+    """Of wall time, for the clock is real, control periods pass in silence: they are counted.
+
+    It is the vehicle's state that is missing: nobody's clock is wrong, no target is refused.
+    """
     flight.add_all(speed=None, target_timeout=1.0)
-    assert flight.commanded()
+    assert flight.commanded(40)
+    assert flight.told()[1]["publishers of uav/odometry"] == "1"
+    report = flight.controller.report
+    before = report.deadlines_missed
     flight.remove(flight.simulator)
+    words = "nobody publishes uav/odometry any more"
+    assert flight.spin(lambda: flight.told()[0] == words or flight.told()[0].endswith("sent"))
+    said = [status.message for status in flight.says("")]
+    assert said.count(words) <= 2  # the event, and the second that it may stand
     assert flight.tells("vehicle state is lost")
     assert "uav/odometry" in flight.told()[0]
     flight.spin(lambda: False, 3.0)
-    assert flight.controller.report.refused == 0
+    assert report.refused == 0
+    assert report.deadlines_missed > before
 
 
 def own_objects():
@@ -226,31 +237,10 @@ def test_what_is_compiled_changes_after_cleanup(flying):
     assert len(flying.commands[-1].points) == 20
 
 
-def test_peers_that_go_are_told_at_once(flight):
-    flight.add_all(speed=None)
-    assert flight.commanded()
-    assert flight.told()[1]["publishers of uav/odometry"] == "1"
-    flight.remove(flight.simulator)
-    words = "nobody publishes uav/odometry any more"
-    assert flight.spin(lambda: flight.told()[0] == words or flight.told()[0].endswith("sent"))
-    said = [status.message for status in flight.says("")]
-    assert said.count(words) <= 2  # the event, and the second that it may stand
-    assert flight.tells("vehicle state is lost")
-
-
 def test_the_vehicle_tells_that_its_controller_has_gone(flying):
     flying.remove(flying.controller)
     words = "nobody publishes uav/command any more"
     assert flying.spin(lambda: words in [s.message for s in flying.says("uav_simulator")])
-
-
-def test_commands_that_are_overdue_are_counted(flight):
-    """The states stop: of wall time, for the clock is real, two control periods pass in silence."""
-    flight.add_all(speed=None)
-    assert flight.commanded(40)
-    before = flight.controller.report.deadlines_missed
-    flight.remove(flight.simulator)
-    assert flight.spin(lambda: flight.controller.report.deadlines_missed > before)
 
 
 def test_what_the_node_flew_is_flown_again_bit_for_bit(flight, tmp_path):

@@ -16,9 +16,9 @@
 
 from __future__ import annotations
 
-import logging
 import time
 from types import SimpleNamespace
+from unittest import mock
 
 import pytest
 from filled_messages import SECOND, filled_air, filled_odometry, filled_point
@@ -39,28 +39,17 @@ from uav_tracking_mpc.nodes.topics import (
 STATE = [180.0, 0.0, 40.0, 2.0, 0.0, 4.0]
 
 
-class Logger:
-    def __init__(self):
-        self.lines = []
-
-    def info(self, words, **options):
-        self.lines.append((logging.INFO, words))
-
-    def warning(self, words, **options):
-        self.lines.append((logging.WARNING, words))
-
-
-class Clocked:
+def clocked(now=1000 * SECOND):
     """A node of which only clock and logger are asked."""
+    node = SimpleNamespace(now=now, logger=mock.Mock())
+    node.get_clock = lambda: SimpleNamespace(now=lambda: SimpleNamespace(nanoseconds=node.now))
+    node.get_logger = lambda: node.logger
+    return node
 
-    def __init__(self, now=1000 * SECOND):
-        self.now, self.logger = now, Logger()
 
-    def get_clock(self):
-        return SimpleNamespace(now=lambda: SimpleNamespace(nanoseconds=self.now))
-
-    def get_logger(self):
-        return self.logger
+def lines(logger):
+    """What was logged, in words."""
+    return [call.args[0] for call in logger.method_calls]
 
 
 def stamped(topic, stamp):
@@ -70,7 +59,7 @@ def stamped(topic, stamp):
 
 
 def test_times_count_from_the_first_stamp():
-    node = Clocked()
+    node = clocked()
     times = MessageTimes(node)
     assert times.now() == 0.0
     assert times.measured(ODOMETRY, stamped(ODOMETRY, 999 * SECOND)) == 0.0
@@ -79,49 +68,48 @@ def test_times_count_from_the_first_stamp():
 
 
 def test_a_target_without_stamp_is_of_now_which_is_said_once_a_topic():
-    node = Clocked()
+    node = clocked()
     times = MessageTimes(node)
     times.measured(ODOMETRY, stamped(ODOMETRY, 1000 * SECOND))
     for _ in range(3):
         node.now += SECOND // 2
         for topic in (TARGET, TARGET_ODOMETRY):
             assert times.measured_or_now(topic, stamped(topic, 0)) == times.now()
-    lines = [words for _, words in node.logger.lines]
-    assert len(lines) == 2
-    assert lines[0].startswith("target/position: header.stamp is 0")
-    assert lines[1].startswith("target/odometry: header.stamp is 0")
+    of_position, of_odometry = lines(node.logger)
+    assert of_position.startswith("target/position: header.stamp is 0")
+    assert of_odometry.startswith("target/odometry: header.stamp is 0")
 
 
 @pytest.mark.parametrize("topic", [ODOMETRY, AIR_VELOCITY], ids=lambda topic: topic.name)
 def test_a_state_without_stamp_is_refused_by_name_and_is_no_origin(topic):
-    times = MessageTimes(Clocked())
+    times = MessageTimes(clocked())
     with pytest.raises(MessageError, match=f"{topic.name}: header.stamp is 0, must be when"):
         times.measured(topic, stamped(topic, 0))
     assert times.measured(topic, stamped(topic, 5 * SECOND)) == 0.0
 
 
 def test_zero_is_a_time_where_a_simulation_begins():
-    times = MessageTimes(Clocked(now=SECOND // 2))
+    times = MessageTimes(clocked(now=SECOND // 2))
     assert times.measured(ODOMETRY, stamped(ODOMETRY, 0)) == 0.0
     assert times.measured_or_now(TARGET, stamped(TARGET, 0)) == 0.0
 
 
 def test_one_subject_does_not_silence_another(monkeypatch):
-    node, clock = Clocked(), SimpleNamespace(time=100.0)
+    node, clock = clocked(), SimpleNamespace(time=100.0)
     monkeypatch.setattr(diagnostics.time, "monotonic", lambda: clock.time)
     warnings = ThrottledWarnings(node)
     for _ in range(3):
         warnings.warn("one", "first")
         warnings.warn("other", "second")
-    assert [words for _, words in node.logger.lines] == ["first", "second"]
+    assert lines(node.logger) == ["first", "second"]
     clock.time += PERIOD
     warnings.warn("one", "again")
-    assert node.logger.lines[-1] == (logging.WARNING, "again")
+    assert node.logger.warning.call_args.args[0] == "again"
 
 
 @pytest.fixture
 def controller(nodes):
-    logger = Logger()
+    logger = mock.Mock()
 
     class Logged(NmpcController):
         def get_logger(self):
@@ -139,7 +127,7 @@ def test_a_flight_goes_on_points_that_are_published_by_hand(controller):
     callback(node, AIR_VELOCITY.name)(filled_air(time.time_ns(), 10.0))
     callback(node, ODOMETRY.name)(filled_odometry(time.time_ns(), STATE))
     assert node.controller.flying
-    assert any("target/position: header.stamp is 0" in words for _, words in logger.lines)
+    assert any("target/position: header.stamp is 0" in words for words in lines(logger))
 
 
 @pytest.mark.nodes
@@ -159,12 +147,12 @@ def test_every_message_that_is_left_out_leaves_a_line(controller):
         (TARGET_ODOMETRY, astray, "target/odometry: header.frame_id is 'odom', must be 'map'"),
     ):
         hear = callback(node, topic.name)
-        logger.lines.clear()
+        logger.reset_mock()
         hear(message)
-        assert any(words in each for _, each in logger.lines), logger.lines
-        logger.lines.clear()
+        assert any(words in each for each in lines(logger)), lines(logger)
+        logger.reset_mock()
         hear(message)
-        assert logger.lines == []  # throttled
+        assert lines(logger) == []  # throttled
 
 
 def test_what_is_heard_first_after_a_stall_is_old():

@@ -25,7 +25,7 @@ import signal
 import pytest
 import rclpy
 from node_flight import NODES
-from processes import INTERRUPT, fatal_words, run_node
+from processes import fatal_words
 from rclpy.node import Node
 
 from uav_tracking_mpc.nodes.ros.declared_parameters import declare_parameters
@@ -168,13 +168,6 @@ def extremes(node, count):
 def test_whole_nodes_start_with_what_is_just_allowed_or_say_why_not(node, count, starts):
     started = [starts(node, NODES[node], "-p", each) for each in extremes(node, count)]
     assert any(started)
-
-
-def test_a_process_starts_on_what_is_just_allowed():
-    code, output = run_node(
-        "target_publisher", "--ros-args", "-p", "rate:=1000", stop=INTERRUPT, after="stationary"
-    )
-    assert code == 0, output
 
 
 def test_no_context_is_left_behind():

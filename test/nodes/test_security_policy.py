@@ -16,21 +16,16 @@
 
 import functools
 import xml.etree.ElementTree as ElementTree
-from pathlib import Path
 
 import pytest
+from node_flight import NODES
 from node_harness import Nodes
+from paced_link import LINK
 from processes import wait_for
 
-from uav_tracking_mpc.nodes.autopilot_link import AutopilotLink
-from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
-from uav_tracking_mpc.nodes.target_publisher import TargetPublisher
-from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.settings.configuration import configuration_folder
 
 POLICY = configuration_folder() / "security" / "uav_tracking.policy.xml"
-NODES = ("uav_simulator", "target_publisher", "nmpc_controller", "autopilot_link")
-LINK = f"{Path(__file__).parents[1] / 'paced_link.py'}:PacedLink"
 KINDS = {
     ("topics", "publish"): "get_publisher_names_and_types_by_node",
     ("topics", "subscribe"): "get_subscriber_names_and_types_by_node",
@@ -77,16 +72,16 @@ def asked(nodes):
 def graph():
     """What each node does: kind and node to names; every clock driven and followed."""
     nodes = Nodes()
-    nodes.add(UavSimulator, publish_clock=True)
-    nodes.add(TargetPublisher, use_sim_time=True)
-    controller = nodes.add(NmpcController, use_sim_time=True)
-    nodes.add(AutopilotLink, link=LINK, connection="nobody", target_system=2)
+    nodes.add(NODES["uav_simulator"], publish_clock=True)
+    nodes.add(NODES["target_publisher"], use_sim_time=True)
+    controller = nodes.add(NODES["nmpc_controller"], use_sim_time=True)
+    nodes.add(NODES["autopilot_link"], link=LINK, connection="nobody", target_system=2)
     # The graph learns of endpoints a moment after they are made.
     sends = functools.partial(controller.get_publisher_names_and_types_by_node, "nmpc_controller")
     assert wait_for(lambda: "/uav/command" in dict(sends("/")))
     found = asked(nodes.made)
     # The simulator hears /clock when another drives it.
-    follower = nodes.add(UavSimulator, use_sim_time=True)
+    follower = nodes.add(NODES["uav_simulator"], use_sim_time=True)
     hears = follower.get_subscriber_names_and_types_by_node("uav_simulator", "/")
     found[("topics", "subscribe"), "uav_simulator"] |= {name for name, _ in hears}
     for node in ("uav_simulator", "autopilot_link"):  # where tf2_msgs is installed

@@ -16,13 +16,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from filled_messages import filled_air, filled_command, filled_odometry, filled_point
 from node_harness import callback, tapped
+from paced_link import LINK
 
 from uav_tracking_mpc.links import Sighting
 from uav_tracking_mpc.nodes.autopilot_link import AutopilotLink
@@ -158,18 +158,11 @@ def test_every_message_of_a_namespaced_aircraft_bears_its_frames(nodes):
 
 
 @pytest.mark.nodes
-@pytest.mark.parametrize("node_class", [UavSimulator, NmpcController, TargetPublisher])
-def test_a_frame_that_is_none_ends_the_node(nodes, node_class):
-    with pytest.raises(ParameterError, match="'map_frame' is '/map', must be a frame"):
-        nodes.add(node_class, map_frame="/map")
-
-
-@pytest.mark.nodes
 def test_a_link_takes_frames(nodes):
-    sent, link = {}, f"{Path(__file__).parents[1] / 'paced_link.py'}:PacedLink"
+    sent = {}
     frames = {"frame_prefix": "a/", "map_frame": "odom", "namespace": "/uav1"}
     kind, parameters = keeping(AutopilotLink, sent), {"connection": "nobody", "target_system": 2}
-    node = nodes.add(kind, link=link, **parameters, **frames)
+    node = nodes.add(kind, link=LINK, **parameters, **frames)
     assert node._frames == ("odom", "a/base_link")
     assert TARGET_ODOMETRY.name not in sent
     node._sightings.publish(1, Sighting(0.0, np.zeros(3), np.ones(3)))

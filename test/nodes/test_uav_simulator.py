@@ -27,7 +27,6 @@ from uav_tracking_mpc.nodes.ros.diagnostics import ERROR
 from uav_tracking_mpc.nodes.ros.endpoints import OUTAGE
 from uav_tracking_mpc.nodes.topics import ODOMETRY
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
-from uav_tracking_mpc.parameters.specification import ParameterError
 
 pytestmark = pytest.mark.nodes
 
@@ -72,19 +71,6 @@ def test_a_plant_of_ones_own_is_flown_until_it_fails(simulator, tmp_path):
     assert "the wing came off" in node._diagnostics.status.message
     assert node._now == 500_000_000  # time goes on
     assert node._values()["x [m]"] == pytest.approx(node.published[-1][1])
-
-
-@pytest.mark.parametrize(
-    ("parameters", "words"),
-    [
-        ({"plant": "balloon"}, "'plant' is 'balloon', must be one of euler, held, .*vehicle"),
-        ({"plant": "nowhere.py:Balloon"}, "'plant': there is no file"),
-        ({"plant": "euler", "initial_position": [0.0, 0.0, 9.0]}, "'plant': at 0 s the range"),
-    ],
-)
-def test_what_cannot_be_flown_is_refused_at_the_start(simulator, parameters, words):
-    with pytest.raises(ParameterError, match=words):
-        simulator(**parameters)
 
 
 def test_an_autopilot_that_holds_altitude_and_airspeed_is_told_the_orbit(simulator):

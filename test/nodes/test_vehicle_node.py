@@ -27,20 +27,26 @@ from filled_messages import filled_odometry
 from geometry_msgs.msg import TransformStamped
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
-from uav_tracking_mpc.dynamics.frames import rotation_from_course, rotation_from_quaternion
+from uav_tracking_mpc.dynamics.frames import (
+    FORWARD_RIGHT_DOWN,
+    NORTH_EAST_DOWN,
+    rotation_from_course,
+    rotation_from_quaternion,
+)
 from uav_tracking_mpc.nodes.messages.conversions import nanoseconds
 from uav_tracking_mpc.nodes.topics import FRAMES, ODOMETRY, FrameNames
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
-from uav_tracking_mpc.nodes.vehicle_node import static_transforms, vehicle_transform
+from uav_tracking_mpc.nodes.vehicle_node import vehicle_transform
 
 
 def odometry(stamp=5_000_000_007, frames=FRAMES):
     return filled_odometry(stamp, [10.0, -20.0, 30.0, 2.0, 0.3, 15.0], frames=frames)
 
 
-def test_it_has_pose_stamp_and_frames_of_the_odometry():
-    transform = vehicle_transform(odometry(frames=FrameNames("world", "uav1/base_link")))
-    assert isinstance(transform, TransformStamped)
+def test_a_transform_is_filled_in_place_with_pose_stamp_and_frames_of_the_odometry():
+    transform = TransformStamped()
+    vehicle_transform(odometry(9_000_000_000), transform)
+    vehicle_transform(odometry(frames=FrameNames("world", "uav1/base_link")), transform)
     assert transform.header.frame_id == "world"
     assert transform.child_frame_id == "uav1/base_link"
     assert nanoseconds(transform.header.stamp) == 5_000_000_007
@@ -49,12 +55,6 @@ def test_it_has_pose_stamp_and_frames_of_the_odometry():
     np.testing.assert_allclose(
         rotation_from_quaternion(q.x, q.y, q.z, q.w), rotation_from_course(2.0, 0.3), atol=1e-12
     )
-
-
-def test_a_message_is_filled_again_in_place():
-    transform = vehicle_transform(odometry())
-    assert vehicle_transform(odometry(9_000_000_000), transform) is transform
-    assert nanoseconds(transform.header.stamp) == 9_000_000_000
 
 
 class TFMessage:
@@ -114,9 +114,9 @@ def test_each_state_is_a_transform_in_the_aircrafts_own_frame(nodes, tf2):
     position, q = state.pose.pose.position, state.pose.pose.orientation
     assert place == (position.x, position.y, position.z)
     assert rotation == (q.x, q.y, q.z, q.w)
-    assert [each[:2] for each in static.sent] == [
-        ("map", "map_ned"),
-        ("uav1/base_link", "uav1/base_link_frd"),
+    assert [(*each[:2], each[-1]) for each in static.sent] == [
+        ("map", "map_ned", NORTH_EAST_DOWN),
+        ("uav1/base_link", "uav1/base_link_frd", FORWARD_RIGHT_DOWN),
     ]
     assert static.qos.durability == DurabilityPolicy.TRANSIENT_LOCAL
     assert moving.qos.durability != DurabilityPolicy.TRANSIENT_LOCAL
@@ -151,16 +151,3 @@ def test_without_tf2_msgs_that_is_said_once_and_states_are_published(nodes):
     said = [call.args[0] for call in logger.info.call_args_list]
     assert said.count("tf2_msgs is not installed: /tf is not published") == 1
     assert isinstance(states[0], ODOMETRY.type)
-
-
-def test_static_frames_turn_vectors_as_autopilots_have_them():
-    ned, frd = static_transforms(7, FrameNames())
-    vector = np.array([1.0, 2.0, 3.0])
-
-    def in_child(message):
-        q = message.transform.rotation
-        return rotation_from_quaternion(q.x, q.y, q.z, q.w).T @ vector
-
-    np.testing.assert_allclose(in_child(ned), [2.0, 1.0, -3.0], atol=1e-12)
-    np.testing.assert_allclose(in_child(frd), [1.0, -2.0, -3.0], atol=1e-12)
-    assert nanoseconds(ned.header.stamp) == 7

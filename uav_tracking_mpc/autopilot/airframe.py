@@ -55,7 +55,16 @@ from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.simulation.plants import Plant, plant_named
 
-STEEPEST = math.radians(80.0)  # rad, up to which the load factor grows
+STEEPEST = math.radians(80.0)  # rad, bank up to which the load factor grows
+
+
+def load_factor(roll: float) -> float:
+    """Lift over weight of a coordinated turn [-].
+
+    Args:
+        roll: phi in [rad].
+    """
+    return 1.0 / math.cos(min(abs(roll), STEEPEST))
 
 
 class Engine(NamedTuple):
@@ -106,9 +115,8 @@ class Engine(NamedTuple):
 
     def _drag(self, airspeed: float, roll: float) -> float:
         """Sink that the drag beyond that of level cruise makes in [m/s]."""
-        load = 1.0 / math.cos(min(abs(roll), STEEPEST))
         faster = self.sink_idle * ((airspeed / self.cruise) ** 2 - 1.0)
-        return faster + self.load_energy / GRAVITY * (load - 1.0)
+        return faster + self.load_energy / GRAVITY * (load_factor(roll) - 1.0)
 
 
 LIFT_AT_ZERO, LIFT_SLOPE, CRUISE_LIFT = 0.23, 5.61, 0.5  # -, 1/rad, -: C_L0, C_L_alpha, cruise

@@ -25,7 +25,7 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar
 
-from uav_tracking_mpc.autopilot.airframe import Engine
+from uav_tracking_mpc.autopilot.airframe import Engine, load_factor
 from uav_tracking_mpc.autopilot.autopilot_core import (
     AttitudeTarget,
     AutopilotCore,
@@ -34,13 +34,12 @@ from uav_tracking_mpc.autopilot.autopilot_core import (
     Order,
     Result,
     Severity,
+    VehicleNumbers,
     WireTraits,
-    vehicle_numbers,
 )
 from uav_tracking_mpc.autopilot.flight_loops import TICK, Demand, Loiter, Response
 from uav_tracking_mpc.dynamics.energy_hold import HoldConstants
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
-from uav_tracking_mpc.settings.configuration import Configuration
 
 LOITER_RADIUS = 60  # m, WP_LOITER_RAD where the aircraft is slow enough for it
 
@@ -50,80 +49,6 @@ STREAM_RATES = {
     "WIND": 4.0, "EKF_STATUS_REPORT": 4.0, "SYS_STATUS": 4.0,
     "GPS_RAW_INT": 4.0,
 }  # fmt: skip
-ARDUPILOT_TRAITS = WireTraits(
-    maker=mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA,
-    version=(4, 6, 0),
-    # MISSION_FLOAT, PARAM_FLOAT, MISSION_INT, COMMAND_INT, SET_ATTITUDE_TARGET,
-    # SET_POSITION_TARGET_GLOBAL_INT, MAVLINK2: P/GCS_MAVLink_Plane.cpp, ``capabilities``
-    capabilities=1 | 2 | 4 | 8 | 64 | 256 | 8192,
-    stream_rates=STREAM_RATES,
-    mode_messages=("HEARTBEAT",),  # P/system.cpp, Plane::set_mode
-    lacking=("CURRENT_MODE", "ESTIMATOR_STATUS", "WIND_COV"),
-    sync_period=10.0,
-    unknown_message=Result.FAILED,
-    mode_refused=Result.FAILED,
-    hears_all=True,
-    bytewise=False,
-    set_mode_acknowledged=mavlink.MAVLINK_MSG_ID_SET_MODE,
-)
-
-
-def ardupilot_parameters(configuration: Configuration, density_factor: float) -> dict[str, float]:
-    """Values at the start by name [-]; an integer is one of ArduPlane's too.
-
-    Args:
-        configuration: Of the aircraft.
-        density_factor: True over equivalent airspeed there [-].
-    """
-    own = vehicle_numbers(configuration, density_factor)
-    return {
-        "AIRSPEED_CRUISE": own.cruise,
-        "AIRSPEED_MAX": math.floor(own.fastest),
-        "AIRSPEED_MIN": math.ceil(own.slowest),
-        "AIRSPEED_STALL": 0.0,
-        "ARSPD_USE": 1,
-        "FENCE_ACTION": 1,
-        "FENCE_ALT_MAX": 100,
-        "FENCE_ALT_MIN": -10,
-        "FENCE_ENABLE": 0,
-        "FENCE_RADIUS": 300,
-        "FENCE_TYPE": 4,
-        "FS_GCS_ENABL": 0,
-        "FS_LONG_ACTN": 0,
-        "FS_LONG_TIMEOUT": 5.0,
-        "FS_SHORT_ACTN": 0,
-        "FS_SHORT_TIMEOUT": 1.5,
-        "GUIDED_TIMEOUT": 3.0,
-        "LEVEL_ROLL_LIMIT": 5,
-        "NAVL1_DAMPING": 0.75,
-        "NAVL1_PERIOD": 17.0,
-        "PTCH_LIM_MAX_DEG": 20.0,
-        "PTCH_LIM_MIN_DEG": -25.0,
-        "PTCH_TRIM_DEG": 0.0,
-        "RLL2SRV_RMAX": round(own.roll_rate),
-        "RLL2SRV_TCONST": 0.5,
-        "ROLL_LIMIT_DEG": own.bank_max,
-        "RTL_ALTITUDE": 100.0,
-        "RTL_RADIUS": 0,
-        "SCHED_LOOP_RATE": 100,
-        "STALL_PREVENTION": 1,
-        "STICK_MIXING": 1,
-        "SYSID_ENFORCE": 0,
-        "SYSID_MYGCS": 255,
-        "SYSID_THISMAV": 1,
-        "TECS_CLMB_MAX": own.climb_max,
-        "TECS_RLL2THR": 10.0,
-        "TECS_SINK_MAX": own.sink_max,
-        "TECS_SINK_MIN": own.sink_idle,
-        "TECS_TIME_CONST": 5.0,
-        "THR_FAILSAFE": 1,
-        "THR_MAX": 100,
-        "TKOFF_ALT": 50,
-        "TKOFF_DIST": 200,
-        "TKOFF_LVL_ALT": 10,
-        "TRIM_THROTTLE": 45,
-        "WP_LOITER_RAD": max(LOITER_RADIUS, own.radius),
-    }
 
 
 STALE_ALTITUDE = 0.1  # s for which a new guided point leaves TECS with the altitude of now
@@ -213,7 +138,6 @@ class Guided:
 
 
 LEAST_LOAD_LIMIT = math.radians(25.0)  # rad, P/Attitude.cpp, apply_load_factor_roll_limits
-STEEPEST = math.radians(80.0)  # rad, up to which the load factor of a bank is told
 PITCH_LAG = 0.5  # s, PTCH2SRV_TCONST
 CLIMB_LAG = 1.0  # s, in which the climb rate follows that of TECS
 SPEED_TYPE_AIRSPEED = 0  # code of DO_CHANGE_SPEED
@@ -233,14 +157,76 @@ class ArduPlane(AutopilotCore):
         "LOITER": 12, "TAKEOFF": 13, "GUIDED": 15,
     }  # fmt: skip
     loiter_mode, ground_mode, take_off_mode = "LOITER", "FBWA", "TAKEOFF"
-    traits = ARDUPILOT_TRAITS
+    traits = WireTraits(
+        maker=mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA,
+        version=(4, 6, 0),
+        # MISSION_FLOAT, PARAM_FLOAT, MISSION_INT, COMMAND_INT, SET_ATTITUDE_TARGET,
+        # SET_POSITION_TARGET_GLOBAL_INT, MAVLINK2: P/GCS_MAVLink_Plane.cpp, ``capabilities``
+        capabilities=1 | 2 | 4 | 8 | 64 | 256 | 8192,
+        stream_rates=STREAM_RATES,
+        mode_messages=("HEARTBEAT",),  # P/system.cpp, Plane::set_mode
+        lacking=("CURRENT_MODE", "ESTIMATOR_STATUS", "WIND_COV"),
+        sync_period=10.0,
+        unknown_message=Result.FAILED,
+        mode_refused=Result.FAILED,
+        hears_all=True,
+        bytewise=False,
+        set_mode_acknowledged=mavlink.MAVLINK_MSG_ID_SET_MODE,
+    )
     _guided: Guided
     _speed: float  # calibrated, that TECS was last told, in m/s
 
     @classmethod
-    def defaults(cls, configuration: Configuration, density_factor: float) -> dict[str, float]:
-        """See :meth:`AutopilotCore.defaults`."""
-        return ardupilot_parameters(configuration, density_factor)
+    def defaults(cls, own: VehicleNumbers) -> dict[str, float]:
+        """See :meth:`AutopilotCore.defaults`; an integer is one of ArduPlane's too."""
+        return {
+            "AIRSPEED_CRUISE": own.cruise,
+            "AIRSPEED_MAX": math.floor(own.fastest),
+            "AIRSPEED_MIN": math.ceil(own.slowest),
+            "AIRSPEED_STALL": 0.0,
+            "ARSPD_USE": 1,
+            "FENCE_ACTION": 1,
+            "FENCE_ALT_MAX": 100,
+            "FENCE_ALT_MIN": -10,
+            "FENCE_ENABLE": 0,
+            "FENCE_RADIUS": 300,
+            "FENCE_TYPE": 4,
+            "FS_GCS_ENABL": 0,
+            "FS_LONG_ACTN": 0,
+            "FS_LONG_TIMEOUT": 5.0,
+            "FS_SHORT_ACTN": 0,
+            "FS_SHORT_TIMEOUT": 1.5,
+            "GUIDED_TIMEOUT": 3.0,
+            "LEVEL_ROLL_LIMIT": 5,
+            "NAVL1_DAMPING": 0.75,
+            "NAVL1_PERIOD": 17.0,
+            "PTCH_LIM_MAX_DEG": 20.0,
+            "PTCH_LIM_MIN_DEG": -25.0,
+            "PTCH_TRIM_DEG": 0.0,
+            "RLL2SRV_RMAX": round(own.roll_rate),
+            "RLL2SRV_TCONST": 0.5,
+            "ROLL_LIMIT_DEG": own.bank_max,
+            "RTL_ALTITUDE": 100.0,
+            "RTL_RADIUS": 0,
+            "SCHED_LOOP_RATE": 100,
+            "STALL_PREVENTION": 1,
+            "STICK_MIXING": 1,
+            "SYSID_ENFORCE": 0,
+            "SYSID_MYGCS": 255,
+            "SYSID_THISMAV": 1,
+            "TECS_CLMB_MAX": own.climb_max,
+            "TECS_RLL2THR": 10.0,
+            "TECS_SINK_MAX": own.sink_max,
+            "TECS_SINK_MIN": own.sink_idle,
+            "TECS_TIME_CONST": 5.0,
+            "THR_FAILSAFE": 1,
+            "THR_MAX": 100,
+            "TKOFF_ALT": 50,
+            "TKOFF_DIST": 200,
+            "TKOFF_LVL_ALT": 10,
+            "TRIM_THROTTLE": 45,
+            "WP_LOITER_RAD": max(LOITER_RADIUS, own.radius),
+        }
 
     @property
     def mode_flags(self) -> int:
@@ -333,8 +319,7 @@ class ArduPlane(AutopilotCore):
         """P/mode_guided.cpp ``ModeGuided::update``, and the ``update`` of the other modes."""
         known, loops = self.parameters, self.loops
         if self.mode in ("MANUAL", "STABILIZE", "FBWA"):
-            trim = loops.by_throttle(self.engine.trim, self.engine)
-            return Demand(0.0, loops.by_pitch(self._level_pitch, PITCH_LAG), trim)
+            return loops.wings_level(PITCH_LAG, self.engine)
         up = self.loiter.up
         if self.mode == "GUIDED":
             up = self._guided.altitude_now(self.state.up, up, self.time)
@@ -358,11 +343,6 @@ class ArduPlane(AutopilotCore):
             acceleration = loops.by_throttle(throttle, self.engine)
         return Demand(roll, climb, acceleration)
 
-    @property
-    def _level_pitch(self) -> float:
-        """Pitch in [rad] of a pilot who keeps the height with the stick."""
-        return self.airframe.incidence(self.state.airspeed, self.state.roll)
-
     def _forced(self, axis: str) -> float | None:
         return self._guided.value(axis, self.time, self.parameters["GUIDED_TIMEOUT"])
 
@@ -373,7 +353,7 @@ class ArduPlane(AutopilotCore):
         self._speed = min(max(wanted, lowest), highest)
         # AP_TECS::_update_speed_demand: the least airspeed grows with the load factor
         if known["STALL_PREVENTION"]:
-            lowest /= math.sqrt(math.cos(min(abs(self.loops.roll_wanted), STEEPEST)))
+            lowest *= math.sqrt(load_factor(self.loops.roll_wanted))
         held = min(max(self._speed, lowest), highest) * self.density_factor
         time = max(known["TECS_TIME_CONST"], 0.5)
         constants = HoldConstants(

@@ -265,7 +265,8 @@ class AutopilotCore(ABC):
         self._boot()
 
     def _boot(self) -> None:
-        self.parameters = OnboardParameters(self.defaults(self._configuration, self.density_factor))
+        own = vehicle_numbers(self._configuration, self.density_factor)
+        self.parameters = OnboardParameters(self.defaults(own))
         self.failsafe = False
         self.ground_heard: float | None = None
         self.texts: list[tuple[int, str]] = []
@@ -388,12 +389,11 @@ class AutopilotCore(ABC):
 
     @classmethod
     @abstractmethod
-    def defaults(cls, configuration: Configuration, density_factor: float) -> dict[str, float]:
+    def defaults(cls, own: VehicleNumbers) -> dict[str, float]:
         """Parameters at the start, by name [-].
 
         Args:
-            configuration: Of the aircraft.
-            density_factor: True over equivalent airspeed there [-].
+            own: What an operator would have typed in for this aircraft.
         """
 
     @property

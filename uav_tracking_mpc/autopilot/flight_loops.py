@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from uav_tracking_mpc.autopilot.airframe import Airframe, Engine
+from uav_tracking_mpc.autopilot.airframe import STEEPEST, Airframe, Engine
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.energy_hold import HoldConstants, hold
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate, turn_rate_from_bank
@@ -55,9 +55,6 @@ class Loiter(NamedTuple):
 
 DRIFT_TIME = 5.0  # s, in which the path angle comes back to that of the pitch
 TICK = 0.01  # s: 100 Hz, above the 50 Hz at which ArduPlane runs its main loop by default
-
-
-STEEPEST = math.radians(80.0)  # rad, bank that no parameter may allow
 
 
 class Demand(NamedTuple):
@@ -132,7 +129,7 @@ class FlightLoops:
         """
         state = self._airframe.state
         limit, lag, rate = response
-        limit = min(max(limit, 0.0), STEEPEST)
+        limit = min(max(limit, 0.0), STEEPEST)  # no parameter allows more
         self.roll_wanted = min(max(demand.roll, -limit), limit)
         change = (self.roll_wanted - self._bank) / max(lag - self._plant_lag, TICK)
         self._bank += TICK * min(max(change, -rate), rate)
@@ -190,6 +187,17 @@ class FlightLoops:
         state = self._airframe.state
         force = engine.force(throttle, state.airspeed, state.roll)
         return force - GRAVITY * math.sin(state.path_angle)
+
+    def wings_level(self, lag: float, engine: Engine) -> Demand:
+        """What a pilot does by sticks: no bank, the nose as the lift asks, the throttle at trim.
+
+        Args:
+            lag: Of the path angle behind the pitch in [s].
+            engine: What the throttle drives.
+        """
+        state = self._airframe.state
+        level = self._airframe.incidence(state.airspeed, state.roll)
+        return Demand(0.0, self.by_pitch(level, lag), self.by_throttle(engine.trim, engine))
 
     def bank_to(self, loiter: Loiter, period: float, damping: float) -> float:
         """Bank to the right in [rad] that leads onto a circle, by :mod:`uav_tracking_mpc.laws.l1`.

@@ -25,7 +25,7 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar
 
-from uav_tracking_mpc.autopilot.airframe import Engine
+from uav_tracking_mpc.autopilot.airframe import STEEPEST, Engine, load_factor
 from uav_tracking_mpc.autopilot.autopilot_core import (
     AttitudeTarget,
     AutopilotCore,
@@ -34,14 +34,13 @@ from uav_tracking_mpc.autopilot.autopilot_core import (
     Order,
     Result,
     Severity,
+    VehicleNumbers,
     WireTraits,
-    vehicle_numbers,
 )
 from uav_tracking_mpc.autopilot.flight_loops import Demand, Loiter, Response
 from uav_tracking_mpc.dynamics.energy_hold import HoldConstants
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.links.px4 import DEFAULTS
-from uav_tracking_mpc.settings.configuration import Configuration
 
 LOITER_RADIUS = 80  # m, NAV_LOITER_RAD where the aircraft is slow enough for it
 # Hz, mavlink_main.cpp, configure_streams_to_default, MAVLINK_MODE_ONBOARD
@@ -51,85 +50,10 @@ STREAM_RATES = {
     "GPS_RAW_INT": 10.0, "EXTENDED_SYS_STATE": 5.0,
     "HOME_POSITION": 0.5, "CURRENT_MODE": 0.5,
 }  # fmt: skip
-PX4_TRAITS = WireTraits(
-    maker=mavlink.MAV_AUTOPILOT_PX4,
-    version=(1, 16, 0),
-    # MISSION_FLOAT, MISSION_INT, COMMAND_INT, PARAM_ENCODE_BYTEWISE, SET_ATTITUDE_TARGET,
-    # SET_POSITION_TARGET_LOCAL_NED and _GLOBAL_INT, MAVLINK2
-    capabilities=1 | 4 | 8 | 16 | 64 | 128 | 256 | 8192,
-    stream_rates=STREAM_RATES,
-    mode_messages=(),  # streams/HEARTBEAT.hpp: a constant rate, whatever happens
-    lacking=("EKF_STATUS_REPORT", "POSITION_TARGET_GLOBAL_INT", "WIND"),
-    sync_period=0.1,
-    unknown_message=Result.DENIED,
-    mode_refused=Result.TEMPORARILY_REJECTED,
-    hears_all=False,  # Commander.cpp, evaluate_target_ok
-    bytewise=True,
-    set_mode_acknowledged=Cmd.DO_SET_MODE,  # into which it is turned
-)
-
-
-def px4_parameters(configuration: Configuration, density_factor: float) -> dict[str, float]:
-    """Values at the start by name [-]; an integer is one of PX4's too.
-
-    Args:
-        configuration: Of the aircraft.
-        density_factor: True over equivalent airspeed there [-].
-    """
-    own = vehicle_numbers(configuration, density_factor)
-    return {
-        **DEFAULTS,
-        "COM_DL_LOSS_T": 10,
-        "COM_FAIL_ACT_T": 5.0,
-        "COM_OBL_RC_ACT": 5,  # Hold: as it is to be set; PX4's own default 0 is refused by the link
-        "COM_OF_LOSS_T": 1.0,
-        "COM_RCL_EXCEPT": 0,
-        "COM_RC_IN_MODE": 3,
-        "COM_RC_LOSS_T": 0.5,
-        "COM_RC_OVERRIDE": 1,
-        "FW_AIRSPD_MAX": round(own.fastest, 2),
-        "FW_AIRSPD_MIN": round(own.slowest, 2),
-        "FW_AIRSPD_STALL": round(0.7 * own.slowest, 2),
-        "FW_AIRSPD_TRIM": own.cruise,
-        "FW_PSP_OFF": 0.0,
-        "FW_R_LIM": own.bank_max,
-        "FW_R_RMAX": float(own.roll_rate),
-        "FW_R_TC": 0.4,
-        "FW_THR_IDLE": 0.0,
-        "FW_T_ALT_TC": 5.0,
-        "FW_T_CLMB_MAX": own.climb_max,
-        "FW_T_CLMB_R_SP": min(3.0, own.climb_max),
-        "FW_T_SINK_MAX": own.sink_max,
-        "FW_T_SINK_MIN": own.sink_idle,
-        "FW_T_SINK_R_SP": min(2.0, own.sink_max),
-        "FW_T_TAS_TC": 5.0,
-        "FW_USE_AIRSPD": 1,
-        "FW_Y_RMAX": 50.0,
-        "GF_ACTION": 2,
-        "GF_MAX_HOR_DIST": 0.0,
-        "GF_MAX_VER_DIST": 0.0,
-        "MAV_COMP_ID": 1,
-        "MAV_FWDEXTSP": 1,
-        "MAV_SYS_ID": 1,
-        "MAV_TYPE": 1,
-        "MIS_TAKEOFF_ALT": 30.0,
-        "NAV_DLL_ACT": 0,
-        "NAV_LOITER_RAD": float(max(LOITER_RADIUS, own.radius)),
-        "NAV_RCL_ACT": 2,
-        "NPFG_DAMPING": 0.7,
-        "NPFG_PERIOD": 10.0,
-        "RTL_LOITER_RAD": float(max(LOITER_RADIUS, own.radius)),
-        "RTL_RETURN_ALT": 60.0,
-        "RTL_TYPE": 0,
-        "SYS_HAS_NUM_ASPD": 1,
-        "WEIGHT_BASE": -1.0,
-        "WEIGHT_GROSS": -1.0,
-    }
 
 
 SLOWEST_STREAM = 0.5  # s between set-points, 2 Hz: documentation of the mode Offboard
 CLIMB_LAG = 1.0  # s, in which the climb rate follows that of TECS
-STEEPEST = math.radians(80.0)  # rad, fw_yaw_controller.cpp: bank that a turn is made of
 ATTITUDE_BIT, THROTTLE_BIT, RATE_BITS = 0b10000000, 0b01000000, 0b00000011  # of type_mask
 AUTO, MAIN_SHIFT, SUB_SHIFT = 4, 16, 24  # code and shifts by bits, px4_custom_mode.h
 SPEED_TYPE_AIRSPEED = 0  # code of DO_CHANGE_SPEED
@@ -154,16 +78,79 @@ class Px4(AutopilotCore):
         "STABILIZED": 7 << MAIN_SHIFT,
     }
     loiter_mode, ground_mode, take_off_mode = "LOITER", "LOITER", "TAKEOFF"
-    traits = PX4_TRAITS
+    traits = WireTraits(
+        maker=mavlink.MAV_AUTOPILOT_PX4,
+        version=(1, 16, 0),
+        # MISSION_FLOAT, MISSION_INT, COMMAND_INT, PARAM_ENCODE_BYTEWISE, SET_ATTITUDE_TARGET,
+        # SET_POSITION_TARGET_LOCAL_NED and _GLOBAL_INT, MAVLINK2
+        capabilities=1 | 4 | 8 | 16 | 64 | 128 | 256 | 8192,
+        stream_rates=STREAM_RATES,
+        mode_messages=(),  # streams/HEARTBEAT.hpp: a constant rate, whatever happens
+        lacking=("EKF_STATUS_REPORT", "POSITION_TARGET_GLOBAL_INT", "WIND"),
+        sync_period=0.1,
+        unknown_message=Result.DENIED,
+        mode_refused=Result.TEMPORARILY_REJECTED,
+        hears_all=False,  # Commander.cpp, evaluate_target_ok
+        bytewise=True,
+        set_mode_acknowledged=Cmd.DO_SET_MODE,  # into which it is turned
+    )
     _intended: str  # user_mode_intention: goes on where a failsafe is over
     _target: AttitudeTarget | None = None
     _last, _before = -math.inf, -math.inf  # when the two newest set-points came, in s
     _speed: float | None = None  # calibrated, of DO_CHANGE_SPEED, in m/s
 
     @classmethod
-    def defaults(cls, configuration: Configuration, density_factor: float) -> dict[str, float]:
-        """See :meth:`AutopilotCore.defaults`."""
-        return px4_parameters(configuration, density_factor)
+    def defaults(cls, own: VehicleNumbers) -> dict[str, float]:
+        """See :meth:`AutopilotCore.defaults`; an integer is one of PX4's too."""
+        return {
+            **DEFAULTS,
+            "COM_DL_LOSS_T": 10,
+            "COM_FAIL_ACT_T": 5.0,
+            # Hold: as it is to be set; PX4's own default 0 is refused by the link
+            "COM_OBL_RC_ACT": 5,
+            "COM_OF_LOSS_T": 1.0,
+            "COM_RCL_EXCEPT": 0,
+            "COM_RC_IN_MODE": 3,
+            "COM_RC_LOSS_T": 0.5,
+            "COM_RC_OVERRIDE": 1,
+            "FW_AIRSPD_MAX": round(own.fastest, 2),
+            "FW_AIRSPD_MIN": round(own.slowest, 2),
+            "FW_AIRSPD_STALL": round(0.7 * own.slowest, 2),
+            "FW_AIRSPD_TRIM": own.cruise,
+            "FW_PSP_OFF": 0.0,
+            "FW_R_LIM": own.bank_max,
+            "FW_R_RMAX": float(own.roll_rate),
+            "FW_R_TC": 0.4,
+            "FW_THR_IDLE": 0.0,
+            "FW_T_ALT_TC": 5.0,
+            "FW_T_CLMB_MAX": own.climb_max,
+            "FW_T_CLMB_R_SP": min(3.0, own.climb_max),
+            "FW_T_SINK_MAX": own.sink_max,
+            "FW_T_SINK_MIN": own.sink_idle,
+            "FW_T_SINK_R_SP": min(2.0, own.sink_max),
+            "FW_T_TAS_TC": 5.0,
+            "FW_USE_AIRSPD": 1,
+            "FW_Y_RMAX": 50.0,
+            "GF_ACTION": 2,
+            "GF_MAX_HOR_DIST": 0.0,
+            "GF_MAX_VER_DIST": 0.0,
+            "MAV_COMP_ID": 1,
+            "MAV_FWDEXTSP": 1,
+            "MAV_SYS_ID": 1,
+            "MAV_TYPE": 1,
+            "MIS_TAKEOFF_ALT": 30.0,
+            "NAV_DLL_ACT": 0,
+            "NAV_LOITER_RAD": float(max(LOITER_RADIUS, own.radius)),
+            "NAV_RCL_ACT": 2,
+            "NPFG_DAMPING": 0.7,
+            "NPFG_PERIOD": 10.0,
+            "RTL_LOITER_RAD": float(max(LOITER_RADIUS, own.radius)),
+            "RTL_RETURN_ALT": 60.0,
+            "RTL_TYPE": 0,
+            "SYS_HAS_NUM_ASPD": 1,
+            "WEIGHT_BASE": -1.0,
+            "WEIGHT_GROSS": -1.0,
+        }
 
     def restart(self) -> None:
         """See :meth:`AutopilotCore.restart`; who streamed before is not known any more."""
@@ -202,6 +189,7 @@ class Px4(AutopilotCore):
         It lives in the mode manager, which does not run in OFFBOARD by attitude.
         """
         known = self.parameters
+        # fw_yaw_controller.cpp: a turn is made of no more bank than that.
         limit = STEEPEST if self.mode == "OFFBOARD" else math.radians(known["FW_R_LIM"])
         return Response(limit, max(known["FW_R_TC"], 0.1), math.radians(known["FW_R_RMAX"]))
 
@@ -282,9 +270,7 @@ class Px4(AutopilotCore):
         """What the present mode asks for."""
         known, loops, target = self.parameters, self.loops, self._target
         if self.mode in ("MANUAL", "STABILIZED"):
-            level = self.airframe.incidence(self.state.airspeed, self.state.roll)
-            trim = loops.by_throttle(self.engine.trim, self.engine)
-            return Demand(0.0, loops.by_pitch(level, known["FW_P_TC"]), trim)
+            return loops.wings_level(known["FW_P_TC"], self.engine)
         if self.mode == "OFFBOARD" and target is not None:
             # FixedwingAttitudeControl.cpp, Run: as it comes, with no limit of the mode manager
             lag = max(known["FW_P_TC"], 0.1)
@@ -303,8 +289,7 @@ class Px4(AutopilotCore):
     def _tecs(self) -> tuple[float, float]:
         """lib/tecs/TECS.cpp; PerformanceModel.cpp, ``getMinimumCalibratedAirspeed``."""
         known = self.parameters
-        load = 1.0 / math.cos(min(abs(self.loops.roll_wanted), STEEPEST))
-        slowest = known["FW_AIRSPD_MIN"] * math.sqrt(load)
+        slowest = known["FW_AIRSPD_MIN"] * math.sqrt(load_factor(self.loops.roll_wanted))
         wanted = known["FW_AIRSPD_TRIM"] if self._speed is None else self._speed
         held = min(max(wanted, slowest), known["FW_AIRSPD_MAX"]) * self.density_factor
         constants = HoldConstants(

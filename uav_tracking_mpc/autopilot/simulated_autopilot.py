@@ -323,13 +323,10 @@ class SimulatedAutopilot(WiredAutopilot):
             self.listen(max(wait, 0.0), lambda: time.monotonic() - begin)
         except LinkError as error:
             logger.info("%s", error)
-            self._reopen()
-
-    def _reopen(self) -> None:
-        try:
-            self.radio.open()
-        except LinkError:
-            self._ending.wait(RETRY)
+            try:
+                self.radio.open()
+            except LinkError:
+                self._ending.wait(RETRY)
 
 
 DATAGRAMS = "udpin:127.0.0.1:1"  # the form of an address; nothing is opened there

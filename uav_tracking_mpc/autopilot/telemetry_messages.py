@@ -141,17 +141,6 @@ def position_message(
     )  # fmt: skip
 
 
-def _heartbeat(core: AutopilotCore) -> Any:
-    return mavlink.MAVLink_heartbeat_message(
-        mavlink.MAV_TYPE_FIXED_WING,
-        core.traits.maker,
-        core.base_mode,
-        core.custom_mode,
-        core.system_state,
-        3,
-    )
-
-
 def _attitude(core: AutopilotCore) -> Any:
     state = core.airframe.measured
     return mavlink.MAVLink_attitude_message(
@@ -266,7 +255,14 @@ def _wind_covariance(core: AutopilotCore) -> Any:
 
 
 BUILDERS: dict[str, Builder] = {
-    "HEARTBEAT": _heartbeat,
+    "HEARTBEAT": lambda core: mavlink.MAVLink_heartbeat_message(
+        mavlink.MAV_TYPE_FIXED_WING,
+        core.traits.maker,
+        core.base_mode,
+        core.custom_mode,
+        core.system_state,
+        3,
+    ),
     "ATTITUDE": _attitude,
     "AUTOPILOT_VERSION": _version,
     # streams/CURRENT_MODE.hpp: the mode, and that which the pilot wants

@@ -54,10 +54,13 @@ class VehicleProtocol:
 
     def __init__(self, core: AutopilotCore, system: int = 1) -> None:
         self.core, self.system = core, system
-        self.rates = MessageRates({"HEARTBEAT": 1.0, **core.traits.stream_rates})
-        self._outgoing: list[Any] = []
-        self._mode = core.mode
         self._next_sync = 0.0
+        self._begin()
+
+    def _begin(self) -> None:
+        self.rates = MessageRates({"HEARTBEAT": 1.0, **self.core.traits.stream_rates})
+        self._outgoing: list[Any] = []
+        self._mode = self.core.mode
 
     def outgoing(self) -> list[Any]:
         """Messages to send now, in order; each is told once."""
@@ -67,9 +70,7 @@ class VehicleProtocol:
     def restart(self) -> None:
         """Boot anew in flight: clock, parameters, mode and rates are those of the start."""
         self.core.restart()
-        self.rates = MessageRates({"HEARTBEAT": 1.0, **self.core.traits.stream_rates})
-        self._outgoing.clear()
-        self._mode = self.core.mode
+        self._begin()
 
     def advance(self, until: float) -> None:
         """Go on by whole ticks.
@@ -173,6 +174,9 @@ class VehicleProtocol:
         name = self._named(order.param1)
         if name is None:
             return self.core.traits.unknown_message
+        return self._tell(name)
+
+    def _tell(self, name: str) -> int:
         self._send(BUILDERS[name](self.core))
         return Result.ACCEPTED
 
@@ -238,19 +242,11 @@ def _text(words: str | bytes) -> str:
     return plain.split("\0")[0]
 
 
-def _telling(name: str) -> Callable[[VehicleProtocol, Order], int]:
-    def told(protocol: VehicleProtocol, order: Order) -> int:
-        protocol._send(BUILDERS[name](protocol.core))
-        return Result.ACCEPTED
-
-    return told
-
-
 _COMMANDS: dict[int, Callable[[VehicleProtocol, Order], int]] = {
     Cmd.SET_MESSAGE_INTERVAL: VehicleProtocol._interval,
     Cmd.REQUEST_MESSAGE: VehicleProtocol._request,
-    Cmd.GET_HOME_POSITION: _telling("HOME_POSITION"),
-    Cmd.REQUEST_AUTOPILOT_CAPABILITIES: _telling("AUTOPILOT_VERSION"),
+    Cmd.GET_HOME_POSITION: lambda protocol, order: protocol._tell("HOME_POSITION"),
+    Cmd.REQUEST_AUTOPILOT_CAPABILITIES: lambda protocol, order: protocol._tell("AUTOPILOT_VERSION"),
 }
 _TAKERS: dict[str, Callable[[VehicleProtocol, Any, float], None]] = {
     "COMMAND_INT": VehicleProtocol._take_command,

@@ -190,11 +190,7 @@ def sighted_target(
     """
     if not sightings:
         raise ValueError("the bag holds no position of the target")
-    first = sightings[0][0]  # differences keep their nanoseconds as floats
-    seen = {(stamp - first) * 1e-9: position for stamp, position in sightings}
-    seen = dict(sorted(seen.items()))
-    times, places = np.array(list(seen)), np.array(list(seen.values()))
-    wanted = np.array([(stamp - first) * 1e-9 for stamp in stamps])
+    times, places, wanted = _timed(sightings, stamps)
     speeds = np.gradient(places, times, axis=0) if len(times) > 1 else np.zeros_like(places)
     return FlownTarget(
         np.column_stack([np.interp(wanted, times, axis) for axis in places.T]),
@@ -202,14 +198,22 @@ def sighted_target(
     )
 
 
+def _timed(
+    told: Sequence[tuple[int, NDArray[np.float64]]], stamps: Sequence[int]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """When and what was told, in order of time, and the times asked for, since the first [s]."""
+    first = told[0][0]  # differences keep their nanoseconds as floats
+    values = {(stamp - first) * 1e-9: value for stamp, value in told}
+    times = sorted(values)
+    wanted = np.array([(stamp - first) * 1e-9 for stamp in stamps])
+    return np.array(times), np.array([values[time] for time in times]), wanted
+
+
 def _told_target(told: Sequence[Truth], stamps: Sequence[int]) -> FlownTarget:
     """Cubic Hermite interpolation; before the first and after the last it moves straight on."""
-    first = told[0][0]  # differences keep their nanoseconds as floats
-    known = {(stamp - first) * 1e-9: motion for stamp, *motion in told}
-    known = dict(sorted(known.items()))
-    times = np.array(list(known))
-    places, velocities = np.moveaxis(np.array(list(known.values())), 1, 0)
-    wanted = np.array([(stamp - first) * 1e-9 for stamp in stamps])
+    motions = [(stamp, np.array(motion)) for stamp, *motion in told]
+    times, known, wanted = _timed(motions, stamps)
+    places, velocities = np.moveaxis(known, 1, 0)
     inside = np.clip(wanted, times[0], times[-1])
     if len(times) == 1:
         position = np.tile(places[0], (len(wanted), 1))

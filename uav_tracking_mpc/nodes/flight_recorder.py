@@ -29,7 +29,6 @@ from typing import Any
 import numpy as np
 from rclpy.node import Node
 from rosbags.interfaces import (
-    Connection,
     Qos,
     QosDurability,
     QosHistory,
@@ -101,16 +100,16 @@ class FlightBag:
         self._writer.open()
         self._store = typestore()
         frames = (TRANSFORMS, STATIC_TRANSFORMS) if ODOMETRY in topics else ()
-        self._connections = {topic.name: self._connect(topic) for topic in (*topics, *frames)}
+        self._connections = {
+            topic.name: self._writer.add_connection(
+                f"/{topic.name.lstrip('/')}",
+                topic.type_name,
+                typestore=self._store,
+                offered_qos_profiles=[_offered(topic.quality)],
+            )
+            for topic in (*topics, *frames)
+        }
         self._named = False  # whether the frames of autopilots are written
-
-    def _connect(self, topic: Topic) -> Connection:
-        return self._writer.add_connection(
-            f"/{topic.name.lstrip('/')}",
-            topic.type_name,
-            typestore=self._store,
-            offered_qos_profiles=[_offered(topic.quality)],
-        )
 
     def write(self, topic: Topic, time: int, message: bytes) -> None:
         """Append a message.

@@ -83,18 +83,15 @@ class Monitor(Node):
         steady_timer(self, REFRESH_PERIOD, self._refresh)
 
     def _refresh(self) -> None:
-        own = self.get_namespace()
-        self._others = [namespace for namespace in self._aircraft() if namespace != own]
-        self._live.update(self.table())
-
-    def _aircraft(self) -> list[str]:
-        """Namespaces in which somebody publishes where an aircraft is."""
+        # An aircraft is where somebody publishes its state.
         suffix = f"/{ODOMETRY.name}"
-        return sorted(
+        namespaces = {
             name.removesuffix(suffix) or "/"
             for name, _ in self.get_topic_names_and_types()
             if name.endswith(suffix) and self.count_publishers(name)
-        )
+        }
+        self._others = sorted(namespaces - {self.get_namespace()})
+        self._live.update(self.table())
 
     def _on_message(self, topic: Topic, message: Any) -> None:
         if topic is DIAGNOSTICS:

@@ -206,7 +206,7 @@ class NmpcController(ManagedNode):
         self._orbits = publish(self, ORBIT)
         listen(self, ENGAGED, self._on_engaged)
         self._consent = CommandGate(self, self._on_consent)
-        callbacks = self._on_state, self._on_air, self._on_target, self._on_target_odometry
+        callbacks = self._on_odometry, self._on_air, self._on_target, self._on_target_odometry
         for topic, callback in zip(HEARD, callbacks, strict=True):
             self.report.peers.listen(topic, self._refusing(topic, callback), topic is ODOMETRY)
         period = self.parameters.state_timeout / 2.0
@@ -353,10 +353,8 @@ class NmpcController(ManagedNode):
             commanding = self.stage is Stage.ACTIVE and self._consent.engaged
             self.controller.engage(self._engaged and commanding)
 
-    def _on_state(self, data: bytes, controller: Controller) -> None:
-        self._on_odometry(deserialized(ODOMETRY, data), controller)
-
-    def _on_odometry(self, message: Any, controller: Controller) -> None:
+    def _on_odometry(self, data: bytes, controller: Controller) -> None:
+        message = deserialized(ODOMETRY, data)
         arrival, before = time.monotonic(), controller.state_time
         fresh = self._stall.alive(arrival)
         stamp = self._times.measured(ODOMETRY, message)

@@ -200,23 +200,18 @@ def static_transforms(stamp: int, frames: FrameNames) -> list[TransformStamped]:
     return transforms
 
 
-def vehicle_transform(
-    odometry: Odometry, message: TransformStamped | None = None
-) -> TransformStamped:
-    """Transform of the aircraft's frame, as tf2 has it: pose of the child in the parent.
+def vehicle_transform(odometry: Odometry, message: TransformStamped) -> None:
+    """Fill in the transform of the aircraft's frame, as tf2 has it: pose of child in parent.
 
     Parent and child are the frames of the odometry, which bear the prefix of their aircraft.
 
     Args:
         odometry: As in ``uav/odometry``.
-        message: To be changed in place; None for a new one. Stamp and orientation are those of
-            the odometry itself, not copies.
+        message: To be changed in place. Stamp and orientation are those of the odometry itself,
+            not copies.
     """
-    if message is None:
-        message = TransformStamped()
     message.header = odometry.header
     message.child_frame_id = odometry.child_frame_id
     position, translation = odometry.pose.pose.position, message.transform.translation
     translation.x, translation.y, translation.z = position.x, position.y, position.z
     message.transform.rotation = odometry.pose.pose.orientation
-    return message

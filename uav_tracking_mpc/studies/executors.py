@@ -83,26 +83,24 @@ class LocalExecutor:
         Raises:
             WorkerError: A worker was lost.
         """
-        return self._results(partial(work, shared), batches, as_completed)
+        return self.map(partial(work, shared), batches, as_completed)
 
-    def map(self, work: Callable[[P], R], pieces: Sequence[P]) -> Generator[R, None, None]:
-        """What came of each piece, in their order.
+    def map(
+        self,
+        work: Callable[[P], R],
+        pieces: Sequence[P],
+        order: Callable[[list[Future[R]]], Iterable[Future[R]]] = iter,
+    ) -> Generator[R, None, None]:
+        """What came of each piece.
 
         Args:
             work: At module level, so that processes can find it.
             pieces: Its arguments; they must pickle.
+            order: Of the results: by default that of the pieces.
 
         Raises:
             WorkerError: A worker was lost.
         """
-        return self._results(work, pieces, iter)
-
-    def _results(
-        self,
-        work: Callable[[P], R],
-        pieces: Sequence[P],
-        order: Callable[[list[Future[R]]], Iterable[Future[R]]],
-    ) -> Generator[R, None, None]:
         workers = min(self.workers, len(pieces))
         if workers < 2:
             yield from map(work, pieces)

@@ -270,9 +270,12 @@ def feasibility_study(
         "guaranteed": list(GUARANTEED),
         "not_guaranteed": list(NOT_GUARANTEED),
     }
-    words = [ANALYSIS, "", f"Guaranteed. {PREMISE}"]
-    words += [f"  {index}. {line}" for index, line in enumerate(GUARANTEED, 1)]
-    words += ["", "Not guaranteed.", *(f"  - {line}" for line in NOT_GUARANTEED)]
+    words = [
+        *(ANALYSIS, "", f"Guaranteed. {PREMISE}"),
+        *(f"  {index}. {line}" for index, line in enumerate(GUARANTEED, 1)),
+        *("", "Not guaranteed."),
+        *(f"  - {line}" for line in NOT_GUARANTEED),
+    ]
     if count:
         situations = random_situations(configuration.controller, count)
         content |= summary(campaign(configuration.controller, situations, workers=workers))

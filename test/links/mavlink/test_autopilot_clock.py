@@ -26,6 +26,14 @@ def exchange(clock, sent, there, back):
     clock.see_answer(sent, sent + there + OFFSET, sent + there + back)
 
 
+@pytest.fixture
+def clock():
+    """After one quick answer."""
+    clock = AutopilotClock()
+    exchange(clock, 0.0, 0.01, 0.01)
+    return clock
+
+
 def test_nothing_is_known_at_first():
     with pytest.raises(ValueError, match="nothing is known"):
         AutopilotClock().ours(1.0)
@@ -49,9 +57,7 @@ def test_the_quickest_round_trip_counts_and_its_half_bounds_the_error():
     assert 0.01 < clock.jitter < 0.2
 
 
-def test_an_answer_from_nowhere_changes_nothing():
-    clock = AutopilotClock()
-    exchange(clock, 0.0, 0.01, 0.01)
+def test_an_answer_from_nowhere_changes_nothing(clock):
     before = clock.offset
     clock.see_answer(5.0, 5.0 + OFFSET, 4.0)  # it came before it was asked
     clock.see_answer(5.0, 5.0 + OFFSET, 9.0)  # after too long
@@ -72,9 +78,7 @@ def test_a_clock_that_has_fallen_behind_is_believed_again():
     assert clock.restarts == 0
 
 
-def test_a_restart_is_seen_from_stamps_that_agree():
-    clock = AutopilotClock()
-    exchange(clock, 0.0, 0.01, 0.01)
+def test_a_restart_is_seen_from_stamps_that_agree(clock):
     clock.see_stamp(OFFSET + 0.9, 0.95)
     for arrival in (1.0, 1.02, 1.04):
         assert clock.restarts == 0
@@ -86,17 +90,13 @@ def test_a_restart_is_seen_from_stamps_that_agree():
 @pytest.mark.parametrize(
     "stamps", [(0.5, OFFSET + 1.0, 0.5, OFFSET + 2.0), (0.5, 70.0, 0.5, 300.0)]
 )
-def test_old_repeats_and_nonsense_do_not_restart_it(stamps):
-    clock = AutopilotClock()
-    exchange(clock, 0.0, 0.01, 0.01)
+def test_old_repeats_and_nonsense_do_not_restart_it(clock, stamps):
     for arrival, stamp in enumerate(stamps):
         clock.see_stamp(stamp, float(arrival))
     assert clock.restarts == 0
 
 
-def test_telemetry_may_be_late():
-    clock = AutopilotClock()
-    exchange(clock, 0.0, 0.01, 0.01)
+def test_telemetry_may_be_late(clock):
     for number in range(100):  # what waited for a minute while we were stopped
         clock.see_stamp(OFFSET + 0.1 * number, 60.0 + 1e-4 * number)
     assert clock.restarts == 0

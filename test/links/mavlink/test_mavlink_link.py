@@ -21,6 +21,7 @@ import numpy as np
 import pytest
 from stepped_flight import ORBIT, ByController, Nobody, engaged_flight, flight
 
+OURS = {"ardupilot": "GUIDED", "px4": "OFFBOARD"}
 BOTH = pytest.mark.parametrize("dialect", ["ardupilot", "px4"])
 
 
@@ -79,6 +80,29 @@ def test_turbulence_does_not_shake_the_bank(dialect, climb, error, change):
     assert jumps < change
 
 
+@pytest.mark.parametrize(
+    ("dialect", "mode"),
+    [
+        *(("ardupilot", mode) for mode in ("FBWA", "MANUAL", "RTL", "LOITER")),
+        *(("px4", mode) for mode in ("POSCTL", "MANUAL", "RTL", "LOITER")),
+    ],
+)
+def test_a_pilot_takes_over_within_one_message_and_for_good(dialect, mode):
+    flown = engaged_flight(dialect)
+    flown.fly(2.0)
+    assert flown.autopilot.pilot_mode(mode)
+    # What was under way; CURRENT_MODE of PX4 comes ten times a second.
+    noticed = flown.time + {"ardupilot": 0.03, "px4": 0.15}[dialect]
+    flown.fly(3.0)
+    assert not flown.link.engaged
+    assert not flown.sent_after(noticed)
+    # Back in our mode, which PX4 refuses: there is no stream that it could fly.
+    assert flown.autopilot.pilot_mode(OURS[dialect]) == (dialect == "ardupilot")
+    flown.fly(3.0)
+    assert not flown.sent_after(noticed)
+    assert any("took over" in words for words in flown.words)
+
+
 @BOTH
 def test_giving_command_back_sends_nothing_more(dialect):
     flown = engaged_flight(dialect)
@@ -98,7 +122,7 @@ def test_a_dead_link_is_taken_up_again(dialect):
     flown.autopilot.end_fault(fault)
     flown.fly(3.0)
     assert flown.link.engaged
-    assert flown.autopilot.core.mode in ("GUIDED", "OFFBOARD")
+    assert flown.autopilot.core.mode == OURS[dialect]
     assert flown.sent_after(flown.time - 0.5)
 
 

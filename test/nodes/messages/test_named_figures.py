@@ -19,7 +19,7 @@ import math
 import numpy as np
 import pytest
 import small_uav
-from filled_messages import filled_orbit, over_the_wire
+from filled_messages import altered, filled_orbit, over_the_wire
 from sensor_msgs.msg import JointState
 
 from uav_tracking_mpc.control.fallback import FallbackMode
@@ -63,22 +63,20 @@ def test_a_message_is_filled_again():
 
 
 @pytest.mark.parametrize(
-    ("change", "words"),
+    ("path", "value", "words"),
     [
-        (lambda m: setattr(m.header, "frame_id", "odom"), "header.frame_id is 'odom'"),
-        (lambda m: setattr(m, "name", ["east"]), "name is"),
-        (lambda m: setattr(m, "position", [0.0] * 4), "position is"),
-        (lambda m: setattr(m, "velocity", []), "velocity is"),
-        (lambda m: m.position.__setitem__(0, float("nan")), "position is"),
-        (lambda m: m.velocity.__setitem__(2, float("inf")), "velocity is"),
-        (lambda m: m.position.__setitem__(4, 1e4), "position is"),
+        ("header.frame_id", "odom", "header.frame_id is 'odom'"),
+        ("name", ["east"], "name is"),
+        ("position", [0.0] * 4, "position is"),
+        ("velocity", [], "velocity is"),
+        ("position.0", math.nan, "position is"),
+        ("velocity.2", math.inf, "velocity is"),
+        ("position.4", 1e4, "position is"),
     ],
 )
-def test_what_is_no_orbit_is_refused(change, words):
-    bad = message()
-    change(bad)
+def test_what_is_no_orbit_is_refused(path, value, words):
     with pytest.raises(MessageError, match=words):
-        orbit_from_message(bad)
+        orbit_from_message(altered(message(), path, value))
 
 
 WANTED = small_uav.parameters().orbit

@@ -17,11 +17,11 @@
 from __future__ import annotations
 
 import functools
-from pathlib import Path
 
 import pytest
 from filled_messages import sensed
-from processes import TERMINATE, refused_start, run_node
+from paced_link import LINK
+from processes import TERMINATE, run_node
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -48,7 +48,6 @@ from uav_tracking_mpc.studies.faults.soak import SoakObserver
 pytestmark = pytest.mark.nodes
 TOPIC = TRACKING["cost"]
 BEST_EFFORT = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
-LINK = f"{Path(__file__).parents[2] / 'paced_link.py'}:PacedLink"
 KINDS = {
     UavSimulator: ("publisher", ODOMETRY, {}),
     TargetPublisher: ("publisher", TARGET, {}),
@@ -109,13 +108,6 @@ def test_a_nonsense_override_is_refused_with_what_is_allowed(nodes, policy, valu
     name = f"qos_overrides./target/position.publisher.{policy}"
     with pytest.raises(ParameterError, match=rf"{name}' is .*{value}.*, must be {allowed}"):
         nodes.add(TargetPublisher, **{name: value})
-
-
-def test_a_nonsense_override_ends_the_process_with_one_fatal_line():
-    assignment = "qos_overrides./target/position.publisher.reliability:=perhaps"
-    words = refused_start("target_publisher", "-p", assignment)
-    assert "is 'perhaps', must be one of" in words
-    assert "best_effort" in words
 
 
 def test_unknown_parameters_and_overrides_in_vain_are_warned_of():

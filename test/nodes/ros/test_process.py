@@ -45,21 +45,44 @@ def test_signals_end_a_node_cleanly(node, stop):
     assert "Traceback" not in output
 
 
-REFUSED = [
+REFUSED = [  # node, arguments of ROS, what the line says
     ("nmpc_controller", ["-p", "range:=far"], "parameter 'range' is 'far'"),
     ("nmpc_controller", ["-p", "range:=1e999"], "parameter 'range' is '1e999'"),
     ("nmpc_controller", ["-p", "state_weights:=[]"], "a list of 5 numbers"),
     ("nmpc_controller", ["-p", "state_weights:=[.nan, 1.0, 1.0, 1.0, 1.0]"], "'state_weights'"),
+    ("nmpc_controller", ["-p", "range:=40.0"], "range is 40.0 m"),
+    ("nmpc_controller", ["-p", "horizon:=0"], "'horizon' is 0, must be an integer from 1 to 200"),
+    ("nmpc_controller", ["-p", "airspeed:=.nan"], "'airspeed' is nan"),
+    ("nmpc_controller", ["-p", "map_frame:=/map"], "'map_frame' is '/map', must be a frame"),
     ("uav_simulator", ["-p", "speed_max:=-1.0"], "parameter 'speed_max' is -1.0"),
     ("uav_simulator", ["-p", "initial_position:=[]"], "'initial_position'"),
     ("uav_simulator", ["-p", "publish_clock:=banana"], "'publish_clock' is 'banana'"),
     ("uav_simulator", ["--params-file", "/nowhere.yaml"], "/nowhere.yaml"),
+    ("uav_simulator", ["-p", "initial_speed:=50.0"], "'initial_speed' is 50.0"),
+    ("uav_simulator", ["-p", "map_frame:=/map"], "'map_frame' is '/map', must be a frame"),
+    ("uav_simulator", ["-p", "plant:=balloon"], "'plant' is 'balloon', must be one of euler, held"),
+    ("uav_simulator", ["-p", "plant:=nowhere.py:Balloon"], "'plant': there is no file"),
+    (
+        "uav_simulator",
+        ["-p", "plant:=euler", "-p", "initial_position:=[0.0, 0.0, 9.0]"],
+        "'plant': at 0 s the range",
+    ),
     ("autopilot_link", ["-p", "connection:=udpin:nowhere"], "must be udpin:HOST:PORT"),
-    ("autopilot_link", ["-p", "link:=balloon"], "parameter 'link' is 'balloon'"),
+    ("autopilot_link", ["-p", "link:=balloon"], "'link' is 'balloon', must be one of"),
+    ("autopilot_link", ["-p", "link:=nowhere.py:Balloon"], "there is no file"),
+    ("autopilot_link", ["-p", "origin:=[1.0, 2.0]"], "'origin'"),
     ("target_publisher", ["-p", "rate:=.nan"], "parameter 'rate' is nan"),
     ("target_publisher", ["-p", "nonsense"], "Couldn't parse parameter override"),
     ("target_publisher", ["-p", "seed:=99999999999999999999"], "'seed'"),
     ("target_publisher", ["-p", "motion:={a: 1}"], "motion"),
+    ("target_publisher", ["-p", "motion:=hop"], "must be one of circle, jump, line"),
+    ("target_publisher", ["-p", "noise:=much"], "'noise' is 'much'"),
+    ("target_publisher", ["-p", "map_frame:=/map"], "'map_frame' is '/map', must be a frame"),
+    (
+        "target_publisher",
+        ["-p", "qos_overrides./target/position.publisher.reliability:=perhaps"],
+        "is 'perhaps', must be one of",
+    ),
 ]
 
 
@@ -69,8 +92,9 @@ def test_bad_parameters_end_in_one_fatal_line_and_code_2(run_here, node, argumen
     assert words in fatal_words(node, *result)
 
 
-@pytest.mark.parametrize(("node", "arguments", "words"), REFUSED[::4])  # one of each node
+@pytest.mark.parametrize(("node", "arguments", "words"), {row[0]: row for row in REFUSED}.values())
 def test_so_do_processes(node, arguments, words):
+    """One of each node."""
     assert words in refused_start(node, *arguments)
 
 
@@ -124,24 +148,15 @@ def test_arguments_behind_ros_args_are_not_refused():
     assert refusal("monitor", ["--ros-args", "-p", "use_sim_time:=true"]) == ""
 
 
-def test_a_node_given_a_file_without_ros_args_ends_with_code_2(run_here):
-    name, arguments = "nmpc_controller", ("--params-file", "small_uav.yaml")
-    words = fatal_words(name, *run_here(name, NODES[name], *arguments))
-    assert "nmpc_controller --ros-args --params-file small_uav.yaml" in words
-
-
-def test_misspelt_parameters_are_warned_of():
-    code, output = run_node(
-        "target_publisher", "--ros-args", "-p", "raet:=5.0", stop=INTERRUPT, after="stationary"
-    )
-    assert code == 0
-    assert "parameter 'raet' is unknown and has no effect" in output
-
-
 @pytest.mark.parametrize(
     ("arguments", "variables", "words"),
     [
         (["--ros-args", "--bogus"], {}, "arguments that ROS does not know: '--bogus'"),
+        (
+            ["--params-file", "small_uav.yaml"],
+            {},
+            "write: target_publisher --ros-args --params-file small_uav.yaml",
+        ),
         ([], {"ROS_DOMAIN_ID": "300"}, "ROS_DOMAIN_ID is '300', must be an integer from 0 to 232"),
         ([], {"ROS_SECURITY_ENABLE": "true"}, "which needs ROS_SECURITY_KEYSTORE"),
     ],
@@ -192,17 +207,6 @@ def test_a_parameter_file_without_effect_is_warned_of(section, rate, warned, tmp
     assert code == 2
     assert (VAIN in log) == warned
     assert made[0].parameters.rate == rate
-
-
-def test_a_configuration_serves_nodes_in_any_namespace(tmp_path):
-    file = tmp_path / "configuration.yaml"
-    file.write_text("/**/nmpc_controller: {ros__parameters: {range: 160.0}}")
-    arguments = ["--params-file", str(file), "-r", "__ns:=/red"]
-    code, output = run_node(
-        "nmpc_controller", "--ros-args", *arguments, stop=INTERRUPT, after="orbit of 160 m"
-    )
-    assert code == 0
-    assert "red.nmpc_controller" in output
 
 
 @pytest.mark.parametrize("name", HEARD)

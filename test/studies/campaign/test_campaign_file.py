@@ -175,22 +175,21 @@ def sections():
     return load_configuration("small_uav", ["target_publisher.position=[100, 50, 3]"]).sections
 
 
-def after(**values):
+def given(values):
+    """The parameters of a flight with these inputs."""
     content = sections()
-    write(content, {key.replace("__", "."): value for key, value in values.items()})
+    write(content, values)
     return content
 
 
 def test_parameters_components_and_degrees():
-    content = sections()
-    write(
-        content,
+    content = given(
         {
             "uav_simulator.heading_bias_deg": 90.0,
             "uav_simulator.rate_lag[2]": 0.9,
             "uav_simulator.command_gain": 1.2,
             "target_publisher.motion": "line",
-        },
+        }
     )
     simulator = content["uav_simulator"]
     assert simulator["heading_bias"] == pytest.approx(0.5 * math.pi)
@@ -202,35 +201,32 @@ def test_parameters_components_and_degrees():
 
 
 def test_a_start_is_seen_from_the_target():
-    content = sections()
-    write(content, {"start.azimuth_deg": 90.0, "start.distance": 400.0, "start.height": 80.0})
+    content = given({"start.azimuth_deg": 90.0, "start.distance": 400.0, "start.height": 80.0})
     assert content["uav_simulator"]["initial_position"] == pytest.approx([100.0, 450.0, 83.0])
     assert read(content, "start.distance") == pytest.approx(400.0)
 
 
 def test_a_start_is_seen_from_where_a_circling_target_begins():
-    content = sections()
-    write(
-        content,
+    content = given(
         {
             "target_publisher.motion": "circle",
             "target_publisher.radius": 20.0,
             "target_publisher.heading_deg": 180.0,
             "start.azimuth_deg": 0.0,
             "start.distance": 300.0,
-        },
+        }
     )
     assert content["uav_simulator"]["initial_position"][:2] == pytest.approx([380.0, 50.0])
 
 
 def test_wind_by_speed_and_direction():
-    content = after(wind__direction_deg=-90.0, wind__speed=7.0)
+    content = given({"wind.direction_deg": -90.0, "wind.speed": 7.0})
     assert content["uav_simulator"]["wind"] == pytest.approx([0.0, -7.0, 0.0], abs=1e-12)
     assert read(content, "wind.direction_deg") == pytest.approx(-90.0)
 
 
 def test_what_is_told_is_a_share_of_the_truth():
-    content = after(told__response=0.5, true__lag=2.0)
+    content = given({"told.response": 0.5, "true.lag": 2.0})
     assert content["uav_simulator"]["rate_lag"] == pytest.approx([0.6, 0.26, 0.32])
     assert content["nmpc_controller"]["rate_lag"] == pytest.approx([0.3, 0.13, 0.16])
     assert content["nmpc_controller"]["dead_time"] == pytest.approx([0.085, 0.1, 0.05])
@@ -238,9 +234,8 @@ def test_what_is_told_is_a_share_of_the_truth():
 
 @pytest.mark.parametrize("key", DERIVED)
 def test_what_is_derived_can_be_read_again(key):
-    content = sections()
     value = 1.0 if key.startswith(("told", "true")) else 3.0
-    write(content, {"wind.speed": 2.0, "velocity_bias.speed": 2.0})
+    content = given({"wind.speed": 2.0, "velocity_bias.speed": 2.0})
     write(content, {key: value})
     assert read(content, key) == pytest.approx(value)
 

@@ -190,16 +190,14 @@ def test_a_row_says_what_came_of_the_flight(rows):
 
 
 @pytest.fixture(scope="module")
-def campaign_campaign_run(tmp_path_factory):
+def two_laws(tmp_path_factory):
     return short_campaign(tmp_path_factory.mktemp("file"), laws=["l1", "vector_field"])
 
 
 @pytest.fixture(scope="module")
-def alone(campaign_campaign_run, tmp_path_factory):
+def alone(two_laws, tmp_path_factory):
     """Flown by one process, without a break."""
-    return run_campaign(
-        campaign_campaign_run, LocalExecutor(1), tmp_path_factory.mktemp("alone"), show=False
-    )
+    return run_campaign(two_laws, LocalExecutor(1), tmp_path_factory.mktemp("alone"), show=False)
 
 
 class Broken(LocalExecutor):
@@ -209,44 +207,44 @@ class Broken(LocalExecutor):
         super().__init__(1)
         self.after = after
 
-    def run(self, work, campaign_campaign_run, batches):
-        for index, result in enumerate(super().run(work, campaign_campaign_run, batches)):
+    def run(self, work, two_laws, batches):
+        for index, result in enumerate(super().run(work, two_laws, batches)):
             if index == self.after:
                 raise WorkerError("lost")
             yield result
 
 
-def test_all_draws_are_flown_by_all_laws(campaign_campaign_run, alone):
+def test_all_draws_are_flown_by_all_laws(two_laws, alone):
     assert [(row["flight"], row["law"]) for row in alone.rows] == [
         (number, law) for number in range(6) for law in ("l1", "vector_field")
     ]
     assert (alone.flown, alone.file.name) == (12, "flights.parquet")
     assert not any(row["error"] for row in alone.rows)
     for one, other in zip(alone.rows[::2], alone.rows[1::2], strict=True):
-        assert all(one[key] == other[key] for key in campaign_campaign_run.inputs)
+        assert all(one[key] == other[key] for key in two_laws.inputs)
 
 
-def test_two_processes_fly_the_same(campaign_campaign_run, alone, tmp_path):
-    results = run_campaign(campaign_campaign_run, LocalExecutor(2), tmp_path, show=False)
+def test_two_processes_fly_the_same(two_laws, alone, tmp_path):
+    results = run_campaign(two_laws, LocalExecutor(2), tmp_path, show=False)
     assert results.file.read_bytes() == alone.file.read_bytes()
 
 
-def test_what_was_flown_is_not_flown_again(campaign_campaign_run, alone, tmp_path):
+def test_what_was_flown_is_not_flown_again(two_laws, alone, tmp_path):
     with pytest.raises(WorkerError, match="lost"):
-        run_campaign(campaign_campaign_run, Broken(2), tmp_path, show=False)
+        run_campaign(two_laws, Broken(2), tmp_path, show=False)
     kept = len(list((tmp_path / "batches").glob("*.parquet")))
     assert kept == 2
     (tmp_path / "batches" / ".half.parquet.tmp").write_bytes(b"PAR1")  # a write that was cut off
-    results = run_campaign(campaign_campaign_run, LocalExecutor(1), tmp_path, show=False)
+    results = run_campaign(two_laws, LocalExecutor(1), tmp_path, show=False)
     assert results.flown == 12 - kept * 3
     assert results.file.read_bytes() == alone.file.read_bytes()
     assert not (tmp_path / "batches").exists()
-    again = run_campaign(campaign_campaign_run, LocalExecutor(1), tmp_path, show=False)
+    again = run_campaign(two_laws, LocalExecutor(1), tmp_path, show=False)
     assert again.flown == 0
     assert again.rows == results.rows
 
 
-def test_another_campaign_does_not_mix_with_it(campaign_campaign_run, alone, tmp_path):
+def test_another_campaign_does_not_mix_with_it(two_laws, alone, tmp_path):
     other = short_campaign(tmp_path, seed=9, laws=["l1", "vector_field"])
     with pytest.raises(ParameterError, match="holds flights of another campaign"):
         run_campaign(other, LocalExecutor(1), alone.file.parent, show=False)
@@ -254,7 +252,7 @@ def test_another_campaign_does_not_mix_with_it(campaign_campaign_run, alone, tmp
     broken.mkdir()
     (broken / "flights.parquet").write_bytes(b"nothing")
     with pytest.raises(ParameterError, match="is no Parquet file of a campaign"):
-        run_campaign(campaign_campaign_run, LocalExecutor(1), broken, show=False)
+        run_campaign(two_laws, LocalExecutor(1), broken, show=False)
 
 
 def test_pandas_and_duckdb_open_it(alone):
@@ -269,29 +267,32 @@ def test_pandas_and_duckdb_open_it(alone):
         assert worst == frame[frame["law"] == law]["range_rms_m"].max()
 
 
-def test_two_laws_of_one_name_are_refused(tmp_path):
-    law = tmp_path / "law.py"
-    law.write_text(
-        "from uav_tracking_mpc.laws.l1 import L1Loiter\n\nclass Other(L1Loiter):\n    pass\n"
-    )
-    campaign_campaign_run = short_campaign(tmp_path, laws=["l1", f"{law}:Other"])
-    with pytest.raises(ParameterError, match="each must have a name of its own"):
-        run_campaign(campaign_campaign_run, LocalExecutor(1), tmp_path / "out", show=False)
+OTHER_L1 = "from uav_tracking_mpc.laws.l1 import L1Loiter\n\nclass Other(L1Loiter):\n    pass\n"
 
 
-def test_a_law_that_nobody_knows_is_refused(tmp_path):
-    campaign_campaign_run = short_campaign(tmp_path, laws=["l1", "pid"])
-    with pytest.raises(ParameterError, match="'law' is 'pid', must be one of"):
-        run_campaign(campaign_campaign_run, LocalExecutor(1), tmp_path / "out", show=False)
+@pytest.mark.parametrize(
+    ("law", "words"),
+    [
+        ("law.py:Other", "each must have a name of its own"),
+        ("pid", "'law' is 'pid', must be one of"),
+    ],
+)
+def test_laws_of_one_name_and_unknown_ones_are_refused(tmp_path, monkeypatch, law, words):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "law.py").write_text(OTHER_L1)
+    with pytest.raises(ParameterError, match=words):
+        run_campaign(
+            short_campaign(tmp_path, laws=["l1", law]), LocalExecutor(1), tmp_path, show=False
+        )
 
 
-def end_abruptly(campaign_campaign_run, batch):
+def end_abruptly(two_laws, batch):
     os.kill(os.getpid(), signal.SIGKILL)
 
 
-def test_a_worker_that_is_killed_is_told(campaign_campaign_run):
+def test_a_worker_that_is_killed_is_told(two_laws):
     with pytest.raises(WorkerError, match="the same command goes on with what is left"):
-        list(LocalExecutor(2).run(end_abruptly, campaign_campaign_run, [[], []]))
+        list(LocalExecutor(2).run(end_abruptly, two_laws, [[], []]))
 
 
 @pytest.fixture
@@ -303,9 +304,7 @@ def cluster():
         yield cluster
 
 
-def test_a_cluster_flies_the_same_though_its_workers_are_killed(
-    campaign_campaign_run, alone, tmp_path, cluster
-):
+def test_a_cluster_flies_the_same_though_its_workers_are_killed(two_laws, alone, tmp_path, cluster):
     executor = DaskExecutor(cluster.scheduler_address)
     victims = [nanny.pid for nanny in cluster.workers.values()]
 
@@ -314,14 +313,14 @@ def test_a_cluster_flies_the_same_though_its_workers_are_killed(
 
         workers, batch = executor.workers, 1
 
-        def run(self, work, campaign_campaign_run, batches):
-            for rows in executor.run(work, campaign_campaign_run, batches):
+        def run(self, work, two_laws, batches):
+            for rows in executor.run(work, two_laws, batches):
                 if victims:
                     os.kill(victims.pop(), signal.SIGKILL)
                 yield rows
 
     try:
-        results = run_campaign(campaign_campaign_run, Killed(), tmp_path, show=False)
+        results = run_campaign(two_laws, Killed(), tmp_path, show=False)
     finally:
         executor.close()
     assert results.workers == 2
@@ -339,7 +338,7 @@ def test_a_cluster_that_is_not_there_is_told():
         DaskExecutor("tcp://127.0.0.1:9")
 
 
-def test_batches_do_not_change_what_is_flown(campaign_campaign_run, alone):
+def test_batches_do_not_change_what_is_flown(two_laws, alone):
     tasks = [(row["flight"], row["law"]) for row in alone.rows[3:6]]
-    flown = fly_batch(campaign_campaign_run, tasks)
+    flown = fly_batch(two_laws, tasks)
     assert flown == [{key: row[key] for key in flown[0]} for row in alone.rows[3:6]]

@@ -116,7 +116,7 @@ def test_flown_time_goes_on_where_a_vehicle_begins_anew():
     assert flown.seconds == 2.0
 
 
-def fly_recovery(errors, commanded=lambda time: True):
+def fly_recovery(errors, commanded):
     """Recovery and time flown when it is judged; the fault ends at 5 s."""
     recovery = Recovery(tolerance=10.0, hold=2.0, limit=30.0)
     for time in np.arange(0.0, 60.0, 0.1):
@@ -129,28 +129,23 @@ def fly_recovery(errors, commanded=lambda time: True):
     raise AssertionError("never judged")
 
 
-def test_who_never_left_the_orbit_has_recovered_at_once_when_he_held_it():
-    done, time = fly_recovery(lambda time: 1.0)
-    assert done == 0.0
-    assert time == pytest.approx(7.0, abs=0.15)
-
-
-def test_a_recovery_is_the_time_to_come_back_and_stay():
-    done, _ = fly_recovery(lambda time: 50.0 if time < 17.0 else 1.0)
-    assert done == pytest.approx(12.0, abs=0.15)
-
-
-def test_passing_through_is_no_recovery():
-    done, _ = fly_recovery(lambda time: 1.0 if 8.0 < time < 9.0 or time > 20.0 else -50.0)
-    assert done == pytest.approx(15.0, abs=0.15)
-
-
-def test_an_orbit_that_nobody_commands_is_not_held():
-    done, _ = fly_recovery(lambda time: 1.0, commanded=lambda time: time > 11.0)
-    assert done == pytest.approx(6.0, abs=0.15)
-
-
-def test_who_does_not_come_back_is_late():
-    done, time = fly_recovery(lambda time: 50.0)
-    assert done is None
-    assert time == pytest.approx(35.0, abs=0.15)
+@pytest.mark.parametrize(
+    ("errors", "commanded", "recovered", "judged"),
+    [
+        # who never left the orbit has recovered at once when he held it
+        (lambda time: 1.0, lambda time: True, 0.0, 7.0),
+        # the time to come back and stay
+        (lambda time: 50.0 if time < 17.0 else 1.0, lambda time: True, 12.0, 19.0),
+        # passing through is no recovery
+        (lambda time: 1.0 if 8.0 < time < 9.0 or time > 20.0 else -50.0, lambda time: True, 15.0,
+         22.0),
+        # an orbit that nobody commands is not held
+        (lambda time: 1.0, lambda time: time > 11.0, 6.0, 13.0),
+        # who does not come back is late
+        (lambda time: 50.0, lambda time: True, None, 35.0),
+    ],
+)  # fmt: skip
+def test_a_recovery_is_the_time_until_the_orbit_is_held(errors, commanded, recovered, judged):
+    done, time = fly_recovery(errors, commanded)
+    assert done == (None if recovered is None else pytest.approx(recovered, abs=0.15))
+    assert time == pytest.approx(judged, abs=0.15)

@@ -62,6 +62,13 @@ class Stuck(StreamFault):
 """
 
 
+def stuck(folder, name):
+    """A reference to a fault of an outside file."""
+    file = folder / "stuck.py"
+    file.write_text(STUCK.format(name=name))
+    return f"{file}:Stuck"
+
+
 def test_every_fault_has_a_label_and_each_object_is_its_own():
     faults = catalogue()
     assert set(faults) == EXPECTED
@@ -73,10 +80,7 @@ def test_every_fault_has_a_label_and_each_object_is_its_own():
 
 
 def test_a_fault_of_an_outside_file_is_found_here_and_in_another_process(tmp_path):
-    file = tmp_path / "stuck.py"
-    file.write_text(STUCK.format(name="stuck_target"))
-    reference = f"{file}:Stuck"
-    fault = catalogue([reference])["stuck_target"]
+    fault = catalogue([stuck(tmp_path, "stuck_target")])["stuck_target"]
     program = (
         "import json, sys; from uav_tracking_mpc.studies.faults.schedule import variants;"
         "print(json.dumps(list(variants(sys.argv[1]))))"
@@ -88,10 +92,8 @@ def test_a_fault_of_an_outside_file_is_found_here_and_in_another_process(tmp_pat
 
 
 def test_two_faults_of_one_label_are_told(tmp_path):
-    file = tmp_path / "stuck.py"
-    file.write_text(STUCK.format(name="target_lost"))
     with pytest.raises(ExtensionError, match="'target_lost' of fault 'silence'"):
-        catalogue([f"{file}:Stuck"])
+        catalogue([stuck(tmp_path, "target_lost")])
 
 
 def test_what_is_no_fault_is_told():

@@ -73,13 +73,13 @@ def test_asymmetric_weight_is_refused():
         lipschitz_bound(PROBLEM, replace(PARTS, weight=crooked), 0.1, 1.0)
 
 
-def attempt(problem, ingredients, level, box_limit=2000):
-    return prove_direct_condition(problem, ingredients, level, box_limit)
+def attempt(problem, level, parts=None):
+    return prove_direct_condition(problem, parts or problem.ingredients(), level, 2000)
 
 
-def test_exact_model_with_the_papers_inputs():
-    problem = paper_problem()
-    answer = attempt(problem, problem.ingredients(), 2.87)
+@pytest.mark.parametrize("direction", ["clockwise", "counter_clockwise"])
+def test_exact_model_with_the_papers_inputs(direction):
+    answer = attempt(replace(PROBLEM, orbit=replace(PROBLEM.orbit, direction=direction)), 2.87)
     assert answer.holds
     assert answer.inputs.level == pytest.approx(2.878, abs=1e-3)
     assert "u_chi" in answer.inputs.name
@@ -97,79 +97,72 @@ def test_paper_model_has_no_decrease_at_level_5():
 
 
 def test_level_beyond_the_inputs_is_rejected():
-    problem = paper_problem()
-    parts = problem.ingredients()
-    answer = attempt(problem, parts, 1.01 * 2.8783)
+    answer = attempt(PROBLEM, 1.01 * 2.8783)
     assert not answer.holds
     assert "u_chi" in answer.reason
 
 
-def test_level_one_percent_beyond_the_true_limit_is_rejected():
-    base = paper_problem("paper")
-    problem = replace(base, input_lower=9 * base.input_lower, input_upper=9 * base.input_upper)
-    answer = attempt(problem, problem.ingredients(), 1.01 * 4.88698)
+PAPER = paper_problem("paper")
+
+
+@pytest.mark.parametrize(
+    ("problem", "level"),
+    [
+        # one percent beyond the true limit, where the inputs would allow more
+        (
+            replace(PAPER, input_lower=9 * PAPER.input_lower, input_upper=9 * PAPER.input_upper),
+            1.01 * 4.88698,
+        ),
+        (paper_problem(scaling=1.0), 0.01),  # no room in the linear part at rho = 1
+    ],
+)
+def test_a_level_without_decrease_is_rejected(problem, level):
+    answer = attempt(problem, level)
     assert not answer.holds
     assert answer.decrease.stuck is not None
     assert answer.decrease.tree == ""
 
 
-@pytest.mark.parametrize("fault", ["sign of a column", "twice too large", "rows exchanged"])
+WRONG_GAINS = {
+    "sign of a column": PARTS.gain * [1.0, -1.0, 1.0, 1.0, 1.0],
+    "twice too large": 2.0 * PARTS.gain,
+    "rows exchanged": PARTS.gain[[1, 0, 2]],
+}
+
+
+@pytest.mark.parametrize("fault", WRONG_GAINS)
 def test_wrong_gain_is_rejected(fault):
-    problem = paper_problem()
-    parts = problem.ingredients()
-    gain = parts.gain.copy()
-    if fault == "sign of a column":
-        gain[:, 1] *= -1.0
-    elif fault == "twice too large":
-        gain *= 2.0
-    else:
-        gain = gain[[1, 0, 2]]
-    assert not attempt(problem, replace(parts, gain=gain), 0.5).holds
+    assert not attempt(PROBLEM, 0.5, replace(PARTS, gain=WRONG_GAINS[fault])).holds
 
 
-@pytest.mark.parametrize("fault", ["range rate", "climb rate", "turn-rate input"])
-def test_sign_error_in_the_model_is_rejected(fault, monkeypatch):
-    problem = paper_problem()
-    parts = problem.ingredients()
+@pytest.mark.parametrize(
+    ("index", "wrong_rate"),
+    [
+        (0, lambda rate, inputs: -rate),  # of the range
+        (2, lambda rate, inputs: -rate),  # of the climb
+        (1, lambda rate, inputs: rate - 2.0 * inputs[0]),  # by the turn-rate input
+    ],
+)
+def test_sign_error_in_the_model_is_rejected(index, wrong_rate, monkeypatch):
     right = Exact.rates
 
     def wrong(self, state, inputs):
         rates = right(self, state, inputs)
-        if fault == "range rate":
-            rates[0] = -rates[0]
-        elif fault == "climb rate":
-            rates[2] = -rates[2]
-        else:
-            rates[1] -= 2.0 * inputs[0]
+        rates[index] = wrong_rate(rates[index], inputs)
         return rates
 
     monkeypatch.setattr(Exact, "rates", wrong)
     try:
-        answer = attempt(problem, parts, 0.5)
+        answer = attempt(PROBLEM, 0.5, PARTS)
     except ArithmeticError:  # the wrong model has no such steady state: rejected as well
         return
     assert not answer.holds
 
 
 def test_proved_decrease_agrees_with_samples():
-    problem = paper_problem()
-    parts = problem.ingredients()
-    excess = decrease_excess(problem, parts)
+    excess = decrease_excess(PROBLEM, PARTS)
     generator = np.random.default_rng(1)
-    states = directions(parts.weight, 5000, generator) * np.sqrt(
+    states = directions(PARTS.weight, 5000, generator) * np.sqrt(
         2.87 * generator.uniform(0.0, 1.0, (5000, 1))
     )
     assert np.all(excess(states) <= 0.0)
-
-
-def test_counter_clockwise_orbit_is_proved_too():
-    base = paper_problem()
-    problem = replace(base, orbit=replace(base.orbit, direction="counter_clockwise"))
-    assert attempt(problem, problem.ingredients(), 2.87).holds
-
-
-def test_no_room_in_the_linear_part_at_rho_one():
-    problem = paper_problem(scaling=1.0)
-    answer = attempt(problem, problem.ingredients(), 0.01)
-    assert not answer.holds
-    assert answer.decrease.stuck is not None

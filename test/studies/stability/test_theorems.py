@@ -30,7 +30,6 @@ from uav_tracking_mpc.terminal.ingredients import (
     decrease_excess,
     directions,
     paper_problem,
-    q_star,
     terminal_ingredients,
 )
 
@@ -56,15 +55,6 @@ def test_quantities_of_the_models(model, sigma, xi, contraction):
 def test_squared_contraction_is_one_minus_rho_sigma(model, scaling):
     found = quantities(model, scaling=scaling)
     assert found["contraction"] ** 2 == pytest.approx(1.0 - scaling * found["sigma"], abs=1e-12)
-
-
-def test_weight_solves_28():
-    problem = paper_problem()
-    parts = problem.ingredients()
-    star = q_star(problem, parts.gain)
-    residual = parts.closed_loop.T @ parts.weight @ parts.closed_loop - parts.weight
-    np.testing.assert_allclose(residual, -2.5 * star, atol=1e-10)
-    np.testing.assert_array_equal(parts.weight, parts.weight.T)
 
 
 @pytest.mark.parametrize("scaling", [1.0, 2.5, 40.0])

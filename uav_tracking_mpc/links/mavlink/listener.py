@@ -160,9 +160,11 @@ class Listener:
         self.on_message: Callable[[Any, float], None] = nothing
         self.on_measurement: Callable[[Measurement, float], None] = nothing
         self.on_restart: Callable[[], None] = nothing
-        self._rates = dict.fromkeys(ALWAYS, parameters.telemetry_rate)
-        self._rates.update(dict.fromkeys((*NOW_AND_THEN, *slow_messages), SLOW_RATE))
-        self._rates.update(dict.fromkeys(quick_messages, QUICK_RATE))
+        self._rates = {
+            **dict.fromkeys(ALWAYS, parameters.telemetry_rate),
+            **dict.fromkeys((*NOW_AND_THEN, *slow_messages), SLOW_RATE),
+            **dict.fromkeys(quick_messages, QUICK_RATE),
+        }
         self._asked_at, self._told_lost, self._told_wire = 0, False, False
         self._heartbeat_at = -math.inf
         self._looked_at = math.inf

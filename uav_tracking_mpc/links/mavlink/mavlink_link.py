@@ -309,7 +309,7 @@ class MavlinkLink(VehicleLink):
         orbit: FlownOrbit | None = None,
     ) -> str:
         """See :meth:`VehicleLink.command`."""
-        if orbit is not None and not _finite(orbit):
+        if orbit is not None and not np.isfinite(np.hstack(orbit)).all():
             return f"the orbit is {orbit}, must be finite"
         now = self.now()
         with self._lock:
@@ -425,7 +425,3 @@ class MavlinkLink(VehicleLink):
         if inputs is not None and measured is not None:
             self._sent_at = now
             self.fly(inputs, measured, now)
-
-
-def _finite(orbit: FlownOrbit) -> bool:
-    return bool(np.isfinite([*orbit.centre, *orbit.velocity, orbit.radius, orbit.airspeed]).all())

@@ -97,10 +97,9 @@ class Requests:
         words: str,
         parameters: tuple[float, float, float, float],
         place: tuple[int, int, float],
-        frame: int = 0,
         quiet: bool = False,
     ) -> None:
-        """Send a COMMAND_INT, which keeps the digits of a place.
+        """Send a COMMAND_INT, which keeps the digits of a place; altitudes are above sea level.
 
         Args:
             now: Our time in [s].
@@ -108,11 +107,10 @@ class Requests:
             words: What it asks for, for people.
             parameters: Its first four parameters, in the units of the command [SI].
             place: Latitude and longitude in units of 1e-7 deg, altitude in [m].
-            frame: Of MAV_FRAME; 0 is above sea level.
             quiet: Whether only a refusal is reported.
         """
         message = mavlink.MAVLink_command_int_message(
-            self.system, 1, frame, command, 0, 0, *parameters, *place
+            self.system, 1, mavlink.MAV_FRAME_GLOBAL, command, 0, 0, *parameters, *place
         )
         self._send(now, command, message, words, quiet)
 

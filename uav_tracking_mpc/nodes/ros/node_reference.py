@@ -23,6 +23,7 @@ import sys
 import textwrap
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
@@ -40,6 +41,9 @@ from uav_tracking_mpc.nodes.topics import (
 )
 from uav_tracking_mpc.parameters.specification import Specification, specifications
 from uav_tracking_mpc.settings.configuration import SECTIONS
+
+if TYPE_CHECKING:
+    from uav_tracking_mpc.report.pages import Table
 
 WIDTH = 96  # characters
 HEARD: dict[str, tuple[Topic, ...]] = {
@@ -101,10 +105,13 @@ def help_text(name: str, description: str) -> str:
         description: What it does, in a sentence.
     """
     command = f"ros2 run uav_tracking_mpc {name}"
-    words = [f"usage: {command} [--ros-args ARGUMENTS]", "", description, "", ARGUMENTS]
-    words += _listed("publishes", [_topic(topic) for topic in sent(name)])
-    words += _listed("subscribes", [_topic(topic) for topic in HEARD[name]])
-    words += _listed("services", SERVICES.get(name, ()))
+    words = [
+        f"usage: {command} [--ros-args ARGUMENTS]",
+        *("", description, "", ARGUMENTS),
+        *_listed("publishes", [_topic(topic) for topic in sent(name)]),
+        *_listed("subscribes", [_topic(topic) for topic in HEARD[name]]),
+        *_listed("services", SERVICES.get(name, ())),
+    ]
     if name in SECTIONS:
         known = [_parameter(item) for item in specifications(SECTIONS[name])]
         words += _listed("parameters (default; what is allowed)", known)
@@ -142,57 +149,28 @@ def _parameter(item: Specification) -> str:
     return f"{item.name} ({words}; {item.allowed}): {item.description}{fixed}"
 
 
-def topic_table() -> str:
-    """Markdown table of every topic."""
-    lines = ["| topic | type | from | meaning |", "|---|---|---|---|"]
-    lines += [
-        f"| `{topic.name}` | {topic.type_name} | {topic.sender} | {topic.meaning} |"
-        for topic in ALL
-    ]
-    return "\n".join(lines)
+def tables() -> dict[str, Table]:
+    """Of all topics, and of the parameters of each section, by the name of its place in a page."""
+    from uav_tracking_mpc.report.pages import Table  # a node's --help needs none
 
-
-def parameter_table(section: str) -> str:
-    """Markdown table of a section's parameters.
-
-    Args:
-        section: Name of the node, or ``mission``.
-    """
-    lines = ["| parameter | default | allowed | effect |", "|---|---|---|---|"]
-    lines += [
-        f"| `{item.name}` | {_default(item)} | {item.allowed} | {_effect(item)} |"
-        for item in specifications(SECTIONS[section])
-    ]
-    return "\n".join(lines)
-
-
-def tables() -> dict[str, str]:
-    """Every table by the name of its place in the page."""
-    return {"topics": topic_table(), **{section: parameter_table(section) for section in SECTIONS}}
-
-
-def with_tables(text: str) -> str:
-    """The text with each table put between its ``<!-- table NAME -->`` and ``<!-- end -->``.
-
-    Args:
-        text: Of a page in Markdown.
-
-    Raises:
-        ValueError: A table has no place in the text.
-    """
-    for name, table in tables().items():
-        begin, end = f"<!-- table {name} -->\n", "<!-- end -->"
-        before, found, rest = text.partition(begin)
-        _, closed, after = rest.partition(end)
-        if not (found and closed):
-            raise ValueError(f"the text has no place for the table {name!r}")
-        text = f"{before}{begin}{table}\n{end}{after}"
-    return text
+    topics = [(f"`{each.name}`", each.type_name, each.sender, each.meaning) for each in ALL]
+    parameters = {
+        section: [
+            (f"`{item.name}`", _default(item), item.allowed, _effect(item))
+            for item in specifications(kind)
+        ]
+        for section, kind in SECTIONS.items()
+    }
+    headings = ("parameter", "default", "allowed", "effect")
+    return {
+        "topics": Table(("topic", "type", "from", "meaning"), topics),
+        **{section: Table(headings, rows) for section, rows in parameters.items()},
+    }
 
 
 def _effect(item: Specification) -> str:
     fixed = " *Fixed: set at the start only.*" if item.fixed else ""
-    return item.description.replace("|", "\\|") + fixed
+    return item.description + fixed
 
 
 def _default(item: Specification) -> str:
@@ -205,6 +183,6 @@ def _default(item: Specification) -> str:
 
 
 if __name__ == "__main__":
-    for name in sys.argv[1:]:
-        path = Path(name)
-        path.write_text(with_tables(path.read_text(encoding="utf-8")), encoding="utf-8")
+    for page in sys.argv[1:]:
+        for name, table in tables().items():
+            table.write_into(Path(page), name)

@@ -257,8 +257,10 @@ class FaultCampaign(ABC):
     def _report(self) -> None:
         case = self.found[-1]
         faults = sum(len(other.kinds) for other in self.found)
-        line = f"{case.end:6.1f} s  case {case.index:4d}  {faults:4d} faults  recovery "
-        line += f"{_time(case.recovery)}  {', '.join(case.kinds)}"
+        line = (
+            f"{case.end:6.1f} s  case {case.index:4d}  {faults:4d} faults  recovery "
+            f"{_time(case.recovery)}  {', '.join(case.kinds)}"
+        )
         if case.violations:
             line += f"  VIOLATED: {', '.join(case.violations)}"
         self._console.print(line, highlight=False, markup=False, soft_wrap=True)

@@ -85,31 +85,27 @@ class ParameterClient:
         Args:
             values: By name, of any type.
         """
-        self._send(self._client.set_parameters, values, self._on_each)
+        self._send(self._client.set_parameters, values)
 
     def put_back(self) -> None:
         """Ask for everything as it was configured, as a whole: a part of it may not be flyable."""
         self._put_back = time.monotonic()
         values = {**self.configured, "use_sim_time": True}
-        self._send(self._client.set_parameters_atomically, values, self._on_whole)
+        self._send(self._client.set_parameters_atomically, values)
 
-    def _send(
-        self, request: Callable[..., Any], values: dict[str, Any], answered: Callable[[Any], None]
-    ) -> None:
+    def _send(self, request: Callable[..., Any], values: dict[str, Any]) -> None:
         if self._client.services_are_ready():
             self.asked += 1
             asked = {k: list(v) if isinstance(v, tuple) else v for k, v in values.items()}
-            request([Parameter(name, value=value) for name, value in asked.items()], answered)
+            wanted = [Parameter(name, value=value) for name, value in asked.items()]
+            request(wanted, self._on_answer)
 
-    def _on_each(self, future: Any) -> None:
+    def _on_answer(self, future: Any) -> None:
         if (answer := future.result()) is not None:
             self.answered += 1
-            self.accepted += sum(result.successful for result in answer.results)
-
-    def _on_whole(self, future: Any) -> None:
-        if (answer := future.result()) is not None:
-            self.answered += 1
-            self.accepted += len(self.configured) if answer.result.successful else 0
+            # A result each, or one for all that was configured.
+            each = getattr(answer, "results", None) or [answer.result] * len(self.configured)
+            self.accepted += sum(result.successful for result in each)
 
     @property
     def settled(self) -> bool:

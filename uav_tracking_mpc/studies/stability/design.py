@@ -70,8 +70,10 @@ def design(
         Its content: the candidate that is ``asked``; all ``candidates``, largest volume first; the
         ``best``, the largest proved one, or None; ``words``.
     """
-    choices = [(problem.scaling, 1.0)]
-    choices += [(scaling, factor) for factor in input_factors for scaling in scalings]
+    choices = [
+        (problem.scaling, 1.0),
+        *((scaling, factor) for factor in input_factors for scaling in scalings),
+    ]
     raw = []
     for choice in dict.fromkeys(choices):
         say("rho = {:g}, R times {:g}".format(*choice))

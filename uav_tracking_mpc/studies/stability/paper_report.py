@@ -198,17 +198,13 @@ def _linearisation_rows() -> list[Row]:
 
 
 def _entry_verdict(numeric: float, symbolic: float, model: float, exact: float) -> str:
-    def differs(value: float) -> bool:
-        return abs(numeric - value) > 0.51e-4 + 1e-12
-
-    parts = []
-    if differs(symbolic):
-        parts.append(f"(12) evaluates to {symbolic:.4g}, (58) prints {numeric:.4g}")
-    if differs(model):
-        parts.append(f"the Jacobian of (11) is {model:.4g}")
-    if differs(exact):
-        parts.append(f"the true value is {exact:.4g}")
-    return "; ".join(parts) if parts else "agrees to the digits printed"
+    claims = (
+        (symbolic, f"(12) evaluates to {symbolic:.4g}, (58) prints {numeric:.4g}"),
+        (model, f"the Jacobian of (11) is {model:.4g}"),
+        (exact, f"the true value is {exact:.4g}"),
+    )
+    wrong = [words for value, words in claims if abs(numeric - value) > 0.51e-4 + 1e-12]
+    return "; ".join(wrong) or "agrees to the digits printed"
 
 
 def _theorem_rows() -> list[Row]:
