@@ -105,8 +105,9 @@ class AirCheck:
         elif step > 0.0:
             self._compare(step, residuals, TURNED * wind_deviation)
         flown = math.atan2(north, east) if self.reasons[HEADING] else heading
-        if self.reasons[AIRSPEED]:
-            airspeed = math.hypot(east, north) if self.reasons[HEADING] else max(along, 0.0)
+        if reading is not None and not self.reasons[AIRSPEED]:
+            return flown, reading
+        airspeed = math.hypot(east, north) if self.reasons[HEADING] else max(along, 0.0)
         return flown, airspeed / level
 
     def _compare(self, step: float, residuals: NDArray[np.float64], turned: float) -> None:
