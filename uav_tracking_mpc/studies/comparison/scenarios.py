@@ -142,8 +142,9 @@ def mismatched(config: str, name: str, overrides: tuple[str, ...] = ()) -> Confi
             ]
     if name == "second_order_roll":
         frequency, damping = ROLL
-        _, climb, gain = load_configuration(config, overrides, SCENARIO).simulator.rate_lag
-        mistaken[f"{_CONTROLLER}.rate_lag"] = [2.0 * damping / frequency, climb, gain]
+        turn, climb, gain = load_configuration(config, overrides, SCENARIO).simulator.rate_lag
+        if turn > 0.0:  # else the controller knows no lag, as the paper's
+            mistaken[f"{_CONTROLLER}.rate_lag"] = [2.0 * damping / frequency, climb, gain]
     if name in _GUSTY_LAGS:
         mistaken |= _MISTAKEN["gust_moderate"]
     told = [f"{parameter}={value}" for parameter, value in mistaken.items()]
