@@ -68,6 +68,12 @@ def test_without_the_controller_nothing_is_asked():
     assert as_json([alone], MISTOLD)["asked"] == {}
 
 
+def test_a_scenario_is_not_compared_with_the_controller_in_another_one():
+    one = compared()
+    best = replace(one.measures["nmpc"], range_rms_m=0.0, settling_s=0.0)
+    assert replace(one, beside={"still": best}).missed == one.missed
+
+
 def test_every_answer_of_a_law_that_flies_is_on_its_plan():
     log = mistold().logs["l1"]
     assert log.nominal.all()

@@ -190,8 +190,9 @@ class Scenario:
 
     @property
     def known(self) -> dict[str, Measures]:
-        """The measures, and those of the predictive controller under other mismatches."""
-        return {**self.beside, **self.measures}
+        """The measures, and under a mismatch the predictive controller's under the others."""
+        beside = self.beside if isinstance(self.asked, Asked) else {}
+        return {**beside, **self.measures}
 
 
 def compare(
