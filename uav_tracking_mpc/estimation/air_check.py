@@ -128,9 +128,8 @@ class AirCheck:
             lasting = max(lasting, DOMINANCE * abs(offsets[other]))
             if not reason and not self.reasons[other]:
                 jumped = abs(jumps[which]) > most
-                known = (
-                    which == AIRSPEED and self._weight >= MEMORY
-                )  # a bias has been found by then
+                # A bias from the start has been found by then, and is none of this.
+                known = which == AIRSPEED and self._weight >= MEMORY
                 off = known and abs(offsets[which]) > lasting
                 self.reasons[which] = JUMPED if jumped else OFF if off else ""
                 self._agreed[which] = 0.0

@@ -46,6 +46,7 @@ LATENCY_SHARE = 0.05  # of a new measurement in the latency that the prediction 
 # [rad/s] as measured and in [m/s^2] as computed from the commands; least noise of what is measured.
 GYRO, ACCELERATION_MODEL = (1e-3, 0.05), (0.1, 0.5)
 ATTITUDE_NOISE, AIRSPEED_NOISE = 1e-3, 0.05  # rad, m/s
+LEAST_LEVEL = 0.1  # -, share of the airspeed, below which the wind tells nothing of it
 ACCELERATION = 2  # axis of u_v among the inputs
 
 
@@ -290,7 +291,7 @@ class Navigator:
         """Heading, path angle and airspeed; what does not fit the wind is that of the wind."""
         heading, path_angle, airspeed = vehicle[3:].tolist()
         air = self.air_filter
-        level = math.cos(path_angle) * (1.0 - air.airspeed_share)
+        level = max(math.cos(path_angle) * (1.0 - air.airspeed_share), LEAST_LEVEL)
         by_wind = (measurement.ground_velocity - air.ground_velocity_bias - air.mean_wind)[:2]
         reading = None if self.air.missing else airspeed
         if self.air.missing:
