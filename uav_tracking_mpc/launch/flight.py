@@ -22,7 +22,7 @@ import socket
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any
@@ -368,10 +368,10 @@ def page_process(
     process = NodeProcess("page", COMMAND, words, console)
 
     def stay() -> None:
-        if process.exit_code is None:
-            console.print("the page shows the end of the flight until Ctrl-C", highlight=False)
-        with suppress(KeyboardInterrupt):
-            while process.exit_code is None:
+        with signals() as received:  # before a word invites Ctrl-C
+            if process.exit_code is None:
+                console.print("the page shows the end of the flight until Ctrl-C", highlight=False)
+            while process.exit_code is None and not received:
                 time.sleep(LOOK_PERIOD)
 
     try:
