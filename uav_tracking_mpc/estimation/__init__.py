@@ -20,6 +20,7 @@
 ``air_data``             the airspeed that belongs to a measurement
 ``flight_path``          path through the air, from the attitude of the body
 ``air_check``            whether airspeed and heading fit the wind, and what stands in for them
+``sensor_health``        which sensors are used, and why one is not
 ``noise_meter``          how noisy a signal is, and how much it wanders
 ``rate_aided_filter``    angles and speeds, from themselves and rates whose biases are taken out
 ``wind_filter``          mean wind, gusts and sensor biases, from positions and velocities

@@ -30,17 +30,7 @@ PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts taken at first, and how much that 
 AGREEING, AGREED_FOR = 0.5, 5.0  # -, s: share of the limits to be kept to, to be used again
 STUCK_FOR, STUCK_CHANGE = 1.0, 0.4  # s and m/s: of a reading, and of the speed meanwhile
 AIRSPEED, HEADING = 0, 1
-NAMES = "airspeed", "heading"
 SILENT, STUCK, JUMPED, OFF = "silent", "stuck", "jumped", "off"
-WORDS = {
-    reason: f"{what}: ground velocity and wind stand in for it"
-    for reason, what in (
-        (SILENT, "is not measured"),
-        (STUCK, "is stuck"),
-        (JUMPED, "has jumped"),
-        (OFF, "is off"),
-    )
-} | {"": "agrees with ground velocity and wind: it is used again"}
 BLIND = 100.0  # m/s, standard deviation of what is not measured
 
 
@@ -64,7 +54,6 @@ class AirCheck:
         self._weight = 0.0  # s, for which they have been compared
         self._agreed = [0.0, 0.0]  # s
         self._reading, self._since, self._gained, self._speed = math.nan, 0.0, 0.0, 0.0
-        self._told = ["", ""]
 
     def judge(
         self,
@@ -73,10 +62,11 @@ class AirCheck:
         reading: float | None,
         level: float,
         air: NDArray[np.float64],
+        without: NDArray[np.float64],
         wind_deviation: float,
         acceleration: float,
     ) -> tuple[float, float]:
-        """Heading [rad] and airspeed [m/s] to go by.
+        """Heading [rad] to go by, and the level airspeed [m/s] that ground velocity and wind tell.
 
         Args:
             time: Of the measurement in [s].
@@ -84,13 +74,14 @@ class AirCheck:
             reading: Airspeed as measured in [m/s]; None where there is none.
             level: Share of it that is level, less what it is known to read too much, [-].
             air: u, shape (2,), in [m/s].
+            without: The same with a wind that owes nothing to the airspeed.
             wind_deviation: Standard deviation of w in [m/s].
             acceleration: That is commanded and flown in [m/s^2].
         """
         step, self._time = time - self._time, time
-        east, north = air.tolist()
+        (east, north), (east_without, north_without) = air.tolist(), without.tolist()
         cosine, sine = math.cos(heading), math.sin(heading)
-        along, across = cosine * east + sine * north, cosine * north - sine * east
+        along, across = cosine * east_without + sine * north_without, cosine * north - sine * east
         airspeed = 0.0 if reading is None else level * reading
         if reading is None:
             self.reasons[AIRSPEED] = SILENT
@@ -104,11 +95,9 @@ class AirCheck:
             self._weight = 0.0
         elif step > 0.0:
             self._compare(step, residuals, TURNED * wind_deviation)
-        flown = math.atan2(north, east) if self.reasons[HEADING] else heading
-        if reading is not None and not self.reasons[AIRSPEED]:
-            return flown, reading
-        airspeed = math.hypot(east, north) if self.reasons[HEADING] else max(along, 0.0)
-        return flown, airspeed / level
+        if self.reasons[HEADING]:
+            return math.atan2(north, east), math.hypot(east_without, north_without)
+        return heading, max(along, 0.0)
 
     def _compare(self, step: float, residuals: NDArray[np.float64], turned: float) -> None:
         """Follow r and c, and leave a sensor out or take it back."""
@@ -158,29 +147,14 @@ class AirCheck:
         if moved and time - self._since > STUCK_FOR and not self.reasons[AIRSPEED]:
             self.reasons[AIRSPEED] = STUCK
 
-    def news(self) -> list[str]:
-        """What has become of the sensors since it was asked last, in words."""
-        words = [
-            f"{name} {WORDS[reason]}"
-            for name, reason, told in zip(NAMES, self.reasons, self._told, strict=True)
-            if reason != told
-        ]
-        self._told = list(self.reasons)
-        return words
 
-    def values(self) -> dict[str, object]:
-        """Of each sensor whether it is used, or why not."""
-        return {
-            f"{name} sensor": reason or "used"
-            for name, reason in zip(NAMES, self.reasons, strict=True)
-        }
+def loose(heading: float, airspeed: bool, across: bool) -> NDArray[np.float64]:
+    """Direction in which the air velocity is not measured, times its deviation, shape (3,).
 
-    def loose(self, heading: float) -> NDArray[np.float64]:
-        """Direction in which the air velocity is not measured, times its deviation, shape (3,).
-
-        Args:
-            heading: That is gone by in [rad].
-        """
-        along = np.array([math.cos(heading), math.sin(heading), 0.0])
-        across = np.array([-along[1], along[0], 0.0])
-        return BLIND * (bool(self.reasons[AIRSPEED]) * along + bool(self.reasons[HEADING]) * across)
+    Args:
+        heading: That is gone by in [rad].
+        airspeed: Whether the airspeed is not.
+        across: Whether the heading is not.
+    """
+    ahead = np.array([math.cos(heading), math.sin(heading), 0.0])
+    return BLIND * (airspeed * ahead + across * np.array([-ahead[1], ahead[0], 0.0]))

@@ -25,13 +25,23 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc.dynamics import vehicle as vehicle_model
 from uav_tracking_mpc.dynamics.vehicle import Response, followed
 from uav_tracking_mpc.dynamics.vehicle_models import step_function
-from uav_tracking_mpc.estimation.air_check import AIRSPEED, AirCheck
+from uav_tracking_mpc.estimation.air_check import AirCheck, loose
 from uav_tracking_mpc.estimation.air_data import AirData
 from uav_tracking_mpc.estimation.command_history import CommandHistory
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.outlook import FADE_TIME, Outlook
 from uav_tracking_mpc.estimation.rate_aided_filter import RateAided, RateAidedFilters
+from uav_tracking_mpc.estimation.sensor_health import (
+    AIRSPEED,
+    HEADING,
+    JUMPED,
+    POSITION,
+    SILENT,
+    USED,
+    VELOCITY,
+    SensorHealth,
+)
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.estimation.target_filter import REWIND, TargetFilter
 from uav_tracking_mpc.estimation.wind_filter import WindFilter
@@ -90,8 +100,8 @@ class Navigator:
         claimed: Whether the aircraft flies the commands because somebody engaged it.
         air: The airspeed that came by itself.
         target: The filter of the target's positions.
-        air_filter: Of mean wind, gusts and biases.
         air_check: Which of airspeed and heading are left out.
+        health: Of all sensors.
         wind: At the latest estimate, gust included, shape (3,), in [m/s].
         airspeed: As it was measured last in [m/s], before noise and bias are taken out.
         latency: Time from a measurement to the command that answers it, averaged, in [s].
@@ -100,7 +110,9 @@ class Navigator:
     @one_at_a_time
     def __init__(self, parameters: TrackingParameters) -> None:
         self.air = AirData(parameters.state_timeout)
-        self.air_filter, self.air_check = WindFilter(), AirCheck()
+        self._with_airspeed, self._without = self._lanes = WindFilter(), WindFilter()
+        self.air_check = AirCheck()
+        self.health = SensorHealth()
         angle = RateAided(*GYRO, ATTITUDE_NOISE, circular=True)
         speed = RateAided(*ACCELERATION_MODEL, AIRSPEED_NOISE, circular=False)
         self._air_motion = RateAidedFilters([angle, angle, speed])  # heading, path angle, airspeed
@@ -149,7 +161,7 @@ class Navigator:
         self.air.reset()
         self.target.reset()
         self._history.reset()
-        for part in (self.air_filter, self.air_check, self._air_motion):
+        for part in (self.air_check, self._air_motion, self.health, *self._lanes):
             part.reset()
         self.wind = np.zeros(3)
         self._faded, self._fade_begin = np.zeros((2, 3)), 0.0
@@ -157,14 +169,19 @@ class Navigator:
         self._time: float | None = None
 
     @property
+    def air_filter(self) -> WindFilter:
+        """Of mean wind, gusts and biases; one that knows no airspeed while that is left out."""
+        return self._without if self.air_check.reasons[0] else self._with_airspeed
+
+    @property
     def airspeed_known(self) -> bool:
         """Whether the airspeed is measured and believed."""
-        return not self.air.missing and not self.air_check.reasons[AIRSPEED]
+        return not self.air.missing and self.health.states[AIRSPEED] == USED
 
     def complaints(self) -> list[str]:
         """What has become of the sensors since it was asked last, in words."""
         words = self.air.complaint(self._estimating)
-        return [*([words] if words else []), *self.air_check.news()]
+        return [*([words] if words else []), *self.health.news()]
 
     def see_target(
         self,
@@ -265,15 +282,33 @@ class Navigator:
         if not self._estimating:
             wind = measurement.ground_velocity - vehicle_model.velocity(vehicle)
             return _AircraftInAir(vehicle, rates, wind, np.zeros(3), np.ones(3))
-        filters, noise = self._air_motion, measurement.noise
-        air, check, ground = self.air_filter, self.air_check, measurement.ground_velocity
+        filters, noise, check = self._air_motion, measurement.noise, self.air_check
+        stamp, place, left_out = measurement.stamp, vehicle[:3], bool(check.reasons[0])
         told = noise.heading, noise.path_angle, noise.airspeed
-        motion = self._by_wind(measurement, vehicle)
-        filters.update(measurement.stamp, motion, rates, told)
+        ground = self.air_filter.believed(stamp, place, measurement.ground_velocity, noise.velocity)
+        motion, by_wind = self._by_wind(measurement, vehicle, ground)
+        filters.update(stamp, motion, rates, told)
         heading, path_angle, airspeed = filters.values.tolist()
-        seen = np.array(vehicle_model.air_velocity(heading, path_angle, airspeed, math))
-        by_source = noise.position, noise.velocity, check.loose(heading)
-        air.update(measurement.stamp, vehicle[:3], ground, seen, height, *by_source)
+        astray = bool(check.reasons[1])
+        seen = stamp, place, measurement.ground_velocity
+        about = height, noise.position, noise.velocity
+        velocity = vehicle_model.air_velocity
+        guess = np.array(velocity(heading, path_angle, by_wind, math))
+        self._without.update(*seen, guess, *about, loose(heading, True, astray))
+        if not check.reasons[0]:
+            if left_out:
+                self._with_airspeed.begin_as(self._without)
+            known = np.array(velocity(heading, path_angle, airspeed, math))
+            self._with_airspeed.update(*seen, known, *about, loose(heading, False, astray))
+        elif not left_out and check.reasons[0] in (SILENT, JUMPED):
+            self._without.begin_as(self._with_airspeed)  # nothing wrong has come into it
+        air = self.air_filter
+        for sensor, state in (
+            *zip((AIRSPEED, HEADING), check.reasons, strict=True),
+            (POSITION, air.place),
+            (VELOCITY, air.velocity),
+        ):
+            self.health.states[sensor] = state or USED
         heading = math.remainder(heading - air.heading_bias, 2.0 * math.pi)
         airspeed *= 1.0 - air.airspeed_share
         rates[:2] -= filters.biases[:2]
@@ -286,19 +321,27 @@ class Navigator:
         )
 
     def _by_wind(
-        self, measurement: Measurement, vehicle: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Heading, path angle and airspeed; what does not fit the wind is that of the wind."""
+        self, measurement: Measurement, vehicle: NDArray[np.float64], ground: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], float]:
+        """Heading, path angle and airspeed to go by, and the airspeed that the wind tells.
+
+        The wind is that of the filter without airspeed: what judges a sensor must not know it.
+        """
         heading, path_angle, airspeed = vehicle[3:].tolist()
-        air = self.air_filter
-        level = max(math.cos(path_angle) * (1.0 - air.airspeed_share), LEAST_LEVEL)
-        by_wind = (measurement.ground_velocity - air.ground_velocity_bias - air.mean_wind)[:2]
+        without, cosine = self._without, max(math.cos(vehicle[4]), LEAST_LEVEL)
+        level = max(cosine * (1.0 - self._with_airspeed.airspeed_share), LEAST_LEVEL)
+        air, sure = (
+            (ground - each.ground_velocity_bias - each.mean_wind)[:2]
+            for each in (self.air_filter, without)
+        )
         reading = None if self.air.missing else airspeed
         if self.air.missing:
             heading = measurement.heading
-        known = by_wind, air.wind_deviation, self._acceleration
-        judged = self.air_check.judge(measurement.stamp, heading, reading, level, *known)
-        return np.array([judged[0], path_angle, judged[1]])
+        known = air, sure, without.wind_deviation, self._acceleration
+        heading, along = self.air_check.judge(measurement.stamp, heading, reading, level, *known)
+        by_wind = along / cosine
+        used = reading if reading is not None and not self.air_check.reasons[0] else by_wind
+        return np.array([heading, path_angle, used]), by_wind
 
     def _at_effect(
         self, time: float, delay: float, present: Situation, forecast: Forecast

@@ -20,6 +20,9 @@ import math
 from collections import deque
 from enum import Enum
 
+import numpy as np
+from numpy.typing import NDArray
+
 from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
 
 SPEED_LIMIT = 500.0  # m/s over ground; a faster change of position is a jump
@@ -58,6 +61,7 @@ class StateGate:
     def reset(self) -> None:
         """Believe the next measurement, whatever it is."""
         self.newest: Measurement | None = None
+        self._stood = np.zeros(3)  # m, flown by the ground velocity while the position repeated
         self._arrived = math.nan
         self._ages: deque[float] = deque(maxlen=AGES)  # at their arrival in [s]
         self.lost = False
@@ -105,7 +109,7 @@ class StateGate:
         newest, waited = self.newest, arrival - self._arrived
         if newest is None:
             return self._believe(measurement, arrival, now, Verdict.USE)
-        step, jump = _change(newest, measurement)
+        step, jump = _change(newest, measurement, self._stood)
         if -self.timeout <= step <= 0.0:
             return Verdict.DROP
         flown = FASTER * math.hypot(*newest.ground_velocity.tolist()) * abs(step)
@@ -137,7 +141,11 @@ class StateGate:
     def _believe(
         self, measurement: Measurement, arrival: float, now: float, verdict: Verdict
     ) -> Verdict:
-        self.newest, self._outlier, self._agreeing = measurement, None, 0
+        before, self.newest, self._outlier, self._agreeing = self.newest, measurement, None, 0
+        if before is not None and np.array_equal(before.position, measurement.position):
+            self._stood += (measurement.stamp - before.stamp) * measurement.ground_velocity
+        else:
+            self._stood[:] = 0.0
         self._arrived, self.lost = arrival, False
         self._ages.append(now - measurement.stamp)
         return verdict
@@ -150,9 +158,16 @@ class StateGate:
         return 0.0 < step <= self.timeout and jump <= _explained(measurement, step)
 
 
-def _change(before: Measurement, after: Measurement) -> tuple[float, float]:
-    """Time [s] and distance [m] from one measurement to another."""
-    x, y, z = (after.position - before.position).tolist()
+def _change(
+    before: Measurement, after: Measurement, flown: NDArray[np.float64] | float = 0.0
+) -> tuple[float, float]:
+    """Time [s] and distance [m] from one measurement to another, less what has been flown since.
+
+    A position that repeats is no jump, nor is the first one that does not.
+    """
+    if np.array_equal(before.position, after.position):
+        return after.stamp - before.stamp, 0.0
+    x, y, z = (after.position - before.position - flown).tolist()
     return after.stamp - before.stamp, math.sqrt(x * x + y * y + z * z)
 
 

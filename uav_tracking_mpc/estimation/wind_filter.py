@@ -46,6 +46,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics.air import gust_scales
 from uav_tracking_mpc.estimation.noise_meter import MEMORY, NoiseMeters, Signal
+from uav_tracking_mpc.estimation.sensor_health import JUMPED, OFF, STUCK, USED
 from uav_tracking_mpc.estimation.told_noise import UNKNOWN
 from uav_tracking_mpc.estimation.velocity_check import Velocity, VelocityCheck
 from uav_tracking_mpc.symbolic.functions import BufferedFunction
@@ -60,8 +61,11 @@ GUST_WALK = 1.0  # m^2/s^3, that of moderate gusts, until it is seen how strong 
 # Over which the air velocity is averaged that multiplies alpha and beta. A gust changes the
 # airspeed of a real aircraft, and its heading as it weathercocks, before it moves the aircraft:
 # v_measured - a then changes exactly as -a does, and the gust would be taken for alpha.
-JUMP, DEVIATIONS, JUMP_TIME = 2.0, 6.0, 2.0  # m, -, s: of positions that are elsewhere, how long
 AVERAGING_TIME = 5.0  # s
+# Positions that are elsewhere by more than this and so many standard deviations of their noise are
+# left out for a time. If they stay there, that is where the aircraft is; what is told of its place
+# goes there by and by.
+JUMP, DEVIATIONS, JUMP_TIME, FADE_TIME = 2.0, 6.0, 2.0, 10.0  # m, -, s, s
 STEADY_SHARE = 0.1  # of the airspeed, that the air velocity may be apart from its average
 LONGEST_GAP = 2.0  # s without a measurement, after which the position begins anew
 
@@ -70,7 +74,13 @@ ALPHA, BETA, SIZE = 12, 13, 14
 
 
 class WindFilter:
-    """The filter of the module's docstring; its state is (p, w, g, b, alpha, beta)."""
+    """The filter of the module's docstring; its state is (p, w, g, b, alpha, beta).
+
+    Attributes:
+        place: Whether positions are used, or why not: as of
+            :class:`~uav_tracking_mpc.estimation.sensor_health.SensorHealth`.
+        velocity: Likewise of the ground velocity.
+    """
 
     def __init__(self) -> None:
         self._meters, self._check = _meters(), VelocityCheck()
@@ -98,6 +108,10 @@ class WindFilter:
         self._check.reset()
         self._time: float | None = None
         self._jumped = 0.0  # s, for which positions have been elsewhere
+        self._faded = np.zeros(3)  # m, of the last jump
+        self._last = np.full(3, np.nan)  # position as measured last
+        self.place = self.velocity = USED
+        self._judged_at, self._velocity = math.nan, Velocity.EXPECTED
         self._state[:] = 0.0
         deviations = [POSITION_NOISE, WIND, GUST, GROUND_BIAS]
         prior = [*np.repeat(deviations, 3), AIRSPEED_SHARE, HEADING_BIAS]
@@ -107,10 +121,23 @@ class WindFilter:
         self._scalars[:] = 0.0
         self._times[:] = 1.0
 
+    def begin_as(self, other: WindFilter) -> None:
+        """Know what another filter knows of the air and of the sensors.
+
+        Args:
+            other: That goes on.
+        """
+        self.reset()
+        self._state[:], self._covariance[:] = other._state, other._covariance
+        self._meters.state[:], self._times[:] = other._meters.state, other._times
+        self._time, self._air[:], self._faded[:] = other._time, other._air, other._faded
+        self._measured[:], self._last[:] = other._measured, other._last
+        self._steady_air[:], self._scalars[:] = other._steady_air, other._scalars
+
     @property
     def position(self) -> NDArray[np.float64]:
-        """P at the newest measurement, shape (3,), in [m]."""
-        return self._state[P].copy()
+        """P at the newest measurement, shape (3,), in [m]; after a jump it gets there gently."""
+        return np.asarray(self._state[P] + self._faded)
 
     @property
     def mean_wind(self) -> NDArray[np.float64]:
@@ -147,6 +174,35 @@ class WindFilter:
         """Beta in [rad]."""
         return float(self._state[BETA])
 
+    def believed(
+        self,
+        time: float,
+        position: NDArray[np.float64],
+        ground_velocity: NDArray[np.float64],
+        noise: tuple[float, ...] = UNKNOWN,
+    ) -> NDArray[np.float64]:
+        """The ground velocity, or what is expected in its place, shape (3,), in [m/s].
+
+        Args:
+            time: Of the measurement in [s].
+            position: As measured, shape (3,), in [m].
+            ground_velocity: As measured, shape (3,), in [m/s].
+            noise: Its standard deviation on each axis by the source, shape (3,), in [m/s].
+        """
+        elapsed = math.inf if self._time is None else time - self._time
+        self._judged_at, self._velocity = time, Velocity.EXPECTED
+        state = self._state
+        expected = self._air + state[W] + state[G] + state[B]
+        if not 0.0 <= elapsed <= LONGEST_GAP:
+            self._check.reset()
+        else:
+            variance = float(self._covariance[_OF_VELOCITY].sum()) + max(noise) ** 2
+            deviation = math.sqrt(max(variance, 0.0))
+            seen = elapsed, position, ground_velocity, expected, deviation
+            self._velocity = self._check.judge(*seen)
+        self.velocity = OFF if self._velocity is Velocity.ODD else USED
+        return expected if self._velocity is Velocity.ODD else ground_velocity
+
     def update(
         self,
         time: float,
@@ -172,25 +228,27 @@ class WindFilter:
             loose: Direction in which the air velocity is a guess, times its deviation, shape (3,),
                 in [m/s].
         """
+        if time != self._judged_at:
+            self.believed(time, position, ground_velocity, velocity_noise)
         elapsed = math.inf if self._time is None else time - self._time
         self._time = time
         self._air_before[:], self._air[:] = self._air, air_velocity
+        self._ground_before = self._measured[3:6].copy()
         self._measured[:3], self._measured[3:6] = position, ground_velocity
         self._measured[6:9], self._measured[9:12] = position_noise, velocity_noise
         self._measured[12:] = loose
         if not 0.0 <= elapsed <= LONGEST_GAP:
-            self._check.reset()
             self._begin(position_noise)
-        elif (velocity := self._judged(elapsed, velocity_noise)) is Velocity.EXPECTED:
+        elif self._velocity is Velocity.EXPECTED:
             self._go_on(elapsed, height)
         else:
-            if velocity is Velocity.NEW:
+            if self._velocity is Velocity.NEW:
                 self.reset()
                 self._time, self._air[:] = time, air_velocity
             self._begin(position_noise)
             return
         if elapsed <= LONGEST_GAP and not self._place_fits(elapsed):
-            self._measured[:3] = self._state[P] + elapsed * (ground_velocity - self._state[B])
+            self._measured[:3] = self._carried
         self._meters.begin(time)
         self._update.evaluate()
         results = self._update.results
@@ -198,28 +256,29 @@ class WindFilter:
         self._state[:], self._covariance[:], self._meters.state[:] = results[2:5]
         self._meters.keep(results[5])
 
-    def _judged(self, elapsed: float, noise: tuple[float, ...]) -> Velocity:
-        """Whether the ground velocity can be what it is measured to be."""
-        state = self._state
-        expected = self._air + state[W] + state[G] + state[B]
-        variance = float(self._covariance[_OF_VELOCITY].sum()) + max(noise) ** 2
-        measured = self._measured
-        return self._check.judge(
-            elapsed, measured[:3], measured[3:6], expected, math.sqrt(max(variance, 0.0))
-        )
-
     def _place_fits(self, elapsed: float) -> bool:
-        """Whether the position is to be used: one that has jumped is not, unless it stays there."""
+        """Whether the position is to be used: not one that repeats the last or that has jumped.
+
+        One that has jumped is used if it stays where it is.
+        """
         measured, state = self._measured, self._state
-        offset = measured[:3] - state[P] - elapsed * (measured[3:6] - state[B])
+        mean = 0.5 * (self._ground_before + measured[3:6])
+        self._carried = state[P] + elapsed * (mean - state[B])
+        repeated = np.array_equal(measured[:3], self._last)
+        self._last[:] = measured[:3]
+        self._faded *= math.exp(-elapsed / FADE_TIME)
+        offset = measured[:3] - self._carried
         most = JUMP + DEVIATIONS * max(math.sqrt(self._meters.state[-1]), *measured[6:9].tolist())
-        if offset @ offset <= most * most:
-            self._jumped = 0.0
-            return True
-        self._jumped += elapsed
+        far = bool(offset @ offset > most * most)
+        self._jumped = self._jumped + elapsed if far else 0.0
+        if repeated or not far:
+            self.place = STUCK if repeated and far else USED
+            return not repeated
         if self._jumped < JUMP_TIME:
+            self.place = JUMPED
             return False
-        state[P], self._jumped = measured[:3], 0.0
+        self._faded += state[P] - measured[:3]
+        state[P], self._jumped, self.place = measured[:3], 0.0, USED
         return True
 
     def _begin(self, noise: tuple[float, ...]) -> None:

@@ -328,7 +328,9 @@ class ControllerReport:
             **self.peers.values(),
         }
         if controller.parameters.air_estimation:
-            values |= air_values(navigator.air_filter) | navigator.air_check.values()
+            values |= air_values(navigator.air_filter) | {
+                f"{sensor} sensor": state for sensor, state in navigator.health.states.items()
+            }
         decrease = None if formulation is None else formulation.decrease
         if decrease is not None:
             values["cost decrease (54) checked"] = decrease.checked

@@ -211,10 +211,20 @@ class SimulatorParameters(HoldParameters, FrameParameters):
     airspeed_bias: float = parameter(
         0.0, "Constant error of the measured airspeed.", "m/s", -50.0, 50.0
     )
-    airspeed_stuck: bool = parameter(False, "Measure one airspeed for ever.")
-    airspeed_silent: bool = parameter(False, "Measure no airspeed.")
+    airspeed_fault: str = parameter(
+        "none",
+        "Of the airspeed sensor: stuck at its reading, blocked (reads the pressure that is left in "
+        "it against that of the height), or silent.",
+        choices=("none", "stuck", "blocked", "silent"),
+    )
     position_bias: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0), "Constant error of the measured position.", "m", -1e4, 1e4, size=3
+    )
+    position_fault: str = parameter(
+        "none", "Of the positions: frozen at the one measured last.", choices=("none", "frozen")
+    )
+    velocity_gain: float = parameter(
+        1.0, "Share of the ground velocity that is measured; -1 turns its sign.", "", -2.0, 2.0
     )
     turn_rate_bias: float = parameter(
         0.0, "Constant error of the measured turn rate.", "rad/s", -1.0, 1.0

@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 from array import array
 from collections import Counter, deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -31,11 +31,12 @@ from uav_tracking_mpc.control.controller import Controller
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.sensor_health import USED
 from uav_tracking_mpc.formulation.formulation import Formulation
 from uav_tracking_mpc.parameters.specification import changed
 from uav_tracking_mpc.settings.configuration import Configuration, Sections, override
 from uav_tracking_mpc.settings.tracking import TrackingParameters
-from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, FlownMode
+from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, FlownMode, SensorNews
 from uav_tracking_mpc.simulation.plants import Plant, SimulationError, plant_of
 from uav_tracking_mpc.simulation.steered_target import SteeredTarget, TargetSensor
 
@@ -76,6 +77,8 @@ class _Recorder:
         self.modes: Counter[FallbackMode] = Counter()
         self.failures = 0
         self.softened = 1.0
+        self.sensors: list[SensorNews] = []
+        self._health: dict[str, str] = {}
         self._asked: TrackingParameters | None = None
         self._steered = False
         self._orbits: list[tuple[float, Orbit]] = []
@@ -86,6 +89,13 @@ class _Recorder:
         place, velocity = target.position(now).tolist(), target.velocity(now).tolist()
         bank = np.nan if truth.bank is None else truth.bank
         self.samples.extend([truth.turn_rate, *place, *velocity, bank])
+
+    def health(self, now: float, states: Mapping[str, str]) -> None:
+        """Note which sensors are used otherwise than before."""
+        for sensor, state in states.items():
+            if state != self._health.get(sensor, USED):
+                self.sensors.append(SensorNews(now, sensor, state))
+        self._health = dict(states)
 
     def mode(self, now: float, mode: FallbackMode, reason: str) -> None:
         """Note the mode where it is another, with the reason that it begins with."""
@@ -189,6 +199,7 @@ class ClosedLoop:
             self.controller.formulation.solver.time_limit = math.inf
         command = self.answer(sightings, measured, now)
         self._recorder.mode(now, self.controller.modes.mode, self.controller.modes.reason)
+        self._recorder.health(now, self.controller.navigator.health.states)
         if command is not None:
             self._recorder.command(command, self.controller.parameters)
             factors = self.controller.response.softening.factors
@@ -301,6 +312,7 @@ class ClosedLoop:
             modes=tuple(recorder.flown_modes),
             tracking=tracking,
             softened=recorder.softened,
+            sensors=tuple(recorder.sensors),
             measured_bank=None if np.isnan(samples[17]).any() else samples[17],
         )
 

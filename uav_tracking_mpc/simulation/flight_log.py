@@ -101,6 +101,20 @@ class FlownMode(NamedTuple):
     reason: str = ""
 
 
+class SensorNews(NamedTuple):
+    """What became of a sensor.
+
+    Attributes:
+        time: In [s] from the start.
+        sensor: Its name, e.g. ``airspeed``.
+        state: ``used``, or why it is left out, in a word.
+    """
+
+    time: float
+    sensor: str
+    state: str
+
+
 @dataclass(frozen=True)
 class FlightLog:
     """Record of one flight.
@@ -145,6 +159,7 @@ class FlightLog:
             (n,), in [rad]; None where the source tells none.
         softened: Greatest factor by which a limit cycle made changes of an input weigh more
             [-]; 1 where there was none.
+        sensors: When the controller left which sensor out or took it back, and why, in order.
         unusable: Messages that could not be read as what they are.
     """
 
@@ -177,6 +192,7 @@ class FlightLog:
     tracking: TrackingParameters | None = None
     measured_bank: NDArray[np.float64] | None = None
     softened: float = 1.0
+    sensors: tuple[SensorNews, ...] = ()
     unusable: int = 0
 
     @property

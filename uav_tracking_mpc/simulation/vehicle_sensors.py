@@ -25,7 +25,9 @@ import math
 from collections import deque
 
 import numpy as np
+from numpy.typing import NDArray
 
+from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.frames import wrap_angle
 from uav_tracking_mpc.estimation.measurement import Measurement, SensorNoise
 from uav_tracking_mpc.estimation.told_noise import axes_noise, scalar_noise
@@ -35,7 +37,7 @@ from uav_tracking_mpc.settings.simulator import SimulatorParameters
 ERRORS = (
     *("position_noise", "velocity_noise", "attitude_noise", "airspeed_noise"),
     *("velocity_bias", "heading_bias", "airspeed_bias", "turn_rate_bias", "position_bias"),
-    *("airspeed_stuck", "airspeed_silent"),
+    *("airspeed_fault", "position_fault", "velocity_gain"),
 )
 TIME_ROUNDING = 1e-9  # s, rounding by which a measurement may be too young
 
@@ -50,7 +52,8 @@ class VehicleSensors:
 
     def __init__(self, parameters: SimulatorParameters, seed: np.random.SeedSequence) -> None:
         self._held: deque[Measurement] = deque()
-        self._airspeed: float | None = None  # at which it is stuck [m/s]
+        self._left: tuple[float, float] | None = None  # airspeed and height as it got stuck
+        self._place: NDArray[np.float64] | None = None  # at which the position is frozen
         self._random = np.random.default_rng(seed)
         self.change(parameters)
 
@@ -73,12 +76,22 @@ class VehicleSensors:
         self._biases = np.array(
             [*parameters.position_bias, heading, 0.0, airspeed, *parameters.velocity_bias]
         )
-        self._stuck, self._silent = parameters.airspeed_stuck, parameters.airspeed_silent
-        if not self._stuck:
-            self._airspeed = None
-        self._turn_rate_bias = parameters.turn_rate_bias
-        wrong = self._turn_rate_bias, self._stuck, self._silent
-        self._wrong = bool(np.any([*self._deviations, *self._biases, *wrong]))
+        self._airspeed_fault, self._frozen = (
+            parameters.airspeed_fault,
+            parameters.position_fault == "frozen",
+        )
+        if self._airspeed_fault not in ("stuck", "blocked"):
+            self._left = None
+        if not self._frozen:
+            self._place = None
+        self._turn_rate_bias, self._velocity_gain = (
+            parameters.turn_rate_bias,
+            parameters.velocity_gain,
+        )
+        faulty = self._airspeed_fault != "none", self._frozen, self._velocity_gain != 1.0
+        self._wrong = bool(
+            np.any([*self._deviations, *self._biases, self._turn_rate_bias, *faulty])
+        )
         self._delay, self._stamp_true = parameters.state_delay, parameters.state_stamp_true
 
     def measure(self, truth: Measurement) -> Measurement:
@@ -106,20 +119,35 @@ class VehicleSensors:
             errors += self._deviations * self._random.standard_normal(len(errors))
         position, attitude, ground_velocity = errors.reshape(3, 3)
         heading, path_angle, airspeed = attitude.tolist()
-        airspeed = None if truth.airspeed is None else max(truth.airspeed + airspeed, 0.0)
-        if self._stuck:
-            self._airspeed = airspeed = airspeed if self._airspeed is None else self._airspeed
         right_angle = 0.5 * math.pi
+        place = truth.position + position
+        if self._frozen:
+            self._place = place = place if self._place is None else self._place
         return dataclasses.replace(
             truth,
-            position=truth.position + position,
-            ground_velocity=truth.ground_velocity + ground_velocity,
+            position=place,
+            ground_velocity=self._velocity_gain * truth.ground_velocity + ground_velocity,
             heading=float(wrap_angle(truth.heading + heading)),
             path_angle=min(max(truth.path_angle + path_angle, -right_angle), right_angle),
             turn_rate=truth.turn_rate + self._turn_rate_bias,
-            airspeed=None if self._silent else airspeed,
+            airspeed=self._airspeed(truth, airspeed),
             noise=self._told,
         )
+
+    def _airspeed(self, truth: Measurement, error: float) -> float | None:
+        """Reading of the airspeed sensor, as its fault lets it through."""
+        if truth.airspeed is None or self._airspeed_fault == "silent":
+            return None
+        height, reading = float(truth.position[2]), max(truth.airspeed + error, 0.0)
+        if self._airspeed_fault == "none":
+            return reading
+        if self._left is None:
+            self._left = reading, height
+        airspeed, sealed = self._left
+        if self._airspeed_fault == "stuck":
+            return airspeed
+        # The static pressure falls by rho g per metre, that in the blocked tube does not.
+        return math.sqrt(max(airspeed**2 + 2.0 * GRAVITY * (height - sealed), 0.0))
 
 
 def _told(parameters: SimulatorParameters) -> SensorNoise:

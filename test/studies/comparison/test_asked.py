@@ -19,18 +19,17 @@ from dataclasses import replace
 import pytest
 
 from uav_tracking_mpc.settings.configuration import load_configuration, scenario_names
-from uav_tracking_mpc.studies.comparison.measures import (
+from uav_tracking_mpc.studies.comparison.asked import (
     ASKED,
     ASKED_ON_JSBSIM,
     BETTER,
     TARGETS,
     Asked,
-    Measures,
     Target,
-    asked_of,
-    worst,
 )
+from uav_tracking_mpc.studies.comparison.measures import Measures, worst
 from uav_tracking_mpc.studies.comparison.scenarios import MISMATCHES, mismatched
+from uav_tracking_mpc.studies.comparison.sensor_cases import asked_of
 
 TARGET = Target(range_rms=0.1, settling=20.0)
 GOOD = {

@@ -32,7 +32,8 @@ from uav_tracking_mpc.report.metrics import COLUMNS, flown_bank
 from uav_tracking_mpc.report.pages import render
 from uav_tracking_mpc.settings.tracking import PREDICTIVE
 from uav_tracking_mpc.simulation.motions import motion_of
-from uav_tracking_mpc.studies.comparison.measures import SETTLED, Asked, Measures, Target
+from uav_tracking_mpc.studies.comparison.asked import Asked, Target
+from uav_tracking_mpc.studies.comparison.measures import SETTLED, Measures
 from uav_tracking_mpc.studies.comparison.results import (
     SCENARIOS,
     Kind,

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-r"""What counts of a flight, and what the predictive controller is to reach of it.
+r"""What counts of a flight.
 
 Measures are from the true trajectory and the configuration's limits alone: nothing here asks the
 controller. What depends on rates is that of the interval between two samples of the state, with the
@@ -22,17 +22,13 @@ mean of position, path angle and airspeed over it; the bank, for instance:
 
 A plant that tells its roll angle is judged by that: its air velocity turns in every gust, its wings
 do not.
-
-What is asked is for ``small_uav``. In a scenario the figures are absolute, and it is compared with
-the better classical law: the one with the least range RMS in the same flight. Under a mismatch they
-are absolute or shares of those of that law.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -45,13 +41,12 @@ from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE
 from uav_tracking_mpc.limits import TOLERANCE, Motion
 from uav_tracking_mpc.limits.turn import Bank
 from uav_tracking_mpc.report.metrics import flown_bank, settling_time
-from uav_tracking_mpc.settings.configuration import Configuration
-from uav_tracking_mpc.settings.tracking import PREDICTIVE, TrackingParameters
-from uav_tracking_mpc.simulation.flight_log import FlightLog
-from uav_tracking_mpc.simulation.motions import motion_of
+from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.simulation.flight_log import FlightLog, SensorNews
 
 # Tolerances where gusts shake the aircraft.
 SHAKEN, SHAKEN_BANK = 0.03, math.radians(2.0)  # -, rad: share of a bound, and bank
+DEPARTED, STEADY_LATER, STARTS_EARLIER = 1.5, 10.0, 20.0  # m/s, s, s: of the airspeed
 SETTLED = 10.0  # m of range error: coarser than in a report, for what every law reaches
 
 
@@ -78,6 +73,14 @@ class Measures:
         violations: How many of them for each limit that was passed.
         off_plan: Commands that were neither an optimal plan nor the answer of the law that flew;
             None where that was not recorded.
+        altitude_min_m: Least z - z_d in [m].
+        altitude_max_m: Greatest z - z_d in [m].
+        airspeed_worst_mps: Greatest abs(v - v_d), from 10 s later on than the others, in [m/s].
+        airspeed_min_mps: Least airspeed of the whole flight in [m/s].
+        airspeed_max_mps: Greatest airspeed of the whole flight in [m/s].
+        airspeed_departed_s: Of each flight: first time at which v is more than 1.5 m/s off, from
+            20 s earlier on than the others, in [s]; None if never.
+        sensors: Of each flight: when the controller left which sensor out or took it back, and why.
     """
 
     range_rms_m: float
@@ -92,6 +95,13 @@ class Measures:
     envelope_violations: int
     violations: dict[str, int]
     off_plan: int | None
+    altitude_min_m: float
+    altitude_max_m: float
+    airspeed_worst_mps: float
+    airspeed_min_mps: float
+    airspeed_max_mps: float
+    airspeed_departed_s: tuple[float | None, ...]
+    sensors: tuple[tuple[SensorNews, ...], ...]
 
 
 def measures(
@@ -111,7 +121,10 @@ def measures(
     range_error, _, altitude_error, _, airspeed_error = log.error.T
     if settled_after is None:
         settled_after = 2.0 / 3.0 * (log.time[-1] - log.time[0])
-    late = log.time >= log.time[0] + settled_after
+    begin = float(log.time[0]) + settled_after
+    late = log.time >= begin
+    off = (np.abs(airspeed_error) > DEPARTED) & (log.time >= begin - STARTS_EARLIER)
+    departed = np.flatnonzero(off)
     bank = flown_bank(log)
     bank_rate = np.diff(bank) / np.diff(log.time)[1:]  # at the samples but two
     swing = bank - _middle(_orbit_bank(log))
@@ -134,7 +147,17 @@ def measures(
         envelope_violations=int(np.any(list(beyond.values()), axis=0).sum()),
         violations={name: int(found.sum()) for name, found in beyond.items() if found.any()},
         off_plan=off_plan,
+        altitude_min_m=float(np.min(altitude_error[late])),
+        altitude_max_m=float(np.max(altitude_error[late])),
+        airspeed_worst_mps=float(np.max(np.abs(airspeed_error[log.time >= begin + STEADY_LATER]))),
+        airspeed_min_mps=float(np.min(log.vehicle[:, 5])),
+        airspeed_max_mps=float(np.max(log.vehicle[:, 5])),
+        airspeed_departed_s=(float(log.time[departed[0]]) if len(departed) else None,),
+        sensors=(log.sensors,),
     )
+
+
+PER_FLIGHT = "airspeed_departed_s", "sensors"
 
 
 def worst(flights: Sequence[Measures]) -> Measures:
@@ -151,6 +174,10 @@ def worst(flights: Sequence[Measures]) -> Measures:
         if field.name == "violations":
             names = dict.fromkeys(name for value in values for name in value)
             figures["violations"] = {n: max(v.get(n, 0) for v in values) for n in names}
+        elif field.name in PER_FLIGHT:
+            figures[field.name] = sum(values, ())
+        elif field.name.endswith("_min_mps") or field.name.endswith("_min_m"):
+            figures[field.name] = min(values)
         elif None in values:  # never settled, or not recorded
             figures[field.name] = None
         else:
@@ -240,264 +267,3 @@ def _middle(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _rms(values: NDArray[np.float64]) -> float:
     return float(np.sqrt(np.mean(values**2)))
-
-
-CONFIGURATION = "small_uav"
-AIRSPEED_RMS = 0.3  # m/s, where the air has no gusts
-BANK_RATE_RMS, GUSTY_BANK_RATE_RMS = 5.0, 16.0  # deg/s, where the target is noisy, and in gusts
-WORSE_BY = 0.05  # m of range RMS, over the better classical law
-LATER_BY = 3.0  # s of settling, after the better classical law, where the air has no gusts
-# Limits that a flight under a mismatch is not to pass; the force of the first climb is known only
-# once the aircraft has answered.
-JUDGED = ("bank", "airspeed", "path angle")
-
-Flights = Mapping[str, Measures]  # of one scenario, by the law
-
-
-@dataclass(frozen=True)
-class Target:
-    """What is asked in a scenario.
-
-    Attributes:
-        range_rms: In [m].
-        settling: In [s].
-    """
-
-    range_rms: float
-    settling: float
-
-    def words(self, flights: Flights) -> str:
-        """For instance ``0.4 m, 20 s``."""
-        return f"{self.range_rms:g} m, {self.settling:g} s"
-
-    def as_json(self, flights: Flights) -> dict[str, Any]:
-        """The figures as plain values."""
-        return {"range_rms_m": self.range_rms, "settling_s": self.settling}
-
-    def missed(self, configuration: Configuration, flights: Flights) -> list[str]:
-        """What the predictive controller missed, in words; empty if it reached everything.
-
-        Args:
-            configuration: What was flown.
-            flights: Without one of the predictive controller nothing is judged, without classical
-                laws nothing is compared.
-        """
-        if PREDICTIVE not in flights:
-            return []
-        own, words = flights[PREDICTIVE], []
-        if not own.range_rms_m <= self.range_rms:
-            words.append(f"range RMS {own.range_rms_m:.3f} m, at most {self.range_rms:g} m")
-        if own.settling_s is None or own.settling_s > self.settling:
-            when = "never" if own.settling_s is None else f"after {own.settling_s:.1f} s"
-            words.append(f"within 10 m {when}, at most {self.settling:g} s")
-        if own.envelope_violations:
-            limits = ", ".join(f"{name} {count}" for name, count in own.violations.items())
-            words.append(f"{own.envelope_violations} samples outside the envelope ({limits})")
-        simulator, target = configuration.simulator, configuration.target
-        gusty = simulator.gust_intensity > 0.0
-        for name, value, bound, unit, asked in (
-            ("airspeed", own.airspeed_rms_mps, AIRSPEED_RMS, "m/s", not gusty),
-            ("bank rate", own.bank_rate_rms_dps, BANK_RATE_RMS, "deg/s", target.noise > 0.0),
-            ("bank rate", own.bank_rate_rms_dps, GUSTY_BANK_RATE_RMS, "deg/s", gusty),
-        ):
-            if asked and not value <= bound:
-                words.append(f"{name} RMS {value:.2f} {unit}, at most {bound:g} {unit}")
-        best = _better(flights)
-        if best is None:
-            return words
-        others = flights[best]
-        figures = f"range RMS {own.range_rms_m:.3f} m, {{}}{others.range_rms_m:.3f} m {{}} law"
-        disturbed = gusty or any(simulator.wind) or any(motion_of(target).velocity(0.0))
-        if disturbed and not own.range_rms_m < others.range_rms_m:
-            words.append(figures.format("must be below ", "of the better classical"))
-        elif not own.range_rms_m <= others.range_rms_m + WORSE_BY:
-            words.append(figures.format("", "by the better classical"))
-        first, second = own.settling_s, others.settling_s
-        if not (gusty or first is None or second is None or first <= second + LATER_BY):
-            words.append(
-                f"within 10 m after {first:.1f} s, {second:.1f} s by the better classical law"
-            )
-        return words
-
-
-def _better(flights: Flights) -> str | None:
-    """The classical law with the least range RMS; None where none has flown."""
-    others = [law for law in flights if law != PREDICTIVE and law not in ASKED]
-    return min(others, key=lambda law: flights[law].range_rms_m) if others else None
-
-
-BETTER = "the better law"
-
-
-@dataclass(frozen=True)
-class Asked:
-    """What is asked under a mismatch; what is infinite is not asked.
-
-    Attributes:
-        range_rms: At most, in [m].
-        bank_rate_rms: At most, in [deg/s].
-        range_mean: Magnitude at most, in [m].
-        relative: Whose range and bank rate RMS they are shares of [-]: :data:`BETTER`, the better
-            classical law's, or those of a law, or of the controller under another mismatch; empty
-            where they are absolute.
-        law: Whose they were; empty where they are absolute.
-        limits: Whether no limit may be passed.
-        optimal: Whether every command that counts is to be an optimal plan.
-        swing: Of the bank about that of the orbit, at most, in [deg].
-        after: Time in [s] from which on the flight counts; None for the usual one.
-        shaken: Whether limits are judged as where gusts shake the aircraft.
-        unswung: Whether no limit cycle may be told, and the loop not be softened.
-    """
-
-    range_rms: float
-    bank_rate_rms: float
-    range_mean: float = math.inf
-    relative: str = ""
-    law: str = ""
-    limits: bool = True
-    optimal: bool = False
-    swing: float = math.inf
-    after: float | None = None
-    shaken: bool = False
-    unswung: bool = False
-
-    def resolved(self, flights: Flights) -> Asked:
-        """The figures as absolute ones; without classical laws what is relative is not asked."""
-        if not self.relative:
-            return self
-        law = _better(flights) if self.relative == BETTER else self.relative
-        range_rms = bank_rate = math.inf
-        if law is not None and law in flights:
-            range_rms = self.range_rms * flights[law].range_rms_m
-            bank_rate = self.bank_rate_rms * flights[law].bank_rate_rms_dps
-        else:
-            law = ""
-        return dataclasses.replace(
-            self, relative="", law=law, range_rms=range_rms, bank_rate_rms=bank_rate
-        )
-
-    def words(self, flights: Flights) -> str:
-        """For instance ``0.5 m, 3 deg/s``."""
-        bounds = self.resolved(flights)
-        shares = f"({self.range_rms:g}, {self.bank_rate_rms:g} x {bounds.law or self.relative})"
-        if self.relative and not bounds.law:
-            return shares
-        words = f"{bounds.range_rms:.3g} m, {bounds.bank_rate_rms:.3g} deg/s"
-        if self.relative:
-            words += f" {shares}"
-        if math.isfinite(self.range_mean):
-            words += f", mean {self.range_mean:g} m"
-        if math.isfinite(self.swing):
-            words += f", swing {self.swing:g} deg"
-        return words
-
-    def as_json(self, flights: Flights) -> dict[str, Any]:
-        """The figures as plain values, those that are not asked infinite or null."""
-        bounds = self.resolved(flights)
-        return {
-            "range_rms_m": bounds.range_rms,
-            "range_mean_m": bounds.range_mean,
-            "bank_rate_rms_dps": bounds.bank_rate_rms,
-            "swing_deg": self.swing,
-            "softened": 1.0 if self.unswung else None,
-            "envelope_violations": 0 if self.limits else None,
-            "off_plan": 0 if self.optimal else None,
-            "of_law": bounds.law or None,
-            "range_rms_share": self.range_rms if self.relative else None,
-            "bank_rate_rms_share": self.bank_rate_rms if self.relative else None,
-        }
-
-    def missed(self, configuration: Configuration, flights: Flights) -> list[str]:
-        """What the predictive controller missed, in words; empty if it reached everything.
-
-        Args:
-            configuration: Not looked at.
-            flights: Without one of the predictive controller nothing is judged.
-        """
-        if PREDICTIVE not in flights:
-            return []
-        own, bounds, words = flights[PREDICTIVE], self.resolved(flights), []
-        for name, value, bound, unit, share in (
-            ("range RMS", own.range_rms_m, bounds.range_rms, "m", self.range_rms),
-            ("mean of the range error", abs(own.range_mean_m), bounds.range_mean, "m", None),
-            (
-                "bank rate RMS", own.bank_rate_rms_dps, bounds.bank_rate_rms, "deg/s",
-                self.bank_rate_rms,
-            ),
-            ("swing of the bank", own.swing_deg, self.swing, "deg", None),
-        ):  # fmt: skip
-            if not value <= bound:
-                compared = bounds.law and share is not None
-                of_law = f", {share:g} times that of {bounds.law}" if compared else ""
-                words.append(f"{name} {value:.3g} {unit}, at most {bound:.3g} {unit}{of_law}")
-        beyond = [f"{name} {own.violations[name]}" for name in JUDGED if name in own.violations]
-        if self.limits and beyond:
-            words.append(f"samples outside the envelope: {', '.join(beyond)}")
-        if self.unswung and own.softened > 1.0:
-            words.append(f"the loop was softened {own.softened:.0f} times")
-        if self.optimal and own.off_plan:
-            words.append(f"{own.off_plan} commands off the optimal plan")
-        return words
-
-
-TARGETS = {
-    "still": Target(0.03, 20.0),
-    "wind": Target(0.03, 20.0),
-    "crosswind": Target(0.03, 25.0),
-    "headwind": Target(0.03, 35.0),
-    "tight_headwind": Target(0.1, 45.0),
-    "circling_target": Target(0.5, 30.0),
-    "gusts": Target(0.65, 20.0),
-    "noisy_target": Target(1.0, 30.0),
-}
-_WRONG_LAG, _NEARLY_RIGHT = Asked(0.5, 3.0), Asked(0.05, 1.0)
-_BIASED = Asked(0.3, 2.0, range_mean=0.1)
-_GUSTY = Asked(0.7, 1.25, relative="l1", limits=False)
-_GUSTY_LAG = Asked(1.3, 1.3, relative="gust_moderate", shaken=True)
-_LATER = Asked(0.5, math.inf, swing=3.0, after=130.0)
-ASKED = {
-    "lag_0": _WRONG_LAG,
-    "lag_0.25": _WRONG_LAG,
-    "lag_0.5": _WRONG_LAG,
-    "lag_0.75": _NEARLY_RIGHT,
-    "lag_1.5": _NEARLY_RIGHT,
-    "lag_2": _WRONG_LAG,
-    "lag_3": _WRONG_LAG,
-    # About a target of 5 m/s a state that is late without saying so costs 0.33 and 0.98 m.
-    "late_0.1": Asked(0.45, 3.0),
-    "late_0.3": Asked(1.1, 3.0),
-    "stamped_0.3": _NEARLY_RIGHT,
-    "noise_0.5": Asked(0.35, 5.0, optimal=True),
-    "noise_2": Asked(0.6, 5.0, optimal=True),
-    "noise_5": Asked(1.2, 5.0, optimal=True),
-    "wind_bias_2": _BIASED,
-    "heading_bias_5": _BIASED,
-    "airspeed_bias_2": _BIASED,
-    "turn_rate_bias_2": _BIASED,
-    "gust_light": _GUSTY,
-    "gust_moderate": _GUSTY,
-    "gust_severe": _GUSTY,
-    **{f"gust_lag_{share}": _GUSTY_LAG for share in ("0", "0.25", "0.5", "2", "3")},
-    "delay_100": _LATER,
-    "delay_200": _LATER,
-    "delay_400": dataclasses.replace(_LATER, after=140.0),
-    "second_order_roll": Asked(0.5, math.inf, swing=3.0, shaken=True),
-    "weaving_target": Asked(math.inf, math.inf, limits=False, unswung=True),
-    "tight_gale": Asked(1.5, 1.5, relative=BETTER),
-    "zigzag": Asked(0.8, 1.5, relative=BETTER),
-    "sensor_noise": Asked(0.1, 2.0, limits=False),
-}
-ASKED_ON_JSBSIM = {
-    **{name: Asked(0.1, 1.0, limits=False) for name in ASKED if name.startswith("lag_")},
-    "gust_light": Asked(0.2, 5.0, limits=False),
-    "gust_moderate": Asked(0.4, 9.0, limits=False),
-}
-
-
-def asked_of(configuration: Configuration, name: str) -> Target | Asked | None:
-    """What is asked in a scenario or under a mismatch, by its name; None where nothing is."""
-    if configuration.name != CONFIGURATION:
-        return None
-    if configuration.simulator.plant == "jsbsim":  # what flies, whatever the mission says
-        return ASKED_ON_JSBSIM.get(name)
-    return TARGETS.get(name) or ASKED.get(name)

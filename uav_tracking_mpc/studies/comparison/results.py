@@ -35,15 +35,10 @@ from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
-from uav_tracking_mpc.studies.comparison.measures import (
-    Asked,
-    Measures,
-    Target,
-    asked_of,
-    measures,
-    worst,
-)
+from uav_tracking_mpc.studies.comparison.asked import Asked, Target
+from uav_tracking_mpc.studies.comparison.measures import Measures, measures, worst
 from uav_tracking_mpc.studies.comparison.scenarios import SETTLED_AFTER, law_labels, variants
+from uav_tracking_mpc.studies.comparison.sensor_cases import asked_of
 from uav_tracking_mpc.studies.executors import StoppedError, parallel_map
 from uav_tracking_mpc.studies.study import plain
 

@@ -31,6 +31,7 @@ from uav_tracking_mpc.settings.configuration import (
     scenario_names,
 )
 from uav_tracking_mpc.settings.tracking import PREDICTIVE
+from uav_tracking_mpc.studies.comparison.sensor_faults import SENSOR_FAULTS
 
 # From easy to hard; scenarios that are not named come after these.
 ORDER = (
@@ -114,7 +115,7 @@ _MISTAKEN: dict[str, dict[str, object]] = {
 _LAGS = {f"lag_{share:g}": share for share in LAG_SHARES}
 _GUSTY_LAGS = {f"gust_lag_{share:g}": share for share in GUSTY_LAG_SHARES}
 _DELAYS = {f"delay_{delay}": 1e-3 * delay for delay in DELAYS}
-MISMATCHES = (*_LAGS, *_MISTAKEN, *_GUSTY_LAGS, *_DELAYS)
+MISMATCHES = (*_LAGS, *_MISTAKEN, *_GUSTY_LAGS, *_DELAYS, *SENSOR_FAULTS)
 
 
 def mismatched(config: str, name: str, overrides: tuple[str, ...] = ()) -> Configuration:
@@ -147,8 +148,13 @@ def mismatched(config: str, name: str, overrides: tuple[str, ...] = ()) -> Confi
             mistaken[f"{_CONTROLLER}.rate_lag"] = [2.0 * damping / frequency, climb, gain]
     if name in _GUSTY_LAGS:
         mistaken |= _MISTAKEN["gust_moderate"]
+    fault = SENSOR_FAULTS.get(name)
+    if fault is not None:
+        mistaken |= {f"{_SIMULATOR}.{name}": value for name, value in fault.overrides.items()}
     told = [f"{parameter}={value}" for parameter, value in mistaken.items()]
     configuration = load_configuration(config, [*overrides, *told], SCENARIO)
+    if fault is not None:
+        return replace(configuration, changes=fault.changes(0))
     if name not in _DELAYS:
         return configuration
     begin = LATER / DURATION * min(configuration.mission.duration, DURATION)
@@ -164,6 +170,11 @@ def variants(configuration: Configuration, name: str) -> list[Configuration]:
         name: Of the mismatch.
     """
     section, parameter, values = _SIMULATOR, "seed", list[float](SEEDS)
+    if name in SENSOR_FAULTS and SENSOR_FAULTS[name].seeded:
+        return [
+            replace(configuration.changed(section, {parameter: seed}), changes=changes(seed))
+            for seed, changes in ((seed, SENSOR_FAULTS[name].changes) for seed in SEEDS)
+        ]
     if name == "weaving_target":
         section, parameter, values = _TARGET, "weave_period", list(WEAVING_PERIODS)
     elif not name.startswith("gust_"):

@@ -44,7 +44,8 @@ from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, PREDICTIVE
 from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.plants import SimulationError
-from uav_tracking_mpc.studies.comparison.measures import ASKED, Measures, measures
+from uav_tracking_mpc.studies.comparison.asked import ASKED
+from uav_tracking_mpc.studies.comparison.measures import Measures, measures
 from uav_tracking_mpc.studies.comparison.results import prepared
 from uav_tracking_mpc.studies.comparison.scenarios import SCENARIO, mismatched
 from uav_tracking_mpc.studies.executors import parallel_map
