@@ -15,6 +15,7 @@ aircraft has been accelerated. Ground velocity and wind stand in for it until it
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,9 +49,10 @@ class AirCheck:
         """Believe both sensors."""
         self.reasons = ["", ""]
         self._time = -math.inf
-        # (r, c) in m/s: without noise, as of some seconds ago, and what lasts; squares of gusts.
-        self._now, self._before, self._lasting = np.zeros(2), np.zeros(2), np.zeros(2)
-        self._jumps, self._offsets = np.full(2, PRIOR**2), np.full(2, PRIOR**2)
+        # (r, c) in m/s by either wind: without noise, as of some seconds ago, and what lasts;
+        # squares of gusts.
+        self._now, self._before, self._lasting = (np.zeros((2, 2)) for _ in range(3))
+        self._jumps, self._offsets = np.full((2, 2), PRIOR**2), np.full((2, 2), PRIOR**2)
         self._weight = 0.0  # s, for which they have been compared
         self._agreed = [0.0, 0.0]  # s
         self._reading, self._since, self._gained, self._speed = math.nan, 0.0, 0.0, 0.0
@@ -61,27 +63,27 @@ class AirCheck:
         heading: float,
         reading: float | None,
         level: float,
-        air: NDArray[np.float64],
-        without: NDArray[np.float64],
-        wind_deviation: float,
+        air: Sequence[NDArray[np.float64]],
+        wind_deviations: Sequence[float],
         acceleration: float,
     ) -> tuple[float, float]:
-        """Heading [rad] to go by, and the level airspeed [m/s] that ground velocity and wind tell.
+        """Heading [rad] and level airspeed [m/s] that ground velocity and wind tell.
 
         Args:
             time: Of the measurement in [s].
             heading: As measured in [rad].
             reading: Airspeed as measured in [m/s]; None where there is none.
             level: Share of it that is level, less what it is known to read too much, [-].
-            air: u, shape (2,), in [m/s].
-            without: The same with a wind that owes nothing to the airspeed.
-            wind_deviation: Standard deviation of w in [m/s].
+            air: u by a wind that owes nothing to the airspeed, and by one that owes nothing to the
+                heading, shape (2,) each, in [m/s].
+            wind_deviations: Standard deviations of these winds in [m/s].
             acceleration: That is commanded and flown in [m/s^2].
         """
         step, self._time = time - self._time, time
-        (east, north), (east_without, north_without) = air.tolist(), without.tolist()
         cosine, sine = math.cos(heading), math.sin(heading)
-        along, across = cosine * east_without + sine * north_without, cosine * north - sine * east
+        ahead = np.array([[cosine, sine], [-sine, cosine]])
+        flown = np.array(air) @ ahead.T  # of each wind along the heading, and across
+        along = float(flown[AIRSPEED, 0])
         airspeed = 0.0 if reading is None else level * reading
         if reading is None:
             self.reasons[AIRSPEED] = SILENT
@@ -90,14 +92,20 @@ class AirCheck:
             self._weight = 0.0
         elif 0.0 < step <= CHANGE_TIME:
             self._see_reading(time, step, reading, along, acceleration)
-        residuals = np.array([0.0 if reading is None else airspeed - along, across])
-        if not (0.0 <= step <= CHANGE_TIME and wind_deviation <= WIND_KNOWN):
+        residuals = flown * [-1.0, 1.0] + [airspeed, 0.0]
+        if reading is None:
+            residuals[:, AIRSPEED] = 0.0
+        deviation = max(wind_deviations)
+        if not (0.0 <= step <= CHANGE_TIME and deviation <= WIND_KNOWN):
             self._weight = 0.0
         elif step > 0.0:
-            self._compare(step, residuals, TURNED * wind_deviation)
+            self._compare(step, residuals, TURNED * deviation)
+        (u_x, u_y), (east, north) = air
+        if self.reasons[AIRSPEED]:
+            east, north = u_x, u_y
         if self.reasons[HEADING]:
-            return math.atan2(north, east), math.hypot(east_without, north_without)
-        return heading, max(along, 0.0)
+            along = math.hypot(u_x, u_y)
+        return math.atan2(north, east), max(along, 0.0)
 
     def _compare(self, step: float, residuals: NDArray[np.float64], turned: float) -> None:
         """Follow r and c, and leave a sensor out or take it back."""
@@ -111,25 +119,26 @@ class AirCheck:
         self._lasting += step / LASTING * (self._now - self._lasting)
         jumps, offsets = self._now - self._before, self._lasting
         for which, reason in enumerate(self.reasons):
-            other = 1 - which
-            most = LEAST_JUMP + DEVIATIONS * (math.sqrt(self._jumps[other]) + turned)
-            lasting = LEAST_OFFSET + DEVIATIONS * math.sqrt(self._offsets[other])
-            lasting = max(lasting, DOMINANCE * abs(offsets[other]))
+            other = 1 - which  # axis on which the sensor shows nothing
+            most = LEAST_JUMP + DEVIATIONS * (math.sqrt(self._jumps[which, other]) + turned)
+            lasting = LEAST_OFFSET + DEVIATIONS * math.sqrt(self._offsets[which, other])
+            lasting = max(lasting, DOMINANCE * abs(offsets[which, other]))
             if not reason and not self.reasons[other]:
-                jumped = abs(jumps[which]) > most
+                jumped = abs(jumps[which, which]) > most
                 # A bias from the start has been found by then, and is none of this.
                 known = which == AIRSPEED and self._weight >= MEMORY
-                off = known and abs(offsets[which]) > lasting
+                off = known and abs(offsets[which, which]) > lasting
                 self.reasons[which] = JUMPED if jumped else OFF if off else ""
                 self._agreed[which] = 0.0
             elif reason in (JUMPED, OFF):
-                agrees = abs(self._now[which]) < AGREEING * min(most, lasting)
+                agrees = abs(self._now[which, which]) < AGREEING * min(most, lasting)
                 agrees &= which == HEADING or self._time - self._since < STUCK_FOR
                 self._agreed[which] = self._agreed[which] + step if agrees else 0.0
                 if self._agreed[which] > AGREED_FOR:
                     self.reasons[which] = ""
-                    self._before[which] = self._lasting[which] = self._now[which]
-        share = np.where([not reason for reason in self.reasons], step / self._weight, 0.0)
+                    self._before[:, which] = self._lasting[:, which] = self._now[:, which]
+        used = [not reason for reason in self.reasons]
+        share = np.where(used, step / self._weight, 0.0)
         self._jumps += share * (np.square(self._now - self._before) - self._jumps)
         self._offsets += share * (np.square(self._lasting) - self._offsets)
 
@@ -148,7 +157,7 @@ class AirCheck:
             self.reasons[AIRSPEED] = STUCK
 
 
-def loose(heading: float, airspeed: bool, across: bool) -> NDArray[np.float64]:
+def loose_air(heading: float, airspeed: bool, across: bool) -> NDArray[np.float64]:
     """Direction in which the air velocity is not measured, times its deviation, shape (3,).
 
     Args:

@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc.dynamics import vehicle as vehicle_model
 from uav_tracking_mpc.dynamics.vehicle import Response, followed
 from uav_tracking_mpc.dynamics.vehicle_models import step_function
-from uav_tracking_mpc.estimation.air_check import AirCheck, loose
+from uav_tracking_mpc.estimation.air_check import AirCheck, loose_air
 from uav_tracking_mpc.estimation.air_data import AirData
 from uav_tracking_mpc.estimation.command_history import CommandHistory
 from uav_tracking_mpc.estimation.forecast import Forecast
@@ -35,7 +35,6 @@ from uav_tracking_mpc.estimation.rate_aided_filter import RateAided, RateAidedFi
 from uav_tracking_mpc.estimation.sensor_health import (
     AIRSPEED,
     HEADING,
-    JUMPED,
     POSITION,
     SILENT,
     USED,
@@ -100,6 +99,7 @@ class Navigator:
         claimed: Whether the aircraft flies the commands because somebody engaged it.
         air: The airspeed that came by itself.
         target: The filter of the target's positions.
+        air_filter: Of mean wind, gusts and biases.
         air_check: Which of airspeed and heading are left out.
         health: Of all sensors.
         wind: At the latest estimate, gust included, shape (3,), in [m/s].
@@ -110,8 +110,8 @@ class Navigator:
     @one_at_a_time
     def __init__(self, parameters: TrackingParameters) -> None:
         self.air = AirData(parameters.state_timeout)
-        self._with_airspeed, self._without = self._lanes = WindFilter(), WindFilter()
-        self.air_check = AirCheck()
+        self.air_filter, self.air_check = WindFilter(), AirCheck()
+        self._without = WindFilter(), WindFilter()  # airspeed; heading
         self.health = SensorHealth()
         angle = RateAided(*GYRO, ATTITUDE_NOISE, circular=True)
         speed = RateAided(*ACCELERATION_MODEL, AIRSPEED_NOISE, circular=False)
@@ -161,17 +161,18 @@ class Navigator:
         self.air.reset()
         self.target.reset()
         self._history.reset()
-        for part in (self.air_check, self._air_motion, self.health, *self._lanes):
+        for part in (
+            self.air_filter,
+            *self._without,
+            self.air_check,
+            self._air_motion,
+            self.health,
+        ):
             part.reset()
         self.wind = np.zeros(3)
         self._faded, self._fade_begin = np.zeros((2, 3)), 0.0
         self._acceleration = 0.0
         self._time: float | None = None
-
-    @property
-    def air_filter(self) -> WindFilter:
-        """Of mean wind, gusts and biases; one that knows no airspeed while that is left out."""
-        return self._without if self.air_check.reasons[0] else self._with_airspeed
 
     @property
     def airspeed_known(self) -> bool:
@@ -283,26 +284,27 @@ class Navigator:
             wind = measurement.ground_velocity - vehicle_model.velocity(vehicle)
             return _AircraftInAir(vehicle, rates, wind, np.zeros(3), np.ones(3))
         filters, noise, check = self._air_motion, measurement.noise, self.air_check
-        stamp, place, left_out = measurement.stamp, vehicle[:3], bool(check.reasons[0])
-        told = noise.heading, noise.path_angle, noise.airspeed
-        ground = self.air_filter.believed(stamp, place, measurement.ground_velocity, noise.velocity)
+        stamp, place, air = measurement.stamp, vehicle[:3], self.air_filter
+        seen = stamp, place, measurement.ground_velocity
+        ground = air.believed(*seen, noise.velocity)
+        before = list(check.reasons)
         motion, by_wind = self._by_wind(measurement, vehicle, ground)
+        told = noise.heading, noise.path_angle, noise.airspeed
         filters.update(stamp, motion, rates, told)
         heading, path_angle, airspeed = filters.values.tolist()
-        astray = bool(check.reasons[1])
-        seen = stamp, place, measurement.ground_velocity
         about = height, noise.position, noise.velocity
-        velocity = vehicle_model.air_velocity
-        guess = np.array(velocity(heading, path_angle, by_wind, math))
-        self._without.update(*seen, guess, *about, loose(heading, True, astray))
-        if not check.reasons[0]:
-            if left_out:
-                self._with_airspeed.begin_as(self._without)
-            known = np.array(velocity(heading, path_angle, airspeed, math))
-            self._with_airspeed.update(*seen, known, *about, loose(heading, False, astray))
-        elif not left_out and check.reasons[0] in (SILENT, JUMPED):
-            self._without.begin_as(self._with_airspeed)  # nothing wrong has come into it
-        air = self.air_filter
+        out = [bool(reason) for reason in check.reasons]
+        for which, lane in (*enumerate(self._without), (None, air)):
+            guess = [heading, airspeed]
+            if which is not None:
+                lane.share_noise(air)
+                guess[1 - which] = by_wind[1 - which]
+            loose = loose_air(heading, out[0] or which == 0, out[1] or which == 1)
+            velocity = vehicle_model.air_velocity(guess[0], path_angle, guess[1], math)
+            lane.update(*seen, np.array(velocity), *about, loose)
+        for lane, reason, earlier in zip(self._without, check.reasons, before, strict=True):
+            if reason not in ("", SILENT) and reason != earlier:
+                air.begin_as(lane)  # which nothing wrong has come into
         for sensor, state in (
             *zip((AIRSPEED, HEADING), check.reasons, strict=True),
             (POSITION, air.place),
@@ -322,26 +324,26 @@ class Navigator:
 
     def _by_wind(
         self, measurement: Measurement, vehicle: NDArray[np.float64], ground: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], float]:
-        """Heading, path angle and airspeed to go by, and the airspeed that the wind tells.
+    ) -> tuple[NDArray[np.float64], tuple[float, float]]:
+        """Heading, path angle, airspeed to go by; and heading, airspeed that the wind tells.
 
-        The wind is that of the filter without airspeed: what judges a sensor must not know it.
+        What judges a sensor and stands in for it is a filter that does not know that sensor.
         """
         heading, path_angle, airspeed = vehicle[3:].tolist()
-        without, cosine = self._without, max(math.cos(vehicle[4]), LEAST_LEVEL)
-        level = max(cosine * (1.0 - self._with_airspeed.airspeed_share), LEAST_LEVEL)
-        air, sure = (
-            (ground - each.ground_velocity_bias - each.mean_wind)[:2]
-            for each in (self.air_filter, without)
-        )
+        cosine = max(math.cos(path_angle), LEAST_LEVEL)
+        level = max(cosine * (1.0 - self.air_filter.airspeed_share), LEAST_LEVEL)
+        air = [(ground - lane.ground_velocity_bias - lane.mean_wind)[:2] for lane in self._without]
+        deviations = [lane.wind_deviation for lane in self._without]
         reading = None if self.air.missing else airspeed
         if self.air.missing:
             heading = measurement.heading
-        known = air, sure, without.wind_deviation, self._acceleration
-        heading, along = self.air_check.judge(measurement.stamp, heading, reading, level, *known)
-        by_wind = along / cosine
-        used = reading if reading is not None and not self.air_check.reasons[0] else by_wind
-        return np.array([heading, path_angle, used]), by_wind
+        known = air, deviations, self._acceleration
+        turned, along = self.air_check.judge(measurement.stamp, heading, reading, level, *known)
+        by_wind = turned, along / cosine
+        out = self.air_check.reasons
+        going_by = by_wind[0] if out[1] else heading
+        flown = by_wind[1] if reading is None or out[0] else reading
+        return np.array([going_by, path_angle, flown]), by_wind
 
     def _at_effect(
         self, time: float, delay: float, present: Situation, forecast: Forecast

@@ -134,6 +134,14 @@ class WindFilter:
         self._measured[:], self._last[:] = other._measured, other._last
         self._steady_air[:], self._scalars[:] = other._steady_air, other._scalars
 
+    def share_noise(self, other: WindFilter) -> None:
+        """Take noise and gusts to be as strong as another filter has found them.
+
+        Args:
+            other: That measures more.
+        """
+        self._meters.state[:] = other._meters.state
+
     @property
     def position(self) -> NDArray[np.float64]:
         """P at the newest measurement, shape (3,), in [m]; after a jump it gets there gently."""
@@ -329,6 +337,7 @@ def _function() -> ca.Function:
     level_walk, vertical_walk, _ = ca.vertsplit(meters.walks(known))
     walk = ca.vertcat(level_walk, level_walk, vertical_walk)
     state, covariance = _predicted(elapsed, mean, steady, state, covariance, times, walk)
+    covariance[P, P] += elapsed**2 * (loose @ loose.T)  # where it went in between is a guess too
     wind = velocity - air + _beside(state, air)
     sample = ca.vertcat(wind, position - state[P])
     told, told_velocity = position_noise**2, velocity_noise**2
