@@ -57,6 +57,7 @@ FREQUENCY = 0.3  # rad/s, omega: well below the swing's, which is some rad/s
 LONGEST_STEP = 0.5  # s between attitudes, after which the filter begins anew
 SURPLUS_LIMIT = 0.15  # rad/s, of a turn's surplus over its bank
 LEAST_AIRSPEED = 3.0  # m/s; below it nothing flies, and the path angle means nothing
+NOSE_JUMP = 0.2  # rad between two attitudes: no aircraft turns so, its compass has jumped
 TRIAL = 20.0  # s, over which bank and nose are compared
 CONTRADICTION = 0.01  # rad^2/s^2; slipping into a turn makes a quarter of it
 STEEPEST = 1.5  # rad, of a bank or a pitch, beyond which no turn is coordinated
@@ -176,8 +177,15 @@ class FlightPath:
         path_angle = math.asin(min(max(climb.value / airspeed, -1.0), 1.0))
         nose = measurement.heading + past_nose(bank, pitch, path_angle)
         by_bank = turn_rate_from_bank(bank, airspeed)
+        step, turned = time - self._time, math.remainder(nose - self._nose, 2.0 * math.pi)
+        self._time, self._nose = time, nose
+        if 0.0 < step <= LONGEST_STEP:
+            if abs(turned - step * by_bank) > NOSE_JUMP:
+                direction.heading += turned  # for others to judge; it tells nothing of the turn
+            else:
+                against = by_bank * (by_bank - 2.0 * turned / step)
+                self._contradiction += step / TRIAL * (against - self._contradiction)
         direction.see(time, nose, by_bank)
-        self._compare(time, nose, by_bank)
         if self.contradicted:
             return measurement
         return dataclasses.replace(
@@ -189,14 +197,6 @@ class FlightPath:
             path_angle_rate=climb.rate / airspeed,
             axis=Axis.AIR_VELOCITY,
         )
-
-    def _compare(self, time: float, nose: float, by_bank: float) -> None:
-        """Average over how the bank and the nose turn."""
-        step, turned = time - self._time, math.remainder(nose - self._nose, 2.0 * math.pi)
-        self._time, self._nose = time, nose
-        if 0.0 < step <= LONGEST_STEP:
-            against = by_bank * (by_bank - 2.0 * turned / step)
-            self._contradiction += step / TRIAL * (against - self._contradiction)
 
 
 def past_nose(bank: float, pitch: float, path_angle: float) -> float:

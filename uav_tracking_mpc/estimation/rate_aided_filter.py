@@ -34,6 +34,7 @@ from uav_tracking_mpc.estimation.noise_meter import MEMORY, NoiseMeters, Signal
 from uav_tracking_mpc.symbolic.functions import BufferedFunction
 
 BIAS_WALK = 1e-3  # of the bias, variance per s as a share of that of the rate's noise
+DEVIATIONS = 3.0  # of an innovation, that tells of the bias
 LONGEST_GAP = 1.0  # s without a measurement, after which x begins anew
 PARTS = 7  # of the state: x, b, the rate, its integral, and the covariance xx, xb, bb
 VALUE, BIAS, RATE, P_XX, P_XB, P_BB = 0, 1, 2, 4, 5, 6
@@ -147,9 +148,11 @@ def _function(quantities: tuple[RateAided, ...]) -> ca.Function:
     metered, variance = meters.metered(known, compared, sample, told**2)
     total = p_xx + ca.fmax(variance, noise**2)
     gain_x, gain_b = p_xx / total, p_xb / total
+    most = DEVIATIONS * ca.sqrt(total)  # a jump is no bias of the rate
+    steady = ca.fmax(-most, ca.fmin(innovation, most))
     after = ca.vertcat(
         value + gain_x * innovation,
-        bias + gain_b * innovation,
+        bias + gain_b * steady,
         new_rate,
         integral,
         p_xx - gain_x * p_xx,
