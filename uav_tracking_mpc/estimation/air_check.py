@@ -20,11 +20,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-SMOOTHING, CHANGE_TIME, LASTING = 0.7, 4.0, 10.0  # s: of noise, of a jump, of what lasts
-LEAST_JUMP, LEAST_OFFSET = 1.0, 1.0  # m/s
+SMOOTHING, CHANGE_TIME, LASTING = 0.7, 4.0, 7.0  # s: of noise, of a jump, of what lasts
+LEAST_JUMP, LEAST_OFFSET = 1.0, 0.8  # m/s
 DEVIATIONS = 4.0  # standard deviations of gusts that explain a residual
 DOMINANCE = 3.0  # -, by which what lasts on one must exceed that on the other
 TURNED = 0.3  # rad, that the wind's error turns against the heading in a jump
+CHANGES = 40.0  # s, over which a wind that changes was last seen along the heading
 WIND_KNOWN = 1.5  # m/s, standard deviation of the wind from which on there is something to compare
 MEMORY = 60.0  # s, of the gusts
 PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts taken at first, and how much that weighs
@@ -53,7 +54,7 @@ class AirCheck:
         # squares of gusts.
         self._now, self._before, self._lasting = (np.zeros((2, 2)) for _ in range(3))
         self._jumps, self._offsets = np.full((2, 2), PRIOR**2), np.full((2, 2), PRIOR**2)
-        self._weight = 0.0  # s, for which they have been compared
+        self._weight = self._changing = 0.0  # s, for which they have been compared; w' [m/s^2]
         self._agreed = [0.0, 0.0]  # s
         self._reading, self._since, self._gained, self._speed = math.nan, 0.0, 0.0, 0.0
 
@@ -65,6 +66,7 @@ class AirCheck:
         level: float,
         air: Sequence[NDArray[np.float64]],
         wind_deviations: Sequence[float],
+        trend: float,
         acceleration: float,
     ) -> tuple[float, float]:
         """Heading [rad] and level airspeed [m/s] that ground velocity and wind tell.
@@ -77,6 +79,7 @@ class AirCheck:
             air: u by a wind that owes nothing to the airspeed, and by one that owes nothing to the
                 heading, shape (2,) each, in [m/s].
             wind_deviations: Standard deviations of these winds in [m/s].
+            trend: w' in [m/s^2].
             acceleration: That is commanded and flown in [m/s^2].
         """
         step, self._time = time - self._time, time
@@ -99,7 +102,8 @@ class AirCheck:
         if not (0.0 <= step <= CHANGE_TIME and deviation <= WIND_KNOWN):
             self._weight = 0.0
         elif step > 0.0:
-            self._compare(step, residuals, TURNED * deviation)
+            self._changing = max(trend, self._changing * math.exp(-step / CHANGES))
+            self._compare(step, residuals, TURNED * deviation, CHANGES * self._changing)
         (u_x, u_y), (east, north) = air
         if self.reasons[AIRSPEED]:
             east, north = u_x, u_y
@@ -107,7 +111,9 @@ class AirCheck:
             along = math.hypot(u_x, u_y)
         return math.atan2(north, east), max(along, 0.0)
 
-    def _compare(self, step: float, residuals: NDArray[np.float64], turned: float) -> None:
+    def _compare(
+        self, step: float, residuals: NDArray[np.float64], turned: float, changes: float
+    ) -> None:
         """Follow r and c, and leave a sensor out or take it back."""
         if self._weight == 0.0:
             self._now[:] = self._before[:] = residuals
@@ -122,7 +128,7 @@ class AirCheck:
             other = 1 - which  # axis on which the sensor shows nothing
             most = LEAST_JUMP + DEVIATIONS * (math.sqrt(self._jumps[which, other]) + turned)
             lasting = LEAST_OFFSET + DEVIATIONS * math.sqrt(self._offsets[which, other])
-            lasting = max(lasting, DOMINANCE * abs(offsets[which, other]))
+            lasting = changes + max(lasting, DOMINANCE * abs(offsets[which, other]))
             if not reason and not self.reasons[other]:
                 jumped = abs(jumps[which, which]) > most
                 # A bias from the start has been found by then, and is none of this.

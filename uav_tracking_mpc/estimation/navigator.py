@@ -337,7 +337,8 @@ class Navigator:
         reading = None if self.air.missing else airspeed
         if self.air.missing:
             heading = measurement.heading
-        known = air, deviations, self._acceleration
+        trend = self._without[0].trend
+        known = air, deviations, trend, self._acceleration
         turned, along = self.air_check.judge(measurement.stamp, heading, reading, level, *known)
         by_wind = turned, along / cosine
         out = self.air_check.reasons

@@ -61,6 +61,10 @@ GUST_WALK = 1.0  # m^2/s^3, that of moderate gusts, until it is seen how strong 
 # Over which the air velocity is averaged that multiplies alpha and beta. A gust changes the
 # airspeed of a real aircraft, and its heading as it weathercocks, before it moves the aircraft:
 # v_measured - a then changes exactly as -a does, and the gust would be taken for alpha.
+TREND, TREND_TIME = (
+    0.05,
+    60.0,
+)  # m/s^2, s: standard deviation of the wind's change, how long it lasts
 AVERAGING_TIME = 5.0  # s
 # Positions that are elsewhere by more than this and so many standard deviations of their noise are
 # left out for a time. If they stay there, that is where the aircraft is; what is told of its place
@@ -70,11 +74,11 @@ STEADY_SHARE = 0.1  # of the airspeed, that the air velocity may be apart from i
 LONGEST_GAP = 2.0  # s without a measurement, after which the position begins anew
 
 P, W, G, B = (slice(3 * k, 3 * k + 3) for k in range(4))
-ALPHA, BETA, SIZE = 12, 13, 14
+T, ALPHA, BETA, SIZE = slice(12, 14), 14, 15, 16
 
 
 class WindFilter:
-    """The filter of the module's docstring; its state is (p, w, g, b, alpha, beta).
+    """The filter of the module's docstring; its state is (p, w, g, b, w', alpha, beta).
 
     Attributes:
         place: Whether positions are used, or why not: as of
@@ -114,7 +118,7 @@ class WindFilter:
         self._judged_at, self._velocity = math.nan, Velocity.EXPECTED
         self._state[:] = 0.0
         deviations = [POSITION_NOISE, WIND, GUST, GROUND_BIAS]
-        prior = [*np.repeat(deviations, 3), AIRSPEED_SHARE, HEADING_BIAS]
+        prior = [*np.repeat(deviations, 3), TREND, TREND, AIRSPEED_SHARE, HEADING_BIAS]
         self._covariance[:] = 0.0
         self._covariance[_DIAGONAL] = np.square(prior)
         self._air[:] = self._steady_air[:] = 0.0
@@ -151,6 +155,11 @@ class WindFilter:
     def mean_wind(self) -> NDArray[np.float64]:
         """w, shape (3,), in [m/s]."""
         return self._state[W].copy()
+
+    @property
+    def trend(self) -> float:
+        """Magnitude of w' on the level in [m/s^2]."""
+        return float(np.hypot(*self._state[T]))
 
     @property
     def wind_deviation(self) -> float:
@@ -388,6 +397,10 @@ def _predicted(
         transition[axis, W.start + axis] = elapsed
         transition[axis, G.start + axis] = 0.5 * elapsed * (1.0 + decay[axis])
         transition[axis, ALPHA] = -elapsed * steady[axis]
+    lasts = ca.exp(-elapsed / TREND_TIME)
+    for axis in range(2):
+        transition[W.start + axis, T.start + axis] = elapsed
+        transition[T.start + axis, T.start + axis] = lasts
     for axis, across in enumerate(ca.vertsplit(-elapsed * _across(steady))[:2]):
         transition[axis, BETA] = across
     after = transition @ state
@@ -396,6 +409,7 @@ def _predicted(
     # A random walk of intensity q is a short piece of a gust of variance q T / 2.
     spread[G] = 0.5 * walks * times * (1.0 - decay**2)
     spread[W], spread[B] = WIND_WALK**2 * elapsed, GROUND_WALK**2 * elapsed
+    spread[T] = TREND**2 * (1.0 - lasts**2)
     spread[ALPHA], spread[BETA] = SHARE_WALK**2 * elapsed, HEADING_WALK**2 * elapsed
     return after, transition @ covariance @ transition.T + ca.diag(spread)
 
