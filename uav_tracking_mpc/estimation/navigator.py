@@ -79,6 +79,7 @@ class _AircraftInAir(NamedTuple):
     vehicle: NDArray[np.float64]
     rates: NDArray[np.float64]
     wind: NDArray[np.float64]
+    trend: NDArray[np.float64]
     gust: NDArray[np.float64]
     correlation_times: NDArray[np.float64]
 
@@ -264,7 +265,7 @@ class Navigator:
         self._follow_acceleration(time)
         air = self._aircraft_in_air(measurement, vehicle, height)
         np.add(self._stages, delay, out=self._times[1:])
-        blowing = air.wind, air.gust, air.correlation_times
+        blowing = air.wind, air.trend, air.gust, air.correlation_times
         faded = self._fading(time).reshape(-1)
         ahead = self._outlook(motion, turning, faded, blowing, self._times)
         target, drift, drift_rate = (rows[0] for rows in ahead)
@@ -282,7 +283,7 @@ class Navigator:
         rates = np.array([measurement.turn_rate, measurement.path_angle_rate, self._acceleration])
         if not self._estimating:
             wind = measurement.ground_velocity - vehicle_model.velocity(vehicle)
-            return _AircraftInAir(vehicle, rates, wind, np.zeros(3), np.ones(3))
+            return _AircraftInAir(vehicle, rates, wind, *np.zeros((2, 3)), np.ones(3))
         filters, noise, check = self._air_motion, measurement.noise, self.air_check
         stamp, place, air = measurement.stamp, vehicle[:3], self.air_filter
         seen = stamp, place, measurement.ground_velocity
@@ -318,6 +319,7 @@ class Navigator:
             np.array([*air.position, heading, path_angle, airspeed]),
             rates,
             air.mean_wind,
+            air.trend,
             air.gust,
             air.correlation_times,
         )
@@ -337,7 +339,7 @@ class Navigator:
         reading = None if self.air.missing else airspeed
         if self.air.missing:
             heading = measurement.heading
-        trend = self._without[0].trend
+        trend = float(np.hypot(*self._without[0].trend[:2]))
         known = air, deviations, trend, self._acceleration
         turned, along = self.air_check.judge(measurement.stamp, heading, reading, level, *known)
         by_wind = turned, along / cosine

@@ -60,7 +60,15 @@ class Outlook:
     """
 
     def __init__(self, count: int, rewind: float) -> None:
-        names = ("motion", 9), ("track", 4), ("faded", 6), ("wind", 3), ("gust", 3), ("times", 3)
+        names = (
+            ("motion", 9),
+            ("track", 4),
+            ("faded", 6),
+            ("wind", 3),
+            ("trend", 3),
+            ("gust", 3),
+            ("times", 3),
+        )
         told, times = [ca.SX.sym(name, size) for name, size in names], ca.SX.sym("ahead", count)
         rows = ca.horzcat(*[_at(rewind, time, *told) for time in ca.vertsplit(times)])
         function = ca.Function("outlook", [*told, times], [rows], {"cse": True})
@@ -71,7 +79,7 @@ class Outlook:
         motion: ArrayLike,
         track: ArrayLike,
         faded: ArrayLike,
-        air: tuple[ArrayLike, ArrayLike, ArrayLike],
+        air: tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike],
         times: ArrayLike,
     ) -> Ahead:
         """Target and drift at times from now on.
@@ -82,7 +90,8 @@ class Outlook:
                 :func:`~uav_tracking_mpc.estimation.singer_motion.bridged` the time travelled since
                 the track's time [s] and the share of the velocity that is left [-].
             faded: What is not yet corrected of position [m] and velocity [m/s], shape (6,).
-            air: Mean wind [m/s], gust [m/s] and its correlation times [s], shape (3,) each.
+            air: Mean wind [m/s], its trend [m/s^2], gust [m/s] and its correlation times [s], shape
+                (3,) each.
             times: From now on, shape (n,), in [s].
         """
         for kept, values in zip(
@@ -101,6 +110,7 @@ def _at(
     track: ca.SX,
     faded: ca.SX,
     wind: ca.SX,
+    trend: ca.SX,
     gust: ca.SX,
     times: ca.SX,
 ) -> ca.SX:
@@ -113,7 +123,7 @@ def _at(
     return ca.densify(
         ca.vertcat(
             position + share * faded[:3],
-            wind + blowing - left * velocity - share * faded[3:],
-            -blowing / times - left**2 * acceleration,
+            wind + time * trend + blowing - left * velocity - share * faded[3:],
+            trend - blowing / times - left**2 * acceleration,
         )
     )

@@ -157,9 +157,9 @@ class WindFilter:
         return self._state[W].copy()
 
     @property
-    def trend(self) -> float:
-        """Magnitude of w' on the level in [m/s^2]."""
-        return float(np.hypot(*self._state[T]))
+    def trend(self) -> NDArray[np.float64]:
+        """w', shape (3,), in [m/s^2]; level."""
+        return np.array([*self._state[T], 0.0])
 
     @property
     def wind_deviation(self) -> float:
