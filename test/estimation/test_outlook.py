@@ -22,13 +22,14 @@ from uav_tracking_mpc.estimation.turn_prediction import predict_turn
 
 STATE = np.array([[10.0, -20.0, 3.0], [6.0, -2.0, 0.4], [0.8, 0.3, 0.0]])
 WIND, GUST, TIMES = np.array([5.0, 2.0, 0.1]), np.array([1.0, -2.0, 0.5]), np.array([8.0, 8.0, 3.0])
+TREND = np.array([0.1, -0.2, 0.0])
 FADED = np.array([1.0, -0.5, 0.2, 0.3, 0.1, -0.1])
 AHEAD = np.array([0.0, 0.2, 0.5, 3.0, 10.0])
 
 
 def ahead(travelled=0.3, left=1.0, faded=FADED, turn_rate=0.2):
     track = 0.04, turn_rate, travelled, left
-    air = WIND, GUST, TIMES
+    air = WIND, TREND, GUST, TIMES
     return Outlook(len(AHEAD), rewind=1.0)(STATE.reshape(-1), track, faded, air, AHEAD)
 
 
@@ -41,9 +42,9 @@ def test_target_wind_gust_and_what_fades_add_up(travelled, left, turn_rate):
     share = np.exp(-AHEAD / FADE_TIME)[:, np.newaxis]
     gust = np.exp(-AHEAD[:, np.newaxis] / TIMES) * GUST
     np.testing.assert_allclose(found.target, p + share * FADED[:3], atol=1e-9)
-    drift = WIND + gust - left * v - share * FADED[3:]
+    drift = WIND + AHEAD[:, np.newaxis] * TREND + gust - left * v - share * FADED[3:]
     np.testing.assert_allclose(found.drift, drift, atol=1e-9)
-    np.testing.assert_allclose(found.drift_rate, -gust / TIMES - left**2 * a, atol=1e-9)
+    np.testing.assert_allclose(found.drift_rate, TREND - gust / TIMES - left**2 * a, atol=1e-9)
 
 
 def test_a_track_is_not_followed_further_back_than_it_reaches():
@@ -55,7 +56,7 @@ def test_a_track_is_not_followed_further_back_than_it_reaches():
 def test_a_later_call_leaves_an_earlier_answer_alone():
     outlook = Outlook(len(AHEAD), rewind=1.0)
     told = STATE.reshape(-1), (0.04, 0.2, 0.3, 1.0), FADED
-    first = outlook(*told, (WIND, GUST, TIMES), AHEAD)
+    first = outlook(*told, (WIND, TREND, GUST, TIMES), AHEAD)
     kept = first.drift.copy()
-    outlook(*told, (-WIND, GUST, TIMES), AHEAD)
+    outlook(*told, (-WIND, TREND, GUST, TIMES), AHEAD)
     np.testing.assert_array_equal(first.drift, kept)

@@ -58,13 +58,10 @@ AIRSPEED_SHARE, HEADING_BIAS = 0.02, 0.02  # -, rad
 WIND_WALK, GROUND_WALK, SHARE_WALK, HEADING_WALK = 0.03, 0.01, 2e-4, 2e-4
 POSITION_NOISE, VELOCITY_NOISE = 0.1, 0.05  # m, m/s: least standard deviations believed
 GUST_WALK = 1.0  # m^2/s^3, that of moderate gusts, until it is seen how strong they are
+TREND, TREND_TIME = 0.03, 60.0  # m/s^2, s: deviation of the wind's change, how long it lasts
 # Over which the air velocity is averaged that multiplies alpha and beta. A gust changes the
 # airspeed of a real aircraft, and its heading as it weathercocks, before it moves the aircraft:
 # v_measured - a then changes exactly as -a does, and the gust would be taken for alpha.
-TREND, TREND_TIME = (
-    0.05,
-    60.0,
-)  # m/s^2, s: standard deviation of the wind's change, how long it lasts
 AVERAGING_TIME = 5.0  # s
 # Positions that are elsewhere by more than this and so many standard deviations of their noise are
 # left out for a time. If they stay there, that is where the aircraft is; what is told of its place
@@ -118,7 +115,7 @@ class WindFilter:
         self._judged_at, self._velocity = math.nan, Velocity.EXPECTED
         self._state[:] = 0.0
         deviations = [POSITION_NOISE, WIND, GUST, GROUND_BIAS]
-        prior = [*np.repeat(deviations, 3), TREND, TREND, AIRSPEED_SHARE, HEADING_BIAS]
+        prior = [*np.repeat(deviations, 3), 0.2 * TREND, 0.2 * TREND, AIRSPEED_SHARE, HEADING_BIAS]
         self._covariance[:] = 0.0
         self._covariance[_DIAGONAL] = np.square(prior)
         self._air[:] = self._steady_air[:] = 0.0

@@ -137,6 +137,7 @@ class Asked:
         after: Time in [s] from which on the flight counts; None for the usual one.
         shaken: Whether limits are judged as where gusts shake the aircraft.
         unswung: Whether no limit cycle may be told, and the loop not be softened.
+        judged: Limits that may not be passed.
     """
 
     range_rms: float
@@ -150,6 +151,7 @@ class Asked:
     after: float | None = None
     shaken: bool = False
     unswung: bool = False
+    judged: tuple[str, ...] = JUDGED
 
     def resolved(self, flights: Flights) -> Asked:
         """The figures as absolute ones; without classical laws what is relative is not asked."""
@@ -220,7 +222,7 @@ class Asked:
                 compared = bounds.law and share is not None
                 of_law = f", {share:g} times that of {bounds.law}" if compared else ""
                 words.append(f"{name} {value:.3g} {unit}, at most {bound:.3g} {unit}{of_law}")
-        beyond = [f"{name} {own.violations[name]}" for name in JUDGED if name in own.violations]
+        beyond = [f"{name} {own.violations[name]}" for name in self.judged if name in own.violations]
         if self.limits and beyond:
             words.append(f"samples outside the envelope: {', '.join(beyond)}")
         if self.unswung and own.softened > 1.0:

@@ -125,6 +125,7 @@ def measures(
     late = log.time >= begin
     off = (np.abs(airspeed_error) > DEPARTED) & (log.time >= begin - STARTS_EARLIER)
     departed = np.flatnonzero(off)
+    steady = log.time >= min(begin + STEADY_LATER, float(log.time[-1]))
     bank = flown_bank(log)
     bank_rate = np.diff(bank) / np.diff(log.time)[1:]  # at the samples but two
     swing = bank - _middle(_orbit_bank(log))
@@ -149,7 +150,7 @@ def measures(
         off_plan=off_plan,
         altitude_min_m=float(np.min(altitude_error[late])),
         altitude_max_m=float(np.max(altitude_error[late])),
-        airspeed_worst_mps=float(np.max(np.abs(airspeed_error[log.time >= begin + STEADY_LATER]))),
+        airspeed_worst_mps=float(np.max(np.abs(airspeed_error[steady]))),
         airspeed_min_mps=float(np.min(log.vehicle[:, 5])),
         airspeed_max_mps=float(np.max(log.vehicle[:, 5])),
         airspeed_departed_s=(float(log.time[departed[0]]) if len(departed) else None,),

@@ -52,7 +52,6 @@ class AskedOfSensors(Asked):
     Attributes:
         worst: Of the range error at most in [m].
         airspeed: Of the airspeed's error at most in [m/s].
-        bank_rate: Of the bank rate RMS at most in [deg/s], where the range is a law's share.
         overshoot: Of the altitude at most in [m], where the measured height steps up and down.
         slowest: Least airspeed of the whole flight in [m/s].
         named: The sensor that is to be named; empty if none.
@@ -60,13 +59,13 @@ class AskedOfSensors(Asked):
         departed: Likewise from when the true airspeed is 1.5 m/s off, if ever.
         recovers: Whether it is to be used again once it is right.
         quiet: Whether no sensor may be named.
+        begin: When it begins to fail in [s].
     """
 
     range_rms: float = math.inf
     bank_rate_rms: float = math.inf
     worst: float = math.inf
     airspeed: float = math.inf
-    bank_rate: float = math.inf
     overshoot: float = math.inf
     slowest: float = NEVER_BELOW
     named: str = ""
@@ -75,6 +74,7 @@ class AskedOfSensors(Asked):
     recovers: bool = False
     quiet: bool = False
     begin: float = BEGIN
+    judged: tuple[str, ...] = ("bank",)  # the airspeed is judged by its own bounds
 
     def words(self, flights: Flights) -> str:
         """For instance ``worst 0.3 m, airspeed 1.5 m/s, airspeed named in 2 s``."""
@@ -115,10 +115,6 @@ class AskedOfSensors(Asked):
         own = flights[PREDICTIVE]
         if not own.worst_m <= self.worst:
             words.append(f"range error up to {own.worst_m:.3g} m, at most {self.worst:g} m")
-        if not own.bank_rate_rms_dps <= self.bank_rate:
-            words.append(
-                f"bank rate RMS {own.bank_rate_rms_dps:.3g} deg/s, at most {self.bank_rate:g}"
-            )
         overshoot = max(own.altitude_max_m, -own.altitude_min_m - HEIGHT_STEP)
         if not overshoot <= self.overshoot:
             words.append(f"altitude overshoots by {overshoot:.2f} m, at most {self.overshoot:g} m")
@@ -171,7 +167,8 @@ ASKED_OF_SENSORS = {
     "airspeed_none": AskedOfSensors(worst=0.3, slowest=16.0, begin=0.0),
     "airspeed_lost": AskedOfSensors(worst=0.3, slowest=16.0, named="airspeed"),
     "position_spikes": AskedOfSensors(worst=0.3, airspeed=0.5),
-    "position_jumps": AskedOfSensors(0.7, relative="npfg", airspeed=0.5, bank_rate=5.0),
+    # NPFG, given these positions as they are, is off by 5.6 m in the worst seed: 0.7 of that.
+    "position_jumps": AskedOfSensors(3.9, 5.0, airspeed=0.5),
     "position_offset": AskedOfSensors(worst=JUMP, airspeed=0.5),
     "height_steps": AskedOfSensors(overshoot=1.0, airspeed=0.5),
     "position_frozen": AskedOfSensors(worst=1.0, named="position", within=5.0),
