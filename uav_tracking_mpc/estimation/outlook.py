@@ -34,7 +34,7 @@ from uav_tracking_mpc.symbolic.functions import BufferedFunction
 
 # A measurement corrects the target's track by steps. They are faded in with this time constant
 # [s], or those of a noisy track would go straight into the bank angle.
-FADE_TIME = 0.8
+FADE_TIME = 1.0
 
 
 class Ahead(NamedTuple):

@@ -30,7 +30,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 MANOEUVRE_TIME = 5.0  # tau [s]: least prediction errors on circles, straight runs, stop and go
-BRIDGE_TIME = 5.0  # s without a position after which the velocity fades
+# s without a position after which the velocity fades; of a target that has run straight on
+BRIDGE_TIME, STRAIGHT_TIME = 5.0, 30.0
 FADE_TIME = 10.0  # s, its time constant
 TERMS = 16  # of the series of exp(-x), x <= 1/2: exact to rounding
 
@@ -79,7 +80,7 @@ def singer_motion(duration: float) -> tuple[NDArray[np.float64], NDArray[np.floa
     return transition, _NOISE_SERIES @ x**_POWERS
 
 
-def bridged(age: float) -> tuple[float, float]:
+def bridged(age: float, held: float = BRIDGE_TIME) -> tuple[float, float]:
     """Time travelled at the velocity last known, and the share of it that is left.
 
     A target that is lost is taken to run on for a while and then to slow down, so that no
@@ -87,11 +88,12 @@ def bridged(age: float) -> tuple[float, float]:
 
     Args:
         age: Of the newest measurement in [s].
+        held: Time for which it is taken to run on in [s].
 
     Returns:
         Time in [s], and the share, from 0 to 1.
     """
-    if age <= BRIDGE_TIME:
+    if age <= held:
         return age, 1.0
-    left = math.exp(-(age - BRIDGE_TIME) / FADE_TIME)
-    return BRIDGE_TIME + FADE_TIME * (1.0 - left), left
+    left = math.exp(-(age - held) / FADE_TIME)
+    return held + FADE_TIME * (1.0 - left), left

@@ -284,7 +284,8 @@ class TargetFilter:
         Raises:
             ValueError: Nothing has been measured yet.
         """
-        return bridged(min(time - self._known().time, FORGOTTEN))
+        track = self._known()
+        return bridged(min(time - track.time, FORGOTTEN), track.held)
 
     @property
     def track(self) -> TargetTrack:

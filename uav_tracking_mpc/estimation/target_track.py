@@ -41,7 +41,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from uav_tracking_mpc.estimation.singer_motion import BRIDGE_TIME, bridged, singer_motion
+from uav_tracking_mpc.estimation.singer_motion import (
+    BRIDGE_TIME,
+    STRAIGHT_TIME,
+    bridged,
+    singer_motion,
+)
 
 QUIET, TURN = 0, 3  # of the modes: quiet, gentle, hard, turn
 AGILITIES = np.array([1e-3, 0.1, 1.0, 1.0])  # sigma_a of each in [m/s^2]
@@ -50,6 +55,7 @@ TURN_SPEED = 5.0  # m/s, least standard deviation on each axis by which a turn c
 RATES = np.array(
     [[0.0, 3e-4, 3e-4, 3e-4], [0.05, 0.0, 0.05, 0.02], [0.0, 0.2, 0.0, 0.05], [0.0, 0.0, 1e3, 0.0]]
 )
+STRAIGHT = 0.9  # probability of the quiet mode above which a target that hides runs straight on
 QUIET_LEAST = 0.02  # probability of the quiet mode above which it goes on alone
 PROBABILITY_MIN = 1e-12
 OUTLIER_WEIGHT = math.log(0.03)  # of measurements that are outliers, which are
@@ -107,6 +113,11 @@ class TargetTrack:
     def agility(self) -> float:
         """Standard deviation of the target's acceleration, over the modes, in [m/s^2]."""
         return math.sqrt(float(self.probabilities @ AGILITIES**2))
+
+    @property
+    def held(self) -> float:
+        """For how long it is taken to run on without being seen in [s]."""
+        return STRAIGHT_TIME if self.probabilities[QUIET] > STRAIGHT else BRIDGE_TIME
 
     def position_std(self, age: float) -> float:
         """Standard deviation of the position on each axis in [m].
@@ -193,9 +204,9 @@ class TargetTrack:
         (vx, vy, vz) = self.state[1].tolist()
         square = max(TURN_SPEED**2, vx * vx + vy * vy + vz * vz)
         covariances[TURN, :2, :2] += square * _TURN_SHARES * elapsed**_TURN_POWERS
-        if elapsed <= BRIDGE_TIME:
+        if elapsed <= self.held:
             return predicted, transition @ states, covariances
-        travelled, left = bridged(elapsed)
+        travelled, left = bridged(elapsed, self.held)
         states = singer_motion(travelled)[0] @ states
         states[:, 1:] *= left
         return predicted, states, covariances

@@ -222,7 +222,9 @@ class Asked:
                 compared = bounds.law and share is not None
                 of_law = f", {share:g} times that of {bounds.law}" if compared else ""
                 words.append(f"{name} {value:.3g} {unit}, at most {bound:.3g} {unit}{of_law}")
-        beyond = [f"{name} {own.violations[name]}" for name in self.judged if name in own.violations]
+        beyond = [
+            f"{name} {own.violations[name]}" for name in self.judged if name in own.violations
+        ]
         if self.limits and beyond:
             words.append(f"samples outside the envelope: {', '.join(beyond)}")
         if self.unswung and own.softened > 1.0:

@@ -150,7 +150,7 @@ def mismatched(config: str, name: str, overrides: tuple[str, ...] = ()) -> Confi
         mistaken |= _MISTAKEN["gust_moderate"]
     fault = SENSOR_FAULTS.get(name)
     if fault is not None:
-        mistaken |= {f"{_SIMULATOR}.{name}": value for name, value in fault.overrides.items()}
+        mistaken |= fault.overrides
     told = [f"{parameter}={value}" for parameter, value in mistaken.items()]
     configuration = load_configuration(config, [*overrides, *told], SCENARIO)
     if fault is not None:

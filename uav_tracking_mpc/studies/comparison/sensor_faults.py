@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Sensors that fail in flight, by name: which, when and how.
+"""Sensors that fail in flight and targets that are hard to follow, by name: which, when and how.
 
 Every case is a flight of the mismatches' scenario. Nothing is imported here that takes long.
 """
@@ -34,9 +34,12 @@ TURN, WIND = 60.0, 8.0  # s, in which the wind turns by a right angle; m/s
 SPIKE, SPIKES, JUMP, JUMPS = 10.0, 8.0, 8.0, 6.0  # m and s: of short and of lasting jumps
 FROZEN, FLIPPED, OFFSET = 10.0, 0.5, 30.0  # s
 HEIGHT_STEP, HEIGHT_STEPS = 3.0, 20.0  # m, s
+EIGHT_LENGTH, EIGHT_WIDTH, EIGHT_POINTS = 70.0, 50.0, 60  # m, m, -
+EIGHT_SPEED, EIGHT_NOISE = 5.2135, 2.0  # m/s, m: once round in 50 s
+UNSEEN = 20.0  # s
 CLIMB, DRIFT = 60.0, 0.1  # m, m/s^2
 MODERATE = 15.4  # m/s: W20
-_SIMULATOR, _CONTROLLER = "uav_simulator", "nmpc_controller"
+_SIMULATOR, _CONTROLLER, _TARGET = "uav_simulator", "nmpc_controller", "target_publisher"
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,7 @@ class SensorFault:
     """What fails.
 
     Attributes:
-        overrides: Parameters of the simulator from the start.
+        overrides: Parameters from the start, by ``SECTION.PARAMETER``.
         changes: Times in [s] and parameters from then on, of a seed.
         seeded: Whether the worst of several seeds counts.
     """
@@ -109,16 +112,33 @@ def _height_steps(seed: int) -> Changes:
     )
 
 
+def _figure_of_eight() -> list[float]:
+    angles = np.linspace(0.0, 2.0 * math.pi, EIGHT_POINTS, endpoint=False)
+    east, north = 0.5 * EIGHT_LENGTH * np.sin(angles), 0.5 * EIGHT_WIDTH * np.sin(2.0 * angles)
+    corners = np.column_stack([east, north, np.zeros_like(east)])
+    return [float(each) for each in corners.round(3).ravel()]
+
+
+def _moving(motion: str, **values: object) -> dict[str, object]:
+    return {f"{_TARGET}.{name}": value for name, value in {"motion": motion, **values}.items()}
+
+
+def _unseen(seed: int) -> Changes:
+    return (BEGIN, f"{_TARGET}.dropout=1.0"), (BEGIN + UNSEEN, f"{_TARGET}.dropout=0.0")
+
+
 SENSOR_FAULTS = {
     "airspeed_plus_3": SensorFault(changes=_fails(airspeed_bias=3.0, airspeed_fault="stuck")),
-    "airspeed_at_26": SensorFault({"airspeed_bias": 4.0, "airspeed_fault": "stuck"}),
+    "airspeed_at_26": SensorFault(
+        {f"{_SIMULATOR}.airspeed_bias": 4.0, f"{_SIMULATOR}.airspeed_fault": "stuck"}
+    ),
     "airspeed_stuck_gusts": SensorFault(
-        {"gust_intensity": MODERATE}, _fails(airspeed_fault="stuck"), seeded=True
+        {f"{_SIMULATOR}.gust_intensity": MODERATE}, _fails(airspeed_fault="stuck"), seeded=True
     ),
     "airspeed_drift": SensorFault(changes=_drift),
     "airspeed_zero": SensorFault(changes=_fails(END, airspeed_bias=-50.0)),
     "airspeed_blocked": SensorFault(changes=_blocked),
-    "airspeed_none": SensorFault({"airspeed_fault": "silent"}),
+    "airspeed_none": SensorFault({f"{_SIMULATOR}.airspeed_fault": "silent"}),
     "airspeed_lost": SensorFault(changes=_fails(airspeed_fault="silent")),
     "position_spikes": SensorFault(
         changes=functools.partial(
@@ -138,4 +158,13 @@ SENSOR_FAULTS = {
     "heading_30": SensorFault(changes=_fails(heading_bias=math.radians(30.0))),
     "velocity_flip": SensorFault(changes=_fails(BEGIN + FLIPPED, velocity_gain=-1.0)),
     "wind_turns": SensorFault(changes=_turning_wind),
+    "figure8_noise": SensorFault(
+        _moving("waypoints", waypoints=_figure_of_eight(), speed=EIGHT_SPEED, noise=EIGHT_NOISE)
+    ),
+    "stop_and_go_8": SensorFault(
+        _moving("stop_and_go", speed=8.0, drive_time=12.0, stand_time=18.0)
+    ),
+    "zigzag_10": SensorFault(_moving("zigzag", drive_time=10.0)),
+    "dropout_straight": SensorFault(changes=_unseen),
+    "dropout_circling": SensorFault(_moving("circle", radius=80.0, speed=5.0), _unseen),
 }
