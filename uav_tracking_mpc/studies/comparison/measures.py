@@ -95,13 +95,13 @@ class Measures:
     envelope_violations: int
     violations: dict[str, int]
     off_plan: int | None
-    altitude_min_m: float
-    altitude_max_m: float
-    airspeed_worst_mps: float
-    airspeed_min_mps: float
-    airspeed_max_mps: float
-    airspeed_departed_s: tuple[float | None, ...]
-    sensors: tuple[tuple[SensorNews, ...], ...]
+    altitude_min_m: float = 0.0
+    altitude_max_m: float = 0.0
+    airspeed_worst_mps: float = 0.0
+    airspeed_min_mps: float = 0.0
+    airspeed_max_mps: float = 0.0
+    airspeed_departed_s: tuple[float | None, ...] = ()
+    sensors: tuple[tuple[SensorNews, ...], ...] = ()
 
 
 def measures(
