@@ -59,7 +59,6 @@ class Kind:
         key: Of the flights in the JSON.
         asked: Of what is asked in the JSON.
         columns: Heading, name of the measure and number format of each column of the table.
-        numeric: Headings of the columns of numbers.
         caption: Of the table.
     """
 
@@ -69,7 +68,6 @@ class Kind:
     key: str
     asked: str
     columns: tuple[tuple[str, str, str], ...]
-    numeric: tuple[str, ...]
     caption: str
 
     def on(self, plant: str) -> Kind:
@@ -94,38 +92,38 @@ SCENARIOS = Kind(
     asked="targets",
     columns=(
         RANGE_RMS,
-        ("within 10 m [s]", "settling_s", ".1f"),
+        ("settling [s]", "settling_s", ".1f"),
         ("altitude RMS [m]", "altitude_rms_m", ".3f"),
         ("airspeed RMS [m/s]", "airspeed_rms_mps", ".3f"),
         BANK_RATE_RMS,
         VIOLATIONS,
     ),
-    numeric=("asked",),
-    caption="RMS over the last third of the flight; within 10 m: of the range, from then on; "
-    "violations: samples at which airspeed, path angle, bank, specific force, height or "
-    "distance is beyond its limit by more than 1 %; asked: range RMS and settling of nmpc.",
+    caption="RMS over the last third of the flight; settling: time after which the range error "
+    "stays below 10 m; violations: samples at which airspeed, path angle, bank, specific force, "
+    "height or distance exceeds its limit by more than 1 %; asked: range RMS and settling time of "
+    "nmpc, at most.",
 )
 MISTOLD = Kind(
     name="mismatches",
-    title="Guidance laws told wrong",
+    title="Guidance laws under mismatch",
     flown="mismatch",
     key="mismatches",
     asked="asked",
     columns=(
         RANGE_RMS,
-        ("range mean [m]", "range_mean_m", ".3f"),
+        ("mean [m]", "range_mean_m", ".3f"),
         ("worst [m]", "worst_m", ".2f"),
         BANK_RATE_RMS,
         ("swing [deg]", "swing_deg", ".1f"),
         VIOLATIONS,
         ("off plan", "off_plan", "d"),
     ),
-    numeric=(),
-    caption="Range errors and bank rate from 90 s to the end; violations: samples of the whole "
-    "flight at which airspeed, path angle, bank, specific force, height or distance is beyond its "
-    "limit by more than 1 %; off plan: commands from 90 s on that are neither an optimal plan nor "
-    "the answer of the law; asked: range RMS and bank rate RMS of nmpc, in parentheses as shares "
-    "of those of the better classical law.",
+    caption="mean, worst: of the range error; swing: greatest difference of the bank from that of "
+    "the orbit; off plan: commands that are neither an optimal plan nor the answer of the law; all "
+    "but violations count from 90 s to the end. violations: samples of the whole flight at which "
+    "airspeed, path angle, bank, specific force, height or distance exceeds its limit by more than "
+    "1 %. asked: range RMS and bank rate RMS of nmpc, at most, in parentheses as shares of those "
+    "of another flight. Classical laws are not repeated while their figures stay the same.",
 )
 MISSING = {"settling_s": "never"}  # words for what a flight has no number for
 
@@ -306,27 +304,31 @@ def _solves(log: FlightLog) -> dict[str, Any]:
 
 
 def comparison_table(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> Table:
-    """One row for every flight.
+    """One row for every flight; classical laws are not repeated while their figures stay the same.
 
     Args:
         scenarios: What was flown.
         kind: What they are.
     """
     headings = [heading for heading, *_ in kind.columns]
-    rows = [
-        [
-            scenario.name if index == 0 else "",
-            law,
-            *(_cell(flight, name, form) for _, name, form in kind.columns),
-            *(_verdict(scenario) if law == PREDICTIVE else ("", "")),
-        ]
-        for scenario in scenarios
-        for index, (law, flight) in enumerate(scenario.measures.items())
-    ]
+    judged = any(scenario.asked is not None for scenario in scenarios)
+    rows, before = list[list[str]](), dict[str, list[str]]()
+    for scenario in scenarios:
+        figures = {
+            law: [_cell(flight, name, form) for _, name, form in kind.columns]
+            for law, flight in scenario.measures.items()
+        }
+        classical = {law: cells for law, cells in figures.items() if law != PREDICTIVE}
+        repeated, before = PREDICTIVE in figures and classical == before, classical
+        for index, (law, cells) in enumerate(figures.items()):
+            if law == PREDICTIVE or not repeated:
+                verdict = _verdict(scenario) if law == PREDICTIVE else ("", "")
+                first = scenario.name if index == 0 else ""
+                rows.append([first, law, *cells, *(verdict if judged else ())])
     return Table(
-        headings=(kind.flown, "law", *headings, "asked", "verdict"),
+        headings=(kind.flown, "law", *headings, *(("asked", "verdict") if judged else ())),
         rows=rows,
-        numeric=(*headings, *kind.numeric),
+        numeric=headings,
         caption=kind.caption,
     )
 
