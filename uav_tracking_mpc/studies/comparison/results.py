@@ -123,7 +123,7 @@ MISTOLD = Kind(
     "but violations count from 90 s to the end. violations: samples of the whole flight at which "
     "airspeed, path angle, bank, specific force, height or distance exceeds its limit by more than "
     "1 %. asked: range RMS and bank rate RMS of nmpc, at most, in parentheses as shares of those "
-    "of another flight. Classical laws are not repeated while their figures stay the same.",
+    "of another flight.",
 )
 MISSING = {"settling_s": "never"}  # words for what a flight has no number for
 
@@ -304,33 +304,75 @@ def _solves(log: FlightLog) -> dict[str, Any]:
 
 
 def comparison_table(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> Table:
-    """One row for every flight; classical laws are not repeated while their figures stay the same.
+    """One row for every flight.
 
     Args:
         scenarios: What was flown.
         kind: What they are.
     """
-    headings = [heading for heading, *_ in kind.columns]
     judged = any(scenario.asked is not None for scenario in scenarios)
-    rows, before = list[list[str]](), dict[str, list[str]]()
-    for scenario in scenarios:
-        figures = {
-            law: [_cell(flight, name, form) for _, name, form in kind.columns]
-            for law, flight in scenario.measures.items()
-        }
-        classical = {law: cells for law, cells in figures.items() if law != PREDICTIVE}
-        repeated, before = PREDICTIVE in figures and classical == before, classical
-        for index, (law, cells) in enumerate(figures.items()):
-            if law == PREDICTIVE or not repeated:
-                verdict = _verdict(scenario) if law == PREDICTIVE else ("", "")
-                first = scenario.name if index == 0 else ""
-                rows.append([first, law, *cells, *(verdict if judged else ())])
-    return Table(
-        headings=(kind.flown, "law", *headings, *(("asked", "verdict") if judged else ())),
-        rows=rows,
-        numeric=headings,
-        caption=kind.caption,
-    )
+    rows = [
+        [
+            scenario.name if index == 0 else "",
+            law,
+            *_figures(flight, kind),
+            *((_verdict(scenario) if law == PREDICTIVE else ("", "")) if judged else ()),
+        ]
+        for scenario in scenarios
+        for index, (law, flight) in enumerate(scenario.measures.items())
+    ]
+    return _table((kind.flown, "law"), rows, kind, judged)
+
+
+def own_table(scenarios: Sequence[Scenario], kind: Kind = MISTOLD) -> Table:
+    """The predictive controller's flights alone, one row each.
+
+    Args:
+        scenarios: What was flown.
+        kind: What they are.
+    """
+    judged = any(scenario.asked is not None for scenario in scenarios)
+    rows = [
+        [
+            scenario.name,
+            *_figures(scenario.measures[PREDICTIVE], kind),
+            *(_verdict(scenario) if judged else ()),
+        ]
+        for scenario in scenarios
+        if PREDICTIVE in scenario.measures
+    ]
+    return _table((kind.flown,), rows, kind, judged)
+
+
+def others_table(scenarios: Sequence[Scenario], kind: Kind = MISTOLD) -> Table:
+    """Range RMS and bank rate RMS of all other laws, one row for all their flights in a scenario.
+
+    Args:
+        scenarios: What was flown, by the same laws.
+        kind: What they are.
+    """
+    laws = [law for law in scenarios[0].measures if law != PREDICTIVE]
+    shown = [
+        (f"{law} [{unit}]", law, name, form)
+        for unit, (_, name, form) in (("m", RANGE_RMS), ("deg/s", BANK_RATE_RMS))
+        for law in laws
+    ]
+    rows = [
+        [each.name, *(_cell(each.measures[law], name, form) for _, law, name, form in shown)]
+        for each in scenarios
+    ]
+    headings = [heading for heading, *_ in shown]
+    return Table(headings=(kind.flown, *headings), rows=rows, numeric=headings)
+
+
+def _table(first: Sequence[str], rows: Sequence[Sequence[str]], kind: Kind, judged: bool) -> Table:
+    headings = [heading for heading, *_ in kind.columns]
+    last = ("asked", "verdict") if judged else ()
+    return Table((*first, *headings, *last), rows, numeric=headings, caption=kind.caption)
+
+
+def _figures(flight: Measures, kind: Kind) -> list[str]:
+    return [_cell(flight, name, form) for _, name, form in kind.columns]
 
 
 def _cell(flight: Measures, name: str, form: str) -> str:
