@@ -18,7 +18,7 @@ From the inputs of a plan come three demands,
 
 .. math::
 
-    \phi_d = \arctan\frac{v \cos\chi\, u_\psi}{g},\qquad \dot\chi_d = u_\chi,\qquad
+    \phi_d = -\arctan\frac{v \cos\chi\, u_\psi}{g},\qquad \dot\chi_d = u_\chi,\qquad
     \dot v_d = u_v,
 
 and from these rates of roll and pitch and a thrust, held by proportional and integral feedback with

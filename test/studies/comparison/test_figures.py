@@ -130,7 +130,7 @@ def test_another_folder_tells_what_happens_where_it_is_told_wrong(tmp_path):
     assert words[-1] == f"report: {tmp_path / 'new' / 'mismatches.html'}"
     page = (tmp_path / "new" / "mismatches.html").read_text()
     assert page.count("data:image/png;base64,") == 1
-    assert "Guidance laws told wrong: small_uav" in page
+    assert "Guidance laws under mismatch: small_uav" in page
     assert "lag_2: range RMS" in page
 
 

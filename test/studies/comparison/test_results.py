@@ -27,6 +27,8 @@ from uav_tracking_mpc.studies.comparison.results import (
     as_json,
     comparison_table,
     misses,
+    others_table,
+    own_table,
 )
 
 
@@ -127,6 +129,24 @@ def test_rows_of_mismatches_say_what_is_asked_as_shares_too():
     assert third[-2].endswith("deg/s (0.7, 1.25 x l1)")
     assert fifth[-2] == "0.3 m, 2 deg/s, mean 0.1 m"
     assert len(first) == len(MISTOLD.columns) + 4
+
+
+def test_what_nobody_asks_for_has_no_columns():
+    flown = replace(compared(), name="elsewhere")  # for which there is no target
+    assert comparison_table([flown]).headings[-1] == "violations"
+    assert {len(row) for row in comparison_table([flown]).rows} == {len(SCENARIOS.columns) + 2}
+
+
+def test_a_page_has_the_controller_and_the_other_laws_in_two_tables():
+    flown = [mistold(), mistold("gust_light")]
+    rows = comparison_table(flown, MISTOLD).rows
+    own, others = own_table(flown), others_table(flown)
+    assert own.rows == [[row[0], *row[2:]] for row in rows if row[1] == "nmpc"]
+    assert others.headings == ("mismatch", "l1 [m]", "l1 [deg/s]")
+    headings = comparison_table(flown, MISTOLD).headings
+    places = [headings.index(name) for name in ("range RMS [m]", "bank rate RMS [deg/s]")]
+    laws = [[row[place] for place in places] for row in rows if row[1] == "l1"]
+    assert [row[1:] for row in others.rows] == laws
 
 
 @pytest.mark.parametrize(

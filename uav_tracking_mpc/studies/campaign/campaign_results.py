@@ -173,7 +173,7 @@ def worst_first(rows: Sequence[Row]) -> list[Row]:
 FIGURES = (
     ("settled [s]", "settled_s", 1),
     ("range RMS [m]", "range_rms_m", 3),
-    ("worst once settled [m]", "worst_settled_m", 2),
+    ("worst settled error [m]", "worst_settled_m", 2),
     ("airspeed RMS [m/s]", "airspeed_rms_mps", 2),
     ("bank rate RMS [deg/s]", "bank_rate_rms_dps", 2),
 )
@@ -289,7 +289,7 @@ def _telling(results: CampaignResults) -> list[str]:
 
 BOUNDS = "95 % bounds [%]"
 CAPTION = (
-    "Bounds: Clopper and Pearson, each passed with a probability of 5 % at most, whatever the true "
+    "Bounds: Clopper and Pearson; each is passed in at most 5 % of campaigns, whatever the true "
     "probability is."
 )
 
@@ -301,7 +301,7 @@ def failure_table(results: CampaignResults) -> Table:
         rows.append([law, "all", *_failure_cells(flown)])
         parts = _parts(results, flown, "- ", lambda key, value: f"{key} = {value}")
         rows += [["", name, *_failure_cells(part)] for name, part in parts.items()]
-    headings = ("law", "flights", "number", "failed", "share [%]", BOUNDS, "reasons")
+    headings = ("law", "group", "flights", "failed", "failed [%]", BOUNDS, "reasons")
     return Table(headings, rows, numeric=headings[2:6], caption=CAPTION)
 
 
@@ -337,7 +337,7 @@ def quantile_table(results: CampaignResults) -> Table:
             ]
             first = heading if place == 0 else ""
             rows.append([first, law, *cells])
-    return Table(("", "law", *names), rows, numeric=names)
+    return Table(("figure", "law", *names), rows, numeric=names)
 
 
 def trait_table(results: CampaignResults) -> Table:
@@ -346,19 +346,19 @@ def trait_table(results: CampaignResults) -> Table:
     for law, flown in by(results.rows, "law").items():
         for words, traits in (
             ("failed", failed_traits(results, flown)),
-            ("worst tenth in range RMS", worst_traits(results, flown)),
+            ("worst tenth", worst_traits(results, flown)),
         ):
             rows += [
                 [
                     law,
                     words,
-                    f"{trait['input']} {trait['rule']}",
+                    f"{trait['input']} {trait['rule']}".replace("+", " + "),
                     *(f"{100.0 * trait[share]:.0f}" for share in ("share", "others")),
                     f"{trait['p_value']:.1g}",
                 ]
                 for trait in traits
             ]
-    headings = ("law", "flights", "have in common", "of them [%]", "of the others [%]", "p")
+    headings = ("law", "flights", "property", "share here [%]", "elsewhere [%]", "p")
     return Table(headings, rows, numeric=headings[3:])
 
 
@@ -369,12 +369,12 @@ def worst_table(results: CampaignResults) -> Table:
             str(row["flight"]),
             row["mistake"] if "+" not in row["mistake"] else row["group"],
             "never" if row.get("worst_settled_m") is None else f"{row['worst_settled_m']:.1f}",
-            row["error"] or row["reasons"] or "good",
+            row["error"] or row["reasons"] or "passed",
             replay_file(results, row).name,
         ]
         for row in worst_flights(results)
     ]
-    headings = ("flight", "errors", "worst once settled [m]", "failed by", "configuration")
+    headings = ("flight", "errors", "worst error [m]", "outcome", "configuration")
     return Table(headings, rows, numeric=(headings[0], headings[2]))
 
 
@@ -447,7 +447,7 @@ def campaign_study(results: CampaignResults) -> Study:
     tables = {
         "failures": ("Failures", failure_table(results)),
         "quantiles": ("Quantiles", quantile_table(results)),
-        "traits": ("What they have in common", trait_table(results)),
+        "traits": ("Common properties", trait_table(results)),
         "worst": ("The worst flights", worst_table(results)),
     }
     shown = {title: table for title, table in tables.values() if table.rows}

@@ -174,14 +174,16 @@ class Asked:
         shares = f"({self.range_rms:g}, {self.bank_rate_rms:g} x {bounds.law or self.relative})"
         if self.relative and not bounds.law:
             return shares
-        words = f"{bounds.range_rms:.3g} m, {bounds.bank_rate_rms:.3g} deg/s"
-        if self.relative:
-            words += f" {shares}"
-        if math.isfinite(self.range_mean):
-            words += f", mean {self.range_mean:g} m"
-        if math.isfinite(self.swing):
-            words += f", swing {self.swing:g} deg"
-        return words
+        asked = {
+            "{:.3g} m": bounds.range_rms,
+            "{:.3g} deg/s": bounds.bank_rate_rms,
+            "mean {:g} m": self.range_mean,
+            "swing {:g} deg": self.swing,
+        }
+        words = [form.format(value) for form, value in asked.items() if math.isfinite(value)]
+        if self.unswung:
+            words.append("no limit cycle")
+        return ", ".join(words) + (f" {shares}" if self.relative else "")
 
     def as_json(self, flights: Flights) -> dict[str, Any]:
         """The figures as plain values, those that are not asked infinite or null."""

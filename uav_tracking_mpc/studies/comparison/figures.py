@@ -41,6 +41,8 @@ from uav_tracking_mpc.studies.comparison.results import (
     as_json,
     comparison_table,
     misses,
+    others_table,
+    own_table,
 )
 from uav_tracking_mpc.studies.study import Study
 
@@ -282,8 +284,6 @@ def mismatch_figure(mismatches: Sequence[Scenario]) -> Figure:
 
 
 TEMPLATE = "comparison.html.j2"
-# Of the documentation, by kind
-PLACES = {"compare": "comparison", "mismatches": "mismatches"}
 SEEN = "Paths about the target, range error and bank"
 ALTERNATIVES = {
     "summary": "Range RMS, settling time and bank rate of every law in every scenario",
@@ -301,11 +301,14 @@ def comparison(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS, left: str 
     """
     table, content = comparison_table(scenarios, kind), as_json(scenarios, kind)
     missed = misses(scenarios)
+    place = "comparison" if kind.name == SCENARIOS.name else kind.name  # in the documentation
     if kind.flown == SCENARIOS.flown:
         figures = {"summary": partial(summary_figure, scenarios)}
         figures |= {each.name: partial(scenario_figure, each) for each in scenarios}
+        tables = {place: table}
     else:
         figures = {kind.name: partial(mismatch_figure, scenarios)}
+        tables = {place: own_table(scenarios, kind), f"{place}_laws": others_table(scenarios, kind)}
     about = {
         each.name: {"title": each.title, "description": each.description} for each in scenarios
     }
@@ -337,6 +340,6 @@ def comparison(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS, left: str 
         written=f"report: {{}}/{kind.name}.html",
         figures=figures,
         page=page,
-        tables={PLACES.get(kind.name, kind.name): table},
+        tables=tables,
         left=left,
     )

@@ -54,7 +54,6 @@ class Kind:
         key: Of the flights in the JSON.
         asked: Of what is asked in the JSON.
         columns: Heading, name of the measure and number format of each column of the table.
-        numeric: Headings of the columns of numbers.
         caption: Of the table.
     """
 
@@ -64,7 +63,6 @@ class Kind:
     key: str
     asked: str
     columns: tuple[tuple[str, str, str], ...]
-    numeric: tuple[str, ...]
     caption: str
 
     def on(self, plant: str) -> Kind:
@@ -89,38 +87,38 @@ SCENARIOS = Kind(
     asked="targets",
     columns=(
         RANGE_RMS,
-        ("within 10 m [s]", "settling_s", ".1f"),
+        ("settling [s]", "settling_s", ".1f"),
         ("altitude RMS [m]", "altitude_rms_m", ".3f"),
         ("airspeed RMS [m/s]", "airspeed_rms_mps", ".3f"),
         BANK_RATE_RMS,
         VIOLATIONS,
     ),
-    numeric=("asked",),
-    caption="RMS over the last third of the flight; within 10 m: of the range, from then on; "
-    "violations: samples at which airspeed, path angle, bank, specific force, height or "
-    "distance is beyond its limit by more than 1 %; asked: range RMS and settling of nmpc.",
+    caption="RMS over the last third of the flight; settling: time after which the range error "
+    "stays below 10 m; violations: samples at which airspeed, path angle, bank, specific force, "
+    "height or distance exceeds its limit by more than 1 %; asked: range RMS and settling time of "
+    "nmpc, at most.",
 )
 MISTOLD = Kind(
     name="mismatches",
-    title="Guidance laws told wrong",
+    title="Guidance laws under mismatch",
     flown="mismatch",
     key="mismatches",
     asked="asked",
     columns=(
         RANGE_RMS,
-        ("range mean [m]", "range_mean_m", ".3f"),
+        ("mean [m]", "range_mean_m", ".3f"),
         ("worst [m]", "worst_m", ".2f"),
         BANK_RATE_RMS,
         ("swing [deg]", "swing_deg", ".1f"),
         VIOLATIONS,
         ("off plan", "off_plan", "d"),
     ),
-    numeric=(),
-    caption="Range errors and bank rate from 90 s to the end; violations: samples of the whole "
-    "flight at which airspeed, path angle, bank, specific force, height or distance is beyond its "
-    "limit by more than 1 %; off plan: commands from 90 s on that are neither an optimal plan nor "
-    "the answer of the law; asked: range RMS and bank rate RMS of nmpc, in parentheses as shares "
-    "of those of the better classical law.",
+    caption="mean, worst: of the range error; swing: greatest difference of the bank from that of "
+    "the orbit; off plan: commands that are neither an optimal plan nor the answer of the law; all "
+    "but violations count from 90 s to the end. violations: samples of the whole flight at which "
+    "airspeed, path angle, bank, specific force, height or distance exceeds its limit by more than "
+    "1 %. asked: range RMS and bank rate RMS of nmpc, at most, in parentheses as shares of those "
+    "of another flight.",
 )
 MISSING = {"settling_s": "never"}  # words for what a flight has no number for
 
@@ -307,23 +305,69 @@ def comparison_table(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> T
         scenarios: What was flown.
         kind: What they are.
     """
-    headings = [heading for heading, *_ in kind.columns]
+    judged = any(scenario.asked is not None for scenario in scenarios)
     rows = [
         [
             scenario.name if index == 0 else "",
             law,
-            *(_cell(flight, name, form) for _, name, form in kind.columns),
-            *(_verdict(scenario) if law == PREDICTIVE else ("", "")),
+            *_figures(flight, kind),
+            *((_verdict(scenario) if law == PREDICTIVE else ("", "")) if judged else ()),
         ]
         for scenario in scenarios
         for index, (law, flight) in enumerate(scenario.measures.items())
     ]
-    return Table(
-        headings=(kind.flown, "law", *headings, "asked", "verdict"),
-        rows=rows,
-        numeric=(*headings, *kind.numeric),
-        caption=kind.caption,
-    )
+    return _table((kind.flown, "law"), rows, kind, judged)
+
+
+def own_table(scenarios: Sequence[Scenario], kind: Kind = MISTOLD) -> Table:
+    """The predictive controller's flights alone, one row each.
+
+    Args:
+        scenarios: What was flown.
+        kind: What they are.
+    """
+    judged = any(scenario.asked is not None for scenario in scenarios)
+    rows = [
+        [
+            scenario.name,
+            *_figures(scenario.measures[PREDICTIVE], kind),
+            *(_verdict(scenario) if judged else ()),
+        ]
+        for scenario in scenarios
+        if PREDICTIVE in scenario.measures
+    ]
+    return _table((kind.flown,), rows, kind, judged)
+
+
+def others_table(scenarios: Sequence[Scenario], kind: Kind = MISTOLD) -> Table:
+    """Range RMS and bank rate RMS of all other laws, one row for all their flights in a scenario.
+
+    Args:
+        scenarios: What was flown, by the same laws.
+        kind: What they are.
+    """
+    laws = [law for law in scenarios[0].measures if law != PREDICTIVE]
+    shown = [
+        (f"{law} [{unit}]", law, name, form)
+        for unit, (_, name, form) in (("m", RANGE_RMS), ("deg/s", BANK_RATE_RMS))
+        for law in laws
+    ]
+    rows = [
+        [each.name, *(_cell(each.measures[law], name, form) for _, law, name, form in shown)]
+        for each in scenarios
+    ]
+    headings = [heading for heading, *_ in shown]
+    return Table(headings=(kind.flown, *headings), rows=rows, numeric=headings)
+
+
+def _table(first: Sequence[str], rows: Sequence[Sequence[str]], kind: Kind, judged: bool) -> Table:
+    headings = [heading for heading, *_ in kind.columns]
+    last = ("asked", "verdict") if judged else ()
+    return Table((*first, *headings, *last), rows, numeric=headings, caption=kind.caption)
+
+
+def _figures(flight: Measures, kind: Kind) -> list[str]:
+    return [_cell(flight, name, form) for _, name, form in kind.columns]
 
 
 def _cell(flight: Measures, name: str, form: str) -> str:

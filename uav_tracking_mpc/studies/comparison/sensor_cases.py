@@ -78,9 +78,7 @@ class AskedOfSensors(Asked):
 
     def words(self, flights: Flights) -> str:
         """For instance ``worst 0.3 m, airspeed 1.5 m/s, airspeed named in 2 s``."""
-        words = []
-        if math.isfinite(self.range_rms) or math.isfinite(self.bank_rate_rms):
-            words.append(super().words(flights))
+        words = [words] if (words := super().words(flights)) else []
         if math.isfinite(self.worst):
             words.append(f"worst {self.worst:g} m")
         if math.isfinite(self.airspeed):

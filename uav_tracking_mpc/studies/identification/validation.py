@@ -144,18 +144,28 @@ def validate(
         "confidence": CONFIDENCE,
         "channels": channels,
     }
-    near = [
-        f"{name.replace('_', ' ')} within {least:g} s or {share:.0%}"
-        for name, (least, share) in NEAR.items()
-    ]
-    covered = [f"interval holds {name.replace('_', ' ')}" for name in Estimates._fields]
+    near = [f"{_words(name)} close [%]" for name in NEAR]
+    covered = [f"{_words(name)} covered [%]" for name in Estimates._fields]
     cells = [
-        [name, *(f"{share:.1%}" for share in (*c["near"].values(), *c["covered"].values()))]
+        [name, *(f"{100 * hit:.1f}" for hit in (*c["near"].values(), *c["covered"].values()))]
         for name, c in channels.items()
     ]
-    title = f"{count} flights, {EXCITED:g} s of each"
-    table = Table(["channel", *near, *covered], cells, numeric=(*near, *covered), title=title)
+    bounds = ", ".join(
+        f"{_words(name)} within {least:g} s or {share:.0%} of the truth"
+        for name, (least, share) in NEAR.items()
+    )
+    table = Table(
+        ["channel", *near, *covered],
+        cells,
+        numeric=(*near, *covered),
+        title=f"{count} flights, {EXCITED:g} s of each",
+        caption=f"close: {bounds}; covered: the interval of {CONFIDENCE:.0%} holds the truth.",
+    )
     return Study("validation", content, [table], tables={"identification": table})
+
+
+def _words(name: str) -> str:
+    return {"total": "sum"}.get(name, name.replace("_", " "))
 
 
 def _counted(rows: Sequence[Row]) -> dict[str, Any]:

@@ -319,10 +319,10 @@ def _margins(margins: LoopMargins) -> dict[str, Any]:
 
 COLUMNS = ("gain up [dB]", "gain down [dB]", "phase [deg]", "delay [s]", "disk")
 CAPTION = (
-    "How much more each channel bears at the plant's input beyond what the controller is told, the "
-    "others as they are; all: every channel at once, gain and phase of the disk margin. Flown: the "
-    "controller with its estimators, by impulses; model: linearised; in wind: the model, frozen "
-    "where the disk margin is least."
+    "Margin of each channel at the plant's input, beyond the lag, dead time and gain given to the "
+    "controller, with the other channels closed; all: every channel at once, gain and phase of the "
+    "disk margin. flown: the controller with its estimators, by impulses; model: linearised; in "
+    "wind: the model, frozen where the disk margin is smallest."
 )
 
 
@@ -336,7 +336,7 @@ def margin_table(study: MarginStudy) -> Table:
         for words, margins in parts.items()
         for index, cells in enumerate(_rows(margins))
     ]
-    return Table(("", "channel", *COLUMNS), rows, numeric=COLUMNS, caption=CAPTION)
+    return Table(("loop", "channel", *COLUMNS), rows, numeric=COLUMNS, caption=CAPTION)
 
 
 def _rows(margins: LoopMargins) -> list[list[str]]:

@@ -403,26 +403,36 @@ def paper_as_printed() -> dict[str, Any]:
     return theorem3(paper_cases()[0].quantities(PRINTED_LIPSCHITZ))
 
 
-HEADINGS = ("quantity", "where", "as printed", "printed A", "with (11)", "exact", "verdict")
+HEADINGS = ("quantity", "where", "printed", "printed A", "with (11)", "exact", "verdict")
 
-_INTRODUCTION = """# What the paper prints, and what is true
+_INTRODUCTION = """# Errata of the paper
 
-This page is generated (`uav_tracking stability --errata docs/paper_errata.md`); a test keeps it
-current. Numbers are recomputed three times: with the matrix $A$ that (58) prints in the place of a
-linearisation (the plant is (11)), with (11) and its own Jacobian, and with the exact kinematics.
-For the entries of $A$, the column "printed A" holds (12) evaluated with the parameters of Table 1.
+Every number that Sections 3, 5 and 6 of the paper print, beside its recomputed value. The main
+results: the printed certificate fails its own condition (41) by a factor of 4.8; the published
+simulation cannot have enforced the terminal constraint (16e); the printed terminal level is
+nevertheless inside the region in which the terminal cost decreases.
+
+`uav_tracking stability --errata docs/paper_errata.md` writes this page; a test keeps it current.
+The columns are
+
+- printed: the value in the paper,
+- printed A: the plant (11), linearised by the matrix $A$ that (58) prints; for the entries of $A$
+  themselves, (12) evaluated with the parameters of Table 1,
+- with (11): the plant (11) and its own Jacobian,
+- exact: the exact kinematics and their Jacobian.
 """
 
 _CLOSING = r"""
-## Remarks that are not about one number
+## Remarks that concern more than one number
 
-- (6), (7) and (9) replace $d/r$ by $\cos\chi$ and $z/r$ by $\sin\chi$: true only where the path
-  angle equals the target's elevation angle. Hence three different steady turns.
-- (29) is exactly $L \le 1 - |A_K|_P$ whatever $\rho$, because $|A_K|_P^2 = 1 - \rho\sigma$; (41)
-  tends to it as $\rho$ grows.
-- (57) prints $c_2/c_3$ where the argument needs $c_2$ over a lower bound of $V_N$, which is
-  $\xi |x|^2$ in $P_\rho$.
-- The levels in the rows "where ... stops" are the lowest at which a state is known that breaks the
+- (6), (7) and (9) replace $d/r$ by $\cos\chi$ and $z/r$ by $\sin\chi$. This is true only when the
+  path angle equals the elevation angle of the target. The three models therefore have three
+  different steady turns.
+- (29) is equivalent to $L \le 1 - |A_K|_P$ for every $\rho$, because $|A_K|_P^2 = 1 - \rho\sigma$;
+  (41) approaches it as $\rho$ grows.
+- (57) prints $c_2/c_3$. The argument needs $c_2$ divided by a lower bound of $V_N$, which is
+  $\xi |x|^2$ in the norm of $P_\rho$.
+- A level in a row "where ... stops" is the lowest at which a state is known that violates the
   condition. `uav_tracking stability` proves how far each condition holds.
 """
 
