@@ -18,14 +18,16 @@ The odometry may be best effort, late, and in frames of other names. The autopil
 path-angle rate and acceleration, 50 times a second.
 """
 
+import sys
+
 import numpy as np
-import rclpy
 from geometry_msgs.msg import Vector3Stamped
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 
 from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, plan_from_command
+from uav_tracking_mpc.nodes.ros.process import run
 from uav_tracking_mpc.nodes.topics import COMMAND, ODOMETRY
 from uav_tracking_mpc.simulation.plan_follower import PlanFollower
 
@@ -69,5 +71,4 @@ class OdometryAdapter(Node):
 
 
 if __name__ == "__main__":
-    rclpy.init()
-    rclpy.spin(OdometryAdapter())
+    sys.exit(run("odometry_adapter", OdometryAdapter))
