@@ -142,7 +142,7 @@ def _check_files(words):
             Path(word).mkdir(parents=True)
         elif re.search(r"\.\w+$", word) and "=" not in word:
             path = Path(word)
-            if path.parent.exists():
+            if path.parent != Path() and path.parent.exists():
                 path.touch()
             assert path.exists() or (ROOT / path).exists(), word
 
