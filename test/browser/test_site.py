@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the documentation adds to its theme, in a browser: style, script, order of search results."""
+"""What the documentation adds to its theme, in a browser: style, script, order of results."""
 
 import pytest
 from sources import ROOT
