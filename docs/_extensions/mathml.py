@@ -82,7 +82,7 @@ def converted(formula, as_block=False):
             over.tag = f"{{{MATHML}}}msub"
             over[:] = [ET.Element(f"{{{MATHML}}}mover"), index]
             over[0].extend([base, accent])
-    for row in root.iter():
+    for row in list(root.iter()):
         _space(row)
     return ET.tostring(root, encoding="unicode")
 
