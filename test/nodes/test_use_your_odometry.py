@@ -101,7 +101,8 @@ def test_it_holds_the_orbit(nodes: Nodes, scenario):
         errors.append(aircraft.error(node.controller.orbit))
     assert answered > 0.95 * 30.0 * (20.0 - LATE * TICK)
     assert np.abs(errors[-900:]).max() < 1.0
-    assert node.controller.navigator.latency == pytest.approx(LATE * TICK, abs=TICK)
+    # The wall time of the solves comes on top.
+    assert node.controller.navigator.latency > 0.95 * LATE * TICK
 
 
 def test_it_is_short():
