@@ -21,8 +21,10 @@ pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
 STATIC = ROOT / "docs" / "_static"
 NAME = "uav_tracking_mpc.dynamics.relative_models.kinematics"
-CELL = f"<td><code class='literal'>{NAME}</code></td>"
-PAGE = f"""<style>body {{ margin: 0 }} .table-wrapper {{ width: 100% }}</style>
+CELL = f"<td><code class='literal'><span class='pre'>{NAME}</span></code></td>"
+PAGE = f"""<style>
+body {{ margin: 0 }} .table-wrapper {{ width: 100% }} span.pre {{ white-space: nowrap }}
+</style>
 <style>{(STATIC / "site.css").read_text()}</style>
 <div class="main"><div class="content"><article>
 <div class="table-wrapper"><table class="docutils"><tr>{CELL * 2}</tr></table></div>
