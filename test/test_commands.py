@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What README.md, the first page of the site and the tutorials tell people to type works.
+"""What README.md, the first page of the site, tutorials and how-to pages tell people to type works.
 
 Commands are the lines of the blocks of code without a language. ``make test`` is left out, and so
 are blocks for a ROS 2 from apt. A comment tells what a command does other than end with 0: "exit
@@ -43,6 +43,7 @@ TUTORIALS = tuple(
     for name in ("tutorial.md", "tutorials/your_aircraft.md", "tutorials/reproduce_the_paper.md")
 )
 PAGES = (*TUTORIALS, README, DOCS / "index.md")
+HOW_TO = sorted((DOCS / "how_to").glob("*.md"))
 FROM_APT = ("ros2", "colcon", "rosdep")
 SHELL = ("cd", "export", "git")
 PATIENCE = 1800.0  # s, for one command on a loaded machine
@@ -54,7 +55,8 @@ OTHER_ENVIRONMENT = (  # of the interpreter that runs the tests, and of the make
 
 def commands(page):
     """Lines that a reader types, in their order."""
-    found = re.findall(r"^```(.*?)\n(.*?)^```$", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    text = page.read_text().replace("\\\n", " ")
+    found = re.findall(r"^```(.*?)\n(.*?)^```$", text, flags=re.MULTILINE | re.DOTALL)
     blocks = [block.splitlines() for language, block in found if not language]
     ours = [
         block
@@ -78,6 +80,17 @@ def test_every_command_is_understood(page, tmp_path, monkeypatch):
     for line in lines:
         for words in _split(shlex.split(line, comments=True)):
             assert _understood(words, monkeypatch) == exit_code(line), line
+
+
+@pytest.mark.parametrize("page", HOW_TO, ids=lambda page: page.stem)
+def test_every_command_of_a_how_to_page_is_understood(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("examples").symlink_to(ROOT / "examples")
+    for name in ("my_uav.yaml", "my_link.py", "shuttle.py"):  # the reader's
+        shutil.copy(ROOT / "config" / "small_uav.yaml", name)
+    for line in commands(page):
+        words = shlex.split(line, comments=True)
+        assert _understood(words, monkeypatch) == exit_code(line), line
 
 
 @pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
@@ -122,6 +135,8 @@ def _understood(words, monkeypatch):
     if words[0] == "cp":
         shutil.copy(ROOT / words[1], words[2])
         return 0
+    if words[0] == "python":
+        return 0 if (ROOT / words[1]).is_file() else 2
     assert words[0] in SHELL, f"nothing here knows {words[0]!r}"
     return 0
 
