@@ -50,6 +50,8 @@ html_title = "uav_tracking_mpc"
 html_math_renderer = "mathml"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_js_files = [("site.js", {"defer": "defer"})]
+html_search_scorer = str(HERE / "search_scorer.js")  # pages of text before attributes
 html_copy_source = False
 html_show_sphinx = False
 

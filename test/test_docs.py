@@ -84,7 +84,7 @@ def test_files_that_are_named_exist(page):
 
 
 def test_every_page_is_in_the_site():
-    listed = {"index", "reference/words"}
+    listed = {"index"}
     for index in (DOCS / "index.md", DOCS / "how_to" / "index.md"):
         for block in re.findall(r"```\{toctree\}(.*?)```", index.read_text(), flags=re.DOTALL):
             folder = index.parent.relative_to(DOCS)
@@ -104,7 +104,7 @@ TEXT = (ROOT / "README.md").read_text()
 
 
 def test_it_is_short():
-    assert len(TEXT.splitlines()) <= 150
+    assert len(TEXT.splitlines()) <= 110
 
 
 def test_its_links_lead_somewhere():

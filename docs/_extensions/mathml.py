@@ -17,9 +17,10 @@
 The pages then need no script, no font and no network. The conversion is that of docutils; a formula
 that it does not know is a warning, and so ends the build.
 
-Two things of it are mended. Of a letter with an accent and an index it makes one with the index
-under it. And what it marks as an accent is drawn by Chromium into the letter where no font of the
-machine tells how high letters are, as mathematical fonts do; a dot is then not seen.
+Four things are corrected. For a letter with an accent and an index, docutils puts the index under
+the letter. What is marked as an accent is drawn by Chromium into the letter if no font of the
+machine is a mathematical one, and a dot is then not seen. Names of functions stand without space
+between their neighbours. A sign at the beginning is spaced like a sum.
 """
 
 import html
@@ -31,6 +32,9 @@ from docutils.utils.math.latex2mathml import tex2mathml
 
 MATHML = "http://www.w3.org/1998/Math/MathML"
 ET.register_namespace("", MATHML)
+THIN = "0.167em"
+APPLIED = "\u2061"  # invisible, after the name of a function
+SIGNS, CLOSING = ("+", "\u2212", "\u00b1"), (")", "]", "}", "|", "\u2016", "!")
 HTML_ENTITY = re.compile(r"&(?!(?:amp|lt|gt|quot|apos|#\w+);)\w+;")  # XML knows five alone
 
 
@@ -78,7 +82,35 @@ def converted(formula, as_block=False):
             over.tag = f"{{{MATHML}}}msub"
             over[:] = [ET.Element(f"{{{MATHML}}}mover"), index]
             over[0].extend([base, accent])
+    for row in list(root.iter()):
+        _space(row)
     return ET.tostring(root, encoding="unicode")
+
+
+def _space(row):
+    """Set functions apart from their neighbours, and signs next to what they belong to."""
+    before = None
+    for element in list(row):
+        text = (element.text or "").strip() if element.tag == f"{{{MATHML}}}mo" else None
+        follows_operand = before is not None and before in ("", *CLOSING)
+        if text == APPLIED:
+            at = list(row).index(element)
+            if at >= 2 and _is_operand(row[at - 2]):
+                row.insert(at - 1, _thin_space())
+            if (at := list(row).index(element)) + 1 < len(row) and row[at + 1].text != "(":
+                row.insert(at + 1, _thin_space())
+        elif text in SIGNS and not follows_operand:
+            element.set("form", "prefix")
+        before = "" if text is None else text
+
+
+def _is_operand(element):
+    """Whether an element is no operator, or closes a bracket."""
+    return element.tag != f"{{{MATHML}}}mo" or (element.text or "").strip() in CLOSING
+
+
+def _thin_space():
+    return ET.Element(f"{{{MATHML}}}mspace", width=THIN)
 
 
 def raise_skip():

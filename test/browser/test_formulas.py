@@ -17,6 +17,7 @@
 import importlib.util
 import io
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -74,3 +75,24 @@ def test_an_index_stands_beside_the_letter_that_has_a_dot(drawn):
 
 def test_bounds_of_a_sum_stay_where_they_are(converted):
     assert "munderover" in converted(r"\sum_{k=0}^{N} x_k", as_block=True)
+
+
+def kinds(text):
+    """Tags and texts of what a formula is made of, without the spaces between."""
+    root = ElementTree.fromstring(text)
+    return [(child.tag.partition("}")[2], (child.text or "").strip()) for child in root]
+
+
+def test_the_name_of_a_function_stands_apart(converted):
+    spaced = kinds(converted(r"v\cos\chi\sin(\psi)"))
+    names = [text or tag for tag, text in spaced if text != "\u2061"]
+    assert names == ["v", "mspace", "cos", "mspace", "χ", "mspace", "sin", "(", "ψ", ")"]
+
+
+@pytest.mark.parametrize(
+    ("formula", "forms"),
+    [(r"+a - b", ["prefix", None]), (r"a = +b", ["prefix"]), (r"(a) + b", [None])],
+)
+def test_a_sign_belongs_to_what_follows_it(converted, formula, forms):
+    root = ElementTree.fromstring(converted(formula))
+    assert [mo.get("form") for mo in root if (mo.text or "").strip() in "+\u2212"] == forms

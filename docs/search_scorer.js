@@ -1,0 +1,15 @@
+// Order of search results: pages of text, then tables of reference, then modules and attributes.
+var Scorer = {
+  score: ([docname, title, anchor, description, score]) => {
+    if (docname.startsWith("api/")) return score;
+    return score + (/^reference\/(constants|changelog|tests|contributing)$/.test(docname) ? 100 : 200);
+  },
+  objNameMatch: 11,
+  objPartialMatch: 6,
+  objPrio: { 0: 15, 1: 5, 2: -5 },
+  objPrioDefault: 0,
+  title: 15,
+  partialTitle: 7,
+  term: 5,
+  partialTerm: 2,
+};
