@@ -283,7 +283,7 @@ class Navigator:
         rates = np.array([measurement.turn_rate, measurement.path_angle_rate, self._acceleration])
         if not self._estimating:
             wind = measurement.ground_velocity - vehicle_model.velocity(vehicle)
-            return _AircraftInAir(vehicle, rates, wind, *np.zeros((2, 3)), np.ones(3))
+            return _AircraftInAir(vehicle, rates, wind, np.zeros(3), np.zeros(3), np.ones(3))
         filters, noise, check = self._air_motion, measurement.noise, self.air_check
         stamp, place, air = measurement.stamp, vehicle[:3], self.air_filter
         seen = stamp, place, measurement.ground_velocity

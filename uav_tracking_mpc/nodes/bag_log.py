@@ -40,6 +40,7 @@ from uav_tracking_mpc.nodes.messages.diagnostic_values import (
     orbit_changes,
     reported_mode,
     reported_orbit,
+    sensor_changes,
 )
 from uav_tracking_mpc.nodes.messages.heard_values import VALUES, NodeReport
 from uav_tracking_mpc.nodes.topics import (
@@ -360,6 +361,11 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
         measured_bank=banks if banks.any() else None,
         unusable=unusable,
         modes=mode_changes(modes, start, end),
+        sensors=sensor_changes(
+            [(stamp, said.values) for stamp, said in reports if said.node == "nmpc_controller"],
+            start,
+            end,
+        ),
         tracking=tracking,
         link=None if link is None else link_figures(link),
     )

@@ -44,6 +44,7 @@ from uav_tracking_mpc.nodes.messages.diagnostic_values import (
     REASON,
     air_values,
     controller_status,
+    health_values,
     orbit_values,
     response_values,
 )
@@ -328,9 +329,7 @@ class ControllerReport:
             **self.peers.values(),
         }
         if controller.parameters.air_estimation:
-            values |= air_values(navigator.air_filter) | {
-                f"{sensor} sensor": state for sensor, state in navigator.health.states.items()
-            }
+            values |= air_values(navigator.air_filter) | health_values(navigator.health.states)
         decrease = None if formulation is None else formulation.decrease
         if decrease is not None:
             values["cost decrease (54) checked"] = decrease.checked

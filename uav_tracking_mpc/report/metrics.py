@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate, wrap_angle
 from uav_tracking_mpc.dynamics.relative import steady_inputs
 from uav_tracking_mpc.dynamics.relative_models import RELATIVE_MODEL
+from uav_tracking_mpc.estimation.sensor_health import USED, SensorHealth
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 
 # m, m, m/s, rad: half widths of the bands that count as settled in still air.
@@ -63,6 +64,7 @@ def metrics(log: FlightLog) -> dict[str, Any]:
         - ``solver``: wall time of the solves, their number and how many did not converge
         - ``latency_us``: only where the flight measured it
         - ``commands``: what the command link saw
+        - ``sensors``: see :func:`sensor_figures`
         - ``unusable_messages``: only where there were some
         - ``link``: only with a real autopilot; ``latency_ms`` is the median
     """
@@ -97,6 +99,7 @@ def metrics(log: FlightLog) -> dict[str, Any]:
             "failures": int(log.failures),
         },
         "commands": asdict(log.commands),
+        "sensors": sensor_figures(log),
     }
     if log.unusable:
         numbers["unusable_messages"] = log.unusable
@@ -113,6 +116,30 @@ def metrics(log: FlightLog) -> dict[str, Any]:
             "refused": link.refused,
         }
     return numbers
+
+
+def sensor_figures(log: FlightLog) -> dict[str, Any]:
+    """Of each sensor of the aircraft: share of the flight in which it was used and refused, faults.
+
+    Args:
+        log: Record of the flight.
+
+    Returns:
+        By the sensor's name ``used`` and ``refused``, shares of the flight, and ``faults``: of each
+        time in which it was left out ``state``, why, in a word, ``begin_s`` and ``duration_s``.
+    """
+    end = float(log.time[-1]) if len(log.time) else 0.0
+    figures = {}
+    for name in SensorHealth().states:
+        faults: list[dict[str, Any]] = []
+        news = [each for each in log.sensors if each.sensor == name]
+        for each, until in zip(news, [*(later.time for later in news[1:]), end], strict=True):
+            if each.state != USED:
+                lasted = max(until - each.time, 0.0)
+                faults.append({"state": each.state, "begin_s": each.time, "duration_s": lasted})
+        refused = sum(fault["duration_s"] for fault in faults) / end if end > 0.0 else 0.0
+        figures[name] = {"used": 1.0 - refused, "refused": refused, "faults": faults}
+    return figures
 
 
 def settling_bands(log: FlightLog) -> dict[str, float]:
@@ -363,6 +390,13 @@ def _failures(numbers: dict[str, Any]) -> list[str]:
     if commands["failsafe"]:
         times = "once" if commands["failsafe"] == 1 else f"{commands['failsafe']} times"
         sentences.append(f"The vehicle ran out of plan {times} and held wings level.")
+    for name, sensor in numbers["sensors"].items():
+        if sensor["faults"]:
+            first, lost = sensor["faults"][0], sensor["refused"]
+            sentences.append(
+                f"The {name} was left out for {lost:.1%} of the flight, first as {first['state']} "
+                f"after {quantity(first['begin_s'], 's')}."
+            )
     if unusable := numbers.get("unusable_messages"):
         sentences.append(f"{unusable} messages could not be used and are left out.")
     return sentences

@@ -26,8 +26,9 @@ from uav_tracking_mpc.control.adaptation import ResponseAdaptation
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.channel_response import CHANNELS
+from uav_tracking_mpc.estimation.sensor_health import SensorHealth
 from uav_tracking_mpc.estimation.wind_filter import WindFilter
-from uav_tracking_mpc.simulation.flight_log import FlownMode
+from uav_tracking_mpc.simulation.flight_log import FlownMode, SensorNews
 from uav_tracking_mpc.simulation.plan_follower import PlanFollower
 from uav_tracking_mpc.simulation.steered_target import SteeredTarget
 
@@ -166,6 +167,35 @@ def mode_changes(
     for stamp, mode, reason in reports:
         if start <= stamp <= end and (not changes or changes[-1].mode is not mode):
             changes.append(FlownMode((stamp - start) * 1e-9 if changes else 0.0, mode, reason))
+    return tuple(changes)
+
+
+def health_values(states: Mapping[str, str]) -> dict[str, object]:
+    """Keys and states of sensors.
+
+    Args:
+        states: As of :class:`~uav_tracking_mpc.estimation.sensor_health.SensorHealth`.
+    """
+    return {f"{name} sensor": state for name, state in states.items()}
+
+
+def sensor_changes(
+    reports: Sequence[tuple[int, Mapping[str, str]]], start: int, end: int
+) -> tuple[SensorNews, ...]:
+    """When which sensor was left out or used again.
+
+    Args:
+        reports: Stamp in [ns] and values of each report of a controller, in order.
+        start: Of the flight in [ns]; earlier reports do not count.
+        end: Of the flight in [ns]; later reports do not count.
+    """
+    states, changes = SensorHealth().states, list[SensorNews]()
+    for stamp, values in reports:
+        for name, before in states.items():
+            state = values.get(f"{name} sensor", before)
+            if state != before and start <= stamp <= end:
+                changes.append(SensorNews((stamp - start) * 1e-9, name, state))
+                states[name] = state
     return tuple(changes)
 
 

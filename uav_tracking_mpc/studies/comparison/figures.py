@@ -41,6 +41,7 @@ from uav_tracking_mpc.studies.comparison.results import (
     as_json,
     comparison_table,
     misses,
+    news_of_sensors,
     others_table,
     own_table,
 )
@@ -300,7 +301,7 @@ def comparison(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS, left: str 
         left: What was not flown, in words.
     """
     table, content = comparison_table(scenarios, kind), as_json(scenarios, kind)
-    missed = misses(scenarios)
+    missed, news = misses(scenarios), news_of_sensors(scenarios)
     place = "comparison" if kind.name == SCENARIOS.name else kind.name  # in the documentation
     if kind.flown == SCENARIOS.flown:
         figures = {"summary": partial(summary_figure, scenarios)}
@@ -330,13 +331,14 @@ def comparison(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS, left: str 
             table=table,
             own=PREDICTIVE,
             misses=missed,
+            news=news,
             sections=sections,
         )
 
     return Study(
         name=kind.name,
         content=content,
-        words=[table, *(f"missed, {line}" for line in missed)],
+        words=[table, *news, *(f"missed, {line}" for line in missed)],
         written=f"report: {{}}/{kind.name}.html",
         figures=figures,
         page=page,

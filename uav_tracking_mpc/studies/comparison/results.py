@@ -120,6 +120,7 @@ MISTOLD = Kind(
     "1 %. asked: range RMS and bank rate RMS of nmpc, at most, in parentheses as shares of those "
     "of another flight.",
 )
+MOST_NEWS = 6  # of the sensors of one flight, that are shown
 MISSING = {"settling_s": "never"}  # words for what a flight has no number for
 
 
@@ -380,6 +381,24 @@ def _verdict(scenario: Scenario) -> tuple[str, str]:
     if scenario.asked is None:
         return "", ""
     return scenario.asked.words(scenario.known), "missed" if scenario.missed else "reached"
+
+
+def news_of_sensors(scenarios: Sequence[Scenario]) -> list[str]:
+    """What the predictive controller said of the sensors and when, one line a flight that has some.
+
+    Args:
+        scenarios: What was flown.
+    """
+    lines = []
+    for scenario in scenarios:
+        flights = scenario.flights.get(PREDICTIVE, ())
+        for number, log in enumerate(flights, 1):
+            said = [f"{news.sensor} {news.state} after {news.time:.1f} s" for news in log.sensors]
+            more = [f"{len(said) - MOST_NEWS} more"] if len(said) > MOST_NEWS else []
+            which = f", flight {number}" if len(flights) > 1 else ""
+            if said:
+                lines.append(f"{scenario.name}{which}: {', '.join(said[:MOST_NEWS] + more)}")
+    return lines
 
 
 def misses(scenarios: Sequence[Scenario]) -> list[str]:
