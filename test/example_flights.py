@@ -157,6 +157,8 @@ KEYS = {  # of a flight in the JSON
     "envelope_violations",
     "violations",
     "off_plan",
+    *("altitude_min_m", "altitude_max_m", "airspeed_worst_mps", "airspeed_min_mps"),
+    *("airspeed_max_mps", "airspeed_departed_s", "sensors"),
 }
 
 

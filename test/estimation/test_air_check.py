@@ -12,7 +12,8 @@ STEP, AIRSPEED_FLOWN, TURN = 0.05, 22.0, 0.073
 
 def circled(check, reading, begin=0.0, end=100.0, heading_error=0.0, gust=None, **more):
     """Circle in a wind that is known; what was gone by at last, and the reasons on the way."""
-    reasons, acceleration, trend = [], more.get("acceleration", 0.0), more.get("trend", 0.0)
+    reasons, acceleration = [], more.get("acceleration", 0.0)
+    explained = more.get("explained", lambda time: np.zeros(3))
     for k in range(round(begin / STEP), round(end / STEP)):
         time = k * STEP
         heading = math.remainder(TURN * time, 2.0 * math.pi)
@@ -22,7 +23,7 @@ def circled(check, reading, begin=0.0, end=100.0, heading_error=0.0, gust=None, 
         seen = math.remainder(heading + heading_error, 2.0 * math.pi)
         measured = reading(time)
         by_wind = check.judge(
-            time, seen, measured, 1.0, [air, air], [0.1, 0.1], trend, acceleration
+            time, seen, measured, 1.0, [air, air], [0.1, 0.1], explained(time), acceleration
         )
         out = check.reasons
         gone_by = by_wind[0] if out[HEADING] else seen, by_wind[1] if out[AIRSPEED] else measured
@@ -105,6 +106,13 @@ def test_a_wind_that_turns_is_no_fault(check):
         return 2.5 * np.array([1.0 - math.cos(angle), math.sin(angle)])
 
     assert circled(check, right, 100.0, 120.0, gust=turning)[2] == [["", ""]]
+
+
+def test_a_wind_that_changes_across_may_have_changed_along(check):
+    """What departs along the heading is an airspeed's fault only where the rest stays as it was."""
+    drifting = lambda time: right(time) + 0.1 * (time - 100.0)  # noqa: E731
+    moving = lambda time: np.array([0.1 * (time - 100.0), 0.0, 0.0])  # noqa: E731
+    assert circled(check, drifting, 100.0, 140.0, explained=moving)[2] == [["", ""]]
 
 
 def test_what_is_left_out_is_not_measured():

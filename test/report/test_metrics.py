@@ -26,10 +26,16 @@ from example_flights import ORBIT, log_of, orbiting
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
 from uav_tracking_mpc.dynamics.vehicle import velocity
-from uav_tracking_mpc.report.metrics import bank_rate_rms, metrics, range_errors, settling_time
+from uav_tracking_mpc.report.metrics import (
+    bank_rate_rms,
+    metrics,
+    range_errors,
+    settling_time,
+    verdict,
+)
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation.closed_loop import simulate
-from uav_tracking_mpc.simulation.flight_log import CommandCounts, Latency, LinkFigures
+from uav_tracking_mpc.simulation.flight_log import CommandCounts, Latency, LinkFigures, SensorNews
 
 KEYS = {
     "config": None,
@@ -54,6 +60,7 @@ KEYS = {
     },
     "solver": {"name", "median_us", "p99_us", "max_us", "solves", "failures"},
     "commands": {"sent", "late", "plan_reused", "failsafe"},
+    "sensors": {"airspeed", "heading", "position", "ground velocity"},
 }
 
 
@@ -67,6 +74,9 @@ def assert_plain(value: object) -> None:
     if isinstance(value, dict):
         for inner in value.values():
             assert_plain(inner)
+    elif isinstance(value, list):
+        for inner in value:
+            assert_plain(inner)
     else:
         assert value is None or type(value) in (str, int, float)
 
@@ -77,6 +87,23 @@ def test_the_keys_are_the_contract():
     assert numbers.keys() == KEYS.keys()
     for key, inner in KEYS.items():
         assert inner is None or numbers[key].keys() == inner
+
+
+def test_a_sensor_that_failed_has_its_faults():
+    news = [
+        SensorNews(0.2, "airspeed", "jumped"),
+        SensorNews(0.5, "airspeed", "used"),
+        SensorNews(0.6, "heading", "off"),
+    ]
+    log = orbiting(21, step=0.05, sensors=tuple(news))
+    sensors = metrics(log)["sensors"]
+    (fault,) = sensors["airspeed"]["faults"]
+    assert (fault["state"], fault["begin_s"]) == ("jumped", 0.2)
+    assert fault["duration_s"] == pytest.approx(0.3)
+    assert sensors["airspeed"]["used"] == pytest.approx(0.7)
+    assert sensors["heading"]["refused"] == pytest.approx(0.4)
+    assert sensors["position"] == {"used": 1.0, "refused": 0.0, "faults": []}
+    assert "The airspeed was left out for 30.0% of the flight" in verdict(metrics(log))
 
 
 def test_latency_only_where_it_was_measured():

@@ -25,7 +25,9 @@ LEAST_JUMP, LEAST_OFFSET = 1.0, 0.8  # m/s
 DEVIATIONS = 4.0  # standard deviations of gusts that explain a residual
 DOMINANCE = 3.0  # -, by which what lasts on one must exceed that on the other
 TURNED = 0.3  # rad, that the wind's error turns against the heading in a jump
-CHANGES = 40.0  # s, over which a wind that changes was last seen along the heading
+# s, and share of what the wind without airspeed has changed in it: it may have changed as much
+# along the heading, where it was not seen
+CHANGES, MOVES = 40.0, 3.0
 WIND_KNOWN = 1.5  # m/s, standard deviation of the wind from which on there is something to compare
 MEMORY = 60.0  # s, of the gusts
 PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts taken at first, and how much that weighs
@@ -54,7 +56,8 @@ class AirCheck:
         # squares of gusts.
         self._now, self._before, self._lasting = (np.zeros((2, 2)) for _ in range(3))
         self._jumps, self._offsets = np.full((2, 2), PRIOR**2), np.full((2, 2), PRIOR**2)
-        self._weight = self._changing = 0.0  # s, for which they have been compared; w' [m/s^2]
+        self._weight = 0.0  # s, for which they have been compared
+        self._explained, self._moved = np.zeros(3), 0.0  # m/s, as of some time ago, and its change
         self._agreed = [0.0, 0.0]  # s
         self._reading, self._since, self._gained, self._speed = math.nan, 0.0, 0.0, 0.0
 
@@ -66,7 +69,7 @@ class AirCheck:
         level: float,
         air: Sequence[NDArray[np.float64]],
         wind_deviations: Sequence[float],
-        trend: float,
+        explained: NDArray[np.float64],
         acceleration: float,
     ) -> tuple[float, float]:
         """Heading [rad] and level airspeed [m/s] that ground velocity and wind tell.
@@ -79,7 +82,8 @@ class AirCheck:
             air: u by a wind that owes nothing to the airspeed, and by one that owes nothing to the
                 heading, shape (2,) each, in [m/s].
             wind_deviations: Standard deviations of these winds in [m/s].
-            trend: w' in [m/s^2].
+            explained: Of the estimate that owes nothing to the airspeed what it holds for wind and
+                gust, and for the heading's bias times airspeed, shape (3,), in [m/s].
             acceleration: That is commanded and flown in [m/s^2].
         """
         step, self._time = time - self._time, time
@@ -100,10 +104,13 @@ class AirCheck:
             residuals[:, AIRSPEED] = 0.0
         deviation = max(wind_deviations)
         if not (0.0 <= step <= CHANGE_TIME and deviation <= WIND_KNOWN):
-            self._weight = 0.0
+            self._weight = self._moved = 0.0
+            self._explained = explained
         elif step > 0.0:
-            self._changing = max(trend, self._changing * math.exp(-step / CHANGES))
-            self._compare(step, residuals, TURNED * deviation, CHANGES * self._changing)
+            moved = float(np.linalg.norm(explained - self._explained))
+            self._explained += min(step / CHANGES, 1.0) * (explained - self._explained)
+            self._moved = max(moved, self._moved * math.exp(-step / CHANGES))
+            self._compare(step, residuals, TURNED * deviation, MOVES * self._moved)
         (u_x, u_y), (east, north) = air
         if self.reasons[AIRSPEED]:
             east, north = u_x, u_y

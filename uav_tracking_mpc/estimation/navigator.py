@@ -339,8 +339,10 @@ class Navigator:
         reading = None if self.air.missing else airspeed
         if self.air.missing:
             heading = measurement.heading
-        trend = float(np.hypot(*self._without[0].trend[:2]))
-        known = air, deviations, trend, self._acceleration
+        without = self._without[0]
+        level_wind = (without.mean_wind + without.gust)[:2]
+        explained = np.array([*level_wind, without.heading_bias * airspeed])
+        known = air, deviations, explained, self._acceleration
         turned, along = self.air_check.judge(measurement.stamp, heading, reading, level, *known)
         by_wind = turned, along / cosine
         out = self.air_check.reasons

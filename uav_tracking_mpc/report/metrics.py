@@ -133,7 +133,8 @@ def sensor_figures(log: FlightLog) -> dict[str, Any]:
     for name in SensorHealth().states:
         faults: list[dict[str, Any]] = []
         news = [each for each in log.sensors if each.sensor == name]
-        for each, until in zip(news, [*(later.time for later in news[1:]), end], strict=True):
+        ends = [*(later.time for later in news[1:]), end]
+        for each, until in zip(news, ends, strict=False):  # without news there is one end too many
             if each.state != USED:
                 lasted = max(until - each.time, 0.0)
                 faults.append({"state": each.state, "begin_s": each.time, "duration_s": lasted})

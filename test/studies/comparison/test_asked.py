@@ -29,7 +29,7 @@ from uav_tracking_mpc.studies.comparison.asked import (
 )
 from uav_tracking_mpc.studies.comparison.measures import Measures, worst
 from uav_tracking_mpc.studies.comparison.scenarios import MISMATCHES, mismatched
-from uav_tracking_mpc.studies.comparison.sensor_cases import asked_of
+from uav_tracking_mpc.studies.comparison.sensor_cases import ASKED_OF_SENSORS, asked_of
 
 TARGET = Target(range_rms=0.1, settling=20.0)
 GOOD = {
@@ -138,7 +138,7 @@ def told_wrong(asked, **changes):
 
 
 def test_something_is_asked_under_every_mismatch_of_that_aircraft():
-    assert set(ASKED) == set(MISMATCHES)
+    assert {*ASKED, *ASKED_OF_SENSORS} == set(MISMATCHES)
     assert asked_of(mismatched("small_uav", "lag_2"), "lag_2") == Asked(0.5, 3.0)
     assert asked_of(load_configuration("paper"), "lag_2") is None
     assert asked_of(load_configuration("small_uav"), "ice") is None

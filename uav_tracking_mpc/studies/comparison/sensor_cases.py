@@ -83,6 +83,8 @@ class AskedOfSensors(Asked):
             words.append(f"worst {self.worst:g} m")
         if math.isfinite(self.airspeed):
             words.append(f"airspeed {self.airspeed:g} m/s")
+        if math.isfinite(self.overshoot):
+            words.append(f"overshoot {self.overshoot:g} m")
         if self.named:
             limit = min(self.within, self.departed)
             words.append(f"{self.named} named" + f" in {limit:g} s" * math.isfinite(limit))
@@ -173,6 +175,12 @@ ASKED_OF_SENSORS = {
     "heading_30": AskedOfSensors(worst=0.3, named="heading"),
     "velocity_flip": AskedOfSensors(worst=0.3, airspeed=0.5),
     "wind_turns": AskedOfSensors(worst=0.06, airspeed=0.5, quiet=True),
+    # Range RMS of NPFG about the target as it truly is, in the same flight.
+    "figure8_noise": AskedOfSensors(3.84, 12.0),
+    "stop_and_go_8": AskedOfSensors(3.84, 15.0),
+    "zigzag_10": AskedOfSensors(3.26, 18.0),
+    "dropout_straight": AskedOfSensors(worst=1.0),
+    "dropout_circling": AskedOfSensors(worst=15.0),
 }
 
 
