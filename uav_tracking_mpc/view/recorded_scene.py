@@ -81,11 +81,12 @@ class LoggedFlight(WatchedFlight):
         steps = np.arange(math.ceil(begin / PAST_PERIOD), math.ceil(now / PAST_PERIOD))
         return [self.at(time) for time in (steps * PAST_PERIOD).tolist()]
 
-    def at(self, time: float) -> Sight:
+    def at(self, time: float, whole: bool = True) -> Sight:
         """What there was to see at a time.
 
         Args:
             time: In [s] of the log.
+            whole: Makes no difference: a log holds neither plans nor statuses.
         """
         index = int(np.searchsorted(self._log.time, time + SAME, side="right")) - 1
         return self._sample(min(max(index, 0), len(self._log.time) - 1))

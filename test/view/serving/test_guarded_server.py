@@ -102,7 +102,7 @@ def test_the_page_is_served_on_loopback_alone(open_server):
     assert len(token) >= 32
     status, head, body = get(open_server)
     assert status == 200
-    assert b"<title>Viser</title>" in body
+    assert b"<title>uav_tracking</title>" in body
     assert "frame-ancestors 'none'" in head
 
 
