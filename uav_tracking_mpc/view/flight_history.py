@@ -37,6 +37,7 @@ from uav_tracking_mpc.view.watched_flight import PAST_PERIOD, PlayClock, Sight, 
 
 MOST = 6000  # sights that are kept: after 20 min every second one goes, and so on
 MOST_EVENTS = 1000  # changes of mode and reports of nodes that are kept
+SAME = 1e-6  # s by which times may miss each other
 FILLING = 0.005  # s of wall time a frame in which a record is read for its strip
 MODES = (None, *MODE_COLOURS)
 COLUMNS = (
@@ -120,20 +121,23 @@ class FlightHistory:
     Args:
         flight: That is followed.
         clock: Of its record; None where it is flown now.
+        most: Sights that are kept.
 
     Attributes:
         generation: Grows where time began anew, and all that was kept went.
     """
 
-    def __init__(self, flight: WatchedFlight, clock: PlayClock | None = None) -> None:
-        self._flight, self._clock = flight, clock
+    def __init__(
+        self, flight: WatchedFlight, clock: PlayClock | None = None, most: int = MOST
+    ) -> None:
+        self._flight, self._clock, self._most = flight, clock, most
         self.generation = 0
         self._lock = threading.Lock()
         self._step = PAST_PERIOD  # s
         self._due = -math.inf  # when a record is read next, in [s] of it
         self._forget()
         if clock is not None:
-            self._step = max(PAST_PERIOD, (clock.end - clock.begin) / (MOST - 1))
+            self._step = max(PAST_PERIOD, (clock.end - clock.begin) / (most - 1))
             self._due = clock.begin
 
     def _forget(self) -> None:
@@ -158,8 +162,17 @@ class FlightHistory:
                         self._keep(seen)
             self._keep(sight)
             return
-        until = time.perf_counter() + FILLING
-        while self._due <= self._clock.end and time.perf_counter() < until:
+        self.read(FILLING)
+
+    def read(self, longest: float = math.inf) -> None:
+        """Read on in the record, to its end where there is time.
+
+        Args:
+            longest: Wall time that it may take in [s].
+        """
+        assert self._clock is not None, "there is no record to read"
+        until = time.perf_counter() + longest
+        while self._due <= self._clock.end + SAME and time.perf_counter() < until:
             recorded = self._flight.at(self._due, whole=False)
             if recorded is not None:
                 self._keep(recorded)
@@ -172,12 +185,12 @@ class FlightHistory:
                 self._step = PAST_PERIOD
                 self._forget()
             self._mark(sight)
-            if self._times and sight.time < self._times[-1] + self._step - 1e-6:
+            if self._times and sight.time < self._times[-1] + self._step - SAME:
                 return
             self._times.append(sight.time)
             self._sights.append(replace(sight, statuses=()))
             self._rows.append(json.dumps(row_of(sight, self._flight.tracking)))
-            if len(self._times) > MOST:
+            if len(self._times) > self._most:
                 for kept in (self._times, self._sights, self._rows):
                     del kept[1::2]
                 self._step *= 2.0
@@ -208,7 +221,7 @@ class FlightHistory:
         with self._lock:
             if not self._times:
                 return None
-            return self._sights[max(bisect_right(self._times, time + 1e-6) - 1, 0)]
+            return self._sights[max(bisect_right(self._times, time + SAME) - 1, 0)]
 
     def between(self, begin: float, end: float) -> Sequence[Sight]:
         """What was kept of a span, oldest first.

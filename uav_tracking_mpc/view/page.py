@@ -33,7 +33,7 @@ from uav_tracking_mpc.view.panel._html import ALARM, badge, block
 from uav_tracking_mpc.view.scene import SCENE_ELEMENT, Colour, SceneElement
 from uav_tracking_mpc.view.scene._drawing import LIMIT, WIND
 from uav_tracking_mpc.view.serving.guarded_server import GuardedServer
-from uav_tracking_mpc.view.visitors import FLOWN, NOW, Visitors
+from uav_tracking_mpc.view.visitors import FLOWN, NOW, NOW_TAG, Visitors
 from uav_tracking_mpc.view.watched_flight import FlightSource, Sight, WatchedFlight
 
 logger = logging.getLogger(__name__)
@@ -186,6 +186,7 @@ class _Drawn:
     ) -> None:
         self._flight, self._tab = flight, tabs.add_tab(flight.name)
         with self._tab:
+            server.gui.add_html(NOW_TAG, order=-2e6)
             self._failures = server.gui.add_html("", order=-1e6, visible=False)  # above all parts
 
         def begin_part(kind: type[PanelPart]) -> Callable[[Any], PanelPart | None]:

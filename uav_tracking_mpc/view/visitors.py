@@ -45,6 +45,11 @@ ERROR = 2  # level of a node, as in diagnostic_msgs
 NOW, FLOWN = "/flight/now", "/flight/flown"  # paths of the answers
 # By it the script knows which client of viser it belongs to.
 NAME_TAG = '<span data-flight-page="{}" hidden></span>'
+# By it the page knows what of the panel is of now; it reads the words while it looks back.
+NOW_TAG = (
+    "<span data-flight-panel>Readings and controls are of now: this page looks at the past. "
+    "They come back with <b>live</b>.</span>"
+)
 
 Alert = tuple[int, str]
 Query = Mapping[str, list[str]]

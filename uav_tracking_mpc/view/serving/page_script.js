@@ -25,17 +25,17 @@
   const MOST = 8000; // rows that are kept
   const NARROW = 700, LOW = 500; // pixels: smaller pages begin with a folded strip
   const LANE = 38, BAND = 10, AXIS = 16, LEFT = 132, RIGHT = 12; // pixels
-  const COCKPIT = "from the cockpit";
+  const COCKPIT = "from the cockpit"; // as view/cameras.py calls it
   const HALF_VIEW = (25 * Math.PI) / 180; // of the cockpit's camera, upright
   // Of the errors' weights: Okabe and Ito's, told apart by everybody.
   const TERM_COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00"];
   const TERMS = ["range", "bearing", "altitude", "path angle", "speed"];
   const LANES = {
-    "range error": { words: (value) => `${value.toFixed(1)} m`, zero: true, least: 1 },
-    height: { words: (value) => `${value.toFixed(1)} m`, least: 2 },
+    "range error": { words: (value) => `${shown(value)} m`, zero: true, least: 1 },
+    height: { words: (value) => `${shown(value)} m`, least: 2 },
     bank: { words: (value) => tilted(value), zero: true, least: 10 },
-    airspeed: { words: (value) => `${value.toFixed(1)} m/s`, least: 1 },
-    wind: { words: (value) => `${value.toFixed(1)} m/s`, zero: true, least: 1 },
+    airspeed: { words: (value) => `${shown(value)} m/s`, least: 1 },
+    wind: { words: (value) => `${shown(value)} m/s`, zero: true, least: 1 },
     cost: { words: (value) => value.toPrecision(2), log: true, least: 1 },
     "weighted errors": { shares: true },
   };
@@ -68,12 +68,14 @@
     const rest = (s / 10).toFixed(1).padStart(4, "0");
     return (seconds < 0 ? "-" : "") + (h ? `${h}:${String(m).padStart(2, "0")}` : m) + `:${rest}`;
   };
+  // Without "-0.0"; what is not known is a dash.
   const shown = (value, digits = 1) =>
-    value === null || value === undefined ? "-" : value.toFixed(digits);
+    (value ?? null) === null ? "-" : (Number(value.toFixed(digits)) || 0).toFixed(digits);
   const tilted = (bank) =>
     `${Math.abs(bank).toFixed(1)}°` + (Math.abs(bank) < 0.05 ? "" : bank > 0 ? " right" : " left");
   const rgb = (colour) => `rgb(${colour.join(",")})`;
   const column = (name) => drawn.columns.indexOf(name);
+  const dark = matchMedia("(prefers-color-scheme: dark)");
 
   // ---- elements --------------------------------------------------------------------------------
   let strip, canvas, timeLabel, words, play, live, hudButton, fold, banner, card, hud;
@@ -101,7 +103,7 @@
     }
     hudButton = button(header, "HUD", toggleHud, "Head-up display (H)");
     hudButton.hidden = record !== null;
-    fold = button(header, "", () => setFolded(!strip.classList.contains("folded")), "Fold the strip");
+    fold = button(header, "", () => setFolded(!isFolded()), "Fold or unfold the strip");
     canvas = make("canvas", strip, {
       tabindex: 0, role: "slider", "aria-label": "Time of the flight [s]",
     });
@@ -118,7 +120,7 @@
       if (step === undefined) return;
       event.preventDefault();
       event.stopPropagation(); // viser moves its camera by them
-      seek(shownTime() + step);
+      seek((asked ?? shownTime()) + step);
     });
     window.addEventListener("keydown", (event) => {
       const typing = event.target.closest?.("input, textarea, select, [contenteditable]");
@@ -127,20 +129,17 @@
       if (event.key === "l") goLive();
     });
     window.addEventListener("resize", resize);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => (dirty = true));
     new MutationObserver(() => (dirty = true)).observe(document.documentElement, {
       attributes: true, attributeFilter: ["data-mantine-color-scheme"],
     });
-    setFolded(innerWidth < NARROW || (record ? false : innerHeight < LOW));
+    setFolded(innerWidth < NARROW || innerHeight < LOW);
   }
   function button(parent, text, click, title = "") {
     const made = make("button", parent, { type: "button", title }, text);
-    made.addEventListener("click", () => {
-      click();
-      made.blur(); // keys belong to the scene again
-    });
+    made.addEventListener("click", () => (click(), made.blur())); // keys belong to the scene again
     return made;
   }
+  const isFolded = () => strip.classList.contains("folded");
   function setFolded(folded) {
     strip.classList.toggle("folded", folded);
     fold.textContent = folded ? "▴" : "▾";
@@ -167,7 +166,7 @@
   }
   function shownTime() {
     if (record) return record.begin + record.pace * Number(player()?.value ?? 0);
-    return asked ?? now?.sight?.time ?? 0;
+    return now?.sight?.time ?? 0; // not what is asked for: that is seen once it is drawn
   }
   const player = () => document.querySelector("input[inputmode=decimal]"); // of viser's replay
   function seek(time) {
@@ -192,14 +191,14 @@
     tell();
   }
   function togglePlay() {
-    if (asked === null) [asked, playing] = [now?.sight?.time ?? null, false];
-    else playing = !playing;
+    if (asked === null) return now?.sight && seek(now.sight.time);
+    playing = !playing;
     tell();
   }
   function playOn(wall) {
-    if (!playing || asked === null) return;
+    if (!playing) return;
     asked += wall / 1000;
-    if (asked >= (now?.record ? now.record[1] : (now?.live ?? Infinity))) goLive();
+    if (asked >= span()[1]) goLive();
   }
 
   // ---- the server ------------------------------------------------------------------------------
@@ -211,8 +210,8 @@
     if (silence > 1000 * OLD) tell();
   }
   async function ask(path, query) {
-    const address = `${path}?${new URLSearchParams(query)}`;
-    const answer = await fetch(address, { cache: "no-store", signal: AbortSignal.timeout(PATIENCE) });
+    const options = { cache: "no-store", signal: AbortSignal.timeout(PATIENCE) };
+    const answer = await fetch(`${path}?${new URLSearchParams(query)}`, options);
     // Each server has a token of its own: who knows another one comes from an earlier server.
     restarted = answer.status === 403;
     if (!answer.ok) throw new Error(`status ${answer.status}`);
@@ -221,7 +220,7 @@
   async function poll() {
     playOn(performance.now() - polled);
     polled = performance.now();
-    const query = { dark: matchMedia("(prefers-color-scheme: dark)").matches ? 1 : 0 };
+    const query = { dark: Number(dark.matches) };
     const tag = [...document.querySelectorAll("[data-flight-page]")].at(-1);
     if (tag) query.page = tag.dataset.flightPage;
     if (asked !== null) query.time = asked.toFixed(3);
@@ -232,23 +231,16 @@
       [now, heard, silence] = [answer, performance.now(), 0];
       if (stood.time !== now.live) stood = { time: now.live, since: performance.now() };
       if (!drawn.modes.length) [drawn.modes, drawn.columns] = [now.modes, now.columns];
-    } catch {
-      // The banner says how old the picture is.
-    }
+    } catch {} // the banner says how old the picture is
     tell();
     const quick = !hud.hasAttribute("hidden") || asked !== null;
     setTimeout(poll, document.hidden ? HIDDEN : quick ? QUICK : SLOW);
   }
   async function pollRows() {
-    try {
-      if (now?.name && !document.hidden) {
-        if (drawn.name !== now.name) forget(now.name);
-        const since = drawn.rows.length ? { since: drawn.rows.at(-1)[0] } : {};
-        const answer = await ask("flight/flown", { name: drawn.name, ...since });
-        take(answer);
-      }
-    } catch {
-      // As above.
+    if (now?.name && !document.hidden) {
+      if (drawn.name !== now.name) forget(now.name);
+      const since = drawn.rows.length ? { since: drawn.rows.at(-1)[0] } : {};
+      await ask("flight/flown", { name: drawn.name, ...since }).then(take, () => {}); // as above
     }
     setTimeout(pollRows, STRIP_PERIOD);
   }
@@ -261,11 +253,10 @@
       forget(drawn.name);
       return goLive(); // the time that was looked at is gone
     }
-    const { generation, columns, modes } = answer;
-    const rows = drawn.rows.concat(answer.rows);
-    const events = drawn.events.concat(answer.events);
-    drawn = { name: drawn.name, generation, columns, modes, rows, events };
-    if (drawn.rows.length > MOST) drawn.rows = drawn.rows.filter((_, k) => k % 2 === 0);
+    const rows = drawn.rows.concat(answer.rows), last = drawn.events.at(-1)?.[0] ?? -Infinity;
+    const events = drawn.events.concat(answer.events.filter(([time]) => time > last));
+    drawn = { ...drawn, ...answer, events };
+    drawn.rows = rows.length > MOST ? rows.filter((_, k) => k % 2 === 0) : rows;
     dirty = true;
   }
 
@@ -290,7 +281,8 @@
     const still = !now?.past && performance.now() - stood.since > 1000;
     const past = Boolean(now?.past);
     const mode = sight ? now.modes[sight.mode][0] : "waiting";
-    const title = past ? "past" : restarted || wrong?.[0] === 2 ? "⚠ " + mode : still ? "still" : mode;
+    const warning = restarted || wrong?.[0] === 2 ? "⚠ " : "";
+    const title = past ? "past" : warning + (still ? "still" : mode);
     document.title = `${title} · ${now?.name || "no flight"} · uav_tracking`;
     document.body.classList.toggle("flight-past", past);
     timeLabel.textContent = clock(sight?.time ?? null);
@@ -298,7 +290,7 @@
     words.textContent = past
       ? "The picture is of the past: " +
         (now.record ? clock(sight.time) : `${behind.toFixed(1)} s before now`)
-      : sight ? (still ? "time stands still" : "now") : "nothing is seen yet";
+      : sight ? (still ? "time stands still: " : "now: ") + mode : "nothing is seen yet";
     play.textContent = asked !== null && !playing ? "play" : "pause";
     live.setAttribute("aria-pressed", asked === null);
     canvas.setAttribute("aria-valuenow", shown(sight?.time));
@@ -348,9 +340,11 @@
   }
   function drawStrip() {
     requestAnimationFrame(drawStrip);
-    if (record) timeLabel.textContent = clock(shownTime());
-    if (record && shownTime() !== stood.time) [stood.time, dirty] = [shownTime(), true];
-    if (!dirty || strip.classList.contains("folded")) return;
+    if (record && shownTime() !== stood.time) {
+      [stood.time, dirty] = [shownTime(), true];
+      timeLabel.textContent = clock(stood.time);
+    }
+    if (!dirty || isFolded()) return;
     dirty = false;
     const pen = canvas.getContext("2d");
     const style = getComputedStyle(document.documentElement);
@@ -359,7 +353,7 @@
     pen.clearRect(0, 0, innerWidth, canvas.height);
     pen.font = '11px system-ui, "DejaVu Sans", sans-serif';
     pen.textBaseline = "middle";
-    const rows = drawn.rows, time = shownTime();
+    const rows = drawn.rows, time = shownTime(), foot = canvas.clientHeight - AXIS;
     drawModes(pen, rows);
     lanes.forEach((name, k) => {
       const top = BAND + 4 + k * LANE;
@@ -372,15 +366,17 @@
       if (!level) continue;
       pen.fillStyle = level > 1 ? "#d53e00" : "#e69f00";
       const x = placeOf(when);
-      pen.fillRect(x - 0.5, 0, 1, BAND + 4 + lanes.length * LANE);
-      pen.beginPath();
-      pen.moveTo(x - 4, 0);
-      pen.lineTo(x + 4, 0);
-      pen.lineTo(x, 7);
-      pen.fill();
+      pen.fillRect(x - 0.5, 0, 1, foot);
+      pen.fill(new Path2D(`M${x - 4} 0h8l-4 7z`));
     }
     pen.fillStyle = now?.past ? pastInk : ink;
-    pen.fillRect(placeOf(time) - 1, 0, 2, BAND + 4 + lanes.length * LANE);
+    pen.fillRect(placeOf(time) - 1, 0, 2, foot);
+    if (asked !== null && Math.abs(asked - time) > 1) {
+      pen.setLineDash([3, 3]); // on its way there
+      pen.strokeStyle = pastInk;
+      pen.strokeRect(placeOf(asked), 0, 0, foot);
+      pen.setLineDash([]);
+    }
     canvas.setAttribute("aria-valuemin", span()[0].toFixed(1));
     canvas.setAttribute("aria-valuemax", span()[1].toFixed(1));
     if (record) canvas.setAttribute("aria-valuenow", time.toFixed(1));
@@ -400,7 +396,6 @@
   }
   function drawLane(pen, name, top, rows, current, colours) {
     const { words, zero, log, least, shares } = LANES[name];
-    const narrow = innerWidth < NARROW;
     pen.fillStyle = colours.quiet;
     pen.fillText(name, 8, top + 11);
     if (shares) return drawShares(pen, top, rows, current, colours);
@@ -412,11 +407,8 @@
     pen.font = '11px system-ui, "DejaVu Sans", sans-serif';
     const scaled = (number) => (log ? Math.log10(Math.max(number, 1e-6)) : number);
     let [low, high] = [Infinity, -Infinity];
-    for (const row of rows) {
-      if (row[at] === null) continue;
-      low = Math.min(low, scaled(row[at]));
-      high = Math.max(high, scaled(row[at]));
-    }
+    for (const row of rows.filter((each) => each[at] !== null))
+      [low, high] = [Math.min(low, scaled(row[at])), Math.max(high, scaled(row[at]))];
     if (low > high) return;
     if (zero) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
     const more = Math.max(least - (high - low), 0) / 2; // what hardly changes is drawn quietly
@@ -429,19 +421,16 @@
     pen.strokeStyle = colours.blue;
     pen.lineWidth = 1.5;
     pen.beginPath();
-    let on = false;
+    let on = false; // what is not known is a gap
     for (const row of rows) {
-      if (row[at] === null) on = false;
-      else {
-        pen[on ? "lineTo" : "moveTo"](placeOf(row[0]), y(scaled(row[at])));
-        on = true;
-      }
+      if (row[at] !== null) pen[on ? "lineTo" : "moveTo"](placeOf(row[0]), y(scaled(row[at])));
+      on = row[at] !== null;
     }
     pen.stroke();
-    if (narrow) return;
+    if (innerWidth < NARROW) return;
     pen.fillStyle = colours.quiet;
     pen.textAlign = "right";
-    const mark = (number) => (log ? `1e${number.toFixed(0)}` : String(Number(number.toPrecision(2))));
+    const mark = (number) => (log ? `1e${number.toFixed(0)}` : Number(number.toPrecision(2)));
     pen.fillText(mark(high), left() - 6, top + 9);
     pen.fillText(mark(low), left() - 6, top + LANE - 7);
     pen.textAlign = "left";
@@ -450,8 +439,7 @@
   function drawShares(pen, top, rows, current, colours) {
     const first = drawn.columns.length - TERMS.length;
     const height = LANE - 6;
-    const wide = across();
-    for (let x = 0; x < wide; x += 1) {
+    for (let x = 0; x < across(); x += 1) {
       const time = timeAt(left() + x);
       if (time > rows.at(-1)[0]) break;
       const terms = rows[rowAt(time)].slice(first);
@@ -484,7 +472,7 @@
     const step = steps.find((each) => ((end - begin) / each) * 70 < across()) ?? 86400;
     pen.fillStyle = colour;
     pen.textAlign = "center";
-    const y = BAND + 4 + lanes.length * LANE + AXIS / 2;
+    const y = canvas.clientHeight - AXIS / 2;
     for (let t = Math.ceil(begin / step) * step; t <= end; t += step)
       pen.fillText(clock(t).replace(/\.0$/, ""), placeOf(t), y);
     pen.textAlign = "left";
@@ -504,11 +492,16 @@
     hud.toggleAttribute("hidden", !(wanted && sight && scene));
     if (!(wanted && sight && scene)) return;
     const box = scene.getBoundingClientRect();
-    const [w, h] = [box.width, box.height];
+    // On a phone the panel covers the lower part of the scene.
+    const panel = document.querySelector("[data-flight-panel]")?.getBoundingClientRect();
+    const below = innerWidth < NARROW && panel?.width ? panel.top - 105 - box.top : Infinity;
+    const [w, h] = [box.width, Math.max(Math.min(box.height, below), 160)];
+    const beside = panel?.width && panel.left > 0.55 * w ? panel.left - w / 2 - 100 : 0.5 * w - 92;
+    const off = Math.max(Math.min(0.3 * w, 300, beside), 60); // of the tapes
     Object.assign(hud.style, { left: `${box.left}px`, top: `${box.top}px` });
     hud.setAttribute("width", w);
     hud.setAttribute("height", h);
-    hud.innerHTML = horizon(sight, w, h) + bankScale(sight, w, h) + tapes(sight, w, h);
+    hud.innerHTML = horizon(sight, w, h) + bankScale(sight, w, h, off) + tapes(sight, w, h, off);
   }
   const line = (x1, y1, x2, y2, kind = "") =>
     `<line class="ink ${kind}" x1="${x1.toFixed(1)}" y1="${y1.toFixed(1)}" x2="${x2.toFixed(1)}" ` +
@@ -522,32 +515,31 @@
     const bank = sight.readings.Bank[1], path = sight.readings["Path angle"][1];
     if (bank === null || path === null) return label(w / 2, h / 2, "attitude not known");
     const focal = (0.5 * h) / Math.tan(HALF_VIEW);
-    const half = Math.min(0.16 * w, 150);
+    const half = Math.min(0.16 * w, 0.25 * h, 150);
     let rungs = "";
     for (let angle = -30; angle <= 30; angle += 5) {
       const y = focal * Math.tan(((path - angle) * Math.PI) / 180);
-      if (Math.abs(y) > 0.3 * h) continue;
+      if (Math.abs(y) > Math.min(0.28 * h, 150)) continue;
       const reach = angle === 0 ? half * 1.5 : half * 0.45;
       rungs += line(-reach, y, -0.3 * half, y) + line(0.3 * half, y, reach, y);
       if (angle) rungs += label(reach + 16, y, angle) + label(-reach - 16, y, angle);
     }
     return (
-      `<g data-hud="horizon" transform="translate(${w / 2},${h / 2}) rotate(${-bank})">${rungs}</g>` +
-      `<g transform="translate(${w / 2},${h / 2})"><circle class="ink" r="5"/>` +
+      `<g transform="translate(${w / 2},${h / 2})">` +
+      `<g data-hud="horizon" transform="rotate(${-bank})">${rungs}</g><circle class="ink" r="5"/>` +
       line(-22, 0, -7, 0) + line(7, 0, 22, 0) + line(0, -14, 0, -5) + "</g>"
     );
   }
-  function bankScale(sight, w, h) {
+  function bankScale(sight, w, h, off) {
     const [, bank, , least, most] = sight.readings.Bank;
-    const radius = Math.min(0.36 * h, 190);
-    const spoke = (angle, from, to, kind) => {
-      const [s, c] = [Math.sin((angle * Math.PI) / 180), Math.cos((angle * Math.PI) / 180)];
-      return line(from * s, -from * c, to * s, -to * c, kind);
-    };
+    const radius = Math.min(0.34 * h, 190, off);
+    const spoke = (angle, from, to, kind) =>
+      `<g transform="rotate(${angle})">${line(0, -from, 0, -to, kind)}</g>`;
     let marks = "";
     for (const angle of [-60, -45, -30, -20, -10, 0, 10, 20, 30, 45, 60])
       marks += spoke(angle, radius, radius + (angle % 30 ? 6 : 11));
-    for (const limit of [least, most]) if (limit !== null) marks += spoke(limit, radius - 8, radius + 16, "limit");
+    for (const limit of [least, most].filter((each) => each !== null))
+      marks += spoke(limit, radius - 8, radius + 16, "limit");
     if (bank !== null)
       marks += `<path class="full" data-hud="pointer" transform="rotate(${bank})" ` +
         `d="M0 ${-radius + 2} l-7 13 h14 z"/>`;
@@ -556,21 +548,19 @@
     return `<g transform="translate(${w / 2},${h / 2})">${marks}` +
       label(0, -radius - 22, side + limit, "middle", 'data-hud="bank"') + "</g>";
   }
-  function tapes(sight, w, h) {
+  function tapes(sight, w, h, off) {
     const { Airspeed, Altitude, Range } = sight.readings;
-    const off = Math.min(0.3 * w, 300);
-    const small = w < 480;
     let drawing = tape(w / 2 - off, h, Airspeed, 0.5, -1, "airspeed", "m/s") +
       tape(w / 2 + off, h, Altitude, 5, 1, "height", "m");
     const error = Range[2];
-    const wind = sight.wind === null ? "wind not known"
+    const wind = sight.wind === null ? "wind not known" : sight.wind < 0.05 ? "no wind"
       : `wind ${sight.wind.toFixed(1)} m/s from ${sight.wind_from.toFixed(0)}°`;
     const y = h / 2 + Math.min(0.36 * h, 190) + 12;
     const bottom = Math.min(y, h - 50);
     drawing += label(w / 2, bottom, error === null ? "range error not known"
-      : `range error ${error > 0 ? "+" : ""}${error.toFixed(1)} m`, "middle", 'data-hud="range"');
+      : `range error ${error >= 0.05 ? "+" : ""}${shown(error)} m`, "middle", 'data-hud="range"');
     drawing += label(w / 2, bottom + 18, now.modes[sight.mode][0], "middle", 'data-hud="mode"');
-    if (!small) drawing += label(w / 2, bottom + 36, `heading ${sight.course.toFixed(0)}°, ${wind}`);
+    if (w >= 480) drawing += label(w / 2, bottom + 36, `heading ${shown(sight.course, 0)}°, ${wind}`);
     return drawing;
   }
   function tape(x, h, [unit, value, error, least, most], step, side, name) {
@@ -589,10 +579,9 @@
       if (limit !== null && Math.abs(y(limit) - h / 2) <= half)
         marks += line(x - side * 10, y(limit), x + side * 12, y(limit), "limit");
     if (error !== null && Math.abs(y(value - error) - h / 2) <= half) // what is asked for
-      marks += `<path class="full" transform="translate(${x},${y(value - error)}) scale(${-side},1)" ` +
-        'd="M2 0 l9 -5 v10 z"/>';
+      marks += `<path class="full" d="M${x - 2 * side} ${y(value - error)} l${-9 * side} -5 v10 z"/>`;
     marks += label(x + side * 15, h / 2, `${value.toFixed(1)} ${unit}`, side > 0 ? "start" : "end",
-      `data-hud="${name}" style="font-size:17px"`);
+      `data-hud="${name}" style="font-size:${innerWidth < NARROW ? 13 : 17}px"`);
     return marks + label(x, h / 2 - half - 14, name);
   }
 
@@ -603,7 +592,7 @@
       Object.assign(drawn, record);
       now = { record: [record.begin, record.end] };
       play.hidden = true;
-      words.textContent = record.words;
+      words.textContent = "the whole flight: click to go to a time";
     } else {
       poll();
       pollRows();

@@ -22,19 +22,14 @@ import re
 from functools import lru_cache
 from importlib import resources
 from typing import Any
-from urllib.parse import quote
+
+from uav_tracking_mpc.report.icon import ICON_ADDRESS
 
 SCRIPT, STYLE = "page_script.js", "page_style.css"
 TITLE = "uav_tracking"
-ICON = (
-    '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32">'
-    '<rect width="32" height="32" rx="7" fill="#0b3a5b"/>'
-    '<circle cx="16" cy="16" r="10.5" fill="none" stroke="#56b4e9" stroke-width="2" '
-    'stroke-dasharray="4 2.6"/><circle cx="16" cy="16" r="2.4" fill="#e69f00"/>'
-    '<path d="M26.5 5.2 22 14.2l-2.6-3.4-4.2-1z" fill="#fff"/></svg>'
-)
-ICON_LINK = f'<link rel="icon" href="data:image/svg+xml,{quote(ICON)}">'
+ICON_LINK = f'<link rel="icon" href="{ICON_ADDRESS}">'
 FOREIGN_ICON = re.compile(r'<link\s+rel="icon".*?/?>', re.DOTALL)
+CHARSET = re.compile(r"<meta charset[^>]*>")
 FOREIGN_TITLE = re.compile(r"<title>.*?</title>", re.DOTALL)
 
 
@@ -57,7 +52,7 @@ def with_script(page: str, title: str = TITLE, record: dict[str, Any] | None = N
         record: What the strip of a recorded scene draws, without nan; a page of a server has none.
 
     Raises:
-        ValueError: It is no page of viser: it has no title, icon or end of its head.
+        ValueError: It is no page of viser: it lacks a title, icon, charset or end of its head.
     """
     # Whatever is in the data, "<" ends no script.
     data = json.dumps(record, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
@@ -70,8 +65,9 @@ def with_script(page: str, title: str = TITLE, record: dict[str, Any] | None = N
     before, end, rest = page.partition("</head>")
     before, icons = FOREIGN_ICON.subn("", before, count=1)
     before, titles = FOREIGN_TITLE.subn("", before, count=1)
-    if not (end and icons and titles):
-        raise ValueError("this is no page of viser: it has no title, icon or end of its head")
-    # Before the bundle of viser, which begins to draw as soon as it is read.
-    mark = before.index("<meta")
+    charset = CHARSET.search(before)
+    if not (end and icons and titles and charset):
+        raise ValueError("this is no page of viser: it lacks a title, icon, charset or end of head")
+    # After the charset, which stands among the first bytes; before the bundle of viser.
+    mark = charset.end()
     return before[:mark] + head + before[mark:] + end + rest
