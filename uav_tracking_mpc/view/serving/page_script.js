@@ -39,7 +39,6 @@
     cost: { words: (value) => value.toPrecision(2), log: true, least: 1 },
     "weighted errors": { shares: true },
   };
-
   // ---- what is known ---------------------------------------------------------------------------
   let now = null; // newest answer of the server
   let heard = performance.now(); // when it came [ms]
@@ -76,7 +75,6 @@
   const rgb = (colour) => `rgb(${colour.join(",")})`;
   const column = (name) => drawn.columns.indexOf(name);
   const dark = matchMedia("(prefers-color-scheme: dark)");
-
   // ---- elements --------------------------------------------------------------------------------
   let strip, canvas, timeLabel, words, play, live, hudButton, fold, banner, card, hud;
   function build() {
@@ -156,7 +154,6 @@
     document.documentElement.style.setProperty("--f-strip", `${strip.offsetHeight}px`);
     dirty = true;
   }
-
   // ---- time ------------------------------------------------------------------------------------
   function span() {
     if (now?.record) return now.record;
@@ -200,7 +197,6 @@
     asked += wall / 1000;
     if (asked >= span()[1]) goLive();
   }
-
   // ---- the server ------------------------------------------------------------------------------
   let polled = performance.now();
   let ticked = performance.now();
@@ -259,7 +255,6 @@
     drawn.rows = rows.length > MOST ? rows.filter((_, k) => k % 2 === 0) : rows;
     dirty = true;
   }
-
   // ---- words -----------------------------------------------------------------------------------
   function alarm() {
     if (restarted)
@@ -312,7 +307,6 @@
       make("td", row, {}, error === null ? "" : `error ${shown(error)}`);
     }
   }
-
   // ---- strip -----------------------------------------------------------------------------------
   const across = () => Math.max(innerWidth - left() - RIGHT, 10);
   const left = () => (innerWidth < NARROW ? 84 : LEFT);
@@ -477,7 +471,6 @@
       pen.fillText(clock(t).replace(/\.0$/, ""), placeOf(t), y);
     pen.textAlign = "left";
   }
-
   // ---- head-up display -------------------------------------------------------------------------
   function toggleHud() {
     hudByHand = hud.hasAttribute("hidden");
@@ -584,7 +577,6 @@
       `data-hud="${name}" style="font-size:${innerWidth < NARROW ? 13 : 17}px"`);
     return marks + label(x, h / 2 - half - 14, name);
   }
-
   // ---- begin -----------------------------------------------------------------------------------
   function begin() {
     build();
