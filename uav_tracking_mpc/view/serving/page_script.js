@@ -277,7 +277,7 @@
     const past = Boolean(now?.past);
     const mode = sight ? now.modes[sight.mode][0] : "waiting";
     const warning = restarted || wrong?.[0] === 2 ? "⚠ " : "";
-    const title = past ? "past" : warning + (still ? "still" : mode);
+    const title = past ? "past" : warning + mode + (still && !warning ? ", still" : "");
     document.title = `${title} · ${now?.name || "no flight"} · uav_tracking`;
     document.body.classList.toggle("flight-past", past);
     timeLabel.textContent = clock(sight?.time ?? null);
