@@ -274,7 +274,7 @@
     }
     const sight = now?.sight;
     const still = !now?.past && performance.now() - stood.since > 1000;
-    const past = Boolean(now?.past);
+    const past = Boolean(now?.past), why = sight?.reason ? `: ${sight.reason}` : "";
     const mode = sight ? now.modes[sight.mode][0] : "waiting";
     const warning = restarted || wrong?.[0] === 2 ? "⚠ " : "";
     const title = past ? "past" : warning + mode + (still && !warning ? ", still" : "");
@@ -285,7 +285,7 @@
     words.textContent = past
       ? "The picture is of the past: " +
         (now.record ? clock(sight.time) : `${behind.toFixed(1)} s before now`)
-      : sight ? (still ? "time stands still: " : "now: ") + mode : "nothing is seen yet";
+      : sight ? (still ? "time stands still: " : "now: ") + mode + why : "nothing is seen yet";
     play.textContent = asked !== null && !playing ? "play" : "pause";
     live.setAttribute("aria-pressed", asked === null);
     canvas.setAttribute("aria-valuenow", shown(sight?.time));
