@@ -49,7 +49,7 @@ setup(
             "airframes/*/*.xml",
             "security/*.xml",
         ],
-        "": ["*.j2", "py.typed"],
+        "": ["*.j2", "*.js", "*.css", "py.typed"],
     },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),

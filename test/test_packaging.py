@@ -82,7 +82,7 @@ def test_colcon_builds_an_ament_python_package(checkout):
     # Every module and template of the sources is there.
     package = library / "uav_tracking_mpc"
     for source in (checkout / "uav_tracking_mpc").rglob("*"):
-        if source.suffix in (".py", ".j2", ".typed"):
+        if source.suffix in (".py", ".j2", ".js", ".css", ".typed"):
             assert (package / source.relative_to(checkout / "uav_tracking_mpc")).is_file(), source
     # What `ros2 run` starts: the executable itself.
     node = subprocess.run(

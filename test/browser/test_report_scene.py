@@ -95,6 +95,23 @@ def test_it_waits_then_plays_then_goes_where_it_is_sent(seen, report):
     assert asked == [report]
 
 
+def test_the_strip_goes_with_the_replay_and_sends_it_elsewhere(seen):
+    title, scene = seen.page.get_by_text("Play the flight"), seen.page.frame_locator("iframe")
+    if scene.locator("canvas").count() == 0:  # without the test above
+        title.click()
+    canvas, time = scene.locator("#flight-strip canvas"), scene.locator("input").first
+    scene.get_by_title("Fold or unfold").press("Enter")
+    canvas.wait_for(state="visible")
+    seen.eventually(lambda: int(canvas.get_attribute("data-rows") or 0) > 15, "it has its rows")
+    time.fill("3")  # and stands
+    scene.locator("#flight-time", has_text="0:03.0").wait_for()
+    canvas.press("PageUp")
+    scene.locator("#flight-time", has_text="0:13.0").wait_for()
+    assert float(time.input_value()) == 13.0
+    assert "paper" in scene.locator("title").first.text_content()
+    assert seen.errors == []
+
+
 def test_it_is_gone_when_it_is_closed(seen):
     """So that an open report costs nothing."""
     title, scene = seen.page.get_by_text("Play the flight"), seen.page.frame_locator("iframe")

@@ -24,6 +24,7 @@ from typing import Any
 
 from uav_tracking_mpc.report.atomic_write import json_text, write_atomically, write_json
 from uav_tracking_mpc.report.figure_style import save_figure
+from uav_tracking_mpc.report.icon import ICON_ADDRESS
 from uav_tracking_mpc.report.metrics import (
     BAND_UNITS,
     fallbacks,
@@ -142,6 +143,7 @@ def render_page(
         TEMPLATE,
         {"quantity": quantity},
         log=log,
+        icon=ICON_ADDRESS,
         numbers=numbers,
         numbers_json=json_text(numbers),
         units=BAND_UNITS,

@@ -22,6 +22,9 @@
 ``simulated_steering``   how that is steered, and its faults
 ``recorded_source``      flights of a bag
 ``recorded_scene``       a flight from its log, and all of it as a scene that needs no server
+``flight_history``       all that was flown, thinned: what the time strip of a page draws
+``looking_back``         a page that looks at the past: a scene of its own, of its own time
+``visitors``             what the script of each open page asks for, and what it is told
 ``page``                 the server: draws every aircraft of a source, twenty times a second
 ``serving``              who may open a page, and where it listens
 ``cameras``              from where each page looks

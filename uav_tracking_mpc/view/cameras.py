@@ -52,6 +52,7 @@ UP = 0.5
 LAST_FIRST = 10  # first views that a page may have begun with while it was loaded
 
 Watched = tuple[WatchedFlight, Sight]
+Past = tuple[viser.FrameHandle, Mapping[str, Watched]]
 
 
 class Pose(NamedTuple):
@@ -164,17 +165,25 @@ class _Seat:
     def _place_again(self, _: object) -> None:
         self._to_place = True
 
-    def show(self, watched: Mapping[str, Watched]) -> None:
+    @property
+    def choice(self) -> tuple[str, str]:
+        """Where it looks from, and at which aircraft."""
+        first = self._names[0] if self._names else ""
+        return self._view.value, first if self._chosen is None else self._chosen.value
+
+    def show(self, watched: Mapping[str, Watched], past: Past | None) -> None:
         names = tuple(watched)
         if names != self._names:
             self._offer(names)
-        chosen = names[0] if self._chosen is None else self._chosen.value
-        flight, sight = watched[chosen]
+        world, watched = (self._world, watched) if past is None else past
+        if self.choice[1] not in watched:
+            return
+        flight, sight = watched[self.choice[1]]
         view = self._view.value
         if not finite(sight.position, sight.heading, sight.path_angle):
             return
         moved = scene_pose(view, sight)
-        self._world.position, self._world.wxyz = moved.translation(), moved.rotation().wxyz
+        world.position, world.wxyz = moved.translation(), moved.rotation().wxyz
         if self._to_place or (view == VIEWS[0] and self._narrow_at_first):
             self._to_place = False
             camera = self.client.camera
@@ -221,18 +230,32 @@ class Cameras:
     def _leave(self, client: viser.ClientHandle) -> None:
         self._seats.pop(client.client_id, None)
 
-    def show(self, watched: Mapping[str, Watched]) -> None:
+    def choice(self, client_id: int) -> tuple[str, str] | None:
+        """Where a page looks from, one of VIEWS, and the name of the aircraft that it looks at.
+
+        Args:
+            client_id: Of the page.
+
+        Returns:
+            None where there is no such page.
+        """
+        seat = self._seats.get(client_id)
+        return None if seat is None else seat.choice
+
+    def show(self, watched: Mapping[str, Watched], pasts: Mapping[int, Past] | None = None) -> None:
         """Follow what is followed.
 
         Args:
             watched: All aircraft that are seen, by name.
+            pasts: Of the pages that look back, by their numbers: the node under which the scene of
+                the past hangs, and all aircraft as they were.
         """
         if not watched:
             return
         self._set_first(next(iter(watched.values())))
-        for seat in list(self._seats.values()):
+        for number, seat in list(self._seats.items()):
             with seat.client.atomic():
-                seat.show(watched)
+                seat.show(watched, (pasts or {}).get(number))
 
     def _set_first(self, watched: Watched) -> None:
         """What a new page and the button that resets the view show."""

@@ -33,6 +33,7 @@ from uav_tracking_mpc.view.panel._html import ALARM, badge, block
 from uav_tracking_mpc.view.scene import SCENE_ELEMENT, Colour, SceneElement
 from uav_tracking_mpc.view.scene._drawing import LIMIT, WIND
 from uav_tracking_mpc.view.serving.guarded_server import GuardedServer
+from uav_tracking_mpc.view.visitors import FLOWN, NOW, NOW_TAG, Visitors
 from uav_tracking_mpc.view.watched_flight import FlightSource, Sight, WatchedFlight
 
 logger = logging.getLogger(__name__)
@@ -59,12 +60,16 @@ def legend() -> str:
     )
 
 
-def add_appearance(server: viser.ViserServer) -> None:
+def add_appearance(server: viser.ViserServer) -> Callable[[int, bool], None]:
     """Add a switch for dark pages and a legend to every page.
 
     Args:
         server: Of the pages.
+
+    Returns:
+        Turns the switch of a page, by its number.
     """
+    switches: dict[int, Any] = {}
 
     def set_theme(gui: viser.GuiApi, dark: bool) -> None:
         gui.configure_theme(show_share_button=False, show_logo=False, dark_mode=dark)
@@ -72,11 +77,18 @@ def add_appearance(server: viser.ViserServer) -> None:
     def join(client: viser.ClientHandle) -> None:
         dark = client.gui.add_checkbox("Dark", False, order=LAST)
         dark.on_update(lambda _: set_theme(client.gui, dark.value))
+        switches[client.client_id] = dark
         with client.gui.add_folder("Colours", order=LAST + 1.0, expand_by_default=False):
             client.gui.add_html(legend())
 
+    def turn(number: int, on: bool) -> None:
+        if number in switches:
+            switches[number].value = on
+
     set_theme(server.gui, False)
     server.on_client_connect(join)
+    server.on_client_disconnect(lambda client: switches.pop(client.client_id, None))
+    return turn
 
 
 class Guarded:
@@ -142,17 +154,21 @@ class _Noting:
         return add
 
 
-def elements_of(scene: viser.SceneApi, flight: WatchedFlight, colour: Colour) -> list[Guarded]:
+def elements_of(
+    scene: viser.SceneApi, flight: WatchedFlight, colour: Colour, root: str = ""
+) -> list[Guarded]:
     """All elements of one aircraft.
 
     Args:
         scene: Where to draw.
         flight: What is drawn.
         colour: Of this aircraft.
+        root: Name of the node under which it hangs; by default it is one of the shared scene.
     """
+    root = root or f"{WORLD}/{flight.name}"
 
     def begin(kind: type[SceneElement]) -> Callable[[Any], SceneElement]:
-        return lambda scene: kind(scene, f"{WORLD}/{flight.name}", flight, colour)
+        return lambda scene: kind(scene, root, flight, colour)
 
     return [Guarded(name, scene, begin(kind)) for name, kind in SCENE_ELEMENT.all().items()]
 
@@ -170,6 +186,7 @@ class _Drawn:
     ) -> None:
         self._flight, self._tab = flight, tabs.add_tab(flight.name)
         with self._tab:
+            server.gui.add_html(NOW_TAG, order=-2e6)
             self._failures = server.gui.add_html("", order=-1e6, visible=False)  # above all parts
 
         def begin_part(kind: type[PanelPart]) -> Callable[[Any], PanelPart | None]:
@@ -223,10 +240,15 @@ class Page:
         self._source = source
         self._server = GuardedServer(host, port, label="uav_tracking")
         self.address = self._server.address
-        add_appearance(self._server)
+        turn_dark = add_appearance(self._server)
         self._cameras = Cameras(self._server, WORLD)
+        self._visitors = Visitors(
+            self._server, source, self._cameras, WORLD, self._begin_past, turn_dark
+        )
+        self._server.answers |= {NOW: self._visitors.now, FLOWN: self._visitors.flown}
         self._tabs = self._server.gui.add_tab_group()  # one for each aircraft
         self._drawn: dict[str, _Drawn] = {}
+        self._colours: dict[str, Colour] = {}
         self._words = self._server.gui.add_markdown(source.words, visible=bool(source.words))
 
     def draw(self) -> None:
@@ -238,13 +260,26 @@ class Page:
             for flight in self._source.flights():
                 if flight.name not in self._drawn:
                     colour = COLOURS[len(self._drawn) % len(COLOURS)]
+                    self._colours[flight.name] = colour
                     self._drawn[flight.name] = _Drawn(
                         self._server, self._tabs, self._source, flight, colour
                     )
                 sight = self._drawn[flight.name].show(now)
                 if sight is not None:
                     watched[flight.name] = flight, sight
-            self._cameras.show(watched)
+            self._visitors.show(watched)
+
+    def _begin_past(
+        self, scene: viser.SceneApi, root: str, flight: WatchedFlight
+    ) -> Callable[[Sight], None]:
+        """Draw an aircraft for one page, in its colour."""
+        elements = elements_of(scene, flight, self._colours[flight.name], root)
+
+        def show(sight: Sight) -> None:
+            for element in elements:
+                element.show(sight)
+
+        return show
 
     def serve(self, ended: Callable[[], bool]) -> None:
         """Draw until it is over.

@@ -22,6 +22,7 @@ from __future__ import annotations
 
 import html
 import itertools
+import json
 import math
 from collections.abc import Sequence
 from functools import lru_cache
@@ -81,11 +82,12 @@ class LoggedFlight(WatchedFlight):
         steps = np.arange(math.ceil(begin / PAST_PERIOD), math.ceil(now / PAST_PERIOD))
         return [self.at(time) for time in (steps * PAST_PERIOD).tolist()]
 
-    def at(self, time: float) -> Sight:
+    def at(self, time: float, whole: bool = True) -> Sight:
         """What there was to see at a time.
 
         Args:
             time: In [s] of the log.
+            whole: Makes no difference: a log holds neither plans nor statuses.
         """
         index = int(np.searchsorted(self._log.time, time + SAME, side="right")) - 1
         return self._sample(min(max(index, 0), len(self._log.time) - 1))
@@ -194,8 +196,10 @@ def pace_of(duration: float) -> float:
 def _record(log: FlightLog, flown: NDArray[np.float64], count: int) -> Replay:
     """Play so many frames, at times of which the state is known."""
     from uav_tracking_mpc.view.cameras import ABOVE, look_at_whole, scene_pose
+    from uav_tracking_mpc.view.flight_history import FlightHistory
     from uav_tracking_mpc.view.page import COLOURS, WORLD, elements_of
     from uav_tracking_mpc.view.serving.guarded_server import GuardedServer
+    from uav_tracking_mpc.view.serving.page_script import with_script
 
     assert log.tracking is not None
     source = LoggedSource(log, log.tracking)
@@ -220,7 +224,12 @@ def _record(log: FlightLog, flown: NDArray[np.float64], count: int) -> Replay:
                 world.position = scene_pose(ABOVE, sight).translation()
             serializer.insert_sleep(float(next_time - time) / pace)
         page = serializer.as_html()
+        history = FlightHistory(flight, source.clock, FRAMES)
+        history.read()
+        strip = json.loads(history.as_json())
     finally:
         server.stop()
         source.close()
-    return Replay(page.replace(LIGHT, AS_THE_READER_LIKES), pace, len(times))
+    page = page.replace(LIGHT, AS_THE_READER_LIKES)
+    record = {"begin": times[0], "end": times[-1], "pace": pace, **strip}
+    return Replay(with_script(page, f"{log.config}: the flight", record), pace, len(times))

@@ -303,6 +303,15 @@ class WatchedFlight(ABC):
             span: How far back from now in [s].
         """
 
+    def at(self, time: float, whole: bool = True) -> Sight | None:
+        """What a record holds of a time; None where it holds nothing, or nothing is recorded.
+
+        Args:
+            time: In [s] of the record.
+            whole: With plan and statuses, which may take long to read.
+        """
+        return None
+
 
 class KeptPast:
     """Past of a flight that goes on: a few sights a second, without plans and what nodes say.

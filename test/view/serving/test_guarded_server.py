@@ -16,9 +16,11 @@
 
 import contextlib
 import gc
+import gzip
 import logging
 import re
 import socket
+from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import msgspec
@@ -102,7 +104,7 @@ def test_the_page_is_served_on_loopback_alone(open_server):
     assert len(token) >= 32
     status, head, body = get(open_server)
     assert status == 200
-    assert b"<title>Viser</title>" in body
+    assert b"<title>uav_tracking</title>" in body
     assert "frame-ancestors 'none'" in head
 
 
@@ -142,6 +144,49 @@ def test_without_the_token_nothing_opens(open_server):
         assert token_of(open_server) not in head + body.decode()
     for cookie in ("", "uav_tracking=1", "uav_tracking_00000000=" + token_of(open_server)):
         assert is_refused(open_server, additional_headers={"Cookie": cookie})
+
+
+@pytest.fixture
+def answering():
+    with served() as server:
+        server.answers["/flight/now"] = lambda query: f'{{"asked": "{query.get("page", [""])[0]}"}}'
+        yield server
+
+
+def test_the_script_is_answered_behind_the_same_check(answering):
+    path = f"/flight/now?page=3&token={token_of(answering)}"
+    status, head, body = get(answering, path)
+    assert (status, body) == (200, b'{"asked": "3"}')
+    assert "Content-Type: application/json" in head and "Cache-Control: no-store" in head
+    assert get(answering, "/flight/now", Cookie=cookie_of(answering))[0] == 200
+    for wrong in ("/flight/now", "/flight/now?token=wrong"):
+        status, _, body = get(answering, wrong)
+        assert status == 403 and b"token" in body
+    assert get(answering, path, Origin="http://site.example")[0] == 403
+    assert get(answering, path, host="rebound.example")[0] == 403
+
+
+def test_an_answer_that_fails_is_one_line_of_the_log_and_the_server_goes_on(answering, caplog):
+    answering.answers["/flight/now"] = lambda query: 1 / 0
+    for _ in range(3):
+        assert get(answering, f"/flight/now?token={token_of(answering)}")[0] == 500
+    assert caplog.text.count("was not answered") == 1
+    assert get(answering)[0] == 200
+
+
+def test_many_ask_at_once_and_all_are_answered(answering):
+    path = f"/flight/now?token={token_of(answering)}"
+    with ThreadPoolExecutor(20) as executor:
+        found = list(executor.map(lambda k: get(answering, f"{path}&page={k}"), range(200)))
+    assert [body for _, _, body in found] == [b'{"asked": "%d"}' % k for k in range(200)]
+
+
+def test_the_page_holds_the_script_compressed_or_not(open_server):
+    _, head, plain = get(open_server)
+    zipped = get(open_server, **{"Accept-Encoding": "gzip"})[2]
+    assert gzip.decompress(zipped) == plain
+    assert f"Content-Length: {len(plain)}" in head
+    assert plain.count(b"__FLIGHT_RECORD__=null") == 1
 
 
 def test_the_token_becomes_a_cookie_and_the_cookie_opens_the_websocket(open_server):

@@ -30,14 +30,16 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import errno
+import gzip
 import inspect
 import ipaddress
 import logging
 import socket
 import threading
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import Awaitable, Callable, Iterator, Mapping
 from http import HTTPStatus
 from typing import Any
+from urllib.parse import parse_qs, urlsplit
 
 import rich
 import viser
@@ -47,6 +49,7 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from uav_tracking_mpc.view.serving.access import Access, new_token
+from uav_tracking_mpc.view.serving.page_script import with_script
 
 LOOPBACK = "127.0.0.1"
 PORT = 8080
@@ -126,6 +129,7 @@ POLICY = (
 )
 
 Answer = Response | None
+Answering = Callable[[Mapping[str, list[str]]], str]
 ProcessRequest = Callable[[ServerConnection, Request], Awaitable[Answer] | Answer]
 
 _serving = threading.Lock()
@@ -141,6 +145,8 @@ class GuardedServer(viser.ViserServer):
 
     Attributes:
         address: Where a browser finds the page, with the token.
+        answers: By path, what makes JSON of a query; asked in the loop that serves, after the
+            checks, so that it must be quick.
 
     Raises:
         OSError: There is no listening at this address; says why.
@@ -152,7 +158,8 @@ class GuardedServer(viser.ViserServer):
         self.address = f"{address_of(listener, host or LOOPBACK)}/?token={token}"
         machine = socket.gethostname()
         names = () if host is None else (host, machine, f"{machine}.local")
-        guard = _Guard(Access(token, names), listener)
+        self.answers: dict[str, Answering] = {}
+        guard = _Guard(Access(token, names), listener, self.answers)
         with _silent(), guard.around_serve():
             super().__init__(LOOPBACK, listener.getsockname()[1], label=label, verbose=False)
         if not guard.serves:
@@ -181,9 +188,13 @@ class GuardedServer(viser.ViserServer):
 class _Guard:
     """Stands in for viser's ``process_request``, on a socket that is already bound."""
 
-    def __init__(self, access: Access, listener: socket.socket) -> None:
+    def __init__(
+        self, access: Access, listener: socket.socket, answers: Mapping[str, Answering]
+    ) -> None:
         self._access, self._listener = access, listener
         self._told: set[str] = set()
+        self._pages: dict[bool, bytes] = {}  # with the script, by whether they are compressed
+        self.answers = answers
         self.serves = False
 
     @contextlib.contextmanager
@@ -223,9 +234,13 @@ class _Guard:
             if refusal:
                 self._refuse(refusal, connection)
                 return connection.respond(HTTPStatus.FORBIDDEN, f"{refusal}\n")
-            answered = answer(connection, request)
-            response = await answered if inspect.isawaitable(answered) else answered
+            response = self._own_answer(connection, request)
+            if response is None:
+                answered = answer(connection, request)
+                response = await answered if inspect.isawaitable(answered) else answered
             if response is not None:
+                if response.headers.get("Content-Type", "").startswith("text/html"):
+                    self._put_script(response)
                 response.headers.update(HEADERS)
                 response.headers["Content-Security-Policy"] = POLICY.format(host=hosts[0])
                 if self._access.knows_token(path):
@@ -233,6 +248,34 @@ class _Guard:
             return response
 
         return checked
+
+    def _own_answer(self, connection: ServerConnection, request: Request) -> Answer:
+        """What the script of the page asks for; None for all else."""
+        if request.headers.get("Upgrade") == "websocket":
+            return None
+        parts = urlsplit(request.path)
+        if parts.path not in self.answers:
+            return None
+        try:
+            text = self.answers[parts.path](parse_qs(parts.query))
+        except Exception as error:  # a page that is told nothing says so itself
+            self._tell(f"{parts.path} was not answered: {error!r}")
+            return connection.respond(HTTPStatus.INTERNAL_SERVER_ERROR, "not answered\n")
+        response = connection.respond(HTTPStatus.OK, text)
+        del response.headers["Content-Type"]
+        response.headers["Content-Type"] = "application/json"
+        return response
+
+    def _put_script(self, response: Response) -> None:
+        """Serve the page of viser with the script in it; it is made once in each encoding."""
+        zipped = response.headers.get("Content-Encoding") == "gzip"
+        if zipped not in self._pages:
+            body = gzip.decompress(response.body) if zipped else response.body
+            page = with_script(bytes(body).decode()).encode()
+            self._pages[zipped] = gzip.compress(page) if zipped else page
+        response.body = self._pages[zipped]
+        del response.headers["Content-Length"]
+        response.headers["Content-Length"] = str(len(response.body))
 
     def _connection(self, *args: Any, **kwargs: Any) -> ServerConnection:
         """A websocket whose messages are those of a page; called in the loop that reads them."""

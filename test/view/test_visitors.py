@@ -1,0 +1,129 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What the script of a page is told, whatever it asks."""
+
+import json
+import math
+import time
+
+import pytest
+from watched_flight_stand_in import StandInFlight, StandInSource, sight
+
+pytest.importorskip("viser")
+
+from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.view.page import Page
+from uav_tracking_mpc.view.visitors import alert_of, figures
+from uav_tracking_mpc.view.watched_flight import CONTROLLER, SILENT, NodeStatus, PlayClock
+
+
+def status(node, level, words="words"):
+    return NodeStatus(node, level, words)
+
+
+FINE = status("uav_simulator", 0)
+
+
+@pytest.mark.parametrize(
+    ("more", "level", "words"),
+    [
+        ({"statuses": (status(CONTROLLER, SILENT), FINE)}, 2, "The controller is silent: words"),
+        ({"statuses": (status(CONTROLLER, SILENT),), "reason": "why"}, 1, "has ended, or all of"),
+        ({"mode": FallbackMode.SILENCE, "reason": "no state"}, 2, "commanded: no state"),
+        ({"statuses": (status("uav_simulator", 2, "the plant failed"),)}, 2, "the plant failed"),
+    ],
+)
+def test_what_is_wrong_is_said(more, level, words):
+    found = alert_of(sight(**more))
+    assert found[0] == level
+    assert words in found[1]
+
+
+def test_all_is_well():
+    assert alert_of(sight()) is None
+    assert alert_of(sight(mode=None)) is None  # before the first command
+
+
+def test_a_record_that_has_ended_says_so():
+    clock = PlayClock(0.0, 10.0)
+    clock.pause()
+    assert alert_of(sight(), clock) is None
+    clock.seek(10.0)
+    assert alert_of(sight(), clock) == (0, "The record ends here.")
+
+
+def test_the_figures_are_those_of_the_sight():
+    told = figures(sight(heading=0.0), StandInFlight().tracking)
+    assert told["course"] == 90.0  # east
+    assert told["readings"]["Airspeed"][:3] == ["m/s", 22.5, 0.5]
+    assert told["readings"]["Bank"][1] == pytest.approx(math.degrees(-0.2), rel=1e-4)
+    assert set(told["readings"]) == {"Range", "Altitude", "Airspeed", "Bank", "Path angle"}
+    assert told["wind"] is None
+
+
+@pytest.fixture
+def page():
+    flight = StandInFlight()
+    page = Page(StandInSource(flight), None, 0)
+    page.flight = flight
+    yield page
+    page.close()
+
+
+def told(shown, **query):
+    return json.loads(shown._visitors.now({name: [value] for name, value in query.items()}))
+
+
+def test_before_the_first_frame_nothing_is_seen(page):
+    assert told(page)["sight"] is None
+    assert page._visitors.flown({"name": ["aircraft"]}) == "{}"
+
+
+def test_a_frame_is_told_with_its_age(page):
+    page.draw()
+    now = told(page)
+    assert now["name"] == "aircraft"
+    assert now["sight"]["time"] == now["live"] == 10.0
+    assert not now["past"]
+    time.sleep(0.05)
+    assert told(page)["age"] > now["age"]
+    rows = json.loads(page._visitors.flown({"name": ["aircraft"]}))["rows"]
+    assert [row[0] for row in rows] == [10.0]
+
+
+@pytest.mark.parametrize(
+    "query",
+    [
+        {"page": "nan"}, {"page": "-1e308"}, {"page": "x", "time": "y"},
+        {"page": "7", "time": "inf"}, {"page": "0", "dark": "yes"}, {"time": "1e999"},
+        {"since": "\x00"},
+    ],
+)  # fmt: skip
+def test_junk_is_answered_as_by_a_page_that_nobody_knows(page, query):
+    page.draw()
+    now = told(page, **query)
+    assert not now["known"] and not now["past"]
+    page._visitors.flown({"name": ["aircraft"], **{name: [word] for name, word in query.items()}})
+    page._visitors.flown({"name": ["no such"]})
+    page.draw()
+
+
+def test_what_is_not_known_is_null(page):
+    nothing = {"airspeed": math.nan, "bank": math.inf, "target": None, "errors": {}}
+    page.flight.seen.append(sight(11.0, **nothing))
+    page.draw()
+    seen = told(page)["sight"]
+    assert seen["readings"]["Airspeed"] == ["m/s", None, None, 14.0, 32.0]
+    assert seen["readings"]["Bank"][1] is None

@@ -1,0 +1,256 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What the script of each open page asks for, and what it is told: JSON of one time."""
+
+from __future__ import annotations
+
+import json
+import math
+import secrets
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import viser
+
+from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.settings.tracking import TrackingParameters
+from uav_tracking_mpc.view.cameras import Cameras
+from uav_tracking_mpc.view.flight_history import MODES, FlightHistory, legend, told, weighted_errors
+from uav_tracking_mpc.view.looking_back import DrawnBy, LookingBack, Watched
+from uav_tracking_mpc.view.panel.readings import readings
+from uav_tracking_mpc.view.watched_flight import (
+    CONTROLLER,
+    SILENT,
+    FlightSource,
+    PlayClock,
+    Sight,
+    WatchedFlight,
+)
+
+ERROR = 2  # level of a node, as in diagnostic_msgs
+NOW, FLOWN = "/flight/now", "/flight/flown"  # paths of the answers
+# By it the script knows which client of viser it belongs to.
+NAME_TAG = '<span data-flight-page="{}" hidden></span>'
+# By it the page knows what of the panel is of now; it reads the words while it looks back.
+NOW_TAG = (
+    "<span data-flight-panel>Readings and controls are of now: this page looks at the past. "
+    "They come back with <b>live</b>.</span>"
+)
+
+Alert = tuple[int, str]
+Query = Mapping[str, list[str]]
+
+
+def alert_of(sight: Sight, clock: PlayClock | None = None) -> Alert | None:
+    """What is wrong with a flight.
+
+    Args:
+        sight: Of now.
+        clock: Of its record; None where it is flown now.
+
+    Returns:
+        0 to know, 1 to attend to or 2 for wrong, and words; None where all is well.
+    """
+    if clock is not None and clock.time >= clock.end:
+        return 0, "The record ends here."
+    statuses = sight.statuses
+    if statuses and all(status.level == SILENT for status in statuses):
+        return 1, f"The flight has ended, or all of its nodes are silent. {sight.reason}".strip()
+    for status in statuses:
+        if status.node == CONTROLLER and status.level == SILENT:
+            return 2, f"The controller is silent: {status.words}"
+    if sight.mode is FallbackMode.SILENCE:
+        return 2, f"Nothing is commanded: {sight.reason or 'the controller is silent'}"
+    for status in statuses:
+        if status.level == ERROR:
+            return 2, f"{status.node}: {status.words}"
+    return None
+
+
+def figures(sight: Sight, tracking: TrackingParameters | None) -> dict[str, Any]:
+    """A sight as JSON holds it, None for what is not known.
+
+    Args:
+        sight: Of the aircraft.
+        tracking: What its controller flies by; None where that is not known.
+
+    Returns:
+        ``time`` in [s]; ``mode``, an index, and its ``reason``; ``readings`` by name, each value,
+        error, least and most in the unit that stands first; ``course`` and ``wind_from`` in [deg]
+        from north, clockwise, ``wind`` in [m/s]; ``cost`` and ``weighted``, by ``ERRORS`` [-];
+        ``solve`` in [ms].
+    """
+    wind = (math.nan, math.nan) if sight.wind is None else tuple(sight.wind[:2].tolist())
+    shown = {
+        reading.name: [reading.unit, *(told(number) for number in reading[2:])]
+        for reading in readings(sight, tracking)
+    }
+    return {
+        "time": told(sight.time, 9),
+        "mode": MODES.index(sight.mode),
+        "reason": sight.reason,
+        "readings": shown,
+        "course": told(math.degrees(0.5 * math.pi - sight.heading) % 360.0),
+        "wind": told(math.hypot(*wind)),
+        "wind_from": told(math.degrees(math.atan2(-wind[0], -wind[1])) % 360.0),
+        "cost": told(sight.cost),
+        "weighted": [told(value, 4) for value in weighted_errors(sight, tracking)],
+        "solve": told(1e3 * sight.solve_time),
+    }
+
+
+@dataclass
+class _Visitor:
+    """One open page.
+
+    Attributes:
+        past: What it sees where it looks back.
+        asked: Time that it looks at in [s]; None for now.
+        dark: Whether its browser asks for dark pages; None before it said so.
+    """
+
+    past: LookingBack
+    asked: float | None = None
+    dark: bool | None = None
+
+
+class Visitors:
+    """All open pages.
+
+    Args:
+        server: Of the pages.
+        source: What is shown.
+        cameras: From where each page looks.
+        world: Name of the node under which the shared scene hangs.
+        draw: Begins to draw an aircraft anew, see :class:`LookingBack`.
+        set_dark: Gives a page, by its number, dark or light colours.
+    """
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        source: FlightSource,
+        cameras: Cameras,
+        world: str,
+        draw: DrawnBy,
+        set_dark: Callable[[int, bool], None],
+    ) -> None:
+        self._source, self._cameras, self._set_dark = source, cameras, set_dark
+        self._world, self._draw = world, draw
+        self._server = secrets.token_hex(8)  # a page that was served by another one is old
+        self._visitors: dict[int, _Visitor] = {}
+        self._flights: dict[str, tuple[WatchedFlight, FlightHistory]] = {}
+        self._watched: Mapping[str, Watched] = {}
+        self._at = time.monotonic()  # when the last frame was drawn
+        server.on_client_connect(self._join)
+        server.on_client_disconnect(lambda client: self._leave(client.client_id))
+
+    def _join(self, client: viser.ClientHandle) -> None:
+        past = LookingBack(client, self._world, self._draw)
+        self._visitors[client.client_id] = _Visitor(past)
+        client.gui.add_html(NAME_TAG.format(client.client_id), order=-1e6)
+
+    def _leave(self, client_id: int) -> None:
+        self._visitors.pop(client_id, None)
+
+    def show(self, watched: Mapping[str, Watched]) -> None:
+        """Take note of a frame, and draw the past where a page looks at it.
+
+        Args:
+            watched: All aircraft that are seen, by name.
+        """
+        for name, (flight, sight) in watched.items():
+            if name not in self._flights:
+                self._flights[name] = flight, FlightHistory(flight, self._source.clock)
+            self._flights[name][1].note(sight)
+        self._watched = watched
+        for visitor in list(self._visitors.values()):
+            visitor.past.show(visitor.asked, self._flights)
+        self._cameras.show(
+            watched,
+            {
+                number: (visitor.past.frame, visitor.past.watched)
+                for number, visitor in list(self._visitors.items())
+                if visitor.past.watched
+            },
+        )
+        self._at = time.monotonic()
+
+    def now(self, query: Query) -> str:
+        """What one page shows, and what is wrong.
+
+        Args:
+            query: ``page``, its number; ``time``, where it looks back; ``dark``, 1 or 0.
+
+        Returns:
+            JSON.
+        """
+        number = _number(query, "page")
+        visitor = None if number is None else self._visitors.get(int(number))
+        shown = self._watched
+        view, name = "", next(iter(shown), "")
+        if number is not None and visitor is not None:
+            visitor.asked = _number(query, "time")
+            self._take_theme(int(number), visitor, query)
+            shown = visitor.past.watched or shown
+            view, name = self._cameras.choice(int(number)) or (view, name)
+        clock, live = self._source.clock, self._watched.get(name)
+        told_now: dict[str, Any] = {
+            "server": self._server,
+            "known": visitor is not None,
+            "age": round(time.monotonic() - self._at, 2),
+            "names": list(self._watched),
+            "name": name,
+            "view": view,
+            "record": None if clock is None else [clock.begin, clock.end],
+            "past": shown is not self._watched,
+            "live": None if live is None else told(live[1].time, 9),
+            "alert": (1, self._source.words) if live is None else alert_of(live[1], clock),
+            "sight": figures(shown[name][1], shown[name][0].tracking) if name in shown else None,
+            **legend(),
+        }
+        return json.dumps(told_now, allow_nan=False)
+
+    def flown(self, query: Query) -> str:
+        """What the strip of one aircraft draws.
+
+        Args:
+            query: ``name`` of the aircraft; ``since``, after which time, in [s].
+
+        Returns:
+            JSON, see :meth:`FlightHistory.as_json`; an empty object where there is no such
+            aircraft.
+        """
+        kept = self._flights.get(query.get("name", [""])[0])
+        since = _number(query, "since")
+        return "{}" if kept is None else kept[1].as_json(-math.inf if since is None else since)
+
+    def _take_theme(self, number: int, visitor: _Visitor, query: Query) -> None:
+        """Follow the browser until a hand changes it, and again when the browser changes."""
+        dark = query.get("dark", [""])[0]
+        if dark in ("0", "1") and visitor.dark is not (dark == "1"):
+            visitor.dark = dark == "1"
+            self._set_dark(number, visitor.dark)
+
+
+def _number(query: Query, name: str) -> float | None:
+    """A finite number of a query; None where there is none."""
+    try:
+        value = float(query.get(name, ["nan"])[0])
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
