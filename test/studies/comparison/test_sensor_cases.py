@@ -59,7 +59,7 @@ def missed(asked, **figures):
 )
 def test_what_is_beyond_its_bound_is_missed(asked, bad, words):
     asked = AskedOfSensors(**{"slowest": 14.0, **asked})
-    assert not missed(asked, **{"altitude_max_m": 0.0})
+    assert not missed(asked, altitude_max_m=0.0)
     assert [line for line in missed(asked, **bad) if words in line]
 
 
