@@ -15,12 +15,14 @@
 """From where each page looks: at the orbit, at an aircraft, from above, from the cockpit, freely.
 
 A camera that follows does not move: the scene is moved under it, for that page alone. So nothing
-ever moves the camera but the mouse, and both go together.
+ever moves the camera but the mouse, and both go together. The first seconds turn the scene in the
+same way: a stranger sees that it is one that can be turned.
 """
 
 from __future__ import annotations
 
 import math
+import time
 from collections import deque
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -31,7 +33,8 @@ import viser.transforms as rigid
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.simulation.flight_log import FlightLog
-from uav_tracking_mpc.view.scene._drawing import centre, extent, finite
+from uav_tracking_mpc.view.scene import own_node
+from uav_tracking_mpc.view.scene._drawing import centre, extent, finite, ground_height
 from uav_tracking_mpc.view.scene.airframe import SHARE, attitude
 from uav_tracking_mpc.view.watched_flight import Sight, WatchedFlight
 
@@ -41,14 +44,19 @@ ORBIT, FOLLOW, ABOVE, COCKPIT, FREE = (
 VIEWS = ORBIT, FOLLOW, ABOVE, COCKPIT, FREE
 FIELD_OF_VIEW = math.radians(50.0)  # upright
 NEAR, FAR = 0.5, 50_000.0  # m
-MARGIN = 1.25  # of what is to be in the picture
-ELEVATION = math.radians(35.0)
+MARGIN = 1.3  # of what is to be in the picture
+WIDEST = 1.3  # width by height of a picture up to which an orbit fills the width
+ELEVATION = math.radians(22.0)
 BEHIND, OVER = 0.75, 0.3  # where a camera that follows begins, by the radius of the orbit
 FAR_TARGET = 4.0  # by the radius of the orbit: a target that goes farther is followed
 FARTHEST = 2.5  # by the radius of the orbit: how far off the aircraft still is in the first view
 TILT = 1e-3  # rad; straight down, north would be nowhere
-# On a phone the panel covers the lower part: there the middle stands so far up, by half a picture.
-UP = 0.5
+# On a phone the head of the folded panel covers the lower end, and more once it is unfolded: the
+# middle stands so far up, by half a picture.
+UP = 0.25
+OPENING = 3.0  # s of wall time in which the scene of a new page turns into its place
+OPENING_TURN = math.radians(50.0)
+PHONE = 600  # pixels; on a narrower page the panel is folded at first
 LAST_FIRST = 10  # first views that a page may have begun with while it was loaded
 
 Watched = tuple[WatchedFlight, Sight]
@@ -78,10 +86,11 @@ def first_pose(view: str, watched: Watched, aspect: float) -> Pose:
     size, middle = extent(flight, sight), centre(sight)
     away = float(np.hypot(*(sight.position - middle)[:2]))
     reach = MARGIN * max(size, min(away, FARTHEST * size))
-    back = reach / (math.tan(0.5 * FIELD_OF_VIEW) * min(aspect, 1.0))
+    # From so low an orbit is higher than a picture only where that is much wider than high.
+    back = reach / (math.tan(0.5 * FIELD_OF_VIEW) * min(aspect, 1.0 if view == ABOVE else WIDEST))
     if view == FREE:
         return _from_south(middle, back, ELEVATION, aspect)
-    floor = np.array([0.0, 0.0, middle[2]])
+    floor = np.array([0.0, 0.0, 0.5 * (float(middle[2]) + ground_height(sight))])
     if view in (ORBIT, ABOVE):
         elevation = ELEVATION if view == ORBIT else 0.5 * math.pi - TILT
         return _from_south(floor, back, elevation, aspect)
@@ -159,6 +168,10 @@ class _Seat:
         self._names: tuple[str, ...] = ()
         self._chosen: viser.GuiDropdownHandle[str] | None = None
         self._to_place = False  # it stands where all pages begin, or where its address says
+        self._began: float | None = None  # s, when the scene was first seen
+        self._own: dict[str, viser.FrameHandle] = {}
+        if client.camera.image_width < PHONE:
+            client.gui.main_panel.minimize()
         self._view.on_update(self._place_again)
 
     def _place_again(self, _: object) -> None:
@@ -174,11 +187,29 @@ class _Seat:
         if not finite(sight.position, sight.heading, sight.path_angle):
             return
         moved = scene_pose(view, sight)
+        if view == ORBIT:
+            moved = rigid.SE3.from_rotation(rigid.SO3.from_z_radians(self._opening_turn())) @ moved
+        self._show_own(chosen, view != COCKPIT)
         self._world.position, self._world.wxyz = moved.translation(), moved.rotation().wxyz
         if self._to_place or (view == VIEWS[0] and self._narrow_at_first):
             self._to_place = False
             camera = self.client.camera
             camera.position, camera.look_at = first_pose(view, (flight, sight), camera.aspect)
+
+    def _opening_turn(self) -> float:
+        """How far the scene is turned in the first seconds in [rad]; it comes to rest smoothly."""
+        now = time.monotonic()
+        self._began = now if self._began is None else self._began
+        left = max(1.0 - (now - self._began) / OPENING, 0.0) if OPENING > 0.0 else 0.0
+        return OPENING_TURN * left**3
+
+    def _show_own(self, name: str, visible: bool) -> None:
+        """Hide what goes with the aircraft that this page sits in."""
+        if not visible and name not in self._own:
+            node = own_node(f"{self._world.name}/{name}")
+            self._own[name] = self.client.scene.add_frame(node, show_axes=False)
+        for own, frame in self._own.items():
+            frame.visible = visible or own != name
 
     @property
     def _narrow_at_first(self) -> bool:

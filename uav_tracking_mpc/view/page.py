@@ -43,6 +43,7 @@ COLOURS: tuple[Colour, ...] = (  # Okabe and Ito: told apart by everybody
 )  # fmt: skip
 WORLD = "/world"  # node under which the scene hangs; cameras move it, page by page
 LAST = 1e6  # order in the panel
+PANEL_WIDTH = 340  # pixels
 SQUARE = '<span style="color:rgb({},{},{})">&#9632;</span>'
 
 
@@ -225,6 +226,8 @@ class Page:
         self.address = self._server.address
         add_appearance(self._server)
         self._cameras = Cameras(self._server, WORLD)
+        self._server.gui.main_panel.dock_right()  # beside the scene and not upon it
+        self._server.gui.main_panel.set_width(PANEL_WIDTH)
         self._tabs = self._server.gui.add_tab_group()  # one for each aircraft
         self._drawn: dict[str, _Drawn] = {}
         self._words = self._server.gui.add_markdown(source.words, visible=bool(source.words))

@@ -113,6 +113,10 @@ def _axes(name: str, vector: NDArray[np.float64]) -> dict[str, str]:
     }
 
 
+FORECAST = (0.0, 2.5, 5.0, 7.5, 10.0)  # s from now on, for which the target is forecast
+FORECAST_PERIOD = 0.5  # s between two forecasts
+
+
 class SimulatedSights:
     """Sights of a loop, tick by tick.
 
@@ -127,6 +131,7 @@ class SimulatedSights:
         self._loop, self._paths = loop, CommandPaths()
         self._command: Command | None = None
         self._path = np.zeros((0, 3))  # positions at the ends of the stages of its plan
+        self._forecast, self._forecast_at = np.zeros((0, 4)), -math.inf
 
     def at(self, tick: Tick) -> Sight:
         """What there is to see at the time of a tick.
@@ -163,8 +168,17 @@ class SimulatedSights:
         truth = loop.target.position(now)
         if not loop.killed and known.time is not None:
             estimate = known.predict(now)
+            if not 0.0 <= now - self._forecast_at < FORECAST_PERIOD:
+                ahead = [known.predict(now + later) for later in FORECAST]
+                self._forecast = np.array([[*each.position, each.position_std] for each in ahead])
+                self._forecast_at = now
             return TargetSight(
-                estimate.position, estimate.velocity, estimate.position_std, loop.sighting, truth
+                estimate.position,
+                estimate.velocity,
+                estimate.position_std,
+                loop.sighting,
+                truth,
+                self._forecast,
             )
         if loop.sighting is None:
             return None

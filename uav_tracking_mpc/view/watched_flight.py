@@ -51,6 +51,8 @@ class TargetSight:
         std: Standard deviation of ``position`` on each axis in [m], nan where it is not known.
         measured: Newest measurement in ``map``, shape (3,), in [m]; None where there is none.
         truth: Where it truly is in ``map``, shape (3,), in [m]; None where nobody says so.
+        forecast: Where it is expected from now on and the standard deviation of that on each axis,
+            (x, y, z, std), shape (n, 4), in [m]; None where nobody says so.
     """
 
     position: NDArray[np.float64]
@@ -58,6 +60,7 @@ class TargetSight:
     std: float = math.nan
     measured: NDArray[np.float64] | None = None
     truth: NDArray[np.float64] | None = None
+    forecast: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
