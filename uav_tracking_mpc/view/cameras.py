@@ -51,12 +51,10 @@ BEHIND, OVER = 0.75, 0.3  # where a camera that follows begins, by the radius of
 FAR_TARGET = 4.0  # by the radius of the orbit: a target that goes farther is followed
 FARTHEST = 2.5  # by the radius of the orbit: how far off the aircraft still is in the first view
 TILT = 1e-3  # rad; straight down, north would be nowhere
-# On a phone the head of the folded panel covers the lower end, and more once it is unfolded: the
-# middle stands so far up, by half a picture.
-UP = 0.25
+# On a phone the panel covers the lower part: there the middle stands so far up, by half a picture.
+UP = 0.5
 OPENING = 3.0  # s of wall time in which the scene of a new page turns into its place
 OPENING_TURN = math.radians(50.0)
-PHONE = 600  # pixels; on a narrower page the panel is folded at first
 LAST_FIRST = 10  # first views that a page may have begun with while it was loaded
 
 Watched = tuple[WatchedFlight, Sight]
@@ -170,8 +168,6 @@ class _Seat:
         self._to_place = False  # it stands where all pages begin, or where its address says
         self._began: float | None = None  # s, when the scene was first seen
         self._own: dict[str, viser.FrameHandle] = {}
-        if client.camera.image_width < PHONE:
-            client.gui.main_panel.minimize()
         self._view.on_update(self._place_again)
 
     def _place_again(self, _: object) -> None:
@@ -189,7 +185,7 @@ class _Seat:
         moved = scene_pose(view, sight)
         if view == ORBIT:
             moved = rigid.SE3.from_rotation(rigid.SO3.from_z_radians(self._opening_turn())) @ moved
-        self._show_own(chosen, view != COCKPIT)
+        self._show_own(own_node(f"{self._world.name}/{chosen}"), view != COCKPIT)
         self._world.position, self._world.wxyz = moved.translation(), moved.rotation().wxyz
         if self._to_place or (view == VIEWS[0] and self._narrow_at_first):
             self._to_place = False
@@ -203,13 +199,12 @@ class _Seat:
         left = max(1.0 - (now - self._began) / OPENING, 0.0) if OPENING > 0.0 else 0.0
         return OPENING_TURN * left**3
 
-    def _show_own(self, name: str, visible: bool) -> None:
+    def _show_own(self, node: str, visible: bool) -> None:
         """Hide what goes with the aircraft that this page sits in."""
-        if not visible and name not in self._own:
-            node = own_node(f"{self._world.name}/{name}")
-            self._own[name] = self.client.scene.add_frame(node, show_axes=False)
+        if not visible and node not in self._own:
+            self._own[node] = self.client.scene.add_frame(node, show_axes=False)
         for own, frame in self._own.items():
-            frame.visible = visible or own != name
+            frame.visible = visible or own != node
 
     @property
     def _narrow_at_first(self) -> bool:

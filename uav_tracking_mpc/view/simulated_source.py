@@ -92,6 +92,7 @@ def _controller(loop: InterruptedLoop) -> NodeStatus:
         **_axes("drift", controller.drift),
         "target noise [m]": f"{controller.navigator.target.noise:.3g}",
         "target positions rejected": f"{controller.navigator.target.rejected}",
+        **{name: f"{state}" for name, state in controller.navigator.air_check.values().items()},
     }
     level, words, why = controller_status(mode, reason, loop.commanded)
     return NodeStatus(CONTROLLER, level, f"{words}: {why}" if why else words, values)
@@ -288,7 +289,8 @@ class SimulatedFlight(WatchedFlight):
             logger.warning(f"the plant failed, reset it to fly on: {error}")
             self._fail(str(error))
         else:
-            self._sight = self._sights.at(tick)
+            sight = self._sights.at(tick)
+            self._sight = replace(sight, rivals=self.steering.rivals.follow())
             self._past.add(self._sight)
             if self._witness is not None:
                 self._witness(tick.time, tick.measured, tick.command)

@@ -81,6 +81,27 @@ class NodeStatus:
 
 
 @dataclass(frozen=True)
+class RivalSight:
+    """What a guidance law flies beside an aircraft, in the same air about the same target.
+
+    Attributes:
+        law: Its name.
+        position: In ``map``, shape (3,), in [m].
+        heading: In [rad].
+        path_angle: In [rad], positive up.
+        bank: In [rad], positive to the right.
+        range_error: Distance to the target less the one that is asked for, in [m].
+    """
+
+    law: str
+    position: NDArray[np.float64]
+    heading: float
+    path_angle: float
+    bank: float
+    range_error: float
+
+
+@dataclass(frozen=True)
 class Sight:
     """One aircraft at one time.
 
@@ -105,6 +126,7 @@ class Sight:
         solve_time: Of the newest solve in [s], nan where there is none.
         latency: From a state's stamp to its command in [s], nan where it is not measured.
         statuses: What the nodes say of themselves.
+        rivals: What guidance laws fly beside it; empty unless that was asked for.
     """
 
     time: float
@@ -126,6 +148,7 @@ class Sight:
     solve_time: float = math.nan
     latency: float = math.nan
     statuses: tuple[NodeStatus, ...] = ()
+    rivals: tuple[RivalSight, ...] = ()
 
 
 class PlayClock:
@@ -201,10 +224,23 @@ class Steering(ABC):
         nodes: Whose parameters can be changed: of CONTROLLER, SIMULATOR, TARGET. A real autopilot
             has no SIMULATOR, a tracker no TARGET; neither is steered then.
         faults: Faults that can be injected, by name, and what each does, in words.
+        comparable: Whether guidance laws can be flown beside.
     """
 
     nodes: frozenset[str] = frozenset()
     faults: Mapping[str, str] = {}
+    comparable: bool = False
+
+    def compare(self, on: bool) -> str:
+        """Fly the guidance laws beside, from where the aircraft is, or no longer.
+
+        Args:
+            on: Whether they are to fly.
+
+        Returns:
+            Why it was refused; empty where it was done.
+        """
+        return "guidance laws are flown beside a simulation alone"
 
     @abstractmethod
     def parameters(self, node: str) -> Mapping[str, Any]:

@@ -25,6 +25,7 @@
 ``target``      the target: where it is estimated, how surely, where it was measured, and where it
                 is expected
 ``dragging``    lets the mouse drag the target over the ground
+``rivals``      ghosts of the guidance laws that are flown beside
 ``wind``        the wind, as streaks that drift with it and in words; velocity through the air, over
                 ground, and the drift between them
 ==============  ====================================================================================

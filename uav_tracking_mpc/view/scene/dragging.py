@@ -30,7 +30,7 @@ from uav_tracking_mpc.view.scene._drawing import Mesh, extent, finite
 from uav_tracking_mpc.view.scene.target import SHARE, pin
 from uav_tracking_mpc.view.watched_flight import TARGET, Sight
 
-HINT = "drag me over the ground"
+HINT = "drag me"
 HANDLE = 0.11  # outer radius of the handle by the radius of the orbit
 RAISED = 0.01  # of the handle over the ground, by its radius
 FARTHEST = 30.0  # by the radius of the orbit; near the horizon a pixel is kilometres

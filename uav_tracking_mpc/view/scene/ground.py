@@ -50,6 +50,7 @@ AMBIENT = 2.0  # without it what is turned away from the light is black
 GROUND, GROUND_OPACITY = (96, 125, 88), 0.22
 SKY = np.array([(150, 175, 195), (90, 145, 205), (40, 90, 170)])  # horizon, 20 deg up, zenith
 SKY_OPACITY = 0.45
+MIST = 8.0  # deg over the horizon in which the sky comes out of what is behind it
 SKY_RADIUS = 30_000.0  # m; within what a camera sees
 # m, how deep the origin of the sky lies: what is translucent is drawn from the farthest origin on.
 BEHIND_ALL = 1e6
@@ -57,14 +58,14 @@ BEHIND_ALL = 1e6
 
 def sky() -> trimesh.Trimesh:
     """A dome that shines by itself, its origin far below it."""
-    elevation = np.radians([-2.0, 0.0, 2.0, 5.0, 10.0, 20.0, 40.0, 65.0, 90.0])
+    elevation = np.radians([0.0, 2.0, 4.0, 6.0, 10.0, 20.0, 40.0, 65.0, 90.0])
     stations = np.stack([np.sin(elevation), np.cos(elevation)], axis=1)
     points, faces = turned(stations, 48)
     points = SKY_RADIUS * points[:, [1, 2, 0]] + [0.0, 0.0, BEHIND_ALL]
-    up = np.clip(np.repeat(np.degrees(elevation), 48), 0.0, 90.0)
+    up = np.repeat(np.degrees(elevation), 48)
     heights = np.linspace(90.0, 0.0, 64)  # of the rows of the picture, from its top
     rows = [np.interp(heights, (0.0, 20.0, 90.0), channel) for channel in SKY.T]
-    opacity = np.full(64, 255.0 * SKY_OPACITY)
+    opacity = 255.0 * SKY_OPACITY * np.clip(heights / MIST, 0.0, 1.0)
     light = np.stack([*rows, opacity], axis=1).round().astype(np.uint8)[:, None]
     light = np.repeat(light, 2, axis=1)
     dark = light * np.array([0, 0, 0, 1], dtype=np.uint8)

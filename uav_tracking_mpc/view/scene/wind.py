@@ -23,15 +23,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.vehicle import air_velocity
 from uav_tracking_mpc.view.scene import SceneElement
-from uav_tracking_mpc.view.scene._drawing import (
-    GREY,
-    WIND,
-    centre,
-    extent,
-    finite,
-    ground_height,
-    paint,
-)
+from uav_tracking_mpc.view.scene._drawing import GREY, WIND, centre, extent, finite, ground_height
 from uav_tracking_mpc.view.watched_flight import Sight
 
 CALM = 0.2  # m/s; less is not drawn
@@ -134,6 +126,7 @@ class Wind(SceneElement):
 
 LENGTH = 0.35  # length of the airspeed's arrow by the radius of the orbit
 LEAST_CHANGE = 0.01  # least change of an arrow, by its length, that is sent
+HIDDEN = np.array([[0.0, 0.0, 0.0], [1e-3, 0.0, 0.0]])  # in airspeeds: inside of the aircraft
 DRIFT_LEAST = 0.02  # by the airspeed; less is not drawn
 
 
@@ -163,12 +156,12 @@ class Velocities(SceneElement):
 
     def add(self) -> None:
         """Begin with none."""
-        self._drawn = np.zeros((1, 2, 3))
-        self._colours = np.array([self.colour, GREY, WIND], dtype=np.uint8)
+        # Always as many arrows as colours: of another number a page complains.
+        self._drawn = np.tile(HIDDEN, (3, 1, 1))
         self._arrows = self.scene.add_arrows(
             f"{self.at_aircraft}/velocities",
             self._drawn,
-            paint(self.colour),
+            np.array([self.colour, GREY, WIND], dtype=np.uint8),
             shaft_radius=0.012,
             head_radius=0.035,
             head_length=0.1,
@@ -187,12 +180,8 @@ class Velocities(SceneElement):
         if not self._arrows.visible:
             return
         self._arrows.scale = LENGTH * extent(self.flight, sight)
-        now = arrows(sight)
-        if now.shape == self._drawn.shape and np.abs(now - self._drawn).max() < LEAST_CHANGE:
-            return
-        # In an order in which there are never more colours than arrows: a page refuses them.
-        colours = self._colours[: len(now)]
-        if len(now) < len(self._drawn):
-            self._arrows.colors = colours
-        self._drawn, self._arrows.points = now, now.astype(np.float32)
-        self._arrows.colors = colours
+        now = np.tile(HIDDEN, (3, 1, 1))
+        known = arrows(sight)
+        now[: len(known)] = known
+        if np.abs(now - self._drawn).max() >= LEAST_CHANGE:
+            self._drawn, self._arrows.points = now, now.astype(np.float32)
