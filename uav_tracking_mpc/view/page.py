@@ -209,7 +209,7 @@ class Page:
         self.address = self._server.address
         add_appearance(self._server)
         self._cameras = Cameras(self._server, WORLD)
-        add_legend(self._server.gui, COLOURS[0])
+        self._server.on_client_connect(lambda client: add_legend(client, COLOURS[0]))
         self._server.gui.main_panel.dock_right()  # beside the scene and not upon it
         self._server.gui.main_panel.set_width(PANEL_WIDTH)
         self._tabs = self._server.gui.add_tab_group()  # one for each aircraft

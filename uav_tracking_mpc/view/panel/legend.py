@@ -24,9 +24,10 @@ from uav_tracking_mpc.view.scene._drawing import LIMIT, WIND
 from uav_tracking_mpc.view.scene.tracks import SCALE
 
 PLACE, WIDTH = (15.0, 70.0), 250.0  # pixels from the upper left corner of the scene
+ROOM = 920  # pixels; beside less of a scene it would stand upon the orbit
 ROW = '<div style="display:flex;gap:0.5em;align-items:center">{}<span>{}</span></div>'
 MARK = '<span style="flex:0 0 1.6em;height:0;border-top:3px {} rgb{}"></span>'
-SQUARE = '<span style="flex:0 0 0.8em;height:0.8em;background:rgb{}"></span>'
+SQUARE = '<span title="{}" style="flex:0 0 0.8em;height:0.8em;background:rgb{}"></span>'
 BAR = '<span style="flex:0 0 1.6em;height:4px;background:linear-gradient(90deg,{})"></span>'
 
 # A page saves what it has drawn itself, on its own background: viser's pictures end at 1 km.
@@ -62,26 +63,27 @@ def legend(colour: Colour) -> str:
         (MARK.format("solid", LIMIT), "a limit that is near"),
         (MARK.format("solid", colour), "the target, and where it is expected"),
     ]
-    modes = [(SQUARE.format(tint), mode.value) for mode, tint in MODE_COLOURS.items()]
+    modes = [SQUARE.format(mode.value, tint) for mode, tint in MODE_COLOURS.items()]
     return (
         '<div style="font-size:0.75em;line-height:1.45;padding:0 0.7em 0.5em">'
         + "".join(ROW.format(*row) for row in rows)
-        + "<details><summary>colours of wings and plan</summary>"
-        + "".join(ROW.format(*row) for row in modes)
-        + "</details><b>Drag the target</b> with the mouse. Drag elsewhere to look around."
+        + ROW.format("".join(modes), "wings and plan, best first")
+        + "<b>Drag the target</b> with the mouse. Drag elsewhere to look around."
         + SAVE
         + "</div>"
     )
 
 
-def add_legend(gui: viser.GuiApi, colour: Colour) -> None:
-    """Put it into the upper left of every page; on a phone it is a section that is folded.
+def add_legend(client: viser.ClientHandle, colour: Colour) -> None:
+    """Put it into the upper left of a page, folded where the page is small.
 
     Args:
-        gui: Of the server.
+        client: The page.
         colour: Of the first aircraft.
     """
-    panel = gui.add_panel()
+    panel = client.gui.add_panel()
     with panel.add_tab("What you see"):
-        gui.add_html(legend(colour))
+        client.gui.add_html(legend(colour))
     panel.float(x=PLACE[0], y=PLACE[1], width=WIDTH)
+    if client.camera.image_width < ROOM:
+        panel.minimize()

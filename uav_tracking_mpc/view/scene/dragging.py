@@ -32,6 +32,7 @@ from uav_tracking_mpc.view.watched_flight import TARGET, Sight
 
 HINT = "drag me"
 HANDLE = 0.11  # outer radius of the handle by the radius of the orbit
+HEAD = np.array([[0.75, -0.2, 0.0], [0.75, 0.2, 0.0], [1.0, 0.0, 0.0]])  # -, by that radius
 RAISED = 0.01  # of the handle over the ground, by its radius
 FARTHEST = 30.0  # by the radius of the orbit; near the horizon a pixel is kilometres
 NOTICE = 10.0  # s that a refusal stays
@@ -67,10 +68,12 @@ def handle() -> Mesh:
         np.stack([inner, outer, outer + 2], axis=1),
         np.stack([inner, outer + 2, inner + 2], axis=1),
     ]
-    points = [np.stack([0.55 * circle, 0.7 * circle], axis=1).reshape(-1, 3)]
+    points: list[NDArray[np.float64]] = [
+        np.stack([0.55 * circle, 0.7 * circle], axis=1).reshape(-1, 3)
+    ]
     for k in range(4):
         turn = rigid.SO3.from_z_radians(0.5 * math.pi * k)
-        points.append(turn.apply(np.array([[0.75, -0.2, 0.0], [0.75, 0.2, 0.0], [1.0, 0.0, 0.0]])))
+        points.append(np.array(turn.apply(HEAD), dtype=float))
         faces.append(np.array([[0, 1, 2]]) + 98 + 3 * k)
     return np.concatenate(points), np.concatenate(faces)
 

@@ -21,6 +21,7 @@ from collections.abc import Callable
 
 import numpy as np
 import viser
+from numpy.typing import NDArray
 
 from uav_tracking_mpc.limits import Ball, Cylinder, Floor, Limit, Shape
 from uav_tracking_mpc.view.scene import SceneElement
@@ -32,7 +33,6 @@ from uav_tracking_mpc.view.scene._drawing import (
     extent,
     finite,
     ground_height,
-    paint,
     ring,
     turned,
 )
@@ -67,13 +67,13 @@ def glow(away: float, size: float) -> float:
     return round(GLOWS * min(max(near, 0.0), 1.0)) / GLOWS if math.isfinite(near) else 0.0
 
 
-def glowing(share: float) -> np.ndarray:
+def glowing(share: float) -> NDArray[np.uint8]:
     """Colour of a limit's lines, from grey to that of limits, shape (3,).
 
     Args:
         share: How much it glows, from 0 to 1.
     """
-    return paint(tuple(round(g + share * (c - g)) for g, c in zip(GREY, LIMIT, strict=True)))
+    return np.round(np.add(GREY, share * np.subtract(LIMIT, GREY))).astype(np.uint8)
 
 
 class Limits(SceneElement):

@@ -136,9 +136,11 @@ class Forecast(SceneElement):
             sight: Of this aircraft.
         """
         forecast = None if sight.target is None else sight.target.forecast
-        known = forecast is not None and finite(forecast, sight.time)
-        self._lines.visible = known and float(np.ptp(forecast[:, :2], axis=0).max()) > STANDING
-        if forecast is None or not self._lines.visible:
+        if forecast is None or not finite(forecast, sight.time):
+            self._lines.visible = False
+            return
+        self._lines.visible = float(np.ptp(forecast[:, :2], axis=0).max()) > STANDING
+        if not self._lines.visible:
             return
         if 0.0 <= sight.time - self._shown < ANEW:
             return
