@@ -45,7 +45,8 @@ def seen(chromium, source):
     """The page that tests share."""
     context = chromium.new_context(viewport=SCREEN, accept_downloads=True)
     with served(source) as page:
-        yield SeenPage(context.new_page(), page.address)
+        # In as many pixels as it has: a page of few is a small one, on which the legend is folded.
+        yield SeenPage(context.new_page(), page.address, resolution=1.0)
     context.close()
 
 

@@ -54,7 +54,7 @@ TILT = 1e-3  # rad; straight down, north would be nowhere
 # On a phone the panel covers the lower part: there the middle stands so far up, by half a picture.
 UP = 0.5
 OPENING = 3.0  # s of wall time in which the scene of a new page turns into its place
-OPENING_TURN = math.radians(50.0)
+OPENING_TURN = math.radians(50.0)  # by which that begins
 LAST_FIRST = 10  # first views that a page may have begun with while it was loaded
 
 Watched = tuple[WatchedFlight, Sight]
