@@ -37,6 +37,10 @@ def off(error):
     [
         (off(0.4), "well: it is on the orbit"),
         (off(-312.3), "on its way to the orbit: 312 m to go"),
+        (
+            sight(errors={"range_error": 3.0, "altitude_error": -26.6}),
+            "on its way to the orbit: 27 m to go",
+        ),
         (sight(errors={}), "flies the best plan"),
         (sight(mode=None), "waits for its first command"),
         (

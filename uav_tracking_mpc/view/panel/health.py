@@ -30,7 +30,7 @@ from uav_tracking_mpc.view.panel._html import ALARM, ATTENTION, CALM, block, gau
 from uav_tracking_mpc.view.panel.readings import readings
 from uav_tracking_mpc.view.watched_flight import CONTROLLER, Sight
 
-ON_ORBIT = 0.03  # by the range: a smaller error of it is being on the orbit
+ON_ORBIT = 0.03  # by the range: a smaller error of range and altitude is being on the orbit
 NEAR, AT = 0.85, 0.98  # share of a limit that is used up from which on it is near, and reached
 SIGMAS = 3.0
 LOOSE = 0.1  # by the range: three standard deviations of a target that is hardly known
@@ -73,8 +73,10 @@ def in_words(sight: Sight, tracking: TrackingParameters | None) -> str:
     error = sight.errors.get("range_error", math.nan)
     if tracking is None or not math.isfinite(error):
         return "flies the best plan"
-    if abs(error) > ON_ORBIT * tracking.range:
-        return f"on its way to the orbit: {number(abs(error), 0)} m to go"
+    height = sight.errors.get("altitude_error", 0.0)
+    away = math.hypot(error, height if math.isfinite(height) else 0.0)
+    if away > ON_ORBIT * tracking.range:
+        return f"on its way to the orbit: {number(away, 0)} m to go"
     return "well: it is on the orbit"
 
 
