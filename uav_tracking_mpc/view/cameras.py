@@ -44,12 +44,13 @@ ORBIT, FOLLOW, ABOVE, COCKPIT, FREE = (
 VIEWS = ORBIT, FOLLOW, ABOVE, COCKPIT, FREE
 FIELD_OF_VIEW = math.radians(50.0)  # upright
 NEAR, FAR = 0.5, 50_000.0  # m
-MARGIN = 1.3  # of what is to be in the picture
+MARGIN = 1.25  # of what is to be in the picture
 WIDEST = 1.3  # width by height of a picture up to which an orbit fills the width
 ELEVATION = math.radians(22.0)
 BEHIND, OVER = 0.75, 0.3  # where a camera that follows begins, by the radius of the orbit
 FAR_TARGET = 4.0  # by the radius of the orbit: a target that goes farther is followed
 FARTHEST = 2.5  # by the radius of the orbit: how far off the aircraft still is in the first view
+STEP = 0.5  # by the radius of the orbit, in which it counts how far off the aircraft is
 TILT = 1e-3  # rad; straight down, north would be nowhere
 # On a phone the panel covers the lower part: there the middle stands so far up, by half a picture.
 UP = 0.5
@@ -83,7 +84,9 @@ def first_pose(view: str, watched: Watched, aspect: float) -> Pose:
     flight, sight = watched
     size, middle = extent(flight, sight), centre(sight)
     away = float(np.hypot(*(sight.position - middle)[:2]))
-    reach = MARGIN * max(size, min(away, FARTHEST * size))
+    # In whole steps: pages that are opened one after the other begin alike.
+    steps = min(max(math.ceil(away / (STEP * size)), 1.0 / STEP), FARTHEST / STEP)
+    reach = MARGIN * STEP * size * steps
     # From so low an orbit is higher than a picture only where that is much wider than high.
     back = reach / (math.tan(0.5 * FIELD_OF_VIEW) * min(aspect, 1.0 if view == ABOVE else WIDEST))
     if view == FREE:
