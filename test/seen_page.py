@@ -68,13 +68,19 @@ FRAME_PERIOD = 0.5  # s: a browser without a graphics card draws hardly more of 
 
 
 @contextlib.contextmanager
-def served(source, host=None):
-    """A page of a source, drawn by a thread; both are closed at the end."""
+def served(source, host=None, opening=0.0):
+    """A page of a source, drawn by a thread; both are closed at the end.
+
+    The scene stands at once, unless there is an ``opening`` in [s].
+    """
     from uav_tracking_mpc.view.page import Page
 
     page, ended = Page(source, host, 0), threading.Event()
     thread = threading.Thread(target=page.serve, args=(ended.is_set,), daemon=True)
-    with mock.patch("uav_tracking_mpc.view.page.FRAME_PERIOD", FRAME_PERIOD):
+    with (
+        mock.patch("uav_tracking_mpc.view.page.FRAME_PERIOD", FRAME_PERIOD),
+        mock.patch("uav_tracking_mpc.view.cameras.OPENING", opening),
+    ):
         thread.start()
         try:
             yield page
@@ -273,7 +279,7 @@ class SeenPage:
         """
 
         def taken() -> bool:
-            field = self._row(label).locator("input[inputmode=decimal]")
+            field = self.row(label).locator("input[inputmode=decimal]")
             field.fill(f"{value:g}")
             field.press("Enter")
             self._next_frames()
@@ -283,7 +289,7 @@ class SeenPage:
 
     def entered(self, label: str) -> float:
         """The number in the field beside a slider."""
-        return float(self._row(label).locator("input[inputmode=decimal]").input_value())
+        return float(self.row(label).locator("input[inputmode=decimal]").input_value())
 
     def press(self, words: str) -> None:
         """Press a button of the panel, once: in the focus, by a key.
@@ -295,7 +301,7 @@ class SeenPage:
         button.click(trial=True)  # waits until the mouse could: it is enabled, nothing covers it
         button.press("Enter")
 
-    def _row(self, label: str):
+    def row(self, label: str):
         """The row of the panel with a label."""
         return self.page.locator("label", has_text=label).locator("xpath=../../..")
 

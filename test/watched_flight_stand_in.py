@@ -80,7 +80,7 @@ class StandInSteering(Steering):
             SIMULATOR: configuration.simulator,
             TARGET: configuration.target,
         }
-        self.nodes = frozenset(nodes)
+        self.nodes, self.comparable = frozenset(nodes), True
         self.values = {node: dict(vars(sections[node])) for node in nodes}
         self.faults = {"lose the target": "No target position arrives for 10 s."}
         self.asked, self.refusal, self.failure = [], "", None
@@ -110,6 +110,9 @@ class StandInSteering(Steering):
 
     def inject(self, fault):
         return self._answer("inject", fault)
+
+    def compare(self, on):
+        return self._answer("compare", on)
 
     def _answer(self, *asked):
         self.asked.append(asked)

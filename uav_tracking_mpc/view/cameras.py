@@ -15,12 +15,14 @@
 """From where each page looks: at the orbit, at an aircraft, from above, from the cockpit, freely.
 
 A camera that follows does not move: the scene is moved under it, for that page alone. So nothing
-ever moves the camera but the mouse, and both go together.
+ever moves the camera but the mouse, and both go together. The first seconds turn the scene in the
+same way: a stranger sees that it is one that can be turned.
 """
 
 from __future__ import annotations
 
 import math
+import time
 from collections import deque
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -31,7 +33,8 @@ import viser.transforms as rigid
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.simulation.flight_log import FlightLog
-from uav_tracking_mpc.view.scene._drawing import centre, extent, finite
+from uav_tracking_mpc.view.scene import own_node
+from uav_tracking_mpc.view.scene._drawing import centre, extent, finite, ground_height
 from uav_tracking_mpc.view.scene.airframe import SHARE, attitude
 from uav_tracking_mpc.view.watched_flight import Sight, WatchedFlight
 
@@ -42,13 +45,17 @@ VIEWS = ORBIT, FOLLOW, ABOVE, COCKPIT, FREE
 FIELD_OF_VIEW = math.radians(50.0)  # upright
 NEAR, FAR = 0.5, 50_000.0  # m
 MARGIN = 1.25  # of what is to be in the picture
-ELEVATION = math.radians(35.0)
+WIDEST = 1.3  # width by height of a picture up to which an orbit fills the width
+ELEVATION = math.radians(22.0)
 BEHIND, OVER = 0.75, 0.3  # where a camera that follows begins, by the radius of the orbit
 FAR_TARGET = 4.0  # by the radius of the orbit: a target that goes farther is followed
 FARTHEST = 2.5  # by the radius of the orbit: how far off the aircraft still is in the first view
+STEP = 0.5  # by the radius of the orbit, in which it counts how far off the aircraft is
 TILT = 1e-3  # rad; straight down, north would be nowhere
 # On a phone the panel covers the lower part: there the middle stands so far up, by half a picture.
 UP = 0.5
+OPENING = 3.0  # s of wall time in which the scene of a new page turns into its place
+OPENING_TURN = math.radians(50.0)  # by which that begins
 LAST_FIRST = 10  # first views that a page may have begun with while it was loaded
 
 Watched = tuple[WatchedFlight, Sight]
@@ -78,11 +85,14 @@ def first_pose(view: str, watched: Watched, aspect: float) -> Pose:
     flight, sight = watched
     size, middle = extent(flight, sight), centre(sight)
     away = float(np.hypot(*(sight.position - middle)[:2]))
-    reach = MARGIN * max(size, min(away, FARTHEST * size))
-    back = reach / (math.tan(0.5 * FIELD_OF_VIEW) * min(aspect, 1.0))
+    # In whole steps: pages that are opened one after the other begin alike.
+    steps = min(max(math.ceil(away / (STEP * size)), 1.0 / STEP), FARTHEST / STEP)
+    reach = MARGIN * STEP * size * steps
+    # From so low an orbit is higher than a picture only where that is much wider than high.
+    back = reach / (math.tan(0.5 * FIELD_OF_VIEW) * min(aspect, 1.0 if view == ABOVE else WIDEST))
     if view == FREE:
         return _from_south(middle, back, ELEVATION, aspect)
-    floor = np.array([0.0, 0.0, middle[2]])
+    floor = np.array([0.0, 0.0, 0.5 * (float(middle[2]) + ground_height(sight))])
     if view in (ORBIT, ABOVE):
         elevation = ELEVATION if view == ORBIT else 0.5 * math.pi - TILT
         return _from_south(floor, back, elevation, aspect)
@@ -160,6 +170,8 @@ class _Seat:
         self._names: tuple[str, ...] = ()
         self._chosen: viser.GuiDropdownHandle[str] | None = None
         self._to_place = False  # it stands where all pages begin, or where its address says
+        self._began: float | None = None  # s, when the scene was first seen
+        self._own: dict[str, viser.FrameHandle] = {}
         self._view.on_update(self._place_again)
 
     def _place_again(self, _: object) -> None:
@@ -183,11 +195,28 @@ class _Seat:
         if not finite(sight.position, sight.heading, sight.path_angle):
             return
         moved = scene_pose(view, sight)
+        if view == ORBIT:
+            moved = rigid.SE3.from_rotation(rigid.SO3.from_z_radians(self._opening_turn())) @ moved
+        self._show_own(own_node(f"{world.name}/{self.choice[1]}"), view != COCKPIT)
         world.position, world.wxyz = moved.translation(), moved.rotation().wxyz
         if self._to_place or (view == VIEWS[0] and self._narrow_at_first):
             self._to_place = False
             camera = self.client.camera
             camera.position, camera.look_at = first_pose(view, (flight, sight), camera.aspect)
+
+    def _opening_turn(self) -> float:
+        """How far the scene is turned in the first seconds in [rad]; it comes to rest smoothly."""
+        now = time.monotonic()
+        self._began = now if self._began is None else self._began
+        left = max(1.0 - (now - self._began) / OPENING, 0.0) if OPENING > 0.0 else 0.0
+        return OPENING_TURN * left**3
+
+    def _show_own(self, node: str, visible: bool) -> None:
+        """Hide what goes with the aircraft that this page sits in."""
+        if not visible and node not in self._own:
+            self._own[node] = self.client.scene.add_frame(node, show_axes=False)
+        for own, frame in self._own.items():
+            frame.visible = visible or own != node
 
     @property
     def _narrow_at_first(self) -> bool:

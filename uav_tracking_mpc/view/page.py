@@ -26,12 +26,11 @@ from typing import Any
 
 import viser
 
-from uav_tracking_mpc.report.mode_colours import MODE_COLOURS
 from uav_tracking_mpc.view.cameras import Cameras
 from uav_tracking_mpc.view.panel import PANEL_PART, PanelPart
 from uav_tracking_mpc.view.panel._html import ALARM, badge, block
+from uav_tracking_mpc.view.panel.legend import add_legend
 from uav_tracking_mpc.view.scene import SCENE_ELEMENT, Colour, SceneElement
-from uav_tracking_mpc.view.scene._drawing import LIMIT, WIND
 from uav_tracking_mpc.view.serving.guarded_server import GuardedServer
 from uav_tracking_mpc.view.visitors import FLOWN, NOW, NOW_TAG, Visitors
 from uav_tracking_mpc.view.watched_flight import FlightSource, Sight, WatchedFlight
@@ -44,24 +43,11 @@ COLOURS: tuple[Colour, ...] = (  # Okabe and Ito: told apart by everybody
 )  # fmt: skip
 WORLD = "/world"  # node under which the scene hangs; cameras move it, page by page
 LAST = 1e6  # order in the panel
-SQUARE = '<span style="color:rgb({},{},{})">&#9632;</span>'
-
-
-def legend() -> str:
-    """What the colours mean, as HTML."""
-    rows = [f"{SQUARE.format(*colour)} {mode.value}" for mode, colour in MODE_COLOURS.items()]
-    return (
-        '<div style="font-size:0.8em;line-height:1.5;padding:0 0.5em">'
-        "<b>Wings, plan and the orbit it ends on</b>: what is flown<br>"
-        + "<br>".join(rows)
-        + "<br><b>Fuselage, track, target and dashed orbit</b>: the aircraft's own colour; the "
-        "dashed orbit is the one asked for"
-        f"<br>{SQUARE.format(*WIND)} wind and drift<br>{SQUARE.format(*LIMIT)} limits</div>"
-    )
+PANEL_WIDTH = 340  # pixels
 
 
 def add_appearance(server: viser.ViserServer) -> Callable[[int, bool], None]:
-    """Add a switch for dark pages and a legend to every page.
+    """Add a switch for dark pages to every page.
 
     Args:
         server: Of the pages.
@@ -78,8 +64,6 @@ def add_appearance(server: viser.ViserServer) -> Callable[[int, bool], None]:
         dark = client.gui.add_checkbox("Dark", False, order=LAST)
         dark.on_update(lambda _: set_theme(client.gui, dark.value))
         switches[client.client_id] = dark
-        with client.gui.add_folder("Colours", order=LAST + 1.0, expand_by_default=False):
-            client.gui.add_html(legend())
 
     def turn(number: int, on: bool) -> None:
         if number in switches:
@@ -246,6 +230,9 @@ class Page:
             self._server, source, self._cameras, WORLD, self._begin_past, turn_dark
         )
         self._server.answers |= {NOW: self._visitors.now, FLOWN: self._visitors.flown}
+        self._server.on_client_connect(lambda client: add_legend(client, COLOURS[0]))
+        self._server.gui.main_panel.dock_right()  # beside the scene and not upon it
+        self._server.gui.main_panel.set_width(PANEL_WIDTH)
         self._tabs = self._server.gui.add_tab_group()  # one for each aircraft
         self._drawn: dict[str, _Drawn] = {}
         self._colours: dict[str, Colour] = {}

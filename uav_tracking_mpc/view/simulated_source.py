@@ -92,6 +92,7 @@ def _controller(loop: InterruptedLoop) -> NodeStatus:
         **_axes("drift", controller.drift),
         "target noise [m]": f"{controller.navigator.target.noise:.3g}",
         "target positions rejected": f"{controller.navigator.target.rejected}",
+        **{f"{name} sensor": state for name, state in controller.navigator.health.states.items()},
     }
     level, words, why = controller_status(mode, reason, loop.commanded)
     return NodeStatus(CONTROLLER, level, f"{words}: {why}" if why else words, values)
@@ -113,6 +114,10 @@ def _axes(name: str, vector: NDArray[np.float64]) -> dict[str, str]:
     }
 
 
+FORECAST = (0.0, 2.5, 5.0, 7.5, 10.0)  # s from now on, for which the target is forecast
+FORECAST_PERIOD = 0.5  # s between two forecasts
+
+
 class SimulatedSights:
     """Sights of a loop, tick by tick.
 
@@ -127,6 +132,7 @@ class SimulatedSights:
         self._loop, self._paths = loop, CommandPaths()
         self._command: Command | None = None
         self._path = np.zeros((0, 3))  # positions at the ends of the stages of its plan
+        self._forecast, self._forecast_at = np.zeros((0, 4)), -math.inf
 
     def at(self, tick: Tick) -> Sight:
         """What there is to see at the time of a tick.
@@ -163,8 +169,17 @@ class SimulatedSights:
         truth = loop.target.position(now)
         if not loop.killed and known.time is not None:
             estimate = known.predict(now)
+            if not 0.0 <= now - self._forecast_at < FORECAST_PERIOD:
+                ahead = [known.predict(now + later) for later in FORECAST]
+                self._forecast = np.array([[*each.position, each.position_std] for each in ahead])
+                self._forecast_at = now
             return TargetSight(
-                estimate.position, estimate.velocity, estimate.position_std, loop.sighting, truth
+                estimate.position,
+                estimate.velocity,
+                estimate.position_std,
+                loop.sighting,
+                truth,
+                self._forecast,
             )
         if loop.sighting is None:
             return None
@@ -274,7 +289,8 @@ class SimulatedFlight(WatchedFlight):
             logger.warning(f"the plant failed, reset it to fly on: {error}")
             self._fail(str(error))
         else:
-            self._sight = self._sights.at(tick)
+            sight = self._sights.at(tick)
+            self._sight = replace(sight, rivals=self.steering.rivals.follow())
             self._past.add(self._sight)
             if self._witness is not None:
                 self._witness(tick.time, tick.measured, tick.command)

@@ -35,6 +35,7 @@ from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.simulation.closed_loop import ClosedLoop, Sightings
 from uav_tracking_mpc.simulation.plants import SimulationError
 from uav_tracking_mpc.simulation.steered_target import STATIONARY
+from uav_tracking_mpc.view.simulated_rivals import Rivals
 from uav_tracking_mpc.view.watched_flight import CONTROLLER, SIMULATOR, TARGET, PlayClock, Steering
 
 TARGET_LOST, STATE_LOST, CONTROLLER_KILLED = "target lost", "state lost", "controller killed"
@@ -233,8 +234,15 @@ class SimulatedSteering(Steering):
         name: words.format(DURATIONS[name]) for name, words in FAULTS.items()
     }
 
+    comparable = True
+
     def __init__(self, loop: InterruptedLoop, clock: PlayClock, requests: RequestQueue) -> None:
         self._loop, self._clock, self._requests = loop, clock, requests
+        self.rivals = Rivals(loop)
+
+    def compare(self, on: bool) -> str:
+        """See :meth:`Steering.compare`."""
+        return self._requests.ask(lambda: self.rivals.fly(on))
 
     def parameters(self, node: str) -> Mapping[str, Any]:
         """See :meth:`Steering.parameters`."""

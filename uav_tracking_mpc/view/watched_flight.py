@@ -51,6 +51,8 @@ class TargetSight:
         std: Standard deviation of ``position`` on each axis in [m], nan where it is not known.
         measured: Newest measurement in ``map``, shape (3,), in [m]; None where there is none.
         truth: Where it truly is in ``map``, shape (3,), in [m]; None where nobody says so.
+        forecast: Where it is expected from now on and the standard deviation of that on each axis,
+            (x, y, z, std), shape (n, 4), in [m]; None where nobody says so.
     """
 
     position: NDArray[np.float64]
@@ -58,6 +60,7 @@ class TargetSight:
     std: float = math.nan
     measured: NDArray[np.float64] | None = None
     truth: NDArray[np.float64] | None = None
+    forecast: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -75,6 +78,27 @@ class NodeStatus:
     level: int
     words: str
     values: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class RivalSight:
+    """What a guidance law flies beside an aircraft, in the same air about the same target.
+
+    Attributes:
+        law: Its name.
+        position: In ``map``, shape (3,), in [m].
+        heading: In [rad].
+        path_angle: In [rad], positive up.
+        bank: In [rad], positive to the right.
+        range_error: Distance to the target less the one that is asked for, in [m].
+    """
+
+    law: str
+    position: NDArray[np.float64]
+    heading: float
+    path_angle: float
+    bank: float
+    range_error: float
 
 
 @dataclass(frozen=True)
@@ -102,6 +126,7 @@ class Sight:
         solve_time: Of the newest solve in [s], nan where there is none.
         latency: From a state's stamp to its command in [s], nan where it is not measured.
         statuses: What the nodes say of themselves.
+        rivals: What guidance laws fly beside it; empty unless that was asked for.
     """
 
     time: float
@@ -123,6 +148,7 @@ class Sight:
     solve_time: float = math.nan
     latency: float = math.nan
     statuses: tuple[NodeStatus, ...] = ()
+    rivals: tuple[RivalSight, ...] = ()
 
 
 class PlayClock:
@@ -198,10 +224,23 @@ class Steering(ABC):
         nodes: Whose parameters can be changed: of CONTROLLER, SIMULATOR, TARGET. A real autopilot
             has no SIMULATOR, a tracker no TARGET; neither is steered then.
         faults: Faults that can be injected, by name, and what each does, in words.
+        comparable: Whether guidance laws can be flown beside.
     """
 
     nodes: frozenset[str] = frozenset()
     faults: Mapping[str, str] = {}
+    comparable: bool = False
+
+    def compare(self, on: bool) -> str:
+        """Fly the guidance laws beside, from where the aircraft is, or no longer.
+
+        Args:
+            on: Whether they are to fly.
+
+        Returns:
+            Why it was refused; empty where it was done.
+        """
+        return "guidance laws are flown beside a simulation alone"
 
     @abstractmethod
     def parameters(self, node: str) -> Mapping[str, Any]:

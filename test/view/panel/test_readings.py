@@ -24,7 +24,7 @@ from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.view.panel.readings import RESOLUTION, SPAN, Plots, Readings, Timing, readings
 from uav_tracking_mpc.view.panel.state import MOST
-from uav_tracking_mpc.view.watched_flight import TargetSight
+from uav_tracking_mpc.view.watched_flight import NodeStatus, TargetSight
 
 SMALL, PAPER = (load_configuration(name).controller for name in ("small_uav", "paper"))
 
@@ -93,6 +93,22 @@ def test_now_median_and_p99_of_the_last_minute(panel, flight):
     assert (now, median) == pytest.approx((100.0, 50.0))
     assert p99 == pytest.approx(99.0)
     assert cells(shown.text, "Latency") == ["5.00"] * 3
+
+
+def counted(time, late):
+    values = {"mode feasible plan, not optimal": f"{late}", "mode optimal plan": "900"}
+    return sight(time, statuses=(NodeStatus("nmpc_controller", 0, "", values),))
+
+
+def test_late_plans_of_the_last_minute_are_counted(panel):
+    shown = panel(Timing).shown(counted(0.0, 5), counted(10.0, 5))
+    assert "Solver: no late plan in the last minute" in shown.labels()
+    shown.show(counted(20.0, 6))
+    assert "Solver: 1 late plan in the last minute" in shown.labels()
+    shown.show(counted(50.0, 17), counted(75.0, 18))
+    assert "Solver: 12 late plans in the last minute" in shown.labels()
+    shown.show(counted(90.0, 2))  # of a new controller
+    assert "Solver: no late plan in the last minute" in shown.labels()
 
 
 def test_points_are_bounded(panel, flight):

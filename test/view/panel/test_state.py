@@ -91,6 +91,19 @@ def test_words_of_others_are_no_html(panel, flight):
     assert "<img" not in panel(State).show()
 
 
+def test_what_is_past_is_folded_and_counted(panel, flight):
+    shown = panel(State).shown()
+    assert shown.widget("History: no fallback").expand_by_default is False
+    flight.seen = [sight(11.0), sight(12.0, **LOST), sight(20.0)]
+    shown.show()
+    assert "History: 1 fallback" in shown.labels()
+
+
+def test_the_folded_diagnostics_tell_the_worst_level(panel, flight):
+    flight.seen = [sight(statuses=(NodeStatus("a", 0, ""), NodeStatus("b", 2, "")))]
+    assert panel(Diagnostics).shown().widget("Diagnostics: error").expand_by_default is False
+
+
 def test_each_node_has_its_level_and_words(panel, flight):
     nodes = [NodeStatus(f"node_{k}", k, f"words {k}") for k in range(4)]
     flight.seen = [sight(statuses=tuple(nodes))]

@@ -29,9 +29,9 @@ def drawn(draw, node, **more):
     """Points of fuselage and wings in ``map``, from the aircraft, as shares of its length."""
     flight = StandInFlight()
     draw(Airframe, flight).show(sight(**more))
-    turned = rigid.SO3(np.array(node("aircraft/body").wxyz))
+    turned = rigid.SO3(np.array(node("aircraft/own/body").wxyz))
     return tuple(
-        turned @ node(f"aircraft/body/{part}").vertices.astype(float)
+        turned @ node(f"aircraft/own/body/{part}").vertices.astype(float)
         for part in ("fuselage", "wings")
     )
 
@@ -62,7 +62,7 @@ def test_a_bank_that_is_not_known_is_drawn_level(draw, node):
 
 def test_wings_and_words_tell_what_is_flown(draw, node):
     drawn(draw, node, mode=FallbackMode.LOITER)
-    assert node("aircraft/body/wings").color == mode_colour(FallbackMode.LOITER)
-    assert node("aircraft/label").text == "aircraft: loiter law"
+    assert node("aircraft/own/body/wings").color == mode_colour(FallbackMode.LOITER)
+    assert node("aircraft/own/label").text == "aircraft: loiter law"
     assert caption("aircraft", FallbackMode.OPTIMAL) == "aircraft"
     assert caption("aircraft", None) == "aircraft: no command yet"

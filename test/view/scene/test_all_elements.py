@@ -29,10 +29,17 @@ from uav_tracking_mpc.view.watched_flight import TargetSight
 ORBIT = FlownOrbit(np.array([0.0, 0.0, 120.0]), np.zeros(3), -275.0, 22.0)
 FULL = sight(
     wanted=ORBIT,
-    flown=ORBIT,
+    flown=ORBIT._replace(radius=-300.0),
     wind=np.array([4.0, 1.0, 0.0]),
     plan=np.array([[275.0, 0.0, 121.0], [274.0, -9.0, 121.0]]),
-    target=TargetSight(np.zeros(3), np.array([3.0, 0.0, 0.0]), 1.0, np.ones(3), np.full(3, 5.0)),
+    target=TargetSight(
+        np.zeros(3),
+        np.array([3.0, 0.0, 0.0]),
+        1.0,
+        np.ones(3),
+        np.full(3, 5.0),
+        np.array([[0.0, 0.0, 0.0, 1.0], [3.0, 0.0, 0.0, 1.5]]),
+    ),
 )
 
 
@@ -81,7 +88,7 @@ BAD = {
     "plan": np.full((2, 3), math.nan),
     "wanted": ORBIT._replace(centre=NAN, radius=math.nan),
     "flown": ORBIT._replace(radius=math.inf),
-    "target": TargetSight(NAN, NAN, math.nan, NAN, NAN),
+    "target": TargetSight(NAN, NAN, math.nan, NAN, NAN, np.full((2, 4), math.nan)),
     "time": math.nan,
 }
 
@@ -108,4 +115,4 @@ def test_a_change_of_mode_is_seen_on_wings_plan_and_orbit(elements, sent):
     sent.clear()
     show(elements, dataclasses.replace(FULL, mode=FallbackMode.HOLD))
     changed = {message.name.rpartition("/")[2] for message in sent}
-    assert changed == {"wings", "label", "flown", "line", "stages"}
+    assert changed == {"wings", "label", "flown", "line", "ghosts"}

@@ -12,16 +12,16 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The grid under a flight, and its limits."""
+"""The grid under a flight, and the sky over it."""
 
 import numpy as np
 import pytest
 from watched_flight_stand_in import StandInFlight, sight
 
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
-from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.view.cameras import FAR
 from uav_tracking_mpc.view.scene.airframe import DropLine
-from uav_tracking_mpc.view.scene.ground import Ground, Limits, cell_size, distance
+from uav_tracking_mpc.view.scene.ground import Ground, cell_size, distance, sky
 from uav_tracking_mpc.view.watched_flight import TargetSight
 
 
@@ -73,7 +73,7 @@ def test_it_lies_at_the_height_of_the_target(draw, node, scene):
     draw(Ground, flight).show(seen)
     assert scene.get_handle_by_name("/world/ground-grid").position[2] == 40.0
     draw(DropLine, flight).show(seen)
-    assert node("aircraft/drop_line").scale[2] == pytest.approx(121.0 - 40.0)
+    assert node("aircraft/own/drop_line").scale[2] == pytest.approx(121.0 - 40.0)
 
 
 def test_a_second_aircraft_draws_none(draw, sent):
@@ -84,63 +84,11 @@ def test_a_second_aircraft_draws_none(draw, sent):
     assert sent == []
 
 
-FENCED = ("fence_radius=800.0", "fence_centre=[100.0,-50.0]")
-
-
-@pytest.fixture
-def limit(scene):
-    """The node of a limit, or None."""
-
-    def find(name):
-        for k in range(9):
-            handle = scene.get_handle_by_name(f"/world/aircraft/limits/{name}_{k}")
-            if handle is not None:
-                return handle
-        return None
-
-    return find
-
-
-class FlightWithin(StandInFlight):
-    """Flies by parameters that a test chooses."""
-
-    def __init__(self, *overrides):
-        super().__init__()
-        self.within(*overrides)
-
-    def within(self, *overrides):
-        settings = [f"nmpc_controller.{override}" for override in overrides]
-        self._tracking = load_configuration("small_uav", settings).controller
-
-    @property
-    def tracking(self):
-        return self._tracking
-
-
-def test_fence_floor_and_least_distance(draw, scene, limit):
-    element = draw(Limits, FlightWithin(*FENCED))
-    element.show(sight(target=TargetSight(np.array([5.0, 6.0, 7.0]))))
-    np.testing.assert_allclose(limit("fence").position, [100.0, -50.0, 7.0])
-    wall = scene.get_handle_by_name(f"{limit('fence').name}/wall")
-    np.testing.assert_allclose(wall.scale[:2], 800.0)
-    np.testing.assert_allclose(limit("height").position[2], 30.0)
-    np.testing.assert_allclose(limit("distance").position, [5.0, 6.0, 7.0])
-    assert scene.get_handle_by_name(f"{limit('distance').name}/lines").scale == 60.0
-
-
-def test_a_limit_that_is_taken_away_goes(draw, limit):
-    flight = FlightWithin(*FENCED)
-    element = draw(Limits, flight)
-    element.show(sight())
-    assert limit("fence") is not None
-    flight.within("height_min=-1e5")
-    element.show(sight())
-    assert limit("fence") is None
-    assert limit("height") is None
-    assert limit("distance") is not None
-
-
-@pytest.mark.parametrize("target", [None, TargetSight(np.full(3, np.nan))])
-def test_the_least_distance_is_hidden_while_there_is_no_target(draw, limit, target):
-    draw(Limits, FlightWithin()).show(sight(target=target))
-    assert not limit("distance").visible
+def test_the_sky_meets_the_ground_within_what_a_camera_sees(draw, scene):
+    draw(Ground, StandInFlight()).show(about(2010.0, 30.0))
+    dome = sky()
+    points = dome.vertices + scene.get_handle_by_name("/world/ground-grid/sky").position
+    away = np.linalg.norm(points - [2010.0, 30.0, 0.0], axis=1)
+    assert away.max() < 0.7 * FAR
+    np.testing.assert_allclose(points[:, 2].min(), 0.0, atol=1e-6)
+    assert points[:, 2].max() > 0.5 * away.max()

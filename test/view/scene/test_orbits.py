@@ -12,20 +12,16 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Orbits, plan and tracks: where they are, and that tracks fade with age."""
-
-import dataclasses
-import itertools
+"""Orbits and the plan: where they are."""
 
 import numpy as np
-import pytest
 import viser.transforms
 from watched_flight_stand_in import StandInFlight, sight
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.report.mode_colours import mode_colour
-from uav_tracking_mpc.view.scene.orbits import SPAN, Orbits, Plan, Track, dashes
+from uav_tracking_mpc.view.scene.orbits import Orbits, Plan
 
 
 def orbit(radius):
@@ -62,13 +58,28 @@ def test_an_orbit_that_is_not_known_is_hidden(draw, node):
 PLAN = np.array([[275.0, 0.0, 121.0], [274.0, 9.0, 121.0], [272.0, 18.0, 120.5]])
 
 
-def test_stages_stand_where_the_sight_says(draw, node):
-    draw(Plan, StandInFlight()).show(sight(plan=PLAN, mode=FallbackMode.EARLIER_PLAN))
-    np.testing.assert_allclose(node("plan/stages").points, PLAN, rtol=1e-6)
+def test_ghosts_fly_the_plan(draw, node):
+    draw(Plan, StandInFlight()).show(
+        sight(plan=PLAN, mode=FallbackMode.EARLIER_PLAN, ground_velocity=np.array([0.0, 22.0, 0.0]))
+    )
+    ghosts = node("plan/ghosts")
+    np.testing.assert_allclose(ghosts.batched_positions, PLAN[1:], rtol=1e-6)
     np.testing.assert_allclose(
         node("plan/line").points, np.stack([PLAN[:-1], PLAN[1:]], axis=1), rtol=1e-6
     )
-    assert tuple(node("plan/stages").colors) == mode_colour(FallbackMode.EARLIER_PLAN)
+    assert tuple(ghosts.batched_colors) == mode_colour(FallbackMode.EARLIER_PLAN)
+    turned = viser.transforms.SO3(ghosts.batched_wxyzs[-1].astype(float))
+    along = (PLAN[2] - PLAN[1]) / np.linalg.norm(PLAN[2] - PLAN[1])
+    np.testing.assert_allclose(turned.apply(np.array([1.0, 0.0, 0.0])), along, atol=1e-6)
+    left_wing = turned.apply(np.array([0.0, 1.0, 0.0]))
+    assert left_wing[2] < -0.1  # it turns to the left
+
+
+def test_a_planned_orbit_that_is_the_wanted_one_is_not_drawn_twice(draw, node):
+    element = draw(Orbits, StandInFlight())
+    for radius, seen in ((276.0, False), (300.0, True), (-275.0, True)):
+        element.show(sight(wanted=orbit(275.0), flown=orbit(radius)))
+        assert node("orbits/flown").visible == seen
 
 
 def test_without_a_plan_nothing_is_left_standing(draw, node):
@@ -78,77 +89,4 @@ def test_without_a_plan_nothing_is_left_standing(draw, node):
         assert node("plan/line").visible
         element.show(sight(plan=missing))
         assert not node("plan/line").visible
-        assert not node("plan/stages").visible
-
-
-def along_east(times):
-    return [sight(time, position=np.array([20.0 * time, 5.0, 100.0])) for time in times]
-
-
-def fly(element, flight, sights):
-    for seen in sights:
-        flight.seen.append(seen)
-        element.show(seen)
-
-
-@pytest.fixture
-def flown(draw):
-    """Ten seconds at 20 Hz."""
-    flight = StandInFlight()
-    flight.seen = along_east([0.0])
-    element = draw(Track, flight)
-    fly(element, flight, along_east(np.arange(0.0, 10.0, 0.05)))
-    return element, flight
-
-
-def test_old_parts_are_drawn_as_shorter_dashes():
-    times = np.arange(0.0, SPAN, 0.5)
-    points = np.column_stack([times, np.zeros_like(times), np.zeros_like(times)])
-    segments = dashes(times, points)
-    lengths = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
-    assert np.all(np.diff(lengths) > -1e-12)
-    assert lengths[0] < 0.2 * lengths[-1]
-    np.testing.assert_allclose(segments[-1], points[-2:])
-
-
-def test_it_goes_on_to_where_the_aircraft_is(flown, node):
-    _, flight = flown
-    line, head = node("track/line").points, node("track/head").points
-    np.testing.assert_allclose(head[-1, 1], flight.seen[-1].position, rtol=1e-6)
-    np.testing.assert_allclose(head[0, 0], line[-1, 1], atol=1.0)
-    for earlier, later in itertools.pairwise(head):
-        np.testing.assert_allclose(earlier[1], later[0])
-
-
-def test_no_more_than_a_minute_is_kept(flown, node):
-    element, flight = flown
-    fly(element, flight, along_east(np.arange(10.0, 100.0, 0.25)))
-    line = node("track/line").points
-    assert 35.0 < line[0, 1, 0] / 20.0 < 40.5
-    assert len(line) <= 300
-
-
-def test_the_whole_line_is_sent_only_now_and_then(flown, sent):
-    element, flight = flown
-    fly(element, flight, along_east(np.arange(10.0, 20.0, 0.05)))
-    lines = [m for m in sent if getattr(m, "name", "").endswith("track/line")]
-    assert 0 < len(lines) <= 10
-
-
-def test_after_a_jump_of_time_the_past_is_asked_for(flown, node):
-    element, flight = flown
-    flight.seen = along_east(np.arange(200.0, 230.0, 0.2))
-    element.show(flight.seen[-1])
-    np.testing.assert_allclose(node("track/line").points[-1, 1, 0], 20.0 * 229.8, rtol=1e-5)
-    flight.seen = along_east(np.arange(0.0, 5.0, 0.2))
-    element.show(flight.seen[-1])
-    np.testing.assert_allclose(node("track/line").points[:, 1, 0].max(), 20.0 * 4.8, rtol=1e-5)
-
-
-def test_an_aircraft_that_stands_has_none(draw, node):
-    flight = StandInFlight()
-    element = draw(Track, flight)
-    for time in np.arange(10.0, 15.0, 0.1):
-        element.show(dataclasses.replace(flight.seen[0], time=time))
-    assert not node("track/line").visible
-    assert not node("track/head").visible
+        assert not node("plan/ghosts").visible

@@ -12,14 +12,14 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The wind in words and as an arrow, and the triangle of velocities."""
+"""The wind in words and as streaks, and the triangle of velocities."""
 
 import numpy as np
 import pytest
 import viser.transforms as rigid
 from watched_flight_stand_in import StandInFlight, sight
 
-from uav_tracking_mpc.view.scene.wind import Velocities, Wind, arrows, words
+from uav_tracking_mpc.view.scene.wind import Velocities, Wind, arrows, streaks, words
 
 
 @pytest.mark.parametrize(
@@ -35,13 +35,22 @@ def test_it_is_named_by_where_it_comes_from(wind, text):
     assert words(np.array(wind)) == text
 
 
-def test_the_arrow_points_where_it_blows(draw, node):
-    draw(Wind, StandInFlight()).show(sight(wind=np.array([0.0, -6.0, 0.0])))
-    arrow = node("wind/arrow")
-    begin, tip = (
-        rigid.SO3(np.array(arrow.wxyz)) @ point for point in arrow.points[0].astype(float)
-    )
-    np.testing.assert_allclose(tip - begin, [0.0, -1.0, 0.0], atol=1e-6)
+def test_the_streaks_point_where_it_blows_and_drift_with_it(draw, node):
+    element = draw(Wind, StandInFlight())
+    places = []
+    for time in (10.0, 10.5):
+        element.show(sight(time, wind=np.array([0.0, -6.0, 0.0])))
+        field = node("wind/field")
+        begin, tip = rigid.SO3(np.array(field.wxyz)).apply(field.points[0].astype(float))
+        assert (tip - begin)[1] < -0.1
+        places.append(np.array(field.position))
+    np.testing.assert_allclose(places[1] - places[0], [0.0, -3.0, 0.0], atol=1e-6)
+
+
+def test_a_stronger_wind_has_longer_streaks():
+    lengths = [np.ptp(streaks(speed)[0, :, 0]) for speed in (2.0, 8.0, 14.0, 40.0)]
+    assert np.all(np.diff(lengths) > 0.0)
+    assert lengths[-1] < 1.0
 
 
 def test_calm_or_unknown_air_shows_none(draw, node):
@@ -73,6 +82,6 @@ def test_in_still_air_there_is_one():
 def test_they_are_hidden_where_the_airspeed_is_not_known(draw, node):
     element = draw(Velocities, StandInFlight())
     element.show(sight())
-    assert node("aircraft/velocities").visible
+    assert node("aircraft/own/velocities").visible
     element.show(sight(airspeed=np.nan))
-    assert not node("aircraft/velocities").visible
+    assert not node("aircraft/own/velocities").visible

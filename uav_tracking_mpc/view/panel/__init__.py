@@ -14,13 +14,18 @@
 
 """What is read and steered beside the scene.
 
-=============  =====================================================================================
-``replay``     time of a recorded flight: a slider, play, pause and speed
-``state``      what mode is flown, why, how long, and what was flown before; what the nodes say
-``readings``   the numbers of the flight: value, error and limits; range error, bank and cost over
-               the last minutes; how long solves take
-``steered``    orbit, target, wind and simulated time, whether the controller commands, faults
-=============  =====================================================================================
+================  ==================================================================================
+``replay``        time of a recorded flight: a slider, play, pause and speed
+``state``         what mode is flown and how long; folded, what was flown before and what nodes say
+``health``        whether it is well: in words, by the nearest limit and by the worst sensor
+``readings``      the numbers of the flight: value, error and limits; folded, range error, bank and
+                  cost over the last minutes, and how long solves take
+``steered``       orbit, target, wind, faults and simulated time, whether the controller commands
+``compare``       range errors of guidance laws that are flown beside
+``mission_file``  how it was steered, as a file to save and to bring back
+``legend``        what lines and colours of the scene mean, on a small panel of its own, where a
+                  picture is saved
+================  ==================================================================================
 
 A part is a subclass of :class:`PanelPart`. It is found by its ``name``, or by an entry point in the
 group ``uav_tracking_mpc.view.panel``.
@@ -35,6 +40,8 @@ import viser
 
 from uav_tracking_mpc.parameters.registry import ExtensionPoint
 from uav_tracking_mpc.view.watched_flight import FlightSource, Sight, WatchedFlight
+
+FOLDED = 1e5  # order of a folder in its panel that is folded at first: below all that is not
 
 
 class PanelPart(ABC):

@@ -117,14 +117,31 @@ def table(rows: Iterable[Sequence[str]], head: Sequence[str] = ()) -> str:
     return f'<table style="width:100%;border-collapse:collapse">{"".join(written)}</table>'
 
 
+def gauge(words: str, share: float, colour: Colour) -> str:
+    """Words upon a bar.
+
+    Args:
+        words: What it says.
+        share: How far the bar goes, from 0 to 1; beyond that it is full.
+        colour: Of the bar.
+    """
+    width = 100.0 * min(max(share, 0.0), 1.0) if math.isfinite(share) else 0.0
+    red, green, blue = colour
+    return (
+        '<div style="padding:0 0.4em;border-radius:0.25em;background:linear-gradient(90deg,'
+        f"rgba({red},{green},{blue},0.45) {width:.0f}%,rgba(128,128,128,0.15) {width:.0f}%)"
+        f'">{html.escape(words)}</div>'
+    )
+
+
 def block(*parts: str) -> str:
     """What a part shows, one below the other.
 
     Args:
         parts: As HTML; empty ones are left out.
     """
-    rows = "".join(f'<div style="padding-bottom:0.3em">{part}</div>' for part in parts if part)
-    return f'<div style="font-size:0.8em;line-height:1.5;padding:0 0.9em">{rows}</div>'
+    rows = "".join(f'<div style="padding-bottom:0.2em">{part}</div>' for part in parts if part)
+    return f'<div style="font-size:0.8em;line-height:1.35;padding:0 0.9em">{rows}</div>'
 
 
 def _row(cells: Sequence[str], style: str) -> str:

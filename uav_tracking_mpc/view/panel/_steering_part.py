@@ -168,98 +168,82 @@ class SteeringPart(PanelPart):
         """Add the folder and the line of words."""
         self.requests = requests_of(self.steering)
         self.asking, self.client = False, None
-        self._buttons: list[viser.GuiButtonHandle] = []
         self.folder = self.gui.add_folder(self.title)
         with self.folder:
             self._line = self.gui.add_html("", order=LAST, visible=False)
 
-    def say(self, words: str, of: str = "") -> None:
+    def say(self, words: str, of: str = "", under: Any = None) -> None:
         """Write the line of words.
 
         Args:
             words: As they are; nothing is shown where they are empty.
             of: What kind of words they are, to stand before them on a colour.
+            under: Widget that they are about; below all of them by default.
         """
+        self._line.order = LAST if under is None else under.order + 0.5
         self._line.content = block(
             badge(of, ALARM) + " " + html.escape(words) if of else faint(words)
         )
         self._line.visible = bool(words)
 
-    def add_button(
+    def add_buttons(
         self,
         label: str,
-        request: Callable[[], str],
-        hint: str = "",
-        begun: Callable[[], None] | None = None,
-    ) -> None:
-        """Add a button that makes a request; it is disabled while one is under way.
-
-        Args:
-            label: On it.
-            request: Answers why it was refused, or nothing.
-            hint: What it does, in words.
-            begun: Called when the request was done and not refused.
-        """
-        button = self.gui.add_button(label, hint=hint or None, color="orange")
-        self._buttons.append(button)
-
-        def clicked(event: viser.GuiEvent[viser.GuiButtonHandle]) -> None:
-            def answered(refusal: str) -> None:
-                if not refusal and begun is not None:
-                    begun()
-
-            self.client = event.client
-            self.ask(label, request, answered)
-
-        button.on_click(clicked)
-
-    def add_buttons(self, label: str, requests: Mapping[str, Callable[[], str]], hint: str) -> None:
+        requests: Mapping[str, Callable[[], str]],
+        hint: str,
+        begun: Callable[[str], None] = lambda chosen: None,
+    ) -> viser.GuiButtonGroupHandle:
         """Add a row of buttons that make requests; they do nothing while one is under way.
 
         Args:
             label: Of the row.
             requests: Each answers why it was refused, or nothing; by the words on the button.
             hint: What they do, in words.
+            begun: Called with a button's words when its request was done and not refused.
         """
-        buttons = self.gui.add_button_group(label, tuple(requests), hint=hint)
+        buttons = self.gui.add_button_group(label, tuple(requests), hint=hint or None)
 
         def clicked(event: viser.GuiEvent[viser.GuiButtonGroupHandle]) -> None:
             chosen = event.target.value
+
+            def answered(refusal: str) -> None:
+                if not refusal:
+                    begun(chosen)
+
             self.client = event.client
             if chosen in requests and not self.asking:
-                self.ask(chosen, requests[chosen], lambda refusal: None)
+                self.ask(chosen, requests[chosen], answered)
 
         buttons.on_click(clicked)
+        return buttons
 
-    def ask(self, what: str, request: Callable[[], str], then: Callable[[str], None]) -> None:
-        """Make a request; buttons are disabled until it is answered.
+    def ask(
+        self, what: str, request: Callable[[], str], then: Callable[[str], None], under: Any = None
+    ) -> None:
+        """Make a request; buttons do nothing until it is answered.
 
         Args:
             what: Is asked for, in words.
             request: Answers why it was refused, or nothing.
             then: Takes the refusal, empty if there was none.
+            under: Widget under which that stands; below all of them by default.
         """
-        self.say(f"asking for {what} ...")
-        self._rest(True)
+        self.say(f"asking for {what} ...", under=under)
+        self.asking = True
 
         def answered(refusal: str) -> None:
-            self._rest(False)
-            self.say(refusal, of="refused" if refusal else "")
+            self.asking = False
+            self.say(refusal, of="refused" if refusal else "", under=under)
             then(refusal)
 
         def failed(words: str) -> None:
-            self._rest(False)
-            self.say(words, of="failed")
+            self.asking = False
+            self.say(words, of="failed", under=under)
             if self.client is not None:
                 self.client.add_notification(f"{what}: the request failed", words, color="red")
             then(words)
 
         self.requests.begin(request, answered, failed)
-
-    def _rest(self, rest: bool) -> None:
-        self.asking = rest
-        for button in self._buttons:
-            button.disabled = rest
 
 
 STEPS = 150  # about so many from end to end of a slider
@@ -430,7 +414,8 @@ class ParameterPart(SteeringPart):
             value = steered.widget.value
             if isinstance(value, float) and not math.isfinite(value):
                 steered.widget.value = steered.seen
-                self.say(f"{steered.widget.label} cannot be {value}", of="refused")
+                words = f"{steered.widget.label} cannot be {value}"
+                self.say(words, of="refused", under=steered.widget)
             elif value != steered.seen:
                 steered.seen, steered.wanted = value, True
                 self._touched = time.monotonic()
@@ -446,7 +431,8 @@ class ParameterPart(SteeringPart):
                 self._touched = -math.inf  # what is flown is shown at once
 
         words = ", ".join(f"{name} {_short(value)}" for name, value in values.items())
-        self.ask(words, lambda: self.requests.change(self.node, values), answered)
+        request, last = lambda: self.requests.change(self.node, values), wanted[-1].widget
+        self.ask(words, request, answered, under=last)
 
 
 def set_slider(slider: Any, value: float) -> None:

@@ -17,18 +17,21 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.parameters.specification import specifications
 from uav_tracking_mpc.settings.tracking import TrackingParameters
-from uav_tracking_mpc.view.panel import PanelPart
+from uav_tracking_mpc.view.panel import FOLDED, PanelPart
 from uav_tracking_mpc.view.panel._html import ALARM, ATTENTION, badge, block, faint, number, table
 from uav_tracking_mpc.view.panel.state import Recent
 from uav_tracking_mpc.view.watched_flight import Sight
 
+LATE = FallbackMode.FEASIBLE, FallbackMode.EARLIER_PLAN
 AT_LIMIT = 0.02  # of what lies between the limits
 DEGREES = math.degrees(1.0)
 MINUTE = 60.0  # s
@@ -153,16 +156,18 @@ def _limits(reading: Reading) -> str:
 
 
 class Timing(PanelPart):
-    """A table: now, median and 99th percentile of the last minute."""
+    """Folded: late plans of the last minute, and times: now, median and 99th percentile."""
 
     name = "timing"
-    order = 35.0
+    order = 65.0
     period = 0.5
 
     def add(self) -> None:
         """Begin with an empty one."""
         self._recent = Recent(self.flight, MINUTE, lambda seen: (seen.solve_time, seen.latency))
-        with self.gui.add_folder("Timing"):
+        self._late: deque[tuple[float, int]] = deque()  # times, and late plans since the start
+        self._folder = self.gui.add_folder("Solver", order=FOLDED, expand_by_default=False)
+        with self._folder:
             self._table = self.gui.add_html("")
 
     def show(self, sight: Sight) -> None:
@@ -175,6 +180,24 @@ class Timing(PanelPart):
         now = {"Solve time": sight.solve_time, "Latency": sight.latency}
         rows = [_times(name, now[name], each) for name, each in zip(now, past, strict=True)]
         self._table.content = block(table(rows, ("in ms, last minute", "now", "median", "p99")))
+        late = self._late_plans(sight)
+        words = f"{late} late plan{'s' if late > 1 else ''}" if late else "no late plan"
+        self._folder.label = f"Solver: {words} in the last minute"
+
+    def _late_plans(self, sight: Sight) -> int:
+        """Plans of the last minute that were not finished in time, as the controller counts."""
+        counts = [
+            int(status.values.get(f"mode {mode.value}", 0))
+            for status in sight.statuses
+            for mode in LATE
+        ]
+        kept = self._late
+        if kept and (sight.time < kept[-1][0] or sum(counts) < kept[-1][1]):
+            kept.clear()  # time, or the controller, began anew
+        kept.append((sight.time, sum(counts)))
+        while kept[0][0] < sight.time - MINUTE:
+            kept.popleft()
+        return kept[-1][1] - kept[0][1]
 
 
 def _times(name: str, now: float, past: NDArray[np.float64]) -> list[str]:
@@ -187,13 +210,13 @@ class Plots(PanelPart):
     """Three plots over the time before now; what is shaded was flown by a fallback mode."""
 
     name = "plots"
-    order = 30.0
+    order = 60.0
     period = 0.5
 
     def add(self) -> None:
         """Add them; each appears with its first point."""
         self._recent = Recent(self.flight, SPAN, _figures, RESOLUTION)
-        with self.gui.add_folder(f"Last {SPAN:.0f} s"):
+        with self.gui.add_folder(f"Last {SPAN:.0f} s", order=FOLDED, expand_by_default=False):
             self._range = self._plot("Range error [m]", [("range error", BLUE)])
             self._bank = self._plot(
                 "Bank, right wing down [deg]",

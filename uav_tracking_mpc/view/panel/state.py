@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.report.mode_colours import Colour, mode_words
-from uav_tracking_mpc.view.panel import PanelPart
+from uav_tracking_mpc.view.panel import FOLDED, PanelPart
 from uav_tracking_mpc.view.panel._html import (
     ALARM,
     ATTENTION,
@@ -141,7 +141,7 @@ class Spell:
 
 
 class State(PanelPart):
-    """The mode on its colour, what was flown before it, and the last fallbacks."""
+    """The mode on its colour; folded, why, what was flown before it, and the last fallbacks."""
 
     name = "state"
     order = 5.0
@@ -152,6 +152,9 @@ class State(PanelPart):
         self._spells: deque[Spell] = deque(maxlen=2)
         self._fallbacks: deque[Spell] = deque(maxlen=SHOWN)
         self._now = self.gui.add_html("")
+        self._folder = self.gui.add_folder("History", order=FOLDED, expand_by_default=False)
+        with self._folder:
+            self._before = self.gui.add_html("")
 
     def show(self, sight: Sight) -> None:
         """Write the mode of now and the last fallbacks.
@@ -165,7 +168,10 @@ class State(PanelPart):
             self._fallbacks.clear()
         for seen in news:
             self._note(seen)
-        self._now.content = self._words(sight)
+        self._now.content, self._before.content = self._words(sight)
+        times = sum(fallback.times for fallback in self._fallbacks)
+        told = f"{times} fallback{'s' if times > 1 else ''}" if times else "no fallback"
+        self._folder.label = f"History: {told}"
 
     def _note(self, seen: Sight) -> None:
         now = self._spells[-1] if self._spells else None
@@ -189,14 +195,14 @@ class State(PanelPart):
         last.times += now.begin > last.end
         last.end, last.reason = max(now.end, last.end), now.reason or last.reason
 
-    def _words(self, sight: Sight) -> str:
+    def _words(self, sight: Sight) -> tuple[str, str]:
+        """What is flown now, and what was before."""
         now = self._spells[-1] if self._spells else None
         known = now is not None and now.mode is sight.mode
         since = f"for {now.lasted}" if now is not None and known else ""
         before = self._spells[0] if len(self._spells) > 1 and known else None
         flown = f'<span style="font-size:1.2em">{mode_badge(sight.mode)}</span> {faint(since)}'
-        return block(
-            table([[flown, clock(sight.time)]]),
+        return block(table([[flown, clock(sight.time)]])), block(
             html.escape(sight.reason),
             "" if before is None else faint(f"before: {mode_words(before.mode)}, {before.lasted}"),
             *(_told(fallback) for fallback in reversed(self._fallbacks)),
@@ -238,7 +244,7 @@ class Diagnostics(PanelPart):
     def add(self) -> None:
         """Add an empty list, and a folder for each node as it appears."""
         self._figures: dict[str, viser.GuiHtmlHandle] = {}
-        self._folder = self.gui.add_folder("Diagnostics")
+        self._folder = self.gui.add_folder("Diagnostics", order=FOLDED, expand_by_default=False)
         with self._folder:
             self._lines = self.gui.add_html("", order=0.0)
 
@@ -249,6 +255,8 @@ class Diagnostics(PanelPart):
             sight: Of this aircraft.
         """
         self._lines.content = block(*(_line(status) for status in sight.statuses))
+        worst = max((_level(status) for status in sight.statuses), default=0)
+        self._folder.label = f"Diagnostics: {LEVELS[worst][0]}"
         for status in sight.statuses:
             if not status.values:
                 continue
@@ -259,6 +267,10 @@ class Diagnostics(PanelPart):
             self._figures[status.node].content = block(table(rows))
 
 
+def _level(status: NodeStatus) -> int:
+    return min(max(status.level, 0), len(LEVELS) - 1)
+
+
 def _line(status: NodeStatus) -> str:
-    level, colour = LEVELS[min(max(status.level, 0), len(LEVELS) - 1)]
+    level, colour = LEVELS[_level(status)]
     return f"<b>{html.escape(status.node)}</b> {badge(level, colour)} {html.escape(status.words)}"

@@ -16,10 +16,11 @@
 
 from __future__ import annotations
 
+import functools
 import html
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from uav_tracking_mpc.settings.simulator import SimulatorParameters, TargetParameters
@@ -83,7 +84,7 @@ class Wind(ParameterPart):
 
     name = "wind"
     title, node, section = "Wind", SIMULATOR, SimulatorParameters
-    order = 60.0
+    order = 30.0
 
     def build(self, known: Mapping[str, Any]) -> None:
         """See :meth:`ParameterPart.build`."""
@@ -208,11 +209,11 @@ PATIENCE = 30.0  # s of the flight's clock in which a fault shows, or does not
 
 
 class Faults(SteeringPart):
-    """A button for each, and the story of the last one."""
+    """A row of buttons, and the story of the last one."""
 
     name = "faults"
     title = "Faults"
-    order = 65.0
+    order = 35.0
 
     @classmethod
     def fits(cls, flight: WatchedFlight, source: FlightSource) -> bool:
@@ -230,29 +231,33 @@ class Faults(SteeringPart):
         self._fault = ""
         # Times of the flight: a fault was asked for, and begun; a fallback was flown last; now.
         self._asked = self._since = self._left = self._now = float("nan")
+        self._offered: dict[str, Callable[[], str]] = {}
         with self.folder:
             self._told = self.gui.add_html("", order=0.0, visible=False)
-        self._offered: set[str] = set()
-        self._add_offered()
+            self._take_offers()
+            self._buttons = self.add_buttons("inject", self._offered, self._hint, self._begun)
 
-    def _add_offered(self) -> None:
-        """Add buttons for faults that are offered only now: nodes come one by one."""
-        for fault, words in self.steering.faults.items():
-            if fault not in self._offered:
-                self._offered.add(fault)
-                with self.folder:
-                    self._add(fault, words)
+    def _take_offers(self) -> None:
+        for fault in self.steering.faults:
+            self._offered.setdefault(fault, functools.partial(self._inject, fault))
 
-    def _add(self, fault: str, words: str) -> None:
-        def inject() -> str:
-            self._asked = self._now  # the fallback may be over when a late answer comes
-            return self.steering.inject(fault)
+    @property
+    def _hint(self) -> str:
+        """What each does."""
+        return "; ".join(f"{fault}: {words}" for fault, words in self.steering.faults.items())
 
-        def begun() -> None:
-            self._since, self._fault = self._asked, fault
+    def _offer(self) -> None:
+        """Offer what is offered only now: nodes come one by one."""
+        self._take_offers()
+        if len(self._buttons.options) < len(self._offered):
+            self._buttons.options, self._buttons.hint = tuple(self._offered), self._hint
 
-        self.add_button(fault, inject, words, begun)
-        self.gui.add_html(block(faint(words)))
+    def _inject(self, fault: str) -> str:
+        self._asked = self._now  # the fallback may be over when a late answer comes
+        return self.steering.inject(fault)
+
+    def _begun(self, fault: str) -> None:
+        self._since, self._fault = self._asked, fault
 
     def show(self, sight: Sight) -> None:
         """Tell what the last fault does to the flight.
@@ -263,7 +268,7 @@ class Faults(SteeringPart):
         if sight.time < self._now:  # put back to its start
             self._left = float("nan")
         self._now = sight.time
-        self._add_offered()
+        self._offer()
         mode, since = sight.mode, sight.time - self._since
         lost = mode is None or not mode.nominal
         if lost:

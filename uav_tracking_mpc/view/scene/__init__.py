@@ -15,16 +15,19 @@
 """What a page draws of an aircraft.
 
 ==============  ====================================================================================
-``airframe``    the aircraft as it banks and pitches, in the colour of what is flown; the line from
-                it down to its place on the ground
-``ground``      a grid with distances and north, one for all aircraft; fence, floor, least distance
-                and no-fly shapes
-``orbits``      the orbit that is asked for, the one that the plan ends on, the plan with its
-                stages; where aircraft and target were in the last minute
-``target``      the target: where it is estimated, how surely, and where it was measured; lets the
-                mouse drag it over the ground
-``wind``        the wind, with its speed in words; velocity through the air, over ground, and the
-                drift between them
+``airframe``    the aircraft as it banks and pitches, in the colour of what is flown; its shadow,
+                and the line from it down to that
+``ground``      ground and sky, a grid with distances and north, one for all aircraft
+``limits``      fence, floor, least distance and no-fly shapes, which glow as they are neared
+``orbits``      the orbit that is asked for, the one that the plan ends on where that differs, the
+                plan with ghosts of the aircraft
+``tracks``      where aircraft and target were in the last minute
+``target``      the target: where it is estimated, how surely, where it was measured, and where it
+                is expected
+``dragging``    lets the mouse drag the target over the ground
+``rivals``      ghosts of the guidance laws that are flown beside
+``wind``        the wind, as streaks that drift with it and in words; velocity through the air, over
+                ground, and the drift between them
 ==============  ====================================================================================
 
 An element is a subclass of :class:`SceneElement`. It is found by its ``name``, or by an entry point
@@ -47,6 +50,15 @@ from uav_tracking_mpc.report.mode_colours import Colour
 from uav_tracking_mpc.view.watched_flight import Sight, WatchedFlight
 
 
+def own_node(root: str) -> str:
+    """Name of the node under which all hangs that goes with an aircraft.
+
+    Args:
+        root: Of the aircraft, as of :class:`SceneElement`.
+    """
+    return f"{root}/aircraft/own"
+
+
 class SceneElement(ABC):
     """Something that is drawn of one aircraft.
 
@@ -59,7 +71,7 @@ class SceneElement(ABC):
     Attributes:
         name: By which it is found.
         at_aircraft: Name of a node that ``airframe`` moves with the aircraft without turning it:
-            what hangs under it is sent once.
+            what hangs under it is sent once, and is not seen from the cockpit.
     """
 
     name: ClassVar[str]
@@ -68,14 +80,14 @@ class SceneElement(ABC):
         self, scene: viser.SceneApi, root: str, flight: WatchedFlight, colour: Colour
     ) -> None:
         self.scene, self.root, self.flight, self.colour = scene, root, flight, colour
-        self.at_aircraft = f"{root}/aircraft"
+        self.at_aircraft = own_node(root)
         self.add()
 
     def add_lines(
         self,
         name: str,
         points: NDArray[np.float64],
-        colour: Colour,
+        colour: Colour | NDArray[np.uint8],
         width: float,
         visible: bool = False,
     ) -> viser.LineSegmentsHandle:

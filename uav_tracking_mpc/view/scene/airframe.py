@@ -23,7 +23,7 @@ import viser.transforms as rigid
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.report.mode_colours import mode_colour, mode_words
-from uav_tracking_mpc.view.scene import SceneElement
+from uav_tracking_mpc.view.scene import Colour, SceneElement
 from uav_tracking_mpc.view.scene._drawing import (
     GREY,
     Mesh,
@@ -93,7 +93,9 @@ class Airframe(SceneElement):
 
     def add(self) -> None:
         """Send the meshes."""
-        self._place = self.scene.add_frame(self.at_aircraft, show_axes=False, visible=False)
+        self._place = self.scene.add_frame(
+            self.at_aircraft.rpartition("/")[0], show_axes=False, visible=False
+        )
         self._body = self.scene.add_frame(f"{self.at_aircraft}/body", show_axes=False)
         self._fuselage = self.scene.add_mesh_simple(
             f"{self.at_aircraft}/body/fuselage", *fuselage(), color=self.colour, side="double"
@@ -126,20 +128,32 @@ class Airframe(SceneElement):
         self._label.text = caption(self.flight.name, sight.mode)
 
 
-RING = 0.03  # radius of the ring by that of the orbit
+RING = 0.02  # radius of the ring by that of the orbit
 STEP = 0.002  # least change of the height, by the radius of the orbit, that is drawn
+SHADOW: Colour = (20, 24, 28)
 
 
 class DropLine(SceneElement):
-    """Hangs under the aircraft, so that only a change of height is sent."""
+    """A line down to the shadow; both hang under the aircraft: only changes of height are sent."""
 
     name = "drop_line"
 
     def add(self) -> None:
-        """Send the line, 1 long."""
+        """Send the line, 1 long, and the shadow."""
         line = np.array([[[0.0, 0.0, 0.0], [0.0, 0.0, -1.0]]])
         points, self._drawn = np.concatenate([line, ring() - [0.0, 0.0, 1.0]]), math.nan
         self._line = self.add_lines(f"{self.at_aircraft}/drop_line", points, GREY, 1.5, True)
+        points, faces = joined(fuselage(), wings())
+        self._shadow = self.scene.add_mesh_simple(
+            f"{self.at_aircraft}/shadow",
+            points * [1.0, 1.0, 0.0],
+            faces,
+            color=SHADOW,
+            opacity=0.35,
+            side="double",
+            cast_shadow=False,
+            receive_shadow=False,
+        )
 
     def show(self, sight: Sight) -> None:
         """Give it the length of now.
@@ -148,7 +162,11 @@ class DropLine(SceneElement):
             sight: Of this aircraft.
         """
         size, height = extent(self.flight, sight), float(sight.position[2]) - ground_height(sight)
-        if not finite(height) or abs(height - self._drawn) < STEP * size:
+        if not finite(height, sight.heading):
+            return
+        self._shadow.wxyz = rigid.SO3.from_z_radians(sight.heading).wxyz
+        if abs(height - self._drawn) < STEP * size:
             return
         self._drawn = height
         self._line.scale = (RING * size, RING * size, height)
+        self._shadow.scale, self._shadow.position = SHARE * size, (0.0, 0.0, STEP * size - height)

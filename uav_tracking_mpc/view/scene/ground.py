@@ -12,28 +12,24 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A grid with distances and north, and the limits: fence, floor, least distance, no-fly shapes."""
+"""Ground and sky: a tinted grid with distances and north, and a dome that meets it."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
-import viser
+import trimesh
+from PIL import Image
 
-from uav_tracking_mpc.limits import Ball, Cylinder, Floor, Limit, Shape
 from uav_tracking_mpc.view.scene import SceneElement
 from uav_tracking_mpc.view.scene._drawing import (
     FAINT,
     GREY,
-    LIMIT,
-    Mesh,
     centre,
     extent,
     finite,
     ground_height,
-    ring,
     turned,
 )
 from uav_tracking_mpc.view.watched_flight import Sight
@@ -47,6 +43,46 @@ RAISED = 1.0  # m: how far the ground's height changes before the grid follows
 FAR = 10_000.0  # m; beyond that distances are in km
 ARROW = np.array([[0.0, 1.0, 0.0], [-0.35, -0.6, 0.0], [0.0, -0.3, 0.0], [0.35, -0.6, 0.0]])
 ARROW_FACES = np.array([[0, 1, 2], [0, 2, 3]])
+
+
+AMBIENT = 2.0  # without it what is turned away from the light is black
+# Translucent, so that light and dark pages keep their own brightness.
+GROUND, GROUND_OPACITY = (96, 125, 88), 0.22
+SKY = np.array([(150, 175, 195), (90, 145, 205), (40, 90, 170)])  # horizon, 20 deg up, zenith
+SKY_OPACITY = 0.45
+MIST = 8.0  # deg over the horizon in which the sky comes out of what is behind it
+SKY_RADIUS = 30_000.0  # m; within what a camera sees
+# m, how deep the origin of the sky lies: what is translucent is drawn from the farthest origin on.
+BEHIND_ALL = 1e6
+
+
+def sky() -> trimesh.Trimesh:
+    """A dome that shines by itself, its origin far below it."""
+    elevation = np.radians([0.0, 2.0, 4.0, 6.0, 10.0, 20.0, 40.0, 65.0, 90.0])
+    stations = np.stack([np.sin(elevation), np.cos(elevation)], axis=1)
+    points, faces = turned(stations, 48)
+    points = SKY_RADIUS * points[:, [1, 2, 0]] + [0.0, 0.0, BEHIND_ALL]
+    up = np.repeat(np.degrees(elevation), 48)
+    heights = np.linspace(90.0, 0.0, 64)  # of the rows of the picture, from its top
+    rows = [np.interp(heights, (0.0, 20.0, 90.0), channel) for channel in SKY.T]
+    opacity = 255.0 * SKY_OPACITY * np.clip(heights / MIST, 0.0, 1.0)
+    light = np.stack([*rows, opacity], axis=1).round().astype(np.uint8)[:, None]
+    light = np.repeat(light, 2, axis=1)
+    dark = light * np.array([0, 0, 0, 1], dtype=np.uint8)
+    material = trimesh.visual.material.PBRMaterial(
+        baseColorTexture=Image.fromarray(dark),
+        emissiveTexture=Image.fromarray(light[..., :3].copy()),
+        emissiveFactor=[1.0, 1.0, 1.0],
+        metallicFactor=0.0,
+        roughnessFactor=1.0,
+        alphaMode="BLEND",
+        doubleSided=True,
+    )
+    across = np.full(len(up), 0.5)
+    visual = trimesh.visual.TextureVisuals(
+        uv=np.stack([across, 0.01 + 0.98 * up / 90.0], axis=1), material=material
+    )
+    return trimesh.Trimesh(points, faces, visual=visual, process=False)
 
 
 def cell_size(size: float) -> float:
@@ -119,6 +155,12 @@ class Ground(SceneElement):
             cell_thickness=0.7,
             section_thickness=1.2,
             shadow_opacity=0.0,
+            plane_color=GROUND,
+            plane_opacity=GROUND_OPACITY,
+        )
+        self.scene.add_light_ambient(f"{self._name}/light", intensity=AMBIENT)
+        self._sky = self.scene.add_mesh_trimesh(
+            f"{self._name}/sky", sky(), cast_shadow=False, receive_shadow=False
         )
         self._distances = [
             (axis, k, self.scene.add_label(f"{self._name}/{axis}_{k}", "", font_screen_scale=0.8))
@@ -136,6 +178,7 @@ class Ground(SceneElement):
         self._middle, self._cell = middle, cell
         self._grid.cell_size, self._grid.section_size = cell, 5.0 * cell
         self._grid.fade_distance = 60.0 * cell
+        self._sky.position = (*middle, -BEHIND_ALL)
         spacing = TWO * cell
         edge = middle - (EACH_SIDE + 0.5) * spacing
         for axis, k, label in self._distances:
@@ -147,112 +190,3 @@ class Ground(SceneElement):
         top = middle[1] + (EACH_SIDE + 0.5) * spacing
         self._north.position, self._north.scale = (middle[0], top, 0.0), 0.5 * cell
         self._letter.position = (middle[0], top + 0.6 * cell, 0.0)
-
-
-WALL = 0.7  # height of walls by the radius of the orbit
-FLOOR = 1.4  # radius of the piece of floor that is drawn, by that of the orbit
-FOLLOW = 0.05  # by the radius of the orbit: how far its centre goes before the floor follows
-
-
-Move = Callable[[Sight], None]
-
-
-def wall() -> Mesh:
-    """Walls of an upright cylinder of radius and height 1."""
-    points, faces = turned([(0.0, 1.0), (1.0, 1.0)], 48)
-    return points[:, [1, 2, 0]], faces
-
-
-class Limits(SceneElement):
-    """Translucent walls with rims, a piece of floor, and a wire sphere about the target."""
-
-    name = "limits"
-
-    def add(self) -> None:
-        """Begin with none: they are known when the controller's parameters are."""
-        self._shapes: list[tuple[Limit, Shape]] = []
-        self._nodes: list[viser.SceneNodeHandle] = []
-        self._moves: list[Move] = []
-
-    def show(self, sight: Sight) -> None:
-        """Draw those of now, and move those that go with target or orbit.
-
-        Args:
-            sight: Of this aircraft.
-        """
-        tracking = self.flight.tracking
-        limits = () if tracking is None else tracking.envelope.limits
-        shapes = [(limit, shape) for limit in limits for shape in limit.shapes]
-        if shapes != self._shapes:
-            self._draw(shapes)
-        for move in self._moves:
-            move(sight)
-
-    def _draw(self, shapes: list[tuple[Limit, Shape]]) -> None:
-        for node in self._nodes:
-            node.remove()
-        self._shapes, self._nodes, self._moves = shapes, [], []
-        for k, (limit, shape) in enumerate(shapes):
-            name = f"{self.root}/limits/{limit.name}_{k}"
-            place = self.scene.add_frame(name, show_axes=False, visible=False)
-            self._nodes.append(place)
-            if isinstance(shape, Cylinder):
-                move = self._add_cylinder(place, shape, limit.label)
-            elif isinstance(shape, Floor):
-                move = self._add_floor(place, shape)
-            else:
-                move = self._add_ball(place, shape)
-            self._moves.append(move)
-
-    def _add_cylinder(self, place: viser.FrameHandle, shape: Cylinder, label: str) -> Move:
-        walls = self.scene.add_mesh_simple(
-            f"{place.name}/wall",
-            *wall(),
-            color=LIMIT,
-            opacity=0.3 if shape.outside else 0.12,
-            side="double",
-            cast_shadow=False,
-            receive_shadow=False,
-        )
-        rings = np.concatenate([ring(), ring() + np.array([0.0, 0.0, 1.0])])
-        rim = self.add_lines(f"{place.name}/lines", rings, LIMIT, 1.5, True)
-        words = self.scene.add_label(f"{place.name}/label", label, anchor="bottom-center")
-
-        def move(sight: Sight) -> None:
-            place.visible = True
-            height = WALL * extent(self.flight, sight)
-            place.position = (shape.east, shape.north, ground_height(sight))
-            walls.scale = rim.scale = (shape.radius, shape.radius, height)
-            words.position = (0.0, -shape.radius, height)
-
-        return move
-
-    def _add_floor(self, place: viser.FrameHandle, shape: Floor) -> Move:
-        rim = self.add_lines(f"{place.name}/lines", ring(48), LIMIT, 1.5, True)
-        words = self.scene.add_label(
-            f"{place.name}/label", f"floor at {shape.height:g} m", anchor="top-center"
-        )
-        drawn = np.full(2, math.inf)
-
-        def move(sight: Sight) -> None:
-            size, middle = extent(self.flight, sight), centre(sight)[:2]
-            place.visible = finite(middle)
-            if place.visible and np.hypot(*(middle - drawn)) > FOLLOW * size:
-                drawn[:] = middle
-                place.position = (*middle, shape.height)
-            rim.scale = FLOOR * size
-            words.position = (0.0, -FLOOR * size, 0.0)
-
-        return move
-
-    def _add_ball(self, place: viser.FrameHandle, shape: Ball) -> Move:
-        flat = ring()
-        sphere = np.concatenate([flat, flat[..., [0, 2, 1]], flat[..., [2, 0, 1]]])
-        self.add_lines(f"{place.name}/lines", sphere, LIMIT, 1.5, True).scale = shape.radius
-
-        def move(sight: Sight) -> None:
-            place.visible = sight.target is not None and finite(sight.target.position)
-            if sight.target is not None and place.visible:
-                place.position = sight.target.position
-
-        return move

@@ -12,28 +12,35 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Lines of a flight: orbits that are asked for and planned, the plan, and where things were."""
+"""Lines of a flight: the orbit that is asked for, the one that is planned, and the plan."""
 
 from __future__ import annotations
 
-from collections import deque
+import math
 from typing import Any
 
 import numpy as np
 import viser
+import viser.transforms as rigid
 from numpy.typing import NDArray
 
+from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.report.mode_colours import mode_colour
 from uav_tracking_mpc.view.scene import SceneElement
-from uav_tracking_mpc.view.scene._drawing import chevrons, extent, finite, paint, ring
+from uav_tracking_mpc.view.scene._drawing import chevrons, extent, finite, joined, paint, ring
+from uav_tracking_mpc.view.scene.airframe import SHARE, fuselage, wings
 from uav_tracking_mpc.view.watched_flight import Sight
 
 UPRIGHT, UPSIDE_DOWN = (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0)  # seen from above: clockwise
+SAME = 0.03  # by the radius: what centre and radius may differ by
 
 
 class Orbits(SceneElement):
-    """Circles of radius 1 that are moved and scaled; arrow heads tell the direction."""
+    """Circles of radius 1 that are moved and scaled; arrow heads tell the direction.
+
+    The one that is planned is drawn where it is not the one that is asked for.
+    """
 
     name = "orbits"
 
@@ -42,13 +49,13 @@ class Orbits(SceneElement):
         self._wanted, self._flown = (
             self.add_lines(
                 f"{self.root}/orbits/{name}",
-                np.concatenate([ring(dashes), chevrons(4)]),
+                np.concatenate([ring(dashes), chevrons(8)]),
                 colour,
                 width,
             )
             for name, dashes, colour, width in (
-                ("wanted", 24, self.colour, 2.5),
-                ("flown", 0, mode_colour(None), 1.5),
+                ("wanted", 24, self.colour, 3.0),
+                ("flown", 0, mode_colour(None), 2.5),
             )
         )
 
@@ -59,8 +66,16 @@ class Orbits(SceneElement):
             sight: Of this aircraft.
         """
         _place(self._wanted, sight.wanted)
-        _place(self._flown, sight.flown)
+        _place(self._flown, None if _same(sight.wanted, sight.flown) else sight.flown)
         self._flown.colors = paint(mode_colour(sight.mode))
+
+
+def _same(one: FlownOrbit | None, other: FlownOrbit | None) -> bool:
+    """Whether two circles can hardly be told apart."""
+    if one is None or other is None:
+        return False
+    apart = float(np.linalg.norm(one.centre - other.centre)) + abs(one.radius - other.radius)
+    return apart < SAME * abs(one.radius)
 
 
 def _place(circle: viser.LineSegmentsHandle, orbit: FlownOrbit | None) -> None:
@@ -72,12 +87,13 @@ def _place(circle: viser.LineSegmentsHandle, orbit: FlownOrbit | None) -> None:
     circle.wxyz = UPSIDE_DOWN if orbit.radius < 0.0 else UPRIGHT
 
 
-SHARE = 0.014  # size of a stage's point by the radius of the orbit
+GHOSTS = (0.5, 1.0)  # of the plan's length: where ghosts of the aircraft fly it
+GHOST_SHARE = 0.7 * SHARE  # length of a ghost by the radius of the orbit
 NOTHING = np.zeros((2, 3))
 
 
 class Plan(SceneElement):
-    """A line through the stages, and a point at each."""
+    """A line along the plan, and ghosts of the aircraft on it."""
 
     name = "plan"
 
@@ -85,14 +101,19 @@ class Plan(SceneElement):
         """Begin with none."""
         colour = mode_colour(None)
         self._drawn = NOTHING
-        self._line = self.add_lines(f"{self.root}/plan/line", _segments(NOTHING), colour, 2.0)
-        self._stages = self.scene.add_point_cloud(
-            f"{self.root}/plan/stages",
-            NOTHING,
-            colour,
-            point_shape="circle",
-            precision="float32",
-            point_shading="flat",
+        self._line = self.add_lines(f"{self.root}/plan/line", _segments(NOTHING), colour, 4.0)
+        count = len(GHOSTS)
+        self._ghosts = self.scene.add_batched_meshes_simple(
+            f"{self.root}/plan/ghosts",
+            *joined(fuselage(), wings()),
+            np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)),
+            np.zeros((count, 3)),
+            batched_colors=colour,
+            opacity=0.4,
+            lod="off",
+            side="double",
+            cast_shadow=False,
+            receive_shadow=False,
             visible=False,
         )
 
@@ -104,135 +125,53 @@ class Plan(SceneElement):
         """
         plan = sight.plan
         known = plan is not None and len(plan) > 1 and finite(plan)
-        self._line.visible = self._stages.visible = known
+        self._line.visible = self._ghosts.visible = known
         if plan is None or not known:
             return
         if plan is not self._drawn:
             self._drawn = plan
-            points = plan.astype(np.float32)
-            self._line.points, self._stages.points = _segments(points), points
-        self._line.colors = self._stages.colors = paint(mode_colour(sight.mode))
-        self._stages.point_size = SHARE * extent(self.flight, sight)
+            self._line.points = _segments(plan.astype(np.float32))
+            places, turns = ghosts(plan, _speed(sight))
+            self._ghosts.batched_positions, self._ghosts.batched_wxyzs = places, turns
+        self._line.colors = self._ghosts.batched_colors = paint(mode_colour(sight.mode))
+        size = GHOST_SHARE * extent(self.flight, sight)
+        self._ghosts.batched_scales = np.full(len(GHOSTS), size, dtype=np.float32)
+
+
+def _speed(sight: Sight) -> float:
+    """Over ground in [m/s]; 0 where it is not known."""
+    return float(np.linalg.norm(np.nan_to_num(sight.ground_velocity, posinf=0.0, neginf=0.0)))
+
+
+def ghosts(
+    plan: NDArray[np.float64], speed: float
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Where ghosts fly a plan, and how they are turned: along the path, banked as in still air.
+
+    Args:
+        plan: In [m], shape (n, 3), n > 1.
+        speed: Over ground in [m/s].
+
+    Returns:
+        Places in [m], shape (k, 3), and quaternions w, x, y, z, shape (k, 4).
+    """
+    steps = np.diff(plan, axis=0)
+    lengths = np.linalg.norm(steps[:, :2], axis=1)
+    course = np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))
+    places, turns = [], []
+    for share in GHOSTS:
+        stage = round(share * (len(plan) - 1))
+        step, before = max(stage - 1, 0), max(stage - 2, 0)
+        turned = float(course[step] - course[before]) / max(float(lengths[step]), 1e-6)
+        attitude = (
+            rigid.SO3.from_z_radians(float(course[step]))
+            @ rigid.SO3.from_y_radians(-math.atan2(float(steps[step, 2]), float(lengths[step])))
+            @ rigid.SO3.from_x_radians(-math.atan(speed * speed * turned / GRAVITY))
+        )
+        places.append(plan[stage])
+        turns.append(attitude.wxyz)
+    return np.array(places, dtype=np.float32), np.array(turns, dtype=np.float32)
 
 
 def _segments(points: NDArray[Any]) -> NDArray[Any]:
     return np.stack([points[:-1], points[1:]], axis=1)
-
-
-SPAN = 60.0  # s
-STEP = 0.25  # s between points
-PENDING = 4  # points that the head takes up before the whole line is sent again
-JUMP = 5.0  # s; after a longer step of time, or back, the past is asked for again
-SHORTEST = 0.15  # share of the oldest dash that is drawn
-STANDING = 1e-3  # m; what moves less draws no line
-NO_TRACK = np.zeros((1, 2, 3))
-
-
-def dashes(times: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Segments of a line, the older the shorter.
-
-    Args:
-        times: Of the points in [s], shape (n,), oldest first.
-        points: In [m], shape (n, 3).
-
-    Returns:
-        Shape (m, 2, 3): those that have a length.
-    """
-    begin, end = points[:-1], points[1:]
-    youth = np.clip(1.0 - (times[-1] - times[1:]) / SPAN, 0.0, 1.0)
-    drawn = np.minimum(SHORTEST + 1.5 * youth, 1.0)[:, None]
-    moved = np.linalg.norm(end - begin, axis=1) > STANDING
-    return np.stack([end - drawn * (end - begin), end], axis=1)[moved]
-
-
-class Track(SceneElement):
-    """Where the aircraft was: a line that dissolves with age.
-
-    The line is sent once a second; a head joins it to where the thing is now.
-    """
-
-    name = "track"
-
-    def add(self) -> None:
-        """Begin with none."""
-        self._times: deque[float] = deque()
-        self._points: deque[NDArray[np.float64]] = deque()
-        self._pending = 0
-        self._line, self._head = (
-            self.add_lines(f"{self.root}/{self.name}/{part}", NO_TRACK, self.colour, 2.5)
-            for part in ("line", "head")
-        )
-
-    def place(self, sight: Sight) -> NDArray[np.float64] | None:
-        """Where the thing is, shape (3,), in [m]; None where that is not known.
-
-        Args:
-            sight: Of this aircraft.
-        """
-        return sight.position
-
-    def show(self, sight: Sight) -> None:
-        """Draw it up to now.
-
-        Args:
-            sight: Of this aircraft.
-        """
-        time, point = sight.time, self.place(sight)
-        if point is None or not finite(time, point):
-            return
-        last = self._times[-1] if self._times else None
-        if last is None or not -1e-9 <= time - last <= JUMP:
-            self._begin(time)
-        elif time - last >= STEP:
-            self._append(time, point)
-            self._pending += 1
-        if self._pending > PENDING:
-            self._send(self._line, len(self._times))
-            self._pending = 0
-        self._send(self._head, self._pending + 1, (time, point))
-
-    def _begin(self, now: float) -> None:
-        self._times.clear()
-        self._points.clear()
-        for sight in self.flight.past(SPAN):
-            point = self.place(sight)
-            if point is not None and finite(sight.time, point) and sight.time <= now:
-                self._append(sight.time, point)
-        self._pending = 0
-        self._send(self._line, len(self._times))
-
-    def _append(self, time: float, point: NDArray[np.float64]) -> None:
-        self._times.append(time)
-        self._points.append(np.array(point))
-        while self._times[0] < time - SPAN:
-            self._times.popleft()
-            self._points.popleft()
-
-    def _send(
-        self,
-        line: viser.LineSegmentsHandle,
-        count: int,
-        now: tuple[float, NDArray[np.float64]] | None = None,
-    ) -> None:
-        times, points = list(self._times)[-count:], list(self._points)[-count:]
-        if now is not None:
-            times.append(now[0])
-            points.append(now[1])
-        segments = dashes(np.array(times), np.array(points)) if len(times) > 1 else NO_TRACK[:0]
-        line.visible = len(segments) > 0
-        if line.visible:
-            line.points = segments.astype(np.float32)
-
-
-class TargetTrack(Track):
-    """Where the target was."""
-
-    name = "target_track"
-
-    def place(self, sight: Sight) -> NDArray[np.float64] | None:
-        """See :meth:`Track.place`.
-
-        Args:
-            sight: Of this aircraft.
-        """
-        return None if sight.target is None else sight.target.position

@@ -1,0 +1,68 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A mission as a file: what was saved is flown again."""
+
+from watched_flight_stand_in import StandInFlight, StandInSource, StandInSteering
+
+from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.view.panel.mission_file import MissionFile, fly_mission, mission_of
+from uav_tracking_mpc.view.watched_flight import CONTROLLER, SIMULATOR, TARGET
+
+
+def steered():
+    steering = StandInSteering()
+    steering.values[SIMULATOR]["wind"] = (3.0, -4.0, 0.0)
+    steering.values[TARGET] |= {"motion": "circle", "speed": 5.0, "radius": 80.0}
+    steering.values[CONTROLLER] |= {"range": 350.0, "direction": "clockwise"}
+    return steering
+
+
+def test_it_is_a_scenario_file(tmp_path):
+    path = tmp_path / "mission.yaml"
+    path.write_text(mission_of(steered(), "small_uav"))
+    configuration = load_configuration("small_uav", scenario=str(path))
+    assert configuration.scenario.title == "small_uav"
+    assert configuration.simulator.wind == (3.0, -4.0, 0.0)
+    assert (configuration.target.motion, configuration.target.speed) == ("circle", 5.0)
+    assert (configuration.controller.range, configuration.controller.direction) == (
+        350.0,
+        "clockwise",
+    )
+
+
+def test_it_is_flown_again():
+    other = StandInSteering()
+    assert fly_mission(other, mission_of(steered(), "one").encode()) == ""
+    changes = {node: values for _, node, values in other.asked}
+    assert list(changes) == [TARGET, SIMULATOR, CONTROLLER]
+    assert list(changes[SIMULATOR]["wind"]) == [3.0, -4.0, 0.0]
+    assert changes[TARGET]["radius"] == 80.0
+    assert changes[CONTROLLER]["range"] == 350.0
+    assert "speed" not in changes[SIMULATOR]  # how fast time goes is no part of a mission
+
+
+def test_what_is_no_mission_or_is_refused_is_told():
+    steering = StandInSteering()
+    assert "section 'nonsense' is unknown" in fly_mission(steering, b"nonsense: {}")
+    assert "/tmp" not in fly_mission(steering, b"{{{")
+    assert fly_mission(steering, b"\xff\xfe")
+    assert steering.asked == []
+    steering.refusal = "the wind is too strong"
+    assert "the wind is too strong" in fly_mission(steering, mission_of(steered(), "a").encode())
+
+
+def test_it_is_absent_where_nothing_is_steered():
+    flight = StandInFlight()
+    assert not MissionFile.fits(flight, StandInSource(flight))
