@@ -92,7 +92,7 @@ setup(
         "jsbsim": ["jsbsim>=1.3"],
         # The live page, and bags by their index. What view/serving/guarded_server.py takes for
         # granted was looked up in viser 1.
-        "view": ["mcap>=1.0", "viser>=1.1,<2", "websockets>=13.1"],
+        "view": ["mcap>=1.0", "trimesh>=4", "viser>=1.1,<2", "websockets>=13.1"],
         "test": [
             "colcon-common-extensions",
             "control>=0.10.2",
@@ -112,6 +112,7 @@ setup(
             "pytest-xdist",
             "python-flint>=0.6",
             "ruff",
+            "trimesh>=4",
             "types-PyYAML",
             "viser>=1.1,<2",
             "websockets>=15",

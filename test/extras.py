@@ -16,7 +16,7 @@
 
 EXTRAS = {
     "acados_template", "control", "cosmic_ray", "dask", "distributed", "duckdb", "flint", "jsbsim",
-    "mcap", "msgspec", "pandas", "playwright", "pyarrow", "pymavlink", "serial", "viser",
+    "mcap", "msgspec", "pandas", "playwright", "pyarrow", "pymavlink", "serial", "trimesh", "viser",
     "websockets", "zstandard",
 }  # fmt: skip
 
