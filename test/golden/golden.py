@@ -42,8 +42,10 @@ from uav_tracking_mpc.control.record import RecordingController
 from uav_tracking_mpc.nodes.bag_log import flight_log
 from uav_tracking_mpc.report.metrics import metrics
 from uav_tracking_mpc.settings.configuration import scenario_names
+from uav_tracking_mpc.settings.tracking import PREDICTIVE
 from uav_tracking_mpc.simulation.closed_loop import ClosedLoop
 from uav_tracking_mpc.studies.comparison.scenarios import MISMATCHES, law_names, mismatched
+from uav_tracking_mpc.studies.comparison.sensor_faults import SENSOR_FAULTS
 from uav_tracking_mpc.studies.executors import parallel_map
 
 FOLDER = Path(__file__).parent / "records"
@@ -79,7 +81,11 @@ INPUTS = ("turn rate [rad/s]", "path angle rate [rad/s]", "acceleration [m/s^2]"
 def names() -> list[str]:
     """Of all records, the longest work first."""
     kinds = [(f"scenario {name}", law) for name in scenario_names() for law in law_names()]
-    kinds += [(f"mismatch {name}", law) for name in MISMATCHES for law in law_names()]
+    kinds += [
+        (f"mismatch {name}", law)
+        for name in MISMATCHES
+        for law in ([PREDICTIVE] if name in SENSOR_FAULTS else law_names())
+    ]
     flights = [f"{config}: {kind}: {law}" for config in CONFIGURATIONS for kind, law in kinds]
     missions = [f"{config}: mission: {law}" for config in CONFIGURATIONS for law in law_names()]
     missions += [f"{config}: simulate" for config in CONFIGURATIONS]

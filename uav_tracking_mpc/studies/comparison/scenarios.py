@@ -31,7 +31,7 @@ from uav_tracking_mpc.settings.configuration import (
     scenario_names,
 )
 from uav_tracking_mpc.settings.tracking import PREDICTIVE
-from uav_tracking_mpc.studies.comparison.sensor_faults import SENSOR_FAULTS
+from uav_tracking_mpc.studies.comparison.sensor_faults import SENSOR_FAULTS, Changes
 
 # From easy to hard; scenarios that are not named come after these.
 ORDER = (
@@ -154,12 +154,18 @@ def mismatched(config: str, name: str, overrides: tuple[str, ...] = ()) -> Confi
     told = [f"{parameter}={value}" for parameter, value in mistaken.items()]
     configuration = load_configuration(config, [*overrides, *told], SCENARIO)
     if fault is not None:
-        return replace(configuration, changes=fault.changes(0))
+        return _changing(configuration, fault.changes(0))
     if name not in _DELAYS:
         return configuration
-    begin = LATER / DURATION * min(configuration.mission.duration, DURATION)
     late = f"{_SIMULATOR}.command_delay={_DELAYS[name]:g}"
-    return replace(configuration, changes=((begin, late),))
+    return _changing(configuration, ((LATER, late),))
+
+
+def _changing(configuration: Configuration, changes: Changes) -> Configuration:
+    """With changes in flight, which come sooner in a shorter one."""
+    share = min(configuration.mission.duration, DURATION) / DURATION
+    sooner = tuple((share * time, change) for time, change in changes)
+    return replace(configuration, changes=sooner)
 
 
 def variants(configuration: Configuration, name: str) -> list[Configuration]:
@@ -172,7 +178,7 @@ def variants(configuration: Configuration, name: str) -> list[Configuration]:
     section, parameter, values = _SIMULATOR, "seed", list[float](SEEDS)
     if name in SENSOR_FAULTS and SENSOR_FAULTS[name].seeded:
         return [
-            replace(configuration.changed(section, {parameter: seed}), changes=changes(seed))
+            _changing(configuration.changed(section, {parameter: seed}), changes(seed))
             for seed, changes in ((seed, SENSOR_FAULTS[name].changes) for seed in SEEDS)
         ]
     if name == "weaving_target":
