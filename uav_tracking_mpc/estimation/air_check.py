@@ -5,11 +5,13 @@ With the ground velocity :math:`v_g` and the mean wind w, the velocity through t
 
 .. math:: r = v - u_\parallel, \qquad c = u_\perp .
 
-A wind that changes shows on both as the aircraft turns, and gusts show on both alike. A sensor that
-fails shows on its own one. It is left out when its residual has jumped within a few seconds, or has
-stayed away from zero for longer, by more than is explained by the gusts and the change of the wind
-as they show on the other one. So is an airspeed that stays the same to the last bit though the
-aircraft has been accelerated. Ground velocity and wind stand in for it until it agrees again.
+Each sensor is judged by a wind that was found without it. By that wind a sensor that fails shows on
+its own residual alone, while gusts and a wind that changes show on both as the aircraft turns. A
+sensor is left out when its residual has jumped within a few seconds, or has stayed away from zero
+for longer, by more than the other residual and the change of that wind explain: a wind that has
+changed where it is seen may have changed where it is not. An airspeed that stays the same to the
+last bit though the aircraft has been accelerated is left out too. Ground velocity and wind stand in
+for a sensor until it agrees again.
 """
 
 from __future__ import annotations
@@ -19,6 +21,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+
+from uav_tracking_mpc.estimation.sensor_health import JUMPED, OFF, SILENT, STUCK
 
 SMOOTHING, CHANGE_TIME, LASTING = 0.7, 4.0, 7.0  # s: of noise, of a jump, of what lasts
 LEAST_JUMP, LEAST_OFFSET = 1.0, 0.8  # m/s
@@ -34,7 +38,6 @@ PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts taken at first, and how much that 
 AGREEING, AGREED_FOR = 0.5, 5.0  # -, s: share of the limits to be kept to, to be used again
 STUCK_FOR, STUCK_CHANGE = 1.0, 0.4  # s and m/s: of a reading, and of the speed meanwhile
 AIRSPEED, HEADING = 0, 1
-SILENT, STUCK, JUMPED, OFF = "silent", "stuck", "jumped", "off"
 BLIND = 100.0  # m/s, standard deviation of what is not measured
 
 
