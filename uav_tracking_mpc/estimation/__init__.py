@@ -19,6 +19,7 @@
 ``state_gate``           which measurements are believed
 ``air_data``             the airspeed that belongs to a measurement
 ``flight_path``          path through the air, from the attitude of the body
+``air_estimate``         aircraft and air, by three filters, two of which judge a sensor each
 ``air_check``            whether airspeed and heading fit the wind, and what stands in for them
 ``sensor_health``        which sensors are used, and why one is not
 ``noise_meter``          how noisy a signal is, and how much it wanders

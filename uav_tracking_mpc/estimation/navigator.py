@@ -25,25 +25,15 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc.dynamics import vehicle as vehicle_model
 from uav_tracking_mpc.dynamics.vehicle import Response, followed
 from uav_tracking_mpc.dynamics.vehicle_models import step_function
-from uav_tracking_mpc.estimation.air_check import AirCheck, loose_air
 from uav_tracking_mpc.estimation.air_data import AirData
+from uav_tracking_mpc.estimation.air_estimate import AircraftInAir, AirEstimate
 from uav_tracking_mpc.estimation.command_history import CommandHistory
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.outlook import FADE_TIME, Outlook
-from uav_tracking_mpc.estimation.rate_aided_filter import RateAided, RateAidedFilters
-from uav_tracking_mpc.estimation.sensor_health import (
-    AIRSPEED,
-    HEADING,
-    POSITION,
-    SILENT,
-    USED,
-    VELOCITY,
-    SensorHealth,
-)
+from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, USED
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.estimation.target_filter import REWIND, TargetFilter
-from uav_tracking_mpc.estimation.wind_filter import WindFilter
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.symbolic.functions import BufferedFunction, one_at_a_time
 
@@ -51,11 +41,6 @@ LONGEST_SUBSTEP = 0.05  # s, in which dead time is flown through
 ROUNDING = 1e-9
 LATENCY_LIMIT = 0.5  # s
 LATENCY_SHARE = 0.05  # of a new measurement in the latency that the prediction starts with
-# What the filters begin with: noise of a rate per root of Hz and standard deviation of its bias, in
-# [rad/s] as measured and in [m/s^2] as computed from the commands; least noise of what is measured.
-GYRO, ACCELERATION_MODEL = (1e-3, 0.05), (0.1, 0.5)
-ATTITUDE_NOISE, AIRSPEED_NOISE = 1e-3, 0.05  # rad, m/s
-LEAST_LEVEL = 0.1  # -, share of the airspeed, below which the wind tells nothing of it
 ACCELERATION = 2  # axis of u_v among the inputs
 
 
@@ -71,17 +56,6 @@ class Estimate(NamedTuple):
     present: Situation
     effect: Situation
     forecast: Forecast
-
-
-class _AircraftInAir(NamedTuple):
-    """Aircraft and air as they are known, and how long gusts last on each axis."""
-
-    vehicle: NDArray[np.float64]
-    rates: NDArray[np.float64]
-    wind: NDArray[np.float64]
-    trend: NDArray[np.float64]
-    gust: NDArray[np.float64]
-    correlation_times: NDArray[np.float64]
 
 
 class Navigator:
@@ -100,9 +74,7 @@ class Navigator:
         claimed: Whether the aircraft flies the commands because somebody engaged it.
         air: The airspeed that came by itself.
         target: The filter of the target's positions.
-        air_filter: Of mean wind, gusts and biases.
-        air_check: Which of airspeed and heading are left out.
-        health: Of all sensors.
+        air_estimate: Of aircraft and air, with the health of the sensors.
         wind: At the latest estimate, gust included, shape (3,), in [m/s].
         airspeed: As it was measured last in [m/s], before noise and bias are taken out.
         latency: Time from a measurement to the command that answers it, averaged, in [s].
@@ -111,12 +83,7 @@ class Navigator:
     @one_at_a_time
     def __init__(self, parameters: TrackingParameters) -> None:
         self.air = AirData(parameters.state_timeout)
-        self.air_filter, self.air_check = WindFilter(), AirCheck()
-        self._without = WindFilter(), WindFilter()  # airspeed; heading
-        self.health = SensorHealth()
-        angle = RateAided(*GYRO, ATTITUDE_NOISE, circular=True)
-        speed = RateAided(*ACCELERATION_MODEL, AIRSPEED_NOISE, circular=False)
-        self._air_motion = RateAidedFilters([angle, angle, speed])  # heading, path angle, airspeed
+        self.air_estimate = AirEstimate()
         self.target = TargetFilter(parameters.target_noise, parameters.target_agility)
         self.latency = self.airspeed = 0.0
         self._history = CommandHistory(0.0)
@@ -162,14 +129,7 @@ class Navigator:
         self.air.reset()
         self.target.reset()
         self._history.reset()
-        for part in (
-            self.air_filter,
-            *self._without,
-            self.air_check,
-            self._air_motion,
-            self.health,
-        ):
-            part.reset()
+        self.air_estimate.reset()
         self.wind = np.zeros(3)
         self._faded, self._fade_begin = np.zeros((2, 3)), 0.0
         self._acceleration = 0.0
@@ -178,12 +138,12 @@ class Navigator:
     @property
     def airspeed_known(self) -> bool:
         """Whether the airspeed is measured and believed."""
-        return not self.air.missing and self.health.states[AIRSPEED] == USED
+        return not self.air.missing and self.air_estimate.health.states[AIRSPEED] == USED
 
     def complaints(self) -> list[str]:
         """What has become of the sensors since it was asked last, in words."""
         words = self.air.complaint(self._estimating)
-        return [*([words] if words else []), *self.health.news()]
+        return [*([words] if words else []), *self.air_estimate.health.news()]
 
     def see_target(
         self,
@@ -278,77 +238,13 @@ class Navigator:
 
     def _aircraft_in_air(
         self, measurement: Measurement, vehicle: NDArray[np.float64], height: float
-    ) -> _AircraftInAir:
+    ) -> AircraftInAir:
         """What is measured, without noise and biases as far as they are known."""
         rates = np.array([measurement.turn_rate, measurement.path_angle_rate, self._acceleration])
-        if not self._estimating:
-            wind = measurement.ground_velocity - vehicle_model.velocity(vehicle)
-            return _AircraftInAir(vehicle, rates, wind, np.zeros(3), np.zeros(3), np.ones(3))
-        filters, noise, check = self._air_motion, measurement.noise, self.air_check
-        stamp, place, air = measurement.stamp, vehicle[:3], self.air_filter
-        seen = stamp, place, measurement.ground_velocity
-        ground = air.believed(*seen, noise.velocity)
-        before = list(check.reasons)
-        motion, by_wind = self._by_wind(measurement, vehicle, ground)
-        told = noise.heading, noise.path_angle, noise.airspeed
-        filters.update(stamp, motion, rates, told)
-        heading, path_angle, airspeed = filters.values.tolist()
-        about = height, noise.position, noise.velocity
-        out = [bool(reason) for reason in check.reasons]
-        for which, lane in (*enumerate(self._without), (None, air)):
-            guess = [heading, airspeed]
-            if which is not None:
-                lane.share_noise(air)
-                guess[1 - which] = by_wind[1 - which]
-            loose = loose_air(heading, out[0] or which == 0, out[1] or which == 1)
-            velocity = vehicle_model.air_velocity(guess[0], path_angle, guess[1], math)
-            lane.update(*seen, np.array(velocity), *about, loose)
-        for lane, reason, earlier in zip(self._without, check.reasons, before, strict=True):
-            if reason not in ("", SILENT) and reason != earlier:
-                air.begin_as(lane)  # which nothing wrong has come into
-        for sensor, state in (
-            *zip((AIRSPEED, HEADING), check.reasons, strict=True),
-            (POSITION, air.place),
-            (VELOCITY, air.velocity),
-        ):
-            self.health.states[sensor] = state or USED
-        heading = math.remainder(heading - air.heading_bias, 2.0 * math.pi)
-        airspeed *= 1.0 - air.airspeed_share
-        rates[:2] -= filters.biases[:2]
-        return _AircraftInAir(
-            np.array([*air.position, heading, path_angle, airspeed]),
-            rates,
-            air.mean_wind,
-            air.trend,
-            air.gust,
-            air.correlation_times,
-        )
-
-    def _by_wind(
-        self, measurement: Measurement, vehicle: NDArray[np.float64], ground: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], tuple[float, float]]:
-        """Heading, path angle, airspeed to go by; and heading, airspeed that the wind tells.
-
-        What judges a sensor and stands in for it is a filter that does not know that sensor.
-        """
-        heading, path_angle, airspeed = vehicle[3:].tolist()
-        cosine = max(math.cos(path_angle), LEAST_LEVEL)
-        level = max(cosine * (1.0 - self.air_filter.airspeed_share), LEAST_LEVEL)
-        air = [(ground - lane.ground_velocity_bias - lane.mean_wind)[:2] for lane in self._without]
-        deviations = [lane.wind_deviation for lane in self._without]
-        reading = None if self.air.missing else airspeed
-        if self.air.missing:
-            heading = measurement.heading
-        without = self._without[0]
-        level_wind = (without.mean_wind + without.gust)[:2]
-        explained = np.array([*level_wind, without.heading_bias * airspeed])
-        known = air, deviations, explained, self._acceleration
-        turned, along = self.air_check.judge(measurement.stamp, heading, reading, level, *known)
-        by_wind = turned, along / cosine
-        out = self.air_check.reasons
-        going_by = by_wind[0] if out[1] else heading
-        flown = by_wind[1] if reading is None or out[0] else reading
-        return np.array([going_by, path_angle, flown]), by_wind
+        if self._estimating:
+            return self.air_estimate.update(measurement, vehicle, rates, height, self.air.missing)
+        wind = measurement.ground_velocity - vehicle_model.velocity(vehicle)
+        return AircraftInAir(vehicle, rates, wind, np.zeros(3), np.zeros(3), np.ones(3))
 
     def _at_effect(
         self, time: float, delay: float, present: Situation, forecast: Forecast

@@ -329,7 +329,9 @@ class ControllerReport:
             **self.peers.values(),
         }
         if controller.parameters.air_estimation:
-            values |= air_values(navigator.air_filter) | health_values(navigator.health.states)
+            values |= air_values(navigator.air_estimate.filter) | health_values(
+                navigator.air_estimate.health.states
+            )
         decrease = None if formulation is None else formulation.decrease
         if decrease is not None:
             values["cost decrease (54) checked"] = decrease.checked

@@ -199,7 +199,7 @@ class ClosedLoop:
             self.controller.formulation.solver.time_limit = math.inf
         command = self.answer(sightings, measured, now)
         self._recorder.mode(now, self.controller.modes.mode, self.controller.modes.reason)
-        self._recorder.health(now, self.controller.navigator.health.states)
+        self._recorder.health(now, self.controller.navigator.air_estimate.health.states)
         if command is not None:
             self._recorder.command(command, self.controller.parameters)
             factors = self.controller.response.softening.factors
