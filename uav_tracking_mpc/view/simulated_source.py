@@ -84,7 +84,7 @@ def _controller(loop: InterruptedLoop) -> NodeStatus:
         return NodeStatus(CONTROLLER, SILENT, KILLED)
     controller = loop.controller
     mode, reason, counts = controller.modes.mode, controller.modes.reason, controller.modes.counts
-    formulation, health = controller.formulation, controller.navigator.air_estimate.health
+    formulation, _health = controller.formulation, controller.navigator.air_estimate.health
     values = {
         "mode changes": f"{controller.modes.changes}",
         **{f"mode {each.value}": f"{count}" for each, count in counts.items()},
