@@ -58,3 +58,7 @@ class SensorHealth:
                 self._told[sensor] = state
                 instead = "" if state == USED else f": {INSTEAD[sensor]}"
                 yield f"{sensor} {SAID[state]}{instead}"
+
+    def values(self) -> dict[str, str]:
+        """The states as diagnostics name them."""
+        return {f"{sensor} sensor": state for sensor, state in self.states.items()}

@@ -44,7 +44,6 @@ from uav_tracking_mpc.nodes.messages.diagnostic_values import (
     REASON,
     air_values,
     controller_status,
-    health_values,
     orbit_values,
     response_values,
 )
@@ -329,9 +328,8 @@ class ControllerReport:
             **self.peers.values(),
         }
         if controller.parameters.air_estimation:
-            values |= air_values(navigator.air_estimate.filter) | health_values(
-                navigator.air_estimate.health.states
-            )
+            air = navigator.air_estimate
+            values |= air_values(air.filter) | air.health.values()
         decrease = None if formulation is None else formulation.decrease
         if decrease is not None:
             values["cost decrease (54) checked"] = decrease.checked

@@ -84,7 +84,7 @@ def _controller(loop: InterruptedLoop) -> NodeStatus:
         return NodeStatus(CONTROLLER, SILENT, KILLED)
     controller = loop.controller
     mode, reason, counts = controller.modes.mode, controller.modes.reason, controller.modes.counts
-    formulation, _health = controller.formulation, controller.navigator.air_estimate.health
+    formulation, health = controller.formulation, controller.navigator.air_estimate.health
     values = {
         "mode changes": f"{controller.modes.changes}",
         **{f"mode {each.value}": f"{count}" for each, count in counts.items()},
@@ -92,10 +92,7 @@ def _controller(loop: InterruptedLoop) -> NodeStatus:
         **_axes("drift", controller.drift),
         "target noise [m]": f"{controller.navigator.target.noise:.3g}",
         "target positions rejected": f"{controller.navigator.target.rejected}",
-        **{
-            f"{name} sensor": state
-            for name, state in controller.navigator.air_estimate.health.states.items()
-        },
+        **health.values(),
     }
     level, words, why = controller_status(mode, reason, loop.commanded)
     return NodeStatus(CONTROLLER, level, f"{words}: {why}" if why else words, values)

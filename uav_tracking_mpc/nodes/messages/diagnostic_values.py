@@ -170,15 +170,6 @@ def mode_changes(
     return tuple(changes)
 
 
-def health_values(states: Mapping[str, str]) -> dict[str, object]:
-    """Keys and states of sensors.
-
-    Args:
-        states: As of :class:`~uav_tracking_mpc.estimation.sensor_health.SensorHealth`.
-    """
-    return {f"{name} sensor": state for name, state in states.items()}
-
-
 def sensor_changes(
     reports: Sequence[tuple[int, Mapping[str, str]]], start: int, end: int
 ) -> tuple[SensorNews, ...]:
