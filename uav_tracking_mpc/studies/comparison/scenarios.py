@@ -154,7 +154,7 @@ def mismatched(config: str, name: str, overrides: tuple[str, ...] = ()) -> Confi
     told = [f"{parameter}={value}" for parameter, value in mistaken.items()]
     configuration = load_configuration(config, [*overrides, *told], SCENARIO)
     if fault is not None:
-        return _changing(configuration, fault.changes(0))
+        return _changing(configuration, fault.changes(0, configuration.controller.altitude))
     if name not in _DELAYS:
         return configuration
     late = f"{_SIMULATOR}.command_delay={_DELAYS[name]:g}"
@@ -178,7 +178,10 @@ def variants(configuration: Configuration, name: str) -> list[Configuration]:
     section, parameter, values = _SIMULATOR, "seed", list[float](SEEDS)
     if name in SENSOR_FAULTS and SENSOR_FAULTS[name].seeded:
         return [
-            _changing(configuration.changed(section, {parameter: seed}), changes(seed))
+            _changing(
+                configuration.changed(section, {parameter: seed}),
+                changes(seed, configuration.controller.altitude),
+            )
             for seed, changes in ((seed, SENSOR_FAULTS[name].changes) for seed in SEEDS)
         ]
     if name == "weaving_target":

@@ -48,22 +48,22 @@ class SensorFault:
 
     Attributes:
         overrides: Parameters from the start, by ``SECTION.PARAMETER``.
-        changes: Times in [s] and parameters from then on, of a seed.
+        changes: Times in [s] and parameters from then on, of a seed and the orbit's altitude [m].
         seeded: Whether the worst of several seeds counts.
     """
 
     overrides: Mapping[str, object] = field(default_factory=dict)
-    changes: Callable[[int], Changes] = lambda seed: ()
+    changes: Callable[[int, float], Changes] = lambda seed, height: ()
     seeded: bool = False
 
 
-def _fails(until: float = math.inf, **wrong: object) -> Callable[[int], Changes]:
+def _fails(until: float = math.inf, **wrong: object) -> Callable[[int, float], Changes]:
     """Parameters of the simulator that are wrong from the begin on, until they are right again."""
     right = {"airspeed_fault": "none", "airspeed_bias": 0.0, "heading_bias": 0.0}
     right |= {"position_fault": "none", "velocity_gain": 1.0, "position_bias": [0.0, 0.0, 0.0]}
     begun = [(BEGIN, f"{_SIMULATOR}.{name}={value}") for name, value in wrong.items()]
     ended = [(until, f"{_SIMULATOR}.{name}={right[name]}") for name in wrong]
-    return lambda seed: tuple(begun + ended if math.isfinite(until) else begun)
+    return lambda seed, height: tuple(begun + ended if math.isfinite(until) else begun)
 
 
 def _all_the_time(duration: float, change: Callable[[float], str]) -> Changes:
@@ -71,17 +71,21 @@ def _all_the_time(duration: float, change: Callable[[float], str]) -> Changes:
     return tuple((BEGIN + t, change(float(t))) for t in np.arange(0.0, duration + STEP, STEP))
 
 
-def _drift(seed: int) -> Changes:
+def _drift(seed: int, height: float) -> Changes:
     rising = _all_the_time(END - BEGIN, lambda t: f"{_SIMULATOR}.airspeed_bias={DRIFT * t:.3f}")
     return (*rising, (END + STEP, f"{_SIMULATOR}.airspeed_bias=0.0"))
 
 
-def _blocked(seed: int) -> Changes:
-    climb = (BEGIN, f"{_CONTROLLER}.altitude=180.0"), (END, f"{_CONTROLLER}.altitude=120.0")
-    return (*climb[:1], *_fails(END, airspeed_fault="blocked")(seed), *climb[1:])
+def _blocked(seed: int, height: float) -> Changes:
+    climb, sink = height + CLIMB, height
+    return (
+        (BEGIN, f"{_CONTROLLER}.altitude={climb}"),
+        *_fails(END, airspeed_fault="blocked")(seed, height),
+        (END, f"{_CONTROLLER}.altitude={sink}"),
+    )
 
 
-def _turning_wind(seed: int) -> Changes:
+def _turning_wind(seed: int, height: float) -> Changes:
     def wind(t: float) -> str:
         angle = math.pi / 2.0 * (1.0 + min(t / TURN, 1.0))
         return (
@@ -91,7 +95,9 @@ def _turning_wind(seed: int) -> Changes:
     return _all_the_time(TURN, wind)
 
 
-def _displaced(seed: int, size: float, period: float, lasting: Callable[[Any], float]) -> Changes:
+def _displaced(
+    seed: int, height: float, size: float, period: float, lasting: Callable[[Any], float]
+) -> Changes:
     """Positions off to random sides, from the begin to the end of the flight."""
     random = np.random.default_rng(seed)
     changes: list[tuple[float, str]] = []
@@ -104,7 +110,7 @@ def _displaced(seed: int, size: float, period: float, lasting: Callable[[Any], f
     return tuple(changes)
 
 
-def _height_steps(seed: int) -> Changes:
+def _height_steps(seed: int, height: float) -> Changes:
     times = np.arange(BEGIN, 300.0 - HEIGHT_STEPS, HEIGHT_STEPS)
     return tuple(
         (time, f"{_SIMULATOR}.position_bias=[0.0, 0.0, {HEIGHT_STEP * (1 - k % 2)}]")
@@ -123,7 +129,7 @@ def _moving(motion: str, **values: object) -> dict[str, object]:
     return {f"{_TARGET}.{name}": value for name, value in {"motion": motion, **values}.items()}
 
 
-def _unseen(seed: int) -> Changes:
+def _unseen(seed: int, height: float) -> Changes:
     return (BEGIN, f"{_TARGET}.dropout=1.0"), (BEGIN + UNSEEN, f"{_TARGET}.dropout=0.0")
 
 
