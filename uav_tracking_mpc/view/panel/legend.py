@@ -23,7 +23,7 @@ from uav_tracking_mpc.report.mode_colours import MODE_COLOURS, Colour
 from uav_tracking_mpc.view.scene._drawing import LIMIT, WIND
 from uav_tracking_mpc.view.scene.tracks import SCALE
 
-PLACE, WIDTH = (15.0, 70.0), 250.0  # pixels from the upper left corner of the scene
+PLACE, WIDTH = (15.0, 15.0), 250.0  # pixels from the upper left corner of the scene
 ROOM = 920  # pixels; beside less of a scene it would stand upon the orbit
 ROW = '<div style="display:flex;gap:0.5em;align-items:center">{}<span>{}</span></div>'
 MARK = '<span style="flex:0 0 1.6em;height:0;border-top:3px {} rgb{}"></span>'
