@@ -82,6 +82,15 @@ def test_a_legend_says_what_is_seen_and_how_the_target_is_moved(seen):
     assert seen.errors == []
 
 
+def test_the_legend_makes_room_for_the_head_up_display(seen):
+    legend = seen.page.get_by_text("the plan: where it flies next")
+    seen.page.get_by_role("button", name="HUD", exact=True).press("Enter")
+    legend.wait_for(state="hidden")
+    assert seen.page.get_by_text("Orbit", exact=True).first.is_visible()
+    seen.page.get_by_role("button", name="HUD", exact=True).press("Enter")
+    legend.wait_for(state="visible")
+
+
 def test_questions_stand_in_their_order_down_to_the_wind_without_scrolling(seen):
     order = ("Range", "Orbit", "Target", "Wind", "Faults", "classical laws")
     heights = [box(seen, words)["y"] for words in order]

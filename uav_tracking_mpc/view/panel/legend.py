@@ -65,7 +65,7 @@ def legend(colour: Colour) -> str:
     ]
     modes = [SQUARE.format(mode.value, tint) for mode, tint in MODE_COLOURS.items()]
     return (
-        '<div style="font-size:0.75em;line-height:1.45;padding:0 0.7em 0.5em">'
+        '<div data-flight-legend style="font-size:0.75em;line-height:1.45;padding:0 0.7em 0.5em">'
         + "".join(ROW.format(*row) for row in rows)
         + ROW.format("".join(modes), "wings and plan, best first")
         + "<b>Drag the target</b> with the mouse. Drag elsewhere to look around."

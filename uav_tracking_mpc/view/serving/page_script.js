@@ -515,7 +515,7 @@
     let rungs = "";
     for (let angle = -30; angle <= 30; angle += 5) {
       const y = focal * Math.tan(((path - angle) * Math.PI) / 180);
-      if (Math.abs(y) > Math.min(0.28 * h, 150)) continue;
+      if (Math.abs(y) > Math.min(0.28 * h, 150, 0.3 * w)) continue; // else upon the bank
       const reach = angle === 0 ? half * 1.5 : half * 0.45;
       rungs += line(-reach, y, -0.3 * half, y) + line(0.3 * half, y, reach, y);
       if (angle) rungs += label(reach + 16, y, angle) + label(-reach - 16, y, angle);
