@@ -225,7 +225,7 @@ def test_on_a_phone_the_strip_is_folded_and_unfolds(chromium, page):
 def test_on_a_phone_the_panel_begins_folded_and_its_head_unfolds_it(chromium, page):
     context = chromium.new_context(viewport={"width": 390, "height": 800})
     seen = SeenPage(context.new_page(), page.address, ready=False)
-    camera = seen.page.locator("label", has_text="Camera")
+    camera = seen.page.get_by_text("Camera", exact=True)
     camera.wait_for(state="attached")
     camera.wait_for(state="hidden")
     seen.page.get_by_text("uav_tracking", exact=True).click()
