@@ -94,7 +94,7 @@ class Gallery:
         tab.set_default_timeout(PATIENCE)
         tab.goto(self._page.address)
         tab.locator("canvas").first.wait_for(state="visible")
-        tab.get_by_label("Camera", exact=True).first.wait_for()
+        tab.get_by_label("Camera", exact=True).first.wait_for(state="attached")  # phones fold it
         yield tab
         context.close()
 

@@ -68,10 +68,10 @@ FRAME_PERIOD = 0.5  # s: a browser without a graphics card draws hardly more of 
 
 
 @contextlib.contextmanager
-def served(source, host=None, opening=0.0):
+def served(source, host=None):
     """A page of a source, drawn by a thread; both are closed at the end.
 
-    The scene stands at once, unless there is an ``opening`` in [s].
+    The scene stands at once: the turn of the first seconds is left out.
     """
     from uav_tracking_mpc.view.page import Page
 
@@ -79,7 +79,7 @@ def served(source, host=None, opening=0.0):
     thread = threading.Thread(target=page.serve, args=(ended.is_set,), daemon=True)
     with (
         mock.patch("uav_tracking_mpc.view.page.FRAME_PERIOD", FRAME_PERIOD),
-        mock.patch("uav_tracking_mpc.view.cameras.OPENING", opening),
+        mock.patch("uav_tracking_mpc.view.cameras.OPENING", 0.0),
     ):
         thread.start()
         try:

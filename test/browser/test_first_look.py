@@ -82,13 +82,23 @@ def test_a_legend_says_what_is_seen_and_how_the_target_is_moved(seen):
     assert seen.errors == []
 
 
-def test_questions_stand_in_their_order_on_one_screen(seen):
+def test_the_legend_makes_room_for_the_head_up_display(seen):
+    legend = seen.page.get_by_text("the plan: where it flies next")
+    seen.page.get_by_role("button", name="HUD", exact=True).press("Enter")
+    legend.wait_for(state="hidden")
+    assert seen.page.get_by_text("Orbit", exact=True).first.is_visible()
+    seen.page.get_by_role("button", name="HUD", exact=True).press("Enter")
+    legend.wait_for(state="visible")
+
+
+def test_questions_stand_in_their_order_down_to_the_wind_without_scrolling(seen):
     order = ("Range", "Orbit", "Target", "Wind", "Faults", "classical laws")
     heights = [box(seen, words)["y"] for words in order]
     well = box(seen, "nearest limit", False)["y"]
     assert heights == sorted(heights)
     assert well < heights[0]
-    assert heights[-1] < SCREEN["height"]
+    strip = seen.page.locator("#flight-strip").bounding_box()
+    assert heights[order.index("Wind")] < strip["y"]
     for folded in ("History:", "Solver:", "Diagnostics:"):
         assert box(seen, folded, False)["y"] > heights[-1]
 
@@ -134,15 +144,3 @@ def _yaml(download):
     path = download.path().with_suffix(".yaml")
     download.save_as(path)
     return path
-
-
-def test_the_scene_of_a_new_page_turns_into_its_place(chromium, source):
-    context = chromium.new_context(viewport=SCREEN)
-    with served(source, opening=20.0) as page:
-        seen = SeenPage(context.new_page(), page.address)
-        (flight,) = source.flights()
-        flight.steering.pause(True)
-        moving = seen.pixels()
-        seen.pixels_unlike(moving)  # though the flight stands
-        flight.steering.pause(False)
-    context.close()

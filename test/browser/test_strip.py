@@ -217,6 +217,19 @@ def test_on_a_phone_the_strip_is_folded_and_unfolds(chromium, page):
     seen.page.locator("#flight-strip canvas").wait_for(state="hidden")
     seen.page.get_by_title("Fold or unfold").click()
     seen.page.locator("#flight-strip canvas").wait_for(state="visible")
-    assert strip.bounding_box()["height"] > 100
+    assert strip.bounding_box()["height"] > 90
     assert seen.page.evaluate("document.documentElement.scrollWidth") == 390
+    context.close()
+
+
+def test_on_a_phone_the_panel_begins_folded_and_its_head_unfolds_it(chromium, page):
+    context = chromium.new_context(viewport={"width": 390, "height": 800})
+    seen = SeenPage(context.new_page(), page.address, ready=False)
+    camera = seen.page.get_by_text("Camera", exact=True)
+    camera.wait_for(state="attached")
+    camera.wait_for(state="hidden")
+    seen.page.get_by_text("uav_tracking", exact=True).click()
+    camera.wait_for(state="visible")
+    seen.eventually(lambda: "aircraft" in seen.page.title(), "the script has asked again")
+    assert camera.is_visible()
     context.close()

@@ -52,8 +52,9 @@ FAR_TARGET = 4.0  # by the radius of the orbit: a target that goes farther is fo
 FARTHEST = 2.5  # by the radius of the orbit: how far off the aircraft still is in the first view
 STEP = 0.5  # by the radius of the orbit, in which it counts how far off the aircraft is
 TILT = 1e-3  # rad; straight down, north would be nowhere
-# On a phone the panel covers the lower part: there the middle stands so far up, by half a picture.
-UP = 0.5
+# On a phone the panel covers the lower part once unfolded: the middle stands so far up, by half a
+# picture.
+UP = 0.2
 OPENING = 3.0  # s of wall time in which the scene of a new page turns into its place
 OPENING_TURN = math.radians(50.0)  # by which that begins
 LAST_FIRST = 10  # first views that a page may have begun with while it was loaded

@@ -155,7 +155,7 @@ class Visitors:
         self._visitors: dict[int, _Visitor] = {}
         self._flights: dict[str, tuple[WatchedFlight, FlightHistory]] = {}
         self._watched: Mapping[str, Watched] = {}
-        self._at = time.monotonic()  # when the last frame was drawn
+        self._at = math.inf  # s, when the last frame was drawn; the first one may take long
         server.on_client_connect(self._join)
         server.on_client_disconnect(lambda client: self._leave(client.client_id))
 
@@ -212,7 +212,7 @@ class Visitors:
         told_now: dict[str, Any] = {
             "server": self._server,
             "known": visitor is not None,
-            "age": round(time.monotonic() - self._at, 2),
+            "age": round(max(time.monotonic() - self._at, 0.0), 2),
             "names": list(self._watched),
             "name": name,
             "view": view,

@@ -23,7 +23,7 @@ from uav_tracking_mpc.report.mode_colours import MODE_COLOURS, Colour
 from uav_tracking_mpc.view.scene._drawing import LIMIT, WIND
 from uav_tracking_mpc.view.scene.tracks import SCALE
 
-PLACE, WIDTH = (15.0, 70.0), 250.0  # pixels from the upper left corner of the scene
+PLACE, WIDTH = (15.0, 15.0), 250.0  # pixels from the upper left corner of the scene
 ROOM = 920  # pixels; beside less of a scene it would stand upon the orbit
 ROW = '<div style="display:flex;gap:0.5em;align-items:center">{}<span>{}</span></div>'
 MARK = '<span style="flex:0 0 1.6em;height:0;border-top:3px {} rgb{}"></span>'
@@ -65,7 +65,7 @@ def legend(colour: Colour) -> str:
     ]
     modes = [SQUARE.format(mode.value, tint) for mode, tint in MODE_COLOURS.items()]
     return (
-        '<div style="font-size:0.75em;line-height:1.45;padding:0 0.7em 0.5em">'
+        '<div data-flight-legend style="font-size:0.75em;line-height:1.45;padding:0 0.7em 0.5em">'
         + "".join(ROW.format(*row) for row in rows)
         + ROW.format("".join(modes), "wings and plan, best first")
         + "<b>Drag the target</b> with the mouse. Drag elsewhere to look around."

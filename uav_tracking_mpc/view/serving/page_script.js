@@ -24,6 +24,7 @@
   const STRIP_PERIOD = 1000; // ms between questions for new rows
   const MOST = 8000; // rows that are kept
   const NARROW = 700, LOW = 500; // pixels: smaller pages begin with a folded strip
+  const PHONE = 500, SHORT = 900; // pixels: narrower, the panel begins folded; lower, one lane
   const LANE = 38, BAND = 10, AXIS = 16, LEFT = 132, RIGHT = 12; // pixels
   const COCKPIT = "from the cockpit"; // as view/cameras.py calls it
   const HALF_VIEW = (25 * Math.PI) / 180; // of the cockpit's camera, upright
@@ -36,7 +37,7 @@
     bank: { words: (value) => tilted(value), zero: true, least: 10 },
     airspeed: { words: (value) => `${shown(value)} m/s`, least: 1 },
     wind: { words: (value) => `${shown(value)} m/s`, zero: true, least: 1 },
-    cost: { words: (value) => value.toPrecision(2), log: true, least: 1 },
+    cost: { words: (value) => value.toExponential(1), log: true, least: 1 },
     "weighted errors": { shares: true },
   };
   // ---- what is known ---------------------------------------------------------------------------
@@ -50,7 +51,8 @@
   let drawn = { name: null, generation: null, rows: [], events: [], columns: [], modes: [] };
   let stood = { time: null, since: 0 }; // how long the flight's clock has stood still
   let hudByHand = null; // whether a hand switched the head-up display; null leaves it to the camera
-  let lanes = ["range error", "bank", "cost"];
+  let lanes = ["range error", "bank", "cost"].slice(0, record || innerHeight >= SHORT ? 3 : 1);
+  let begun = false; // whether the panel stands as it is to begin
   let dirty = true;
 
   const make = (tag, parent, attributes = {}, text = "") => {
@@ -157,8 +159,7 @@
   // ---- time ------------------------------------------------------------------------------------
   function span() {
     if (now?.record) return now.record;
-    const rows = drawn.rows;
-    const begin = rows.length ? rows[0][0] : 0;
+    const rows = drawn.rows, begin = rows.length ? rows[0][0] : 0;
     return [begin, Math.max(begin + 1, now?.live ?? 0, rows.length ? rows.at(-1)[0] : 0)];
   }
   function shownTime() {
@@ -198,8 +199,7 @@
     if (asked >= span()[1]) goLive();
   }
   // ---- the server ------------------------------------------------------------------------------
-  let polled = performance.now();
-  let ticked = performance.now();
+  let polled = performance.now(), ticked = polled;
   function tick() {
     silence += Math.min(performance.now() - ticked, 2 * TICK);
     ticked = performance.now();
@@ -219,6 +219,7 @@
     const query = { dark: Number(dark.matches) };
     const tag = [...document.querySelectorAll("[data-flight-page]")].at(-1);
     if (tag) query.page = tag.dataset.flightPage;
+    if (tag && !begun) foldPanel(tag);
     if (asked !== null) query.time = asked.toFixed(3);
     try {
       const answer = await ask("flight/now", query);
@@ -232,6 +233,12 @@
     const quick = !hud.hasAttribute("hidden") || asked !== null;
     setTimeout(poll, document.hidden ? HIDDEN : quick ? QUICK : SLOW);
   }
+  /** On a phone viser opens its panel upon the scene; a click on the panel's head folds it. */
+  function foldPanel(tag) {
+    begun = true;
+    if (innerWidth < PHONE)
+      tag.closest(".mantine-Paper-root")?.querySelector('[style*="cursor: pointer"]')?.click();
+  }
   async function pollRows() {
     if (now?.name && !document.hidden) {
       if (drawn.name !== now.name) forget(now.name);
@@ -240,9 +247,7 @@
     }
     setTimeout(pollRows, STRIP_PERIOD);
   }
-  function forget(name) {
-    drawn = { ...drawn, name, generation: null, rows: [], events: [] };
-  }
+  const forget = (name) => (drawn = { ...drawn, name, generation: null, rows: [], events: [] });
   function take(answer) {
     if (answer.generation === undefined) return;
     if (drawn.generation !== null && drawn.generation !== answer.generation) {
@@ -393,8 +398,7 @@
     pen.fillStyle = colours.quiet;
     pen.fillText(name, 8, top + 11);
     if (shares) return drawShares(pen, top, rows, current, colours);
-    const at = column(name);
-    const value = rows[current][at];
+    const at = column(name), value = rows[current][at];
     pen.fillStyle = colours.ink;
     pen.font = '600 12px system-ui, "DejaVu Sans", sans-serif';
     pen.fillText(value === null ? "not known" : words(value), 8, top + 27);
@@ -431,8 +435,7 @@
   }
   /** The share of each weighted error in their sum, one above the other. */
   function drawShares(pen, top, rows, current, colours) {
-    const first = drawn.columns.length - TERMS.length;
-    const height = LANE - 6;
+    const first = drawn.columns.length - TERMS.length, height = LANE - 6;
     for (let x = 0; x < across(); x += 1) {
       const time = timeAt(left() + x);
       if (time > rows.at(-1)[0]) break;
@@ -512,7 +515,7 @@
     let rungs = "";
     for (let angle = -30; angle <= 30; angle += 5) {
       const y = focal * Math.tan(((path - angle) * Math.PI) / 180);
-      if (Math.abs(y) > Math.min(0.28 * h, 150)) continue;
+      if (Math.abs(y) > Math.min(0.28 * h, 150, 0.3 * w)) continue; // else upon the bank
       const reach = angle === 0 ? half * 1.5 : half * 0.45;
       rungs += line(-reach, y, -0.3 * half, y) + line(0.3 * half, y, reach, y);
       if (angle) rungs += label(reach + 16, y, angle) + label(-reach - 16, y, angle);
