@@ -86,7 +86,12 @@ def names() -> list[str]:
         for name in MISMATCHES
         for law in ([PREDICTIVE] if name in SENSOR_FAULTS else law_names())
     ]
-    flights = [f"{config}: {kind}: {law}" for config in CONFIGURATIONS for kind, law in kinds]
+    flights = [
+        f"{config}: {kind}: {law}"
+        for config in CONFIGURATIONS
+        for kind, law in kinds
+        if not (config == "paper" and kind.partition(" ")[2] in SENSOR_FAULTS)  # slower than wind
+    ]
     missions = [f"{config}: mission: {law}" for config in CONFIGURATIONS for law in law_names()]
     missions += [f"{config}: simulate" for config in CONFIGURATIONS]
     return [*COMMANDS, "fly", *missions, *flights, "bag"]
