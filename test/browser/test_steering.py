@@ -136,6 +136,7 @@ def test_a_killed_node_shows_the_fallback_and_then_the_recovery(look, tmp_path):
         seen.wait_for_text("optimal plan")
         seen.press("controller killed")
         seen.wait_for_text("recovered")
+        seen.page.get_by_text("History:").first.click()  # it is folded
         seen.wait_for_text(f"nothing comes on {COMMAND.name}")
         assert seen.errors == []
     finally:
