@@ -22,7 +22,7 @@ import shutil
 import pytest
 
 pytest.importorskip("msgspec")  # which comes with the page
-from seen_page import SeenPage
+from seen_page import SeenPage, served
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 FLAGS = (
@@ -65,6 +65,19 @@ def look(context):
     yield look
     for page in seen:
         page.page.close()
+
+
+@pytest.fixture(scope="module")
+def page(source):
+    """The page that the tests of one file share, of its source."""
+    with served(source) as page:
+        yield page
+
+
+@pytest.fixture(scope="module")
+def opened(context, page):
+    """That page in the browser."""
+    return SeenPage(context.new_page(), page.address)
 
 
 @pytest.fixture(scope="session")

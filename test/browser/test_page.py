@@ -43,17 +43,6 @@ def source(flight):
     return logged(flight)
 
 
-@pytest.fixture(scope="module")
-def page(source):
-    with served(source) as page:
-        yield page
-
-
-@pytest.fixture(scope="module")
-def opened(context, page):
-    return SeenPage(context.new_page(), page.address)
-
-
 @pytest.fixture
 def seen(opened, source):
     """The page that tests share, at the begin of its flight."""

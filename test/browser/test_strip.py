@@ -44,17 +44,6 @@ def source():
     return StandInSource(Flight())
 
 
-@pytest.fixture(scope="module")
-def page(source):
-    with served(source) as page:
-        yield page
-
-
-@pytest.fixture(scope="module")
-def opened(context, page):
-    return SeenPage(context.new_page(), page.address)
-
-
 @pytest.fixture
 def seen(opened, source):
     """The page that tests share, its flight as it was first."""

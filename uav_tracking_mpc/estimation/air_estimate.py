@@ -51,7 +51,16 @@ LEAST_LEVEL = 0.1  # -, share of the airspeed, below which the wind tells nothin
 
 
 class AircraftInAir(NamedTuple):
-    """Aircraft and air as they are known, and how long gusts last on each axis."""
+    """Aircraft and air as they are known.
+
+    Attributes:
+        vehicle: (x, y, z, psi, chi, v) through the air, shape (6,), in [m], [rad] and [m/s].
+        rates: (psi', chi', v'), shape (3,), in [rad/s] and [m/s^2].
+        wind: Mean wind in ``map``, shape (3,), in [m/s].
+        trend: How the mean wind changes, shape (3,), in [m/s^2].
+        gust: Shape (3,), in [m/s].
+        correlation_times: How long gusts last on each axis, shape (3,), in [s].
+    """
 
     vehicle: NDArray[np.float64]
     rates: NDArray[np.float64]

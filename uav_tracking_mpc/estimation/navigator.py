@@ -61,11 +61,11 @@ class Estimate(NamedTuple):
 class Navigator:
     """Measurements in, situations and forecast out.
 
-    The drift is the wind less the target's velocity. With ``air_estimation`` the mean wind stays
-    over the horizon and the gust of now fades with its correlation time, sensors' biases are taken
-    out, and what is noisy is smoothed; without it, or without an airspeed, the wind is that of the
-    present wind triangle, v_ground - v_air. The acceleration that is flown comes from the commands
-    and the aircraft's lag.
+    The drift is the wind less the target's velocity. With ``air_estimation`` the mean wind goes on
+    as it changes over the horizon and the gust of now fades with its correlation time, sensors'
+    biases and faults are taken out, and what is noisy is smoothed; without it the wind is that of
+    the present wind triangle, v_ground - v_air. The acceleration that is flown comes from the
+    commands and the aircraft's lag.
 
     Args:
         parameters: Lag, dead time, horizon and filter settings.

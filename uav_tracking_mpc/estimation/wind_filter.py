@@ -24,6 +24,10 @@ velocity,
     p' = a - \alpha a - \beta\, e_z \times a + w + g,\qquad
     p_{measured} = p,\qquad v_{measured} = p' + b.
 
+The mean wind has a level trend t, :math:`w' = t`, that is forgotten slowly: a wind that turns is
+followed without a lag. In a direction in which a is a guess, both the velocity and the way that was
+flown are as uncertain as the guess.
+
 Gusts are coloured noise, :math:`g' = -g / T + n`, with the correlation time T = L / V of the
 Dryden spectra (:mod:`~uav_tracking_mpc.dynamics.air`; the longitudinal form on all axes).
 Everything else wanders slowly. How strong the gusts are is seen, and so is how noisy positions and
@@ -75,7 +79,7 @@ T, ALPHA, BETA, SIZE = slice(12, 14), 14, 15, 16
 
 
 class WindFilter:
-    """The filter of the module's docstring; its state is (p, w, g, b, w', alpha, beta).
+    """The filter of the module's docstring; its state is (p, w, g, b, t, alpha, beta).
 
     Attributes:
         place: Whether positions are used, or why not: as of

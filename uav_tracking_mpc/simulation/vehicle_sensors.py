@@ -52,7 +52,7 @@ class VehicleSensors:
 
     def __init__(self, parameters: SimulatorParameters, seed: np.random.SeedSequence) -> None:
         self._held: deque[Measurement] = deque()
-        self._left: tuple[float, float] | None = None  # airspeed and height as it got stuck
+        self._left: tuple[float, float] | None = None  # airspeed [m/s], height [m] as it got stuck
         self._place: NDArray[np.float64] | None = None  # at which the position is frozen
         self._random = np.random.default_rng(seed)
         self.change(parameters)
@@ -76,22 +76,17 @@ class VehicleSensors:
         self._biases = np.array(
             [*parameters.position_bias, heading, 0.0, airspeed, *parameters.velocity_bias]
         )
-        self._airspeed_fault, self._frozen = (
-            parameters.airspeed_fault,
-            parameters.position_fault == "frozen",
-        )
+        self._airspeed_fault = parameters.airspeed_fault
+        self._frozen = parameters.position_fault == "frozen"
         if self._airspeed_fault not in ("stuck", "blocked"):
             self._left = None
         if not self._frozen:
             self._place = None
-        self._turn_rate_bias, self._velocity_gain = (
-            parameters.turn_rate_bias,
-            parameters.velocity_gain,
-        )
+        self._turn_rate_bias = parameters.turn_rate_bias
+        self._velocity_gain = parameters.velocity_gain
         faulty = self._airspeed_fault != "none", self._frozen, self._velocity_gain != 1.0
-        self._wrong = bool(
-            np.any([*self._deviations, *self._biases, self._turn_rate_bias, *faulty])
-        )
+        errors = *self._deviations, *self._biases, self._turn_rate_bias
+        self._wrong = any(errors) or any(faulty)
         self._delay, self._stamp_true = parameters.state_delay, parameters.state_stamp_true
 
     def measure(self, truth: Measurement) -> Measurement:

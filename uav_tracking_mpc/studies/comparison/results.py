@@ -272,6 +272,9 @@ def as_json(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> dict[str, 
           ``envelope_violations`` and ``off_plan``, null where that is not asked; ``of_law``, the
           law whose figures range and bank rate are ``range_rms_share`` and ``bank_rate_rms_share``
           of, null where they are absolute; and what the predictive controller ``missed``
+        - ``asked.<mismatch>`` where a sensor fails also: ``worst_m``, ``airspeed_worst_mps``,
+          ``airspeed_min_mps``, ``airspeed_max_mps``, the sensor to be ``named`` and
+          ``named_within_s``
         - ``solves.<scenario>`` or ``solves.<mismatch>``: of the predictive controller: ``count``,
           ``not_converged``, ``median_us``, ``p99_us``, ``max_us``
     """
