@@ -26,6 +26,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 SOURCES = ("docs", "examples", "launch", "test", "uav_tracking_mpc", "setup.py")
+LICENCE = "Licensed under the Apache License, Version 2.0"
 
 pytestmark = pytest.mark.linter
 
@@ -65,6 +66,13 @@ def test_pep257():
 def test_xmllint():
     xmllint = pytest.importorskip("ament_xmllint.main")
     assert xmllint.main(argv=["package.xml", "config"]) == 0
+
+
+def test_the_licence_stands_on_every_file():
+    files = [ROOT / "setup.py", *(f for name in SOURCES[:-1] for f in (ROOT / name).rglob("*.py"))]
+    texts = {file: file.read_text()[:1500] for file in files}
+    bare = [str(file) for file, text in texts.items() if text and LICENCE not in text]
+    assert len(files) > 300 and not bare
 
 
 def test_copyright():

@@ -1,3 +1,17 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 r"""Whether airspeed and heading fit the wind: which of them is wrong where they do not.
 
 With the ground velocity :math:`v_g` and the mean wind w, the velocity through the air is
@@ -6,8 +20,9 @@ With the ground velocity :math:`v_g` and the mean wind w, the velocity through t
 .. math:: r = v - u_\parallel, \qquad c = u_\perp .
 
 Each sensor is judged by a wind that was found without it. By that wind a sensor that fails shows on
-its own residual alone, while gusts and a wind that changes show on both as the aircraft turns. A
-sensor is left out when its residual has jumped within a few seconds, or has stayed away from zero
+its own residual alone, while gusts and a wind that changes show on both as the aircraft turns; by
+the wind that owes nothing to the heading :math:`r = v - |u|`, which a wrong heading does not touch.
+A sensor is left out when its residual has jumped within a few seconds, or has stayed away from zero
 for longer, by more than the other residual and the change of that wind explain: a wind that has
 changed where it is seen may have changed where it is not. An airspeed that stays the same to the
 last bit though the aircraft has been accelerated is left out too. Ground velocity and wind stand in
@@ -27,7 +42,7 @@ from uav_tracking_mpc.estimation.sensor_health import JUMPED, OFF, SILENT, STUCK
 SMOOTHING, CHANGE_TIME, LASTING = 0.7, 4.0, 7.0  # s: of noise, of a jump, of what lasts
 LEAST_JUMP, LEAST_OFFSET = 1.0, 0.8  # m/s
 DEVIATIONS = 4.0  # standard deviations of gusts that explain a residual
-DOMINANCE = 3.0  # -, by which what lasts on one must exceed that on the other
+DOMINANCE = 3.0  # -, by which the residual of a sensor that fails exceeds the other
 TURNED = 0.3  # rad, that the wind's error turns against the heading in a jump
 # s, and share of what the wind without airspeed has changed in it: it may have changed as much
 # along the heading, where it was not seen
@@ -103,6 +118,7 @@ class AirCheck:
         elif 0.0 < step <= CHANGE_TIME:
             self._see_reading(time, step, reading, along, acceleration)
         residuals = flown * [-1.0, 1.0] + [airspeed, 0.0]
+        residuals[HEADING, AIRSPEED] = airspeed - math.hypot(*air[HEADING].tolist())
         if reading is None:
             residuals[:, AIRSPEED] = 0.0
         deviation = max(wind_deviations)
@@ -137,6 +153,7 @@ class AirCheck:
         for which, reason in enumerate(self.reasons):
             other = 1 - which  # axis on which the sensor shows nothing
             most = LEAST_JUMP + DEVIATIONS * (math.sqrt(self._jumps[which, other]) + turned)
+            most = max(most, DOMINANCE * abs(jumps[which, other]))
             lasting = LEAST_OFFSET + DEVIATIONS * math.sqrt(self._offsets[which, other])
             lasting = changes + max(lasting, DOMINANCE * abs(offsets[which, other]))
             if not reason and not self.reasons[other]:
