@@ -34,11 +34,12 @@ def circled(check, reading, begin=0.0, end=100.0, heading_error=0.0, gust=None, 
         air = AIRSPEED_FLOWN * np.array([math.cos(heading), math.sin(heading)])
         if gust is not None:
             air = air + gust(time)
+        by_airspeed = air + more.get("misled", lambda time, heading: 0.0)(time, heading)
         seen = math.remainder(heading + heading_error, 2.0 * math.pi)
         measured = reading(time)
-        by_wind = check.judge(
-            time, seen, measured, 1.0, [air, air], [0.1, 0.1], explained(time), acceleration
-        )
+        airs, deviations = [air, by_airspeed], [0.1, 0.1]
+        known = airs, deviations, explained(time), acceleration
+        by_wind = check.judge(time, seen, measured, 1.0, *known)
         out = check.reasons
         gone_by = by_wind[0] if out[HEADING] else seen, by_wind[1] if out[AIRSPEED] else measured
         if not reasons or reasons[-1] != check.reasons:
@@ -65,10 +66,22 @@ def test_an_airspeed_that_jumps_is_left_out_until_it_agrees(check, wrong):
     assert circled(check, right, 130.0, 150.0)[2][-1] == ["", ""]
 
 
-def test_a_heading_that_jumps_is_left_out(check):
-    heading, airspeed, reasons = circled(check, right, 100.0, 130.0, heading_error=0.5)
+@pytest.mark.parametrize("error", [0.5, -1.5, 3.0])
+def test_a_heading_that_jumps_is_left_out(check, error):
+    heading, airspeed, reasons = circled(check, right, 100.0, 130.0, heading_error=error)
     assert (heading, airspeed) == pytest.approx((0.0, AIRSPEED_FLOWN), abs=0.02)
     assert reasons[-1] == ["", "jumped"]
+
+
+def test_an_airspeed_that_rises_fast_and_misleads_its_wind_is_no_heading(check):
+    """A blocked pitot in a climb: the wind that knows the airspeed takes its error, and turns."""
+
+    def misled(time, heading):
+        return 1.3 * (time - 100.0) * np.array([-math.sin(heading), math.cos(heading)])
+
+    rising = lambda time: right(time) + max(time - 100.0, 0.0)  # noqa: E731
+    circled(check, rising, 100.0, 105.0, misled=misled)
+    assert check.reasons == ["jumped", ""]
 
 
 def test_an_airspeed_that_drifts_is_left_out_before_it_is_off_by_a_quarter(check):

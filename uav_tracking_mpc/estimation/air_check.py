@@ -15,14 +15,13 @@
 r"""Whether airspeed and heading fit the wind: which of them is wrong where they do not.
 
 With the ground velocity :math:`v_g` and the mean wind w, the velocity through the air is
-:math:`u = v_g - w`. Along the heading it is to be the airspeed, across it nothing:
+:math:`u = v_g - w`. It is to be as fast as the airspeed, and to point along the heading:
 
-.. math:: r = v - u_\parallel, \qquad c = u_\perp .
+.. math:: r = v - |u|, \qquad c = |u| \angle(\psi, u) .
 
 Each sensor is judged by a wind that was found without it. By that wind a sensor that fails shows on
-its own residual alone, while gusts and a wind that changes show on both as the aircraft turns; by
-the wind that owes nothing to the heading :math:`r = v - |u|`, which a wrong heading does not touch.
-A sensor is left out when its residual has jumped within a few seconds, or has stayed away from zero
+its own residual alone, while gusts and a wind that changes show on both as the aircraft turns. A
+sensor is left out when its residual has jumped within a few seconds, or has stayed away from zero
 for longer, by more than the other residual and the change of that wind explain: a wind that has
 changed where it is seen may have changed where it is not. An airspeed that stays the same to the
 last bit though the aircraft has been accelerated is left out too. Ground velocity and wind stand in
@@ -105,10 +104,8 @@ class AirCheck:
             acceleration: That is commanded and flown in [m/s^2].
         """
         step, self._time = time - self._time, time
-        cosine, sine = math.cos(heading), math.sin(heading)
-        ahead = np.array([[cosine, sine], [-sine, cosine]])
-        flown = np.array(air) @ ahead.T  # of each wind along the heading, and across
-        along = float(flown[AIRSPEED, 0])
+        (u_x, u_y), (east, north) = np.array(air).tolist()
+        along = u_x * math.cos(heading) + u_y * math.sin(heading)
         airspeed = 0.0 if reading is None else level * reading
         if reading is None:
             self.reasons[AIRSPEED] = SILENT
@@ -117,8 +114,7 @@ class AirCheck:
             self._weight = 0.0
         elif 0.0 < step <= CHANGE_TIME:
             self._see_reading(time, step, reading, along, acceleration)
-        residuals = flown * [-1.0, 1.0] + [airspeed, 0.0]
-        residuals[HEADING, AIRSPEED] = airspeed - math.hypot(*air[HEADING].tolist())
+        residuals = np.array([_residuals(airspeed, heading, each) for each in air])
         if reading is None:
             residuals[:, AIRSPEED] = 0.0
         deviation = max(wind_deviations)
@@ -130,7 +126,6 @@ class AirCheck:
             self._explained += min(step / CHANGES, 1.0) * (explained - self._explained)
             self._moved = max(moved, self._moved * math.exp(-step / CHANGES))
             self._compare(step, residuals, TURNED * deviation, MOVES * self._moved)
-        (u_x, u_y), (east, north) = air
         if self.reasons[AIRSPEED]:
             east, north = u_x, u_y
         if self.reasons[HEADING]:
@@ -188,6 +183,13 @@ class AirCheck:
         moved = min(abs(self._gained), abs(along - self._speed)) > STUCK_CHANGE
         if moved and time - self._since > STUCK_FOR and not self.reasons[AIRSPEED]:
             self.reasons[AIRSPEED] = STUCK
+
+
+def _residuals(airspeed: float, heading: float, air: NDArray[np.float64]) -> tuple[float, float]:
+    """(r, c) of an air velocity u in [m/s]."""
+    east, north = air.tolist()
+    speed = math.hypot(east, north)
+    return airspeed - speed, speed * math.remainder(math.atan2(north, east) - heading, math.tau)
 
 
 def loose_air(heading: float, airspeed: bool, across: bool) -> NDArray[np.float64]:
