@@ -34,7 +34,7 @@ from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 pytestmark = [pytest.mark.nodes, pytest.mark.timeout(600)]
 
 SHORT = settings(
-    max_examples=5,
+    max_examples=3,
     stateful_step_count=20,
     deadline=None,
     derandomize=True,
@@ -78,7 +78,7 @@ def test_no_message_breaks_the_controller(controller):
 
 
 def test_no_message_breaks_the_vehicle(controller):
-    fly(VehicleFlight, settings(SHORT, max_examples=20))  # a flight takes it a tenth of the time
+    fly(VehicleFlight, settings(SHORT, max_examples=12))  # a flight takes it a tenth of the time
     assert VehicleFlight.refused > 20
     assert VehicleFlight.accepted > 20
 

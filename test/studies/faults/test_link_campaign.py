@@ -32,7 +32,7 @@ from uav_tracking_mpc.studies.faults.link_campaign import (
 from uav_tracking_mpc.studies.faults.schedule import schedule
 
 CROSSWIND = load_configuration("small_uav", (), "crosswind")
-SHORT = ("loss", "silence", "take_over", "bit_flips", "companion_dead")
+SHORT = ("silence", "take_over", "bit_flips")
 
 
 def flown(dialect, count, seed, kinds=tuple(LINK_FAULTS)):
@@ -62,9 +62,8 @@ def test_there_are_kinds_enough():
 
 
 def test_a_seed_makes_it_the_same_again():
-    assert flown("ardupilot", 2, 7, ("jitter", "loss")) == flown(
-        "ardupilot", 2, 7, ("jitter", "loss")
-    )
+    once, again = (flown("ardupilot", 1, 7, ("jitter",)) for _ in range(2))
+    assert once == again
 
 
 def test_what_fails_is_told_and_the_next_flight_begins_anew(monkeypatch):
