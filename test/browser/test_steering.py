@@ -31,7 +31,7 @@ from uav_tracking_mpc.view.watched_flight import CONTROLLER, SIMULATOR
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
 SETTLE = 60.0  # s of simulated time after which the new place is circled
-LAPS = 120.0  # s of simulated time for which it is
+LAPS = 60.0  # s of simulated time for which it is
 FAST, SLOW = 100.0, 0.1  # simulated over wall time
 # viser says so of itself wherever the mouse takes hold of something in the scene.
 VISER = "Unable to preventDefault inside passive event listener invocation."
@@ -115,6 +115,8 @@ def test_a_killed_controller_shows_the_fallback_and_then_the_recovery(seen, sour
     assert seen.errors == []
 
 
+@pytest.mark.nodes
+@pytest.mark.long
 def test_a_killed_node_shows_the_fallback_and_then_the_recovery(look, tmp_path):
     """The same with nodes as processes: the page hears of it over ROS topics.
 

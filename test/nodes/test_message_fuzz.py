@@ -34,7 +34,7 @@ from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 pytestmark = [pytest.mark.nodes, pytest.mark.timeout(600)]
 
 SHORT = settings(
-    max_examples=3,
+    max_examples=2,
     stateful_step_count=20,
     deadline=None,
     derandomize=True,

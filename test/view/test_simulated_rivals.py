@@ -66,7 +66,7 @@ def test_wind_target_and_orbit_are_followed(leader):
         load_configuration("small_uav", [*SETTINGS, "uav_simulator.wind=[0.0,-6.0,0.0]"]).simulator
     )
     leader.target.go_to(leader.time, (40.0, 20.0, 0.0))
-    seen = fly(leader, rivals, 90.0)
+    seen = fly(leader, rivals, 60.0)
     target = leader.target.position(leader.time)
     for rival in seen.values():
         assert abs(rival.range_error) < 10.0

@@ -23,6 +23,7 @@ time T: at a time t from now, with wind w, gust g, the target's velocity v and a
 
 from __future__ import annotations
 
+import functools
 from typing import NamedTuple
 
 import casadi as ca
@@ -60,19 +61,7 @@ class Outlook:
     """
 
     def __init__(self, count: int, rewind: float) -> None:
-        names = (
-            ("motion", 9),
-            ("track", 4),
-            ("faded", 6),
-            ("wind", 3),
-            ("trend", 3),
-            ("gust", 3),
-            ("times", 3),
-        )
-        told, times = [ca.SX.sym(name, size) for name, size in names], ca.SX.sym("ahead", count)
-        rows = ca.horzcat(*[_at(rewind, time, *told) for time in ca.vertsplit(times)])
-        function = ca.Function("outlook", [*told, times], [rows], {"cse": True})
-        self._function, self._count = BufferedFunction(function), count
+        self._function, self._count = BufferedFunction(_function(count, rewind)), count
 
     def __call__(
         self,
@@ -101,6 +90,23 @@ class Outlook:
         self._function.evaluate()
         rows = self._function.results[0].reshape(self._count, 9).copy()
         return Ahead(rows[:, :3], rows[:, 3:6], rows[:, 6:])
+
+
+@functools.cache
+def _function(count: int, rewind: float) -> ca.Function:
+    """What :class:`Outlook` evaluates; to derive it takes fifty milliseconds."""
+    names = (
+        ("motion", 9),
+        ("track", 4),
+        ("faded", 6),
+        ("wind", 3),
+        ("trend", 3),
+        ("gust", 3),
+        ("times", 3),
+    )
+    told, times = [ca.SX.sym(name, size) for name, size in names], ca.SX.sym("ahead", count)
+    rows = ca.horzcat(*[_at(rewind, time, *told) for time in ca.vertsplit(times)])
+    return ca.Function("outlook", [*told, times], [rows], {"cse": True})
 
 
 def _at(

