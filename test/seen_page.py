@@ -212,13 +212,17 @@ class SeenPage:
         return np.asarray(Image.open(io.BytesIO(shot)).convert("RGB"), dtype=np.int16)
 
     def still_pixels(self) -> np.ndarray:
-        """The scene once two pictures in a row are the same."""
+        """The scene once three pictures in a row are the same.
+
+        Between them the server sends a frame, of which a busy page draws one part after another.
+        """
         newest = [self.pixels()]
 
         def settled() -> bool:
+            self.page.wait_for_timeout(1000.0 * FRAME_PERIOD)
             self._next_frames()
             newest.append(self.pixels())
-            return np.array_equal(newest[-1], newest[-2])
+            return len(newest) > 2 and all(np.array_equal(newest[-1], p) for p in newest[-3:])
 
         self.eventually(settled, "the scene stands still")
         return newest[-1]
@@ -233,6 +237,10 @@ class SeenPage:
 
         self.eventually(differs, "the scene changes")
         return newest[-1]
+
+    def wait_for_picture(self, picture) -> None:
+        """Wait until the scene is what ``picture()`` is: another page may still be drawing, too."""
+        self.eventually(lambda: np.array_equal(self.pixels(), picture()), "the pictures agree")
 
     def pixel_of(self, point) -> tuple[float, float]:
         """Where a point of ``map`` is seen: right and down from the page's upper left corner."""
