@@ -14,6 +14,8 @@
 
 """The response against the simulator's inner loop, which is exact."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from excited_channel import answer, excitation, record
@@ -26,7 +28,7 @@ from uav_tracking_mpc.studies.identification.channel_fit import (
     limited_fit,
     noise_of,
 )
-from uav_tracking_mpc.studies.identification.flight_record import ChannelRecord, Samples
+from uav_tracking_mpc.studies.identification.flight_record import Samples
 from uav_tracking_mpc.studies.identification.identification import Profile
 
 
@@ -87,15 +89,8 @@ def test_without_noise_the_truth_is_found(lag, dead_time):
 
 def test_a_measured_rate_tells_more_although_it_is_biased():
     exact = record(0.2, 0.1, rate_noise=0.02)
-    assert exact.rate is not None
-    biased = ChannelRecord(
-        exact.name,
-        exact.demand,
-        exact.state,
-        Samples(exact.rate.time, exact.rate.value + 0.5),
-        exact.leverage,
-    )
-    fit = fitted(biased)
+    biased = exact.rate._replace(value=exact.rate.value + 0.5)
+    fit = fitted(replace(exact, rate=biased))
     assert fit.lag == pytest.approx(0.2, abs=5e-3)
     assert fit.dead_time == pytest.approx(0.1, abs=5e-3)
 
@@ -104,9 +99,7 @@ def test_a_drift_of_the_state_is_no_response():
     """A constant wind of the airspeed, or a bias of the rate that is integrated."""
     still = record(0.3, 0.1, noise=0.01)
     time, value = still.state
-    drifting = ChannelRecord(
-        still.name, still.demand, Samples(time, value + 0.2 * time + 7.0), None, still.leverage
-    )
+    drifting = replace(still, state=Samples(time, value + 0.2 * time + 7.0))
     assert fitted(drifting).lag == pytest.approx(fitted(still).lag, abs=1e-3)
 
 
@@ -114,25 +107,16 @@ def test_coloured_noise_is_recognised():
     still = record(0.3, 0.1, noise=0.0)
     drawn = 0.03 * np.random.default_rng(5).standard_normal(len(still.state.time))
     gusts = lfilter([1.0], [1.0, -0.98], drawn)
-    time, value = still.state
-    gusty = ChannelRecord(
-        still.name, still.demand, Samples(time, value + gusts), None, still.leverage
-    )
-    fit = fitted(gusty)
+    fit = fitted(replace(still, state=still.state._replace(value=still.state.value + gusts)))
     assert len(fit.noise[0].polynomial) > 1
     assert fit.lag + fit.dead_time == pytest.approx(0.4, abs=0.03)  # two standard deviations
 
 
 def test_a_record_that_is_too_short_is_refused():
     channel = record(0.3, 0.1)
+    short = replace(channel, state=Samples(*(column[:150] for column in channel.state)))
     with pytest.raises(ValueError, match="must be at least 10 s"):
-        ChannelRecord.of(
-            channel.name,
-            channel.demand,
-            Samples(channel.state.time[:150], channel.state.value[:150]),
-            None,
-            channel.leverage,
-        )
+        short.between_commands()
 
 
 def test_a_limit_is_found_and_does_not_disturb_the_rest():
