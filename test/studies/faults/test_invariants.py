@@ -16,7 +16,7 @@
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.studies.faults.invariants import FlownTime, Invariants, Limits, Recovery
+from uav_tracking_mpc.studies.faults.invariants import Invariants, Limits, Recovery
 
 LIMITS = Limits(
     lower=np.array([-0.8, -0.8, -1.0]),
@@ -110,19 +110,20 @@ def test_a_vehicle_that_starts_anew_makes_no_command_old(invariants):
 
 
 def test_flown_time_goes_on_where_a_vehicle_begins_anew():
-    flown = FlownTime()
+    recovery = Recovery(tolerance=10.0)
     for stamp in (10.0, 10.5, 11.0, 0.0, 0.5, 1.0):
-        flown.state(stamp)
-    assert flown.seconds == 2.0
+        recovery.state(stamp, 0.0, 0.0, True)
+    assert recovery.flown == 2.0
 
 
 def fly_recovery(errors, commanded):
     """Recovery and time flown when it is judged; the fault ends at 5 s."""
-    recovery = Recovery(tolerance=10.0, hold=2.0, limit=30.0)
+    recovery, begun = Recovery(tolerance=10.0), False
     for time in np.arange(0.0, 60.0, 0.1):
         recovery.state(time, errors(time), 0.0, commanded(time))
-        if time >= 5.0 and recovery._end is None:
+        if time >= 5.0 and not begun:
             recovery.begin()
+            begun = True
         done = recovery.done()
         if done is not None or recovery.late():
             return done, time

@@ -26,7 +26,6 @@ from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.studies.faults.link_campaign import (
     LINK_FAULTS,
     LinkCampaign,
-    LinkFlight,
     TakeOver,
 )
 from uav_tracking_mpc.studies.faults.schedule import schedule
@@ -35,8 +34,12 @@ CROSSWIND = load_configuration("small_uav", (), "crosswind")
 SHORT = ("silence", "take_over", "bit_flips")
 
 
+def campaign_of(dialect="ardupilot"):
+    return LinkCampaign(dialect, CROSSWIND, Console(quiet=True))
+
+
 def flown(dialect, count, seed, kinds=tuple(LINK_FAULTS)):
-    campaign = LinkCampaign(dialect, CROSSWIND, Console(quiet=True))
+    campaign = campaign_of(dialect)
     cases = schedule({kind: LINK_FAULTS[kind] for kind in kinds}, seed, most=1)
     assert not campaign.fly_cases(islice(cases, count))
     return campaign.found
@@ -66,19 +69,18 @@ def test_a_seed_makes_it_the_same_again():
     assert once == again
 
 
-def test_what_fails_is_told_and_the_next_flight_begins_anew(monkeypatch):
-    campaign = LinkCampaign("ardupilot", CROSSWIND, Console(quiet=True))
-    first = campaign.flight
-    monkeypatch.setattr(first.link, "measured", lambda timeout: 1 / 0)
-    campaign.fly_cases(islice(schedule(LINK_FAULTS, 0, most=1), 1))
-    assert campaign.found[0].violations["exception"] == (1, "ZeroDivisionError: division by zero")
-    assert campaign.found[0].lost
-    assert campaign.flight is not first
-
-
 @pytest.fixture
 def flight():
-    return LinkFlight("ardupilot", CROSSWIND)
+    return campaign_of()
+
+
+def test_what_fails_is_told_and_the_next_flight_begins_anew(flight, monkeypatch):
+    first = flight.link
+    monkeypatch.setattr(first, "measured", lambda timeout: 1 / 0)
+    flight.fly_cases(islice(schedule(LINK_FAULTS, 0, most=1), 1))
+    assert flight.found[0].violations["exception"] == (1, "ZeroDivisionError: division by zero")
+    assert flight.found[0].lost
+    assert flight.link is not first
 
 
 def set_point(bank=0.0, mask=0b11111110):
@@ -89,14 +91,16 @@ def set_point(bank=0.0, mask=0b11111110):
 
 
 def broken(flight):
-    return sorted(violation.invariant for violation in flight.take_violations())
+    found = sorted(violation.invariant for violation in flight.violations)
+    flight.violations.clear()
+    return found
 
 
 def test_rules_that_are_broken_are_seen(flight):
     send = flight.link.heard.connection.send
     send(set_point())
     assert broken(flight) == ["engaged"]
-    flight.link.engagement.ask(flight.now())
+    flight.link.engagement.ask(flight.link.now())
     send(set_point(bank=1.2))
     send(set_point(bank=float("nan")))
     command = mavlink.MAV_CMD_COMPONENT_ARM_DISARM

@@ -25,11 +25,11 @@ from fault_streams import FIRST, STREAM_FAULTS, arrivals, healthy
 from uav_tracking_mpc.launch.supervisor import NODES
 from uav_tracking_mpc.nodes.messages.conversions import plan_from_command, position_from_point
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, COMMAND, ODOMETRY, TARGET, MessageError
+from uav_tracking_mpc.studies.faults.kinds.messages import Corruption
 from uav_tracking_mpc.studies.faults.stream_fault import (
     FAMILIES,
     LATEST_STAMP,
     STREAMS,
-    MessageFault,
     numbers,
     shift,
 )
@@ -74,7 +74,7 @@ def test_a_fault_changes_its_streams_and_a_seed_is_a_fault(label, topic):
 
 
 @pytest.mark.parametrize(
-    "label", [label for label, fault in STREAM_FAULTS.items() if isinstance(fault, MessageFault)]
+    "label", [label for label, fault in STREAM_FAULTS.items() if isinstance(fault, Corruption)]
 )
 def test_good_messages_come_among_changed_ones(label):
     (topic,) = STREAM_FAULTS[label].streams

@@ -133,7 +133,7 @@ def limits(configuration: Configuration) -> Limits:
 
 
 class NodeCampaign(FaultCampaign):
-    """A campaign with real nodes, which its faults act on.
+    """A campaign with real nodes.
 
     Args:
         configuration: What to fly.
@@ -145,7 +145,6 @@ class NodeCampaign(FaultCampaign):
         supervisor: Of the node processes.
         observer: Node that hears every message.
         parameters: Client of the controller's parameters.
-        speed: Simulated over wall time [-].
         reach: How far a target is teleported [m].
     """
 
@@ -159,10 +158,10 @@ class NodeCampaign(FaultCampaign):
         console: Console,
     ) -> None:
         super().__init__(configuration, faults, console)
-        self._output, self.flight = output, self
+        self._output = output
         self.speed = min(SPEED, configuration.mission.speed)
         self.reach = configuration.controller.range
-        self._deaths = self._log_read = 0
+        self._deaths = 0
 
     def now(self) -> float:
         """See :meth:`FaultCampaign.now`: of wall time."""
@@ -192,14 +191,17 @@ class NodeCampaign(FaultCampaign):
             LaunchError: The aircraft did not reach its orbit before the first fault.
             KeyboardInterrupt: Before the first case was flown; later the findings are returned.
         """
-        with watched_nodes(self.configuration, self._output, domain) as self._nodes:
+        with (
+            watched_nodes(self.configuration, self._output, domain) as self._nodes,
+            (self._output / LOG).open(encoding="utf-8", errors="replace") as self._log_file,
+        ):
             self._start()
             self._reach_orbit()
             interrupted = self.fly_cases(cases, end=60.0 * minutes)
-        resources = self._nodes.resources
-        for words in resources.complaints() if self.found else ():
-            self.found[-1].add(Violation("growth", words))
-        latest = resources.latest()
+        for (name, _), process in self._nodes.growth.items():
+            if self.found and process.complaint():
+                self.found[-1].add(Violation("growth", f"{name}: {process.complaint()}"))
+        latest = self._nodes.latest()
         growth = {name: process.rss_percent_per_hour() for name, process in latest.items()}
         return self.study(
             seed,
@@ -222,8 +224,8 @@ class NodeCampaign(FaultCampaign):
         What they send goes to the relay first.
         """
         orbit, commander = self.configuration.controller.orbit, Node("campaign")
-        limit = limits(self.configuration)
-        self.observer = Observer(limit, (orbit.range, orbit.altitude), self.recovery)
+        limit, wanted = limits(self.configuration), (orbit.range, orbit.altitude)
+        self.observer = Observer(limit, wanted, self.recovery, self.violations)
         self._orders = commander.create_publisher(ORDERS.type, ORDERS.name, ORDERS.qos)
         self.parameters = ParameterClient(commander, self.configuration.controller)
         self._nodes.hear(self.observer, commander)
@@ -250,18 +252,23 @@ class NodeCampaign(FaultCampaign):
             if self.recovery.done() is not None:
                 return
 
+    def prepare(self) -> None:
+        """See :meth:`FaultCampaign.prepare`."""
+        self.observer.begin_case()
+
     def fly_case(self, case: Case) -> CaseFindings:
         """See :meth:`FaultCampaign.fly_case`; the bag of a case that fails is kept."""
-        self.observer.begin_case()
         findings = super().fly_case(case)
-        self._read_log(findings)
+        for line in self._log_file:
+            if "Traceback" in line:
+                findings.add(Violation("traceback", line.rstrip()))
         if findings.violations:
             cases = self._output / "cases"
             cases.mkdir(exist_ok=True)
             self.observer.write_bag(cases / f"case_{case.index:04d}.mcap")
         return findings
 
-    def watch(self, findings: CaseFindings, injections: Sequence[Injection] = ()) -> Iterator[bool]:
+    def watch(self, injections: Sequence[Injection] = ()) -> Iterator[bool]:
         """See :meth:`FaultCampaign.watch`: messages and processes."""
         moved, flown = time.monotonic(), self.recovery.flown
         for now in self._nodes.spin():
@@ -269,19 +276,8 @@ class NodeCampaign(FaultCampaign):
             under_way = any(not injection.settled for injection in injections)
             if under_way or self.recovery.flown != flown:
                 moved, flown = now, self.recovery.flown
-            for violation in self.observer.take_violations():
-                findings.add(violation)
             for name, code in self.supervisor.dead().items():
                 self._deaths += 1
-                findings.add(Violation("process lost", f"{name} ended with exit code {code}"))
+                self.blame("process lost", f"{name} ended with exit code {code}")
                 self.supervisor.restart(name)
             yield now - moved > STALL_LIMIT
-
-    def _read_log(self, findings: CaseFindings) -> None:
-        with (self._output / LOG).open(encoding="utf-8", errors="replace") as file:
-            file.seek(self._log_read)
-            text = file.read()
-            self._log_read = file.tell()
-        for line in text.splitlines():
-            if "Traceback" in line:
-                findings.add(Violation("traceback", line))

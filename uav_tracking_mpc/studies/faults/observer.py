@@ -34,13 +34,7 @@ from rclpy.serialization import deserialize_message
 from uav_tracking_mpc.nodes.flight_recorder import FlightBag
 from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription
 from uav_tracking_mpc.nodes.topics import COMMAND, DIAGNOSTICS, ODOMETRY, TARGET, Topic
-from uav_tracking_mpc.studies.faults.invariants import (
-    FlownTime,
-    Invariants,
-    Limits,
-    Recovery,
-    Violation,
-)
+from uav_tracking_mpc.studies.faults.invariants import Invariants, Limits, Recovery, Violation
 from uav_tracking_mpc.studies.faults.stream_fault import ORDERS, STREAMS, raw
 
 MOST = 100_000  # messages; a case has a tenth of it
@@ -62,23 +56,27 @@ class Observer(Node):
         limits: What the messages are held to.
         orbit: Range and altitude to be on [m].
         recovery: Told of every state.
+        violations: Where those that are found are added.
         options: As of rclpy's Node.
 
     Attributes:
-        violations: Found and not yet taken.
         heard: Steady time [s] of each node's latest diagnostics, by its name.
     """
 
     def __init__(
-        self, limits: Limits, orbit: tuple[float, float], recovery: Recovery, **options: Any
+        self,
+        limits: Limits,
+        orbit: tuple[float, float],
+        recovery: Recovery,
+        violations: list[Violation],
+        **options: Any,
     ) -> None:
         super().__init__("observer", **options)
-        self._invariants, self._recovery, self._flown = Invariants(limits), recovery, FlownTime()
-        self._range, self._altitude = orbit
+        self._invariants, self._recovery = Invariants(limits), recovery
+        self._violations, self._orbit = violations, np.array(orbit)
         self._target: np.ndarray | None = None
         self._commanded = -math.inf  # flown time of the latest command [s]
         self._messages: deque[tuple[Topic, int, bytes]] = deque(maxlen=MOST)
-        self.violations: list[Violation] = []
         self.heard: dict[str, float] = {}
         judges = {
             raw(ODOMETRY).name: self._on_state,
@@ -108,12 +106,13 @@ class Observer(Node):
     def _on_state(self, message: Any) -> None:
         position = vector(message.pose.pose.position)
         stamp = seconds(message.header.stamp)
-        self.violations += self._invariants.state(stamp, position)
-        flown = self._flown.state(stamp)
+        self._violations += self._invariants.state(stamp, position)
+        errors = np.full(2, math.nan)
         if self._target is not None:
             offset = position - self._target
-            errors = float(np.linalg.norm(offset)) - self._range, float(offset[2]) - self._altitude
-            self._recovery.state(flown, *errors, flown - self._commanded < PATIENCE)
+            errors = np.array([np.linalg.norm(offset), offset[2]]) - self._orbit
+        commanded = self._recovery.flown - self._commanded < PATIENCE
+        self._recovery.state(stamp, *errors.tolist(), commanded)
 
     def _on_delivered(self, message: Any) -> None:
         self._invariants.delivered(time.monotonic(), seconds(message.header.stamp))
@@ -123,19 +122,14 @@ class Observer(Node):
         self._invariants.target(self._target)
 
     def _on_command(self, message: Any) -> None:
-        self._commanded = self._flown.seconds
+        self._commanded = self._recovery.flown
         plan, starts = read_command(message)
         stamp = seconds(message.header.stamp)
-        self.violations += self._invariants.command(time.monotonic(), stamp, plan, starts)
+        self._violations += self._invariants.command(time.monotonic(), stamp, plan, starts)
 
     def _on_diagnostics(self, message: Any) -> None:
         for status in message.status:
             self.heard[status.name.partition(":")[0]] = time.monotonic()
-
-    def take_violations(self) -> list[Violation]:
-        """What was found since the last call."""
-        taken, self.violations = self.violations, []
-        return taken
 
     def begin_case(self) -> None:
         """Forget the messages that came more than a second ago."""

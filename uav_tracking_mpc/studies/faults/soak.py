@@ -117,7 +117,7 @@ def soak(
         begin = _watch(flight, observer, 3600.0 * hours, console)
         wall, flown = time.monotonic() - begin, observer.time
     worst, when = observer.settled
-    nodes = {name: _told(growth) for name, growth in flight.resources.latest().items()}
+    nodes = {name: _told(growth) for name, growth in flight.latest().items()}
     violations = (worst > TOLERANCE) + sum(bool(node["complaint"]) for node in nodes.values())
     content = {
         "config": configuration.name,

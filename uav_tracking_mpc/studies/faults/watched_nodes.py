@@ -29,7 +29,7 @@ from uav_tracking_mpc.control.guidance import compile_flight
 from uav_tracking_mpc.launch.flight import signals
 from uav_tracking_mpc.launch.supervisor import NODES, Supervisor, supervised
 from uav_tracking_mpc.settings.configuration import Configuration
-from uav_tracking_mpc.studies.faults.resources import ResourceWatch
+from uav_tracking_mpc.studies.faults.resources import Growth, usage
 
 CHECK_PERIOD = 0.02  # s of wall time between looks at the processes
 SAMPLE_PERIOD = 1.0  # s of wall time between looks at what they use
@@ -45,11 +45,13 @@ class WatchedNodes:
 
     Attributes:
         supervisor: As above.
-        resources: What the three nodes of a flight use.
+        growth: What each process of the three nodes of a flight used, by name and id; also of
+            those that were killed since.
     """
 
     def __init__(self, supervisor: Supervisor, received: list[int]) -> None:
-        self.supervisor, self.resources = supervisor, ResourceWatch()
+        self.supervisor = supervisor
+        self.growth: dict[tuple[str, int], Growth] = {}
         self._received, self._executor = received, EventsExecutor()
         self._nodes: list[Node] = []
         self._checked = self._sampled = time.monotonic()
@@ -73,12 +75,22 @@ class WatchedNodes:
             now = time.monotonic()
             if now - self._sampled > SAMPLE_PERIOD:
                 self._sampled = now
-                self.supervisor.note_shared_memory()
-                processes = self.supervisor.processes
-                self.resources.sample(now, [processes[name] for name in NODES if name in processes])
+                self._sample(now)
             if now - self._checked >= CHECK_PERIOD:
                 self._checked = now
                 yield now
+
+    def _sample(self, now: float) -> None:
+        self.supervisor.note_shared_memory()
+        for name, process in self.supervisor.processes.items():
+            used = usage(process.identity) if name in NODES else None
+            if used is not None:
+                key = name, process.identity
+                self.growth.setdefault(key, Growth(process.started)).add(now, used)
+
+    def latest(self) -> dict[str, Growth]:
+        """Of each node the process that was started last, by name."""
+        return {name: growth for (name, _), growth in self.growth.items()}
 
     def close(self) -> None:
         """Hear nothing any more."""
