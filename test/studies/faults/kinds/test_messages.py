@@ -43,9 +43,9 @@ from uav_tracking_mpc.nodes.topics import (
     ],
 )
 def test_so_much_arrives_so_late(label, share, latest):
-    heard = arrivals(label, ODOMETRY, 1000)
+    heard = arrivals(label, ODOMETRY, 400)
     delays = np.array([delay for delay, _ in heard])
-    assert len(heard) / 1000 == share
+    assert len(heard) / 400 == share
     assert delays.min() < 0.02
     assert delays.max() == pytest.approx(latest, abs=0.02)
     if label == "odometry_reordered":
