@@ -183,17 +183,18 @@ class Recovery:
         flown: Simulated time flown so far [s]; it goes on when a vehicle that is started anew
             begins at 0.
         range_error: The latest r - r_d [m], nan before the first.
+        worst: Greatest abs(r - r_d) since the last fault ended [m], and when it was flown [s].
     """
 
     def __init__(self, tolerance: float) -> None:
         self._tolerance = tolerance
-        self.flown, self.range_error = 0.0, math.nan
+        self.flown, self.range_error, self.worst = 0.0, math.nan, (0.0, 0.0)
         self._stamp, self._end = math.nan, math.inf
         self._entered: float | None = None
 
     def begin(self) -> None:
         """The last fault has ended."""
-        self._end = self.flown
+        self._end, self.worst = self.flown, (0.0, self.flown)
 
     def state(
         self, stamp: float, range_error: float, altitude_error: float, commanded: bool
@@ -209,6 +210,7 @@ class Recovery:
         if 0.0 < stamp - self._stamp < LONGEST_STEP:
             self.flown += stamp - self._stamp
         self._stamp, self.range_error = stamp, range_error
+        self.worst = max(self.worst, (abs(range_error), self.flown))
         on_orbit = abs(range_error) < self._tolerance and abs(altitude_error) < self._tolerance
         if not (commanded and on_orbit):
             self._entered = None

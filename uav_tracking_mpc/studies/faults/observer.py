@@ -24,6 +24,7 @@ import functools
 import math
 import time
 from collections import deque
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -40,11 +41,8 @@ from uav_tracking_mpc.studies.faults.stream_fault import ORDERS, STREAMS, raw
 MOST = 100_000  # messages; a case has a tenth of it
 BEFORE = 1_000_000_000  # ns of what came before the case
 
-# Of every relayed topic both sides: as sent (under ``raw``) and as received.
-HEARD = (*(raw(topic) for topic in STREAMS), *STREAMS, DIAGNOSTICS)
-TOPICS = (*HEARD, ORDERS)  # of a bag
-
-
+# Of a bag; of every relayed topic both sides: as sent (under ``raw``) and as received.
+TOPICS = (*(raw(topic) for topic in STREAMS), *STREAMS, DIAGNOSTICS, ORDERS)
 QUEUE = 1000  # messages that may wait
 PATIENCE = 1.0  # s of simulated time without a command after which the aircraft is not commanded
 
@@ -57,9 +55,12 @@ class Observer(Node):
         orbit: Range and altitude to be on [m].
         recovery: Told of every state.
         violations: Where those that are found are added.
+        relayed: Whether a relay stands in the way of every topic.
         options: As of rclpy's Node.
 
     Attributes:
+        commands: How many were sent.
+        longest_gap: Greatest time between the states of two commands [s].
         heard: Steady time [s] of each node's latest diagnostics, by its name.
     """
 
@@ -69,24 +70,29 @@ class Observer(Node):
         orbit: tuple[float, float],
         recovery: Recovery,
         violations: list[Violation],
+        relayed: bool = True,
         **options: Any,
     ) -> None:
         super().__init__("observer", **options)
         self._invariants, self._recovery = Invariants(limits), recovery
         self._violations, self._orbit = violations, np.array(orbit)
         self._target: np.ndarray | None = None
+        self._answered = math.nan  # stamp of the state of the latest command [s]
         self._commanded = -math.inf  # flown time of the latest command [s]
         self._messages: deque[tuple[Topic, int, bytes]] = deque(maxlen=MOST)
+        self.commands, self.longest_gap = 0, 0.0
         self.heard: dict[str, float] = {}
-        judges = {
-            raw(ODOMETRY).name: self._on_state,
-            ODOMETRY.name: self._on_delivered,
-            raw(TARGET).name: self._on_target,
-            raw(COMMAND).name: self._on_command,
-            DIAGNOSTICS.name: self._on_diagnostics,
-        }
-        for topic in HEARD:
-            callback = functools.partial(self._on_message, topic, judges.get(topic.name))
+        sent = {each: raw(each) if relayed else each for each in STREAMS}
+        judges = [
+            (sent[ODOMETRY], self._on_state),
+            (ODOMETRY, self._on_delivered),
+            (sent[TARGET], self._on_target),
+            (sent[COMMAND], self._on_command),
+            (DIAGNOSTICS, self._on_diagnostics),
+        ]
+        for topic in dict.fromkeys((*sent.values(), *STREAMS, DIAGNOSTICS)):
+            those = [judge for judged, judge in judges if judged == topic]
+            callback = functools.partial(self._on_message, topic, those)
             FollowingSubscription(self, topic, callback, QUEUE, raw=True)
 
     def keep(self, topic: Topic, data: bytes) -> None:
@@ -98,10 +104,11 @@ class Observer(Node):
         """
         self._messages.append((topic, time.time_ns(), data))
 
-    def _on_message(self, topic: Topic, judge: Any, data: bytes) -> None:
+    def _on_message(self, topic: Topic, judges: list[Callable[[Any], None]], data: bytes) -> None:
         self.keep(topic, data)
-        if judge is not None:
-            judge(deserialize_message(data, topic.type))
+        message = deserialize_message(data, topic.type) if judges else None
+        for judge in judges:
+            judge(message)
 
     def _on_state(self, message: Any) -> None:
         position = vector(message.pose.pose.position)
@@ -122,9 +129,11 @@ class Observer(Node):
         self._invariants.target(self._target)
 
     def _on_command(self, message: Any) -> None:
-        self._commanded = self._recovery.flown
         plan, starts = read_command(message)
         stamp = seconds(message.header.stamp)
+        self.commands += 1
+        self.longest_gap = max(self.longest_gap, stamp - self._answered)
+        self._answered, self._commanded = stamp, self._recovery.flown
         self._violations += self._invariants.command(time.monotonic(), stamp, plan, starts)
 
     def _on_diagnostics(self, message: Any) -> None:
