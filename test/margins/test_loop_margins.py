@@ -109,8 +109,3 @@ def test_some_perturbation_of_the_size_of_the_disk_and_none_smaller_destabilises
         np.abs(np.linalg.eigvals(sensitivity[::20] * np.exp(1j * each))).max() for each in angles
     )
     assert 0.97 / disk < radius <= 1.001 / disk
-
-
-def test_what_is_not_stable_has_no_margin():
-    assert lm.UNSTABLE.disk == 0.0
-    assert all(each.delay_s == each.gain_db == 0.0 for each in lm.UNSTABLE.channels.values())

@@ -14,6 +14,7 @@
 
 """Proofs: complete trees, true at the levels asked for, never true for a seeded fault."""
 
+import contextlib
 from dataclasses import replace
 
 import numpy as np
@@ -92,43 +93,32 @@ def test_paper_model_has_no_decrease_at_level_5():
     assert decrease(problem, parts, 5.0).violated_at(found.state)
 
 
-def test_level_beyond_the_inputs_is_rejected():
-    answer = attempt(PROBLEM, 1.01 * 2.8783)
-    assert not answer.holds
-    assert "u_chi" in answer.reason
-
-
 PAPER = paper_problem("paper")
 
 
 @pytest.mark.parametrize(
-    ("problem", "level"),
+    ("problem", "parts", "level", "reason"),
     [
+        (PROBLEM, PARTS, 1.01 * 2.8783, "u_chi"),  # beyond the inputs
         # one percent beyond the true limit, where the inputs would allow more
         (
             replace(PAPER, input_lower=9 * PAPER.input_lower, input_upper=9 * PAPER.input_upper),
+            PAPER.ingredients(),
             1.01 * 4.88698,
+            "decrease",
         ),
-        (paper_problem(scaling=1.0), 0.01),  # no room in the linear part at rho = 1
+        (paper_problem(scaling=1.0), None, 0.01, "decrease"),  # no room in the linear part
+        # wrong gains: sign of a column, twice too large, rows exchanged
+        (PROBLEM, replace(PARTS, gain=PARTS.gain * [1.0, -1.0, 1.0, 1.0, 1.0]), 0.5, ""),
+        (PROBLEM, replace(PARTS, gain=2.0 * PARTS.gain), 0.5, ""),
+        (PROBLEM, replace(PARTS, gain=PARTS.gain[[1, 0, 2]]), 0.5, ""),
     ],
 )
-def test_a_level_without_decrease_is_rejected(problem, level):
-    answer = attempt(problem, level)
+def test_what_is_no_terminal_set_is_rejected(problem, parts, level, reason):
+    answer = attempt(problem, level, parts)
     assert not answer.holds
-    assert answer.decrease.stuck is not None
-    assert answer.decrease.tree == ""
-
-
-WRONG_GAINS = {
-    "sign of a column": PARTS.gain * [1.0, -1.0, 1.0, 1.0, 1.0],
-    "twice too large": 2.0 * PARTS.gain,
-    "rows exchanged": PARTS.gain[[1, 0, 2]],
-}
-
-
-@pytest.mark.parametrize("fault", WRONG_GAINS)
-def test_wrong_gain_is_rejected(fault):
-    assert not attempt(PROBLEM, 0.5, replace(PARTS, gain=WRONG_GAINS[fault])).holds
+    assert reason in answer.reason
+    assert answer.decrease.proved or answer.decrease.tree == ""
 
 
 @pytest.mark.parametrize(
@@ -148,11 +138,9 @@ def test_sign_error_in_the_model_is_rejected(index, wrong_rate, monkeypatch):
         return rates
 
     monkeypatch.setattr(Exact, "rates", wrong)
-    try:
-        answer = attempt(PROBLEM, 0.5, PARTS)
-    except ArithmeticError:  # the wrong model has no such steady state: rejected as well
-        return
-    assert not answer.holds
+    # The wrong model may have no such steady state: rejected as well.
+    with contextlib.suppress(ArithmeticError):
+        assert not attempt(PROBLEM, 0.5, PARTS).holds
 
 
 def test_proved_decrease_agrees_with_samples():
