@@ -17,41 +17,39 @@
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.terminal.decrease import DecreaseMonitor, decrease_monitor
+from uav_tracking_mpc.terminal.decrease import DecreaseMonitor
 from uav_tracking_mpc.terminal.ingredients import paper_problem
 
-X = np.array([1.0, 0.0, 0.0, 0.0, 0.0])
+PROBLEM, LEVEL = paper_problem(), 2.8
+WEIGHT = PROBLEM.ingredients().weight
+X = np.array([np.sqrt(LEVEL / WEIGHT[0, 0]), 0.0, 0.0, 0.0, 0.0])  # on the edge of X_f
+FALL = 0.005138 * LEVEL  # xi |x|^2
 
 
 @pytest.mark.parametrize(
-    ("final", "cost", "moved", "reason"),
+    ("final", "fall", "moved", "reason"),
     [
-        (0.1, 4.9, False, ""),  # by the bound
-        (0.1, 4.95, False, "unknown"),  # too little
-        (0.1, 6.0, True, "target"),
-        (9.0, 6.0, False, "terminal set not reached"),
+        (0.9, 1.01 * FALL, False, ""),
+        (0.9, 0.99 * FALL, False, "unknown"),
+        (0.9, -1.0, True, "target"),
+        (1.1, -1.0, False, "terminal set not reached"),
     ],
 )
 def test_a_decrease_is_compared_with_the_bound_and_a_failure_is_counted_and_explained(
-    final, cost, moved, reason
+    final, fall, moved, reason
 ):
-    check = DecreaseMonitor(0.1, np.eye(5), level=1.0)
-    assert check.step(5.0, X, final * X) is None  # there is nothing to compare with
-    answer = check.step(cost, X, final * X, target_moved=moved)
-    assert answer.bound == 4.9
+    check = DecreaseMonitor(PROBLEM, LEVEL)
+    assert check.step(0.1, X, final * X) is None  # there is nothing to compare with
+    answer = check.step(0.1 - fall, X, final * X, target_moved=moved)
     assert answer.held == (reason == "")
     assert answer.reason.startswith(reason)
     assert (check.checked, check.failed) == (1, not answer.held)
 
 
 def test_a_step_without_a_cost_breaks_the_chain():
-    check = DecreaseMonitor(0.1, np.eye(5), level=1.0)
+    check = DecreaseMonitor(PROBLEM, LEVEL)
     check.step(5.0, X)
     assert check.step(float("nan"), X) is None
     assert check.step(9.0, X) is None
     check.reset()
     assert check.step(9.0, X) is None
-
-
-def test_rate_of_a_configuration_is_xi():
-    assert abs(decrease_monitor(paper_problem(), 2.8).rate - 0.005138) < 1e-6

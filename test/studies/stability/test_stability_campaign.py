@@ -37,7 +37,7 @@ SMALL = {
 
 
 def mapped(level, horizon):
-    return attraction_map(PROBLEM, level, SMALL, horizon, workers=1, show=False)
+    return attraction_map(PROBLEM, level, SMALL, horizon, workers=1)
 
 
 def test_papers_start_is_infeasible_at_10_and_feasible_at_20():
@@ -82,7 +82,7 @@ def test_what_is_proved_is_flown():
     result = fly_local(PROBLEM, LEVEL, random_states(PROBLEM, LEVEL, 2000))
     assert (result["clean"], result["flights"]) == (True, 2000)
     states = random_states(PROBLEM, LEVEL, 20, seed=5)
-    assert fly_nmpc(PROBLEM, LEVEL, states, workers=1, show=False)["clean"]
+    assert fly_nmpc(PROBLEM, LEVEL, states, workers=1)["clean"]
 
 
 def test_campaign_sees_a_level_that_is_too_large():
