@@ -24,7 +24,7 @@ import functools
 import math
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +45,8 @@ BEFORE = 1_000_000_000  # ns of what came before the case
 TOPICS = (*(raw(topic) for topic in STREAMS), *STREAMS, DIAGNOSTICS, ORDERS)
 QUEUE = 1000  # messages that may wait
 PATIENCE = 1.0  # s of simulated time without a command after which the aircraft is not commanded
+
+Judge = Callable[[Any], None]
 
 
 class Observer(Node):
@@ -75,7 +77,7 @@ class Observer(Node):
     ) -> None:
         super().__init__("observer", **options)
         self._invariants, self._recovery = Invariants(limits), recovery
-        self._violations, self._orbit = violations, np.array(orbit)
+        self._violations, self._orbit = violations, orbit
         self._target: np.ndarray | None = None
         self._answered = math.nan  # stamp of the state of the latest command [s]
         self._commanded = -math.inf  # flown time of the latest command [s]
@@ -104,7 +106,9 @@ class Observer(Node):
         """
         self._messages.append((topic, time.time_ns(), data))
 
-    def _on_message(self, topic: Topic, judges: list[Callable[[Any], None]], data: bytes) -> None:
+    def _on_message(
+        self, topic: Topic, judges: Sequence[Callable[[Any], None]], data: bytes
+    ) -> None:
         self.keep(topic, data)
         message = deserialize_message(data, topic.type) if judges else None
         for judge in judges:
@@ -114,12 +118,13 @@ class Observer(Node):
         position = vector(message.pose.pose.position)
         stamp = seconds(message.header.stamp)
         self._violations += self._invariants.state(stamp, position)
-        errors = np.full(2, math.nan)
+        range_error = altitude_error = math.nan
         if self._target is not None:
-            offset = position - self._target
-            errors = np.array([np.linalg.norm(offset), offset[2]]) - self._orbit
+            offset, (wanted, altitude) = position - self._target, self._orbit
+            range_error = float(np.linalg.norm(offset)) - wanted
+            altitude_error = float(offset[2]) - altitude
         commanded = self._recovery.flown - self._commanded < PATIENCE
-        self._recovery.state(stamp, *errors.tolist(), commanded)
+        self._recovery.state(stamp, range_error, altitude_error, commanded)
 
     def _on_delivered(self, message: Any) -> None:
         self._invariants.delivered(time.monotonic(), seconds(message.header.stamp))
