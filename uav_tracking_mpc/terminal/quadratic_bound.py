@@ -105,8 +105,8 @@ class ClosedLoop:
         k = ca.reshape(values[NX + NU : -1], NU, NX)
         following = error_step(model, scheme, x, k @ x, x_ss, u_ss, t_s)
         self._slopes = ca.Function("slopes", [x, values], [following, ca.jacobian(following, x)])
-        bends = [ca.hessian(following[i], x)[0] for i in range(NX)]
-        self._bends = ca.Function("bends", [x, values], ca.cse(bends))
+        bends = ca.vertcat(*(ca.hessian(following[i], x)[0] for i in _RANGE))
+        self._bends = ca.Function("bends", [x, values], [ca.cse(bends)])
 
     def value_and_jacobian(self, x: Interval) -> tuple[Interval, Interval]:
         """Enclosures of f and its Jacobian on the box ``x``."""
@@ -119,13 +119,9 @@ class ClosedLoop:
         Args:
             x: The boxes, shape (n, 5).
         """
-        shape = (len(x.lower), NX, NX)
-        found = evaluate(self._bends, [x, self._numbers])
-        lower, upper = (
-            np.stack([np.broadcast_to(each, shape) for each in bounds], axis=1)
-            for bounds in ([each.lower for each in found], [each.upper for each in found])
-        )
-        return Interval(lower, upper)
+        (found,) = evaluate(self._bends, [x, self._numbers])
+        shape = (-1, NX, NX, NX)
+        return Interval(found.lower.reshape(shape), found.upper.reshape(shape))
 
 
 def steady_intervals(model: str, orbit: Orbit) -> tuple[Interval, Interval]:
