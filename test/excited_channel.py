@@ -58,6 +58,6 @@ def record(
     rate = None
     if rate_noise is not None:
         rate = Samples(time, rates + rate_noise * random.standard_normal(len(time)))
-    return ChannelRecord.of(
+    return ChannelRecord(
         name, Samples(time, demand), Samples(time, measured), rate, np.ones(len(time))
-    )
+    ).between_commands()

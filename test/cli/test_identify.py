@@ -14,22 +14,19 @@
 
 """From an excited flight to the YAML to paste, on the command line."""
 
+import json
+
 import pytest
 
-from uav_tracking_mpc.cli.main import main
 
-
-@pytest.fixture(scope="module")
-def flight(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("flight")
-    few = ["--config", "small_uav", "--duration", "60", "--json", "--law", "l1"]
-    assert main(["simulate", *few, "--excite", "--output", str(folder)]) == 0
-    return folder
-
-
-def test_a_flight_is_identified(flight, tmp_path, uav_tracking):
-    output = tmp_path / "out"
-    content = uav_tracking.json("identify", flight / "record.csv", "--output", output)
+def test_a_flight_is_identified_and_people_get_a_table_and_the_yaml(tmp_path, uav_tracking):
+    flown, output = tmp_path / "flown", tmp_path / "out"
+    few = ("--config", "small_uav", "--duration", 50, "--law", "l1", "--excite")
+    uav_tracking.json("simulate", *few, "--output", flown)
+    told = uav_tracking.told("identify", flown / "record.csv", "--output", output)
+    assert "How the aircraft answers commands" in told
+    assert "/**/nmpc_controller:" in told
+    content = json.loads((output / "identification.json").read_text())
     truth = {"turn": (0.3, 0.17), "path": (0.13, 0.2), "speed": (0.16, 0.1)}
     for name, (lag, dead_time) in truth.items():
         channel = content["channels"][name]
@@ -43,9 +40,3 @@ def test_a_flight_is_identified(flight, tmp_path, uav_tracking):
         "identified.yaml",
         "response.png",
     }
-
-
-def test_people_get_a_table_and_the_yaml(flight, uav_tracking):
-    out = uav_tracking.told("identify", flight / "record.csv")
-    assert "How the aircraft answers commands" in out
-    assert "/**/nmpc_controller:" in out

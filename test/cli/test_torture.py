@@ -17,7 +17,7 @@
 import json
 
 import pytest
-from processes import TERMINATE, ended, nodes_of, outcome, started, undecided, wait_for
+from processes import TERMINATE, nodes_of, outcome, started, undecided
 
 pytestmark = pytest.mark.nodes
 TORTURE = ("cli.main", "torture")
@@ -96,22 +96,14 @@ def test_what_is_violated_is_found_told_and_kept(tmp_path):
     assert {"raw/uav/odometry", "uav/odometry", "raw/uav/command", "torture/fault"} <= heard
 
 
-def test_a_campaign_may_be_ended_and_leaves_nobody(tmp_path):
-    words = ("--minutes", 5, "--output", tmp_path)
-    with started(*TORTURE, *words, env=undecided()) as process:
-        assert wait_for(lambda: len(nodes_of(process.pid)) == 3)
-        code, output = ended(process, TERMINATE)
-    assert code == 130, output
-    assert output.strip().endswith("uav_tracking: interrupted")
-    assert not nodes_of(process.pid)
-
-
-def test_what_was_found_before_the_end_is_told(tmp_path):
+def test_a_campaign_may_be_ended_tells_what_it_found_and_leaves_nobody(tmp_path):
     words = ("--minutes", 30, "--seed", 2, "--output", tmp_path, *ON_ORBIT)
     with started(*TORTURE, *words, after="case    0", env=undecided(), apart=True) as process:
+        assert len(nodes_of(process.pid)) == 3
         process.send_signal(TERMINATE)
         printed, errors = process.communicate(timeout=300)
     assert process.returncode == 130
+    assert not nodes_of(process.pid)
     summary = json.loads((tmp_path / "torture.json").read_text())
     assert summary["interrupted"]
     assert summary["cases"] >= 1

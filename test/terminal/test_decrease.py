@@ -15,56 +15,41 @@
 """Online check of the decrease (54)."""
 
 import numpy as np
+import pytest
 
-from uav_tracking_mpc.terminal.decrease import DecreaseMonitor, decrease_monitor
+from uav_tracking_mpc.terminal.decrease import DecreaseMonitor
 from uav_tracking_mpc.terminal.ingredients import paper_problem
 
-X = np.array([1.0, 0.0, 0.0, 0.0, 0.0])
+PROBLEM, LEVEL = paper_problem(), 2.8
+WEIGHT = PROBLEM.ingredients().weight
+X = np.array([np.sqrt(LEVEL / WEIGHT[0, 0]), 0.0, 0.0, 0.0, 0.0])  # on the edge of X_f
+FALL = 0.005138 * LEVEL  # xi |x|^2
 
 
-def monitor():
-    return DecreaseMonitor(0.1, np.eye(5), level=1.0)
-
-
-def test_first_step_has_nothing_to_compare_with():
-    assert monitor().step(5.0, X) is None
-
-
-def test_decrease_by_the_bound_holds():
-    check = monitor()
-    check.step(5.0, X)
-    answer = check.step(4.9, X)
-    assert answer.held
-    assert answer.bound == 4.9
-    assert answer.reason == ""
-
-
-def test_too_small_a_decrease_fails_and_is_counted():
-    check = monitor()
-    check.step(5.0, X, 0.1 * X)
-    answer = check.step(4.95, X, 0.1 * X)
-    assert not answer.held
-    assert answer.reason.startswith("unknown")
-    assert (check.checked, check.failed) == (1, 1)
-
-
-def test_reasons_when_known():
-    check = monitor()
-    check.step(5.0, X, 0.1 * X)
-    assert "target" in check.step(6.0, X, 0.1 * X, target_moved=True).reason
-    check = monitor()
-    check.step(5.0, X, 9.0 * X)
-    assert "terminal set not reached" in check.step(6.0, X, 9.0 * X).reason
+@pytest.mark.parametrize(
+    ("final", "fall", "moved", "reason"),
+    [
+        (0.9, 1.01 * FALL, False, ""),
+        (0.9, 0.99 * FALL, False, "unknown"),
+        (0.9, -1.0, True, "target"),
+        (1.1, -1.0, False, "terminal set not reached"),
+    ],
+)
+def test_a_decrease_is_compared_with_the_bound_and_a_failure_is_counted_and_explained(
+    final, fall, moved, reason
+):
+    check = DecreaseMonitor(PROBLEM, LEVEL)
+    assert check.step(0.1, X, final * X) is None  # there is nothing to compare with
+    answer = check.step(0.1 - fall, X, final * X, target_moved=moved)
+    assert answer.held == (reason == "")
+    assert answer.reason.startswith(reason)
+    assert (check.checked, check.failed) == (1, not answer.held)
 
 
 def test_a_step_without_a_cost_breaks_the_chain():
-    check = monitor()
+    check = DecreaseMonitor(PROBLEM, LEVEL)
     check.step(5.0, X)
     assert check.step(float("nan"), X) is None
     assert check.step(9.0, X) is None
     check.reset()
     assert check.step(9.0, X) is None
-
-
-def test_rate_of_a_configuration_is_xi():
-    assert abs(decrease_monitor(paper_problem(), 2.8).rate - 0.005138) < 1e-6

@@ -76,26 +76,17 @@ def test_level_25_touches_the_box_and_never_leaves_it(case, orbit):
 
 def test_levels_of_the_paper(orbit, weights):
     """u_chi binds at 2.878 in the exact model; |u_psi| alone would allow 3.197."""
-    a, b = linearise(error_dynamics("exact", orbit, 1.0))
-    ingredients = terminal_ingredients(a, b, *weights, 2.5)
-    u_ss = steady_inputs("exact", orbit)
-    assert input_limited_level(ingredients, -U - u_ss, U - u_ss) == pytest.approx(2.878, abs=5e-4)
-    alone = np.array([np.pi / 4, 1e3, 1e3])
-    symmetric = input_limited_level(ingredients, -alone, alone)
-    assert symmetric == pytest.approx(3.197, abs=0.3)
+    parts = terminal_ingredients(*linearise(error_dynamics("exact", orbit, 1.0)), *weights, 2.5)
+    u_ss, alone = steady_inputs("exact", orbit), np.array([np.pi / 4, 1e3, 1e3])
+    assert input_limited_level(parts, -U - u_ss, U - u_ss) == pytest.approx(2.878, abs=5e-4)
+    assert input_limited_level(parts, -alone, alone) == pytest.approx(3.197, abs=0.3)
 
 
-def test_steady_input_outside_the_box_is_refused(case):
+def test_what_has_no_terminal_set_is_refused(case, weights):
+    _, a, b, ingredients = case
     with pytest.raises(ValueError, match="steady inputs are not inside"):
-        input_limited_level(case[3], np.array([0.1, -1, -1]), np.ones(3))
-
-
-def test_scaling_below_one_is_refused(case, weights):
-    _, a, b, _ = case
+        input_limited_level(ingredients, np.array([0.1, -1, -1]), np.ones(3))
     with pytest.raises(ValueError, match="rho is 0.5"):
         terminal_ingredients(a, b, *weights, 0.5)
-
-
-def test_uncontrollable_system_is_refused(weights):
     with pytest.raises(ValueError, match="no stabilising"):
         terminal_ingredients(2.0 * np.eye(5), np.zeros((5, 3)), *weights, 1.0)

@@ -26,7 +26,7 @@ from hypothesis import strategies as st
 from uav_tracking_mpc.dynamics.relative import rates_function
 from uav_tracking_mpc.dynamics.relative_models import RELATIVE_MODEL
 from uav_tracking_mpc.symbolic import functions
-from uav_tracking_mpc.terminal.interval import Interval, columns, definite, evaluate
+from uav_tracking_mpc.terminal.interval import Interval, definite, evaluate
 
 numbers = st.floats(-1e3, 1e3, allow_nan=False)
 
@@ -87,33 +87,47 @@ def test_rates_over_a_box_hold_what_arb_says_at_its_points(model):
     generator = np.random.default_rng(0)
     center = np.array([150.0, 1.5, 50.0, 0.1, 4.0])
     half = np.array([5.0, 0.3, 5.0, 0.3, 0.5])
-    still = [Interval(0.0)] * 3
-    (rates,) = evaluate(function, [[*map(Interval, center - half, center + half)], still])
+    still = Interval(np.zeros(3))
+    (rates,) = evaluate(function, [Interval(center - half, center + half), still])
     for _ in range(50):
         x = center + half * generator.uniform(-1.0, 1.0, 5)
-        (points,) = evaluate(function, [[*map(Interval, x)], still])
+        (points,) = evaluate(function, [Interval(x), still])
         with flint.ctx.workprec(96):
             balls = [[arb(float(value)) for value in x], [arb(0)] * 3]
             (exact,) = functions.evaluate(
                 function, balls, arb, lambda code, *operands: known[code](*operands)
             )
-        for wide, narrow, ball in zip(rates, points, exact, strict=True):
-            for interval in (wide, narrow):
-                assert arb(float(interval.lower)) <= ball <= arb(float(interval.upper))
+        for interval in (rates, points):
+            for lower, ball, upper in zip(interval.lower, exact, interval.upper, strict=True):
+                assert arb(float(lower)) <= ball <= arb(float(upper))
 
 
 def test_unknown_operation_is_refused():
     x = ca.SX.sym("x")
     with pytest.raises(ValueError, match="not known"):
-        evaluate(ca.Function("f", [x], [ca.erf(x)]), [[Interval(0.0)]])
+        evaluate(ca.Function("f", [x], [ca.erf(x)]), [Interval([0.0])])
 
 
-def test_definiteness():
-    def whole(matrix):
-        return bool(definite([columns(np.array([row])) for row in np.array(matrix, float)]))
+@pytest.mark.parametrize(
+    ("lower", "upper", "whole"),
+    [
+        (np.diag([1.0, 2.0]), None, True),
+        (np.diag([1.0, -2.0]), None, False),
+        (np.ones((2, 2)), None, False),
+        ([[1.0, -1.5], [-1.5, 1.0]], [[1.0, 1.5], [1.5, 1.0]], False),
+    ],
+)
+def test_definiteness(lower, upper, whole):
+    assert definite(Interval(lower, upper)) == whole
 
-    assert whole(np.diag([1.0, 2.0]))
-    assert not whole(np.diag([1.0, -2.0]))
-    assert not whole([[1.0, 1.0], [1.0, 1.0]])
-    wide = Interval(-1.5, 1.5)
-    assert not definite([[Interval(1.0), wide], [wide, Interval(1.0)]])
+
+def test_entries_of_functions_stand_where_they_belong():
+    """Also zeros that the function does not compute, on many boxes at once."""
+    x = ca.SX.sym("x", 2)
+    function = ca.Function("f", [x], [ca.vertcat(x[1], 3.0), ca.jacobian(x * x[1], x)])
+    for found, expected in zip(
+        evaluate(function, [Interval([[1.0, 2.0], [5.0, 4.0]])]),
+        ([[2.0, 3.0], [4.0, 3.0]], [[[2.0, 1.0], [0.0, 4.0]], [[4.0, 5.0], [0.0, 8.0]]]),
+        strict=True,
+    ):
+        np.testing.assert_allclose(found.middle(), expected, rtol=1e-15)

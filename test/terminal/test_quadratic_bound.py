@@ -22,6 +22,8 @@ from uav_tracking_mpc.terminal.ingredients import decrease_excess, paper_problem
 
 PROBLEM = paper_problem()
 PARTS = PROBLEM.ingredients()
+# m, rad, m, rad, m/s: where the decrease is just large enough
+EDGE = np.array([-18.71966435, 2.4207043, 1.35483543, -0.31072763, -0.1027092])
 
 
 @pytest.fixture(scope="module")
@@ -55,18 +57,16 @@ def test_small_box_at_the_origin_is_proved():
 
 
 def test_box_about_a_known_violation_is_never_proved(excess):
-    state = 1.01 * np.array([-18.71966435, 2.4207043, 1.35483543, -0.31072763, -0.1027092])
-    bound = decrease(PROBLEM, PARTS, 16.5)
+    bound, state = decrease(PROBLEM, PARTS, 16.5), 1.01 * EDGE
     assert excess(state[None])[0] > 0.0
     assert bound.violated_at(state)
     sizes = np.array([[1e-1], [1e-3], [1e-6]])
     assert not proved(bound, np.tile(state, (3, 1)), sizes * bound.root()).any()
 
 
-def test_a_state_beyond_the_level_or_within_the_bound_is_no_violation():
-    state = np.array([-18.71966435, 2.4207043, 1.35483543, -0.31072763, -0.1027092])
-    assert not decrease(PROBLEM, PARTS, 15.0).violated_at(1.01 * state)
-    assert not decrease(PROBLEM, PARTS, 16.5).violated_at(0.5 * state)
+@pytest.mark.parametrize(("level", "share"), [(15.0, 1.01), (16.5, 0.5)])
+def test_a_state_beyond_the_level_or_within_the_bound_is_no_violation(level, share):
+    assert not decrease(PROBLEM, PARTS, level).violated_at(share * EDGE)
 
 
 def test_a_box_on_which_the_model_has_no_value_is_not_proved():

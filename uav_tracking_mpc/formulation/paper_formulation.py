@@ -34,7 +34,7 @@ from uav_tracking_mpc.mpc.problem import OptimalControlProblem, TerminalSet, qua
 from uav_tracking_mpc.parameters.specification import ParameterError, refuse_fixed
 from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, PaperParameters
 from uav_tracking_mpc.symbolic.functions import one_at_a_time
-from uav_tracking_mpc.terminal.decrease import decrease_monitor
+from uav_tracking_mpc.terminal.decrease import DecreaseMonitor
 from uav_tracking_mpc.terminal.ingredients import StabilityProblem, input_limited_level
 
 # -, of the level: at the very limit rounding decides whether K x is in U, and no proof closes.
@@ -137,7 +137,7 @@ class _About:
         self.orbit = parameters.orbit
         self.problem = problem_of(parameters, problem)
         self.steady_inputs = parameters.steady_inputs
-        self.decrease = decrease_monitor(problem, terminal_level(parameters, problem))
+        self.decrease = DecreaseMonitor(problem, terminal_level(parameters, problem))
 
 
 class PaperFormulation:

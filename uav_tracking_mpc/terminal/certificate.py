@@ -48,15 +48,7 @@ from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.relative import NU, NX
 from uav_tracking_mpc.dynamics.relative_models import RELATIVE_MODEL
 from uav_tracking_mpc.terminal.ingredients import StabilityProblem, TerminalIngredients
-from uav_tracking_mpc.terminal.interval import (
-    Column,
-    Interval,
-    Matrix,
-    constant,
-    definite,
-    inverse_of,
-    reach,
-)
+from uav_tracking_mpc.terminal.interval import Interval, definite, inverse_of, reach
 from uav_tracking_mpc.terminal.quadratic_bound import (
     ClosedLoop,
     QuadraticBound,
@@ -143,7 +135,6 @@ def mismatch(
 
 EXTRA_HALVINGS = 8  # the guesses of two programs differ, so a leaf may need a cut or two
 MARGIN = 0.9e-6  # -, of the level; the prover keeps 1e-6, rounding must not decide
-_RANGE = range(NX)
 
 
 class RejectedError(Exception):
@@ -180,7 +171,7 @@ def _check(content: dict[str, Any]) -> None:
     r = _numbers(problem["input_weight"], (NU, NU), "input_weight")
     for name, matrix in (("weight", p), ("state_weight", q), ("input_weight", r)):
         _require(np.array_equal(matrix, matrix.T), f"{name} is not symmetric")
-        _require(bool(np.all(definite(constant(matrix)))), f"{name} is not positive definite")
+        _require(bool(definite(Interval(matrix))), f"{name} is not positive definite")
     level, slack = float(content["level"]), float(content["slack"])
     _require(np.isfinite(level) and level > 0.0, "level is not positive")
     _require(np.isfinite(slack) and 0.0 <= slack < 1.0, "slack is not in [0, 1)")
@@ -191,8 +182,9 @@ def _check(content: dict[str, Any]) -> None:
 
     inverse = inverse_of(p)
     root = _numbers(content["root"], (NX,), "root")
-    for i in _RANGE:  # the ellipsoid reaches sqrt(varrho (P^-1)_ii) along x_i
-        _require(reach(np.eye(NX)[i], inverse, level).upper <= root[i], "root box is too small")
+    for unit, width in zip(np.eye(NX), root, strict=True):
+        # The ellipsoid reaches sqrt(varrho (P^-1)_ii) along x_i.
+        _require(reach(unit, inverse, level).upper <= width, "root box is too small")
     _check_linear_limits(problem, orbit, k, loop.steady_inputs, inverse, level * (1.0 + MARGIN))
 
     center, half = _leaves(content["tree"], root)
@@ -233,12 +225,13 @@ def _unconfirmed(
     return center
 
 
-def _check_riccati(loop: ClosedLoop, scaling: float, p: NDArray[np.float64], stage: Matrix) -> None:
+def _check_riccati(
+    loop: ClosedLoop, scaling: float, p: NDArray[np.float64], stage: Interval
+) -> None:
     """P is what (28) makes of the parameters. Not needed for the proof: it ties P and K to them."""
-    _, jacobian = loop.value_and_jacobian([Interval(0.0)] * NX)
-    a_k = np.array([[float(entry.middle()) for entry in row] for row in jacobian])
-    star = np.array([[float(entry.middle()) for entry in row] for row in stage])
-    residual = a_k.T @ p @ a_k - p + scaling * star
+    _, jacobian = loop.value_and_jacobian(Interval(np.zeros(NX)))
+    a_k = jacobian.middle()
+    residual = a_k.T @ p @ a_k - p + scaling * stage.middle()
     _require(np.abs(residual).max() < 1e-8 * np.abs(p).max(), "P_rho does not solve (28)")
 
 
@@ -246,8 +239,8 @@ def _check_linear_limits(
     problem: dict[str, Any],
     orbit: Orbit,
     gain: NDArray[np.float64],
-    u_ss: Column,
-    inverse: Matrix,
+    u_ss: Interval,
+    inverse: Interval,
     level: float,
 ) -> None:
     lower = _numbers(problem["input_lower"], (NU,), "input_lower")

@@ -53,16 +53,23 @@ class DecreaseCheck:
 
 
 class DecreaseMonitor:
-    """Compares each optimal cost with the bound (54) that the step before implies.
+    """Compares each optimal cost with the bound (54), with xi, that the step before implies.
 
     Args:
-        rate: c_3 of (54), or xi with a proved terminal set [-].
+        problem: The configuration.
+        level: varrho of the terminal set that the controller uses [-]; None if none is enforced.
+
+    Attributes:
+        rate: xi of (52) [-].
         weight: P_rho, shape (5, 5).
-        level: varrho of the terminal set [-]; None if none is enforced.
+        level: As above.
+        checked: How many steps were compared.
+        failed: In how many of them the cost was above the bound.
     """
 
-    def __init__(self, rate: float, weight: NDArray[np.float64], level: float | None) -> None:
-        self.rate, self.weight, self.level = rate, weight, level
+    def __init__(self, problem: StabilityProblem, level: float | None) -> None:
+        self.weight, self.level = problem.ingredients().weight, level
+        self.rate, *_ = map(float, relative_eigenvalues(problem.state_weight, self.weight))
         self.checked = self.failed = 0
         self._last: tuple[float, float, bool] | None = None
 
@@ -131,15 +138,3 @@ def _reason(was_inside: bool, target_moved: bool) -> str:
     if not was_inside:
         return "terminal set not reached: the plan before did not end in X_f"
     return "unknown: disturbance, sampling or model error"
-
-
-def decrease_monitor(problem: StabilityProblem, level: float | None) -> DecreaseMonitor:
-    """The monitor of a configuration: (54) with xi.
-
-    Args:
-        problem: The configuration.
-        level: varrho of the terminal set that the controller uses [-], None if none.
-    """
-    weight = problem.ingredients().weight
-    xi, *_ = relative_eigenvalues(problem.state_weight, weight)  # (52)
-    return DecreaseMonitor(float(xi), weight, level)

@@ -14,7 +14,8 @@
 
 """Intervals [lower, upper] of doubles, many at a time, every operation rounded outwards.
 
-Columns and matrices of them, and CasADi functions on them, are what a proof rests on. NumPy's
+Vectors and matrices of them, and CasADi functions on them, are what a proof rests on: arrays whose
+last axis or two are those of the vector or matrix, and whose first is that of the boxes. NumPy's
 + - * / and sqrt round to nearest, hence one step of ``nextafter`` outwards encloses them; sin and
 cos are trusted to 4 units in the last place.
 """
@@ -22,7 +23,7 @@ cos are trusted to 4 units in the last place.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import casadi as ca
@@ -40,6 +41,8 @@ class Interval:
         upper: Upper bounds, same shape; equal to ``lower`` by default.
     """
 
+    __array_ufunc__ = None  # an array beside an operator leaves the operation to the interval
+
     def __init__(self, lower: ArrayLike, upper: ArrayLike | None = None) -> None:
         self.lower = np.asarray(lower, dtype=float)
         self.upper = self.lower if upper is None else np.asarray(upper, dtype=float)
@@ -48,25 +51,38 @@ class Interval:
     def _outward(lower: NDArray[np.float64], upper: NDArray[np.float64]) -> Interval:
         return Interval(np.nextafter(lower, -np.inf), np.nextafter(upper, np.inf))
 
+    def __getitem__(self, key: Any) -> Interval:
+        return Interval(self.lower[key], self.upper[key])
+
+    @property
+    def flattened(self) -> Interval:
+        """All of them as one vector."""
+        return Interval(self.lower.ravel(), self.upper.ravel())
+
+    @property
+    def transposed(self) -> Interval:
+        """The matrices with rows for columns."""
+        return Interval(np.swapaxes(self.lower, -1, -2), np.swapaxes(self.upper, -1, -2))
+
     def __neg__(self) -> Interval:
         return Interval(-self.upper, -self.lower)
 
-    def __add__(self, other: Interval | float) -> Interval:
+    def __add__(self, other: Interval | ArrayLike) -> Interval:
         other = _interval(other)
         return self._outward(self.lower + other.lower, self.upper + other.upper)
 
-    def __sub__(self, other: Interval | float) -> Interval:
+    def __sub__(self, other: Interval | ArrayLike) -> Interval:
         other = _interval(other)
         return self._outward(self.lower - other.upper, self.upper - other.lower)
 
-    def __mul__(self, other: Interval | float) -> Interval:
+    def __mul__(self, other: Interval | ArrayLike) -> Interval:
         other = _interval(other)
         corners = [x * y for x in (self.lower, self.upper) for y in (other.lower, other.upper)]
         return self._outward(np.minimum.reduce(corners), np.maximum.reduce(corners))
 
     __radd__, __rmul__ = __add__, __mul__
 
-    def __rsub__(self, other: float) -> Interval:
+    def __rsub__(self, other: ArrayLike) -> Interval:
         return _interval(other) - self
 
     def inverse(self) -> Interval:
@@ -78,7 +94,7 @@ class Interval:
             np.where(holds_zero, np.nan, result.lower), np.where(holds_zero, np.nan, result.upper)
         )
 
-    def __truediv__(self, other: Interval | float) -> Interval:
+    def __truediv__(self, other: Interval | ArrayLike) -> Interval:
         return self * _interval(other).inverse()
 
     def square(self) -> Interval:
@@ -127,12 +143,8 @@ class Interval:
         return 0.5 * (self.lower + self.upper)
 
 
-def _interval(value: Interval | float) -> Interval:
+def _interval(value: Interval | ArrayLike) -> Interval:
     return value if isinstance(value, Interval) else Interval(value)
-
-
-Column = list[Interval]
-Matrix = list[list[Interval]]
 
 
 _OPERATIONS: dict[int, Callable[..., Interval]] = {
@@ -150,8 +162,11 @@ _OPERATIONS: dict[int, Callable[..., Interval]] = {
 }
 
 
-def evaluate(function: ca.Function, inputs: list[Column]) -> list[Column]:
-    """Walk the instructions of a CasADi ``function`` with intervals for its ``inputs``.
+def evaluate(function: ca.Function, inputs: Sequence[Interval]) -> list[Interval]:
+    """Walk the instructions of a CasADi ``function`` with vectors of intervals for its ``inputs``.
+
+    Returns:
+        Of each output a vector, or a matrix where it has several columns; its zeros are exact.
 
     Raises:
         ValueError: An operation that is not known here.
@@ -162,66 +177,74 @@ def evaluate(function: ca.Function, inputs: list[Column]) -> list[Column]:
             raise ValueError(f"operation {code} of the model is not known here")
         return _OPERATIONS[code](*operands)
 
-    return functions.evaluate(function, inputs, Interval, applied)
+    entries = [[values[..., i] for i in range(values.lower.shape[-1])] for values in inputs]
+    outputs = []
+    for index, nonzeros in enumerate(functions.evaluate(function, entries, Interval, applied)):
+        sparsity = function.sparsity_out(index)
+        full = [Interval(0.0)] * sparsity.numel()
+        for place, entry in zip(sparsity.find(), nonzeros, strict=True):
+            full[place] = entry
+        found = vector(full)
+        if sparsity.size2() > 1:
+            shape = (*found.lower.shape[:-1], sparsity.size2(), sparsity.size1())
+            found = Interval(found.lower.reshape(shape), found.upper.reshape(shape)).transposed
+        outputs.append(found)
+    return outputs
 
 
-def unpack(function: ca.Function, index: int, entries: Column) -> Matrix:
-    """Dense matrix from the nonzeros of one output of a CasADi function; zeros are exact.
-
-    Args:
-        function: The function.
-        index: Of the output.
-        entries: Its nonzeros.
-    """
-    sparsity = function.sparsity_out(index)
-    full = [[Interval(0.0) for _ in range(sparsity.size2())] for _ in range(sparsity.size1())]
-    rows, columns = sparsity.get_triplet()
-    for i, j, entry in zip(rows, columns, entries, strict=True):
-        full[i][j] = entry
-    return full
+def vector(entries: Sequence[Interval | float]) -> Interval:
+    """A vector of ``entries``, of as many boxes as the one with most of them."""
+    known = [_interval(entry) for entry in entries]
+    lower, upper = (
+        np.stack(np.broadcast_arrays(*bounds), axis=-1)
+        for bounds in ([entry.lower for entry in known], [entry.upper for entry in known])
+    )
+    return Interval(lower, upper)
 
 
-def definite(matrix: Matrix) -> NDArray[np.bool_]:
+def definite(matrix: Interval) -> NDArray[np.bool_]:
     """Where every symmetric matrix in an interval ``matrix`` is positive definite (LDL').
 
     Returns:
-        Of the shape of the matrix's intervals.
+        Of the shape of the boxes.
     """
-    rows = [list(row) for row in matrix]
-    good: Any = np.asarray(True)
+    good = np.asarray(True)
     with np.errstate(invalid="ignore", over="ignore"):
-        for k in range(len(rows)):
-            pivot = rows[k][k]
+        for _ in range(matrix.lower.shape[-1]):
+            pivot, column = matrix[..., 0, 0], matrix[..., 1:, 0]
             good = good & (pivot.lower > 0.0)
-            for i in range(k + 1, len(rows)):
-                factor = rows[i][k] / pivot
-                for j in range(k + 1, i + 1):
-                    rows[i][j] = rows[i][j] - factor * rows[j][k]
+            factor = column / pivot[..., None]
+            matrix = matrix[..., 1:, 1:] - factor[..., :, None] * column[..., None, :]
     return np.asarray(good)
 
 
-def inverse_of(p: NDArray[np.float64]) -> Matrix:
+def with_diagonal(matrix: Interval, added: Interval) -> Interval:
+    """A ``matrix`` to whose diagonal a vector is ``added``."""
+    axes = np.arange(matrix.lower.shape[-1])
+    diagonal = matrix[..., axes, axes] + added
+    lower, upper = matrix.lower.copy(), matrix.upper.copy()
+    lower[..., axes, axes], upper[..., axes, axes] = diagonal.lower, diagonal.upper
+    return Interval(lower, upper)
+
+
+def inverse_of(p: NDArray[np.float64]) -> Interval:
     """Enclosure of P^-1: W near it and R = I - PW give |P^-1 - W| <= |W| |R| / (1 - |R|).
 
     Args:
         p: P, shape (n, n).
     """
-    indices = range(len(p))
     w = np.linalg.inv(p)
     w = 0.5 * (w + w.T)
-    both = product(constant(p), constant(w))
-    squares = total(
-        (Interval(float(i == j)) - both[i][j]).square() for i in indices for j in indices
-    )
-    residual = Interval(0.0, squares.upper).sqrt()
+    squares = (np.eye(len(p)) - product(Interval(p), Interval(w))).square()
+    residual = Interval(0.0, total(squares.flattened).upper).sqrt()
     if not residual.upper < 1e-3:
         raise ValueError("P cannot be inverted")
-    size = total(Interval(v).square() for v in w.ravel()).sqrt()
-    radius = (size * residual / (Interval(1.0) - residual)).upper
-    return [[Interval(w[i, j]) + Interval(-radius, radius) for j in indices] for i in indices]
+    size = total(Interval(w.ravel()).square()).sqrt()
+    radius = (size * residual / (1.0 - residual)).upper
+    return Interval(w) + Interval(-radius, radius)
 
 
-def reach(row: NDArray[np.float64], inverse: Matrix, level: float) -> Interval:
+def reach(row: ArrayLike, inverse: Interval, level: float) -> Interval:
     """Largest c'x over x'Px <= level: sqrt(level c'P^-1 c).
 
     Args:
@@ -229,46 +252,32 @@ def reach(row: NDArray[np.float64], inverse: Matrix, level: float) -> Interval:
         inverse: Enclosure of P^-1.
         level: varrho [-].
     """
-    return (quadratic(inverse, [Interval(v) for v in row]) * level).sqrt()
+    return (quadratic(inverse, Interval(row)) * level).sqrt()
 
 
-def constant(values: NDArray[np.float64]) -> Matrix:
-    """Matrix of the numbers ``values``, shape (n, m), taken as exact."""
-    return [[Interval(entry) for entry in row] for row in values]
-
-
-def columns(values: NDArray[np.float64]) -> Column:
-    """Columns of ``values``, shape (m, n): n intervals of m numbers each."""
-    return [Interval(values[:, i]) for i in range(values.shape[1])]
-
-
-def transpose(matrix: Matrix) -> Matrix:
-    """The ``matrix`` transposed."""
-    return [list(row) for row in zip(*matrix, strict=True)]
-
-
-def product(left: Matrix, right: Matrix) -> Matrix:
+def product(left: Interval, right: Interval) -> Interval:
     """Product of the matrices ``left`` and ``right``."""
-    columns = transpose(right)
-    return [
-        [total(a * b for a, b in zip(row, column, strict=True)) for column in columns]
-        for row in left
-    ]
+    return total(left[..., :, None, :] * right.transposed[..., None, :, :])
 
 
-def times(matrix: Matrix, column: Column) -> Column:
-    """Product of ``matrix`` and ``column``."""
-    return [total(a * b for a, b in zip(row, column, strict=True)) for row in matrix]
+def times(matrix: Interval, column: Interval) -> Interval:
+    """Product of ``matrix`` and the vector ``column``."""
+    return total(matrix * column[..., None, :])
 
 
-def quadratic(matrix: Matrix, column: Column) -> Interval:
-    """Quadratic form x'Mx of the ``matrix`` M at the ``column`` x."""
-    return total(a * b for a, b in zip(column, times(matrix, column), strict=True))
+def dot(left: Interval, right: Interval) -> Interval:
+    """Product of the vectors ``left`` and ``right``."""
+    return total(left * right)
 
 
-def total(terms: Any) -> Interval:
-    """Sum of the intervals ``terms``."""
+def quadratic(matrix: Interval, column: Interval) -> Interval:
+    """Quadratic form x'Mx of the ``matrix`` M at the vector ``column`` x."""
+    return dot(column, times(matrix, column))
+
+
+def total(terms: Interval) -> Interval:
+    """Sum of the intervals ``terms`` along the last axis."""
     total = Interval(0.0)
-    for term in terms:
-        total = total + term
+    for k in range(terms.lower.shape[-1]):
+        total = total + terms[..., k]
     return total

@@ -54,23 +54,21 @@ from uav_tracking_mpc.dynamics.relative import (
     vanishing_rates,
 )
 from uav_tracking_mpc.terminal.interval import (
-    Column,
     Interval,
-    Matrix,
-    columns,
-    constant,
     definite,
+    dot,
     evaluate,
     inverse_of,
     product,
     quadratic,
     times,
     total,
-    transpose,
-    unpack,
+    vector,
+    with_diagonal,
 )
 
 HALF_TURN = Interval(np.nextafter(np.pi, 3.0), np.nextafter(np.pi, 4.0))
+UNIT = Interval(-1.0, 1.0)
 _RANGE = range(NX)
 
 
@@ -97,28 +95,36 @@ class ClosedLoop:
         self, model: str, scheme: str, orbit: Orbit, step: float, gain: NDArray[np.float64]
     ) -> None:
         place, self.steady_inputs = steady_intervals(model, orbit)
-        entries = [Interval(value) for value in gain.ravel(order="F")]
-        self._numbers = [*place, *self.steady_inputs, *entries, Interval(float(step))]
-        x, values = ca.SX.sym("x", NX), ca.SX.sym("numbers", len(self._numbers))
+        known = (place, self.steady_inputs, Interval(gain.ravel(order="F")), Interval([step]))
+        self._numbers = Interval(
+            np.concatenate([each.lower for each in known]),
+            np.concatenate([each.upper for each in known]),
+        )
+        x, values = ca.SX.sym("x", NX), ca.SX.sym("numbers", len(self._numbers.lower))
         x_ss, u_ss, t_s = values[:NX], values[NX : NX + NU], values[-1]
         k = ca.reshape(values[NX + NU : -1], NU, NX)
         following = error_step(model, scheme, x, k @ x, x_ss, u_ss, t_s)
         self._slopes = ca.Function("slopes", [x, values], [following, ca.jacobian(following, x)])
-        bends = [ca.hessian(following[i], x)[0] for i in _RANGE]
-        self._bends = ca.Function("bends", [x, values], ca.cse(bends))
+        bends = ca.vertcat(*(ca.hessian(following[i], x)[0] for i in _RANGE))
+        self._bends = ca.Function("bends", [x, values], [ca.cse(bends)])
 
-    def value_and_jacobian(self, x: Column) -> tuple[Column, Matrix]:
+    def value_and_jacobian(self, x: Interval) -> tuple[Interval, Interval]:
         """Enclosures of f and its Jacobian on the box ``x``."""
         value, jacobian = evaluate(self._slopes, [x, self._numbers])
-        return value, unpack(self._slopes, 1, jacobian)
+        return value, jacobian
 
-    def hessians(self, x: Column) -> list[Matrix]:
-        """Enclosures of the Hessians of the components of f on the box ``x``."""
-        outputs = evaluate(self._bends, [x, self._numbers])
-        return [unpack(self._bends, i, output) for i, output in enumerate(outputs)]
+    def hessians(self, x: Interval) -> Interval:
+        """Enclosures of the Hessians of the components of f on boxes, shape (n, 5, 5, 5).
+
+        Args:
+            x: The boxes, shape (n, 5).
+        """
+        (found,) = evaluate(self._bends, [x, self._numbers])
+        shape = (-1, NX, NX, NX)
+        return Interval(found.lower.reshape(shape), found.upper.reshape(shape))
 
 
-def steady_intervals(model: str, orbit: Orbit) -> tuple[Column, Column]:
+def steady_intervals(model: str, orbit: Orbit) -> tuple[Interval, Interval]:
     """x_ss and u_ss of an orbit, pi/2 and the drift being enclosed.
 
     Args:
@@ -129,19 +135,19 @@ def steady_intervals(model: str, orbit: Orbit) -> tuple[Column, Column]:
         ArithmeticError: The model's other rates do not vanish there: no steady state.
     """
     bearing = HALF_TURN * (0.5 if orbit.direction == CLOCKWISE else -0.5)
-    numbers = (orbit.range, bearing, orbit.altitude, 0.0, orbit.speed)
-    place = [value if isinstance(value, Interval) else Interval(value) for value in numbers]
+    place = vector([orbit.range, bearing, orbit.altitude, 0.0, orbit.speed])
     for name, vanishes in zip(STATE_NAMES, vanishing_rates(model), strict=True):
         if not (vanishes or name == "bearing"):
             raise ArithmeticError(f"rate of {name} of model {model!r} does not vanish on the orbit")
-    (drift,) = evaluate(rates_function(model), [place, [Interval(0.0)] * NU])
-    return place, [-drift[STATE_NAMES.index("bearing")], Interval(0.0), Interval(0.0)]
+    (drift,) = evaluate(rates_function(model), [place, Interval(np.zeros(NU))])
+    return place, vector([-drift[STATE_NAMES.index("bearing")], 0.0, 0.0])
 
 
-def stage_weight(q: NDArray[np.float64], r: NDArray[np.float64], k: NDArray[np.float64]) -> Matrix:
+def stage_weight(
+    q: NDArray[np.float64], r: NDArray[np.float64], k: NDArray[np.float64]
+) -> Interval:
     """Q + K'RK, enclosed."""
-    stage = product(constant(k.T), product(constant(r), constant(k)))
-    return [[stage[i][j] + q[i, j] for j in _RANGE] for i in _RANGE]
+    return product(Interval(k.T), product(Interval(r), Interval(k))) + q
 
 
 @dataclass(frozen=True)
@@ -155,19 +161,16 @@ class Expansion:
         influence: How much each coordinate's width adds to E, about, shape (n, 5).
     """
 
-    value: Column
-    jacobian: Matrix
+    value: Interval
+    jacobian: Interval
     error: NDArray[np.float64]
     influence: NDArray[np.float64]
 
     def in_floats(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """a, J and E^2 near the middle of their enclosures, shapes (n, 5), (n, 5, 5) and (n,)."""
-        count = len(self.error)
-        value = np.stack([entry.middle() for entry in self.value], axis=-1)
-        rows = [[np.broadcast_to(e.middle(), count) for e in row] for row in self.jacobian]
-        jacobian = np.moveaxis(np.array(rows), -1, 0)
+        jacobian = np.broadcast_to(self.jacobian.middle(), (len(self.error), NX, NX))
         return (
-            np.nan_to_num(value, posinf=0.0, neginf=0.0),
+            np.nan_to_num(self.value.middle(), posinf=0.0, neginf=0.0),
             np.nan_to_num(jacobian, posinf=0.0, neginf=0.0),
             np.nan_to_num(self.error, nan=1e30, posinf=1e30),
         )
@@ -212,7 +215,7 @@ class QuadraticBound:
         self,
         loop: ClosedLoop,
         p: NDArray[np.float64],
-        right: Matrix,
+        right: Interval,
         level: float,
         subtracted: NDArray[np.float64] | None = None,
     ) -> None:
@@ -221,31 +224,22 @@ class QuadraticBound:
         if not np.isfinite(level) or level <= 0.0:
             raise ValueError(f"level is {level}, must be positive and finite")
         self._loop, self._p, self._right, self.level = loop, p, right, level
-        self._subtracted = None if subtracted is None else constant(subtracted)
-        self._right_float = np.array([[float(entry.middle()) for entry in row] for row in right])
+        self._subtracted = None if subtracted is None else Interval(subtracted)
 
-    def _value_and_jacobian(self, x: Column) -> tuple[Column, Matrix]:
+    def _value_and_jacobian(self, x: Interval) -> tuple[Interval, Interval]:
         """Enclosures of F and its Jacobian on the box ``x``."""
         value, jacobian = self._loop.value_and_jacobian(x)
         if self._subtracted is None:
             return value, jacobian
-        linear = times(self._subtracted, x)
-        return (
-            [a - b for a, b in zip(value, linear, strict=True)],
-            [
-                [a - b for a, b in zip(row, taken, strict=True)]
-                for row, taken in zip(jacobian, self._subtracted, strict=True)
-            ],
-        )
+        return value - times(self._subtracted, x), jacobian - self._subtracted
 
     def root(self) -> NDArray[np.float64]:
         """Half-widths e of a box [-e, e] that holds X_f: e_i^2 >= varrho (P^-1)_ii, shape (5,).
 
         They have 24-bit mantissas, so that halving boxes again and again stays exact.
         """
-        inverse = inverse_of(self._p)
-        widths = [(inverse[i][i] * self.level).sqrt().upper for i in _RANGE]
-        mantissa, exponent = np.frexp(np.array(widths))
+        diagonal = inverse_of(self._p)[np.arange(NX), np.arange(NX)]
+        mantissa, exponent = np.frexp((diagonal * self.level).sqrt().upper)
         return np.ldexp(np.ceil(mantissa * 2.0**24) + 1.0, exponent - 24)
 
     def violated_at(self, state: NDArray[np.float64]) -> bool:
@@ -254,11 +248,10 @@ class QuadraticBound:
         Args:
             state: x, shape (5,), taken as exact doubles.
         """
-        x = [Interval(float(value)) for value in state]
+        x, p = Interval(state), Interval(self._p)
         image, _ = self._value_and_jacobian(x)
-        left, right = quadratic(constant(self._p), image), quadratic(self._right, x)
-        height = quadratic(constant(self._p), x)
-        return bool(left.lower > right.upper and height.upper <= self.level)
+        left, right = quadratic(p, image), quadratic(self._right, x)
+        return bool(left.lower > right.upper and quadratic(p, x).upper <= self.level)
 
     def holds_at_origin(
         self, center: NDArray[np.float64], half: NDArray[np.float64]
@@ -269,18 +262,13 @@ class QuadraticBound:
             center: Middles of the boxes, shape (n, 5).
             half: Their half-widths, shape (n, 5).
         """
-        unit = Interval(-1.0, 1.0)
-        box = [c + unit * h for c, h in zip(columns(center), columns(half), strict=True)]
-        hessians = self._loop.hessians(box)
-        _, slope = self._value_and_jacobian([Interval(0.0)] * NX)
-        whole = [
-            [slope[k][j] + total(box[i] * hessians[k][i][j] for i in _RANGE) * 0.5 for j in _RANGE]
-            for k in _RANGE
-        ]
-        image = product(transpose(whole), product(constant(self._p), whole))
-        gap = [[self._right[i][j] - image[i][j] for j in _RANGE] for i in _RANGE]
-        scale = constant(np.linalg.inv(np.linalg.cholesky(self._p)))
-        return definite(product(scale, product(gap, transpose(scale))))
+        p, box = Interval(self._p), Interval(center) + UNIT * Interval(half)
+        _, slope = self._value_and_jacobian(Interval(np.zeros(NX)))
+        bends = self._loop.hessians(box).transposed  # symmetric: sums run along the last axis
+        whole = slope + total(box[:, None, None, :] * bends) * 0.5
+        image = product(whole.transposed, product(p, whole))
+        scale = Interval(np.linalg.inv(np.linalg.cholesky(self._p)))
+        return definite(product(scale, product(self._right - image, scale.transposed)))
 
     def expansion(self, center: NDArray[np.float64], half: NDArray[np.float64]) -> Expansion:
         """Taylor's expansion of F on boxes.
@@ -289,27 +277,22 @@ class QuadraticBound:
             center: Middles of the boxes, shape (n, 5).
             half: Their half-widths, shape (n, 5).
         """
-        p, count = self._p, len(center)
-        unit = Interval(-np.ones(count), np.ones(count))
-        c, h = columns(center), columns(half)
-        box = [ci + unit * hi for ci, hi in zip(c, h, strict=True)]
+        p, c, h = self._p, Interval(center), Interval(half)
         value, jacobian = self._value_and_jacobian(c)
-        radius = []
-        influence = 1e-9 * half * np.sqrt(np.diag(p))
-        for k, hessian in enumerate(self._loop.hessians(box)):
-            remainder = Interval(np.zeros(count))
-            for i in _RANGE:
-                remainder = remainder + hessian[i][i] * h[i].square() * Interval(0.0, 0.5)
-                for j in range(i):
-                    remainder = remainder + hessian[i][j] * h[i] * h[j] * unit
-                for j in _RANGE:
-                    size = hessian[i][j].magnitude() * half[:, i] * half[:, j]
-                    influence[:, i] += 0.5 * np.sqrt(p[k, k]) * np.nan_to_num(size, nan=0.0)
-            middle = Interval(remainder.middle())
-            value[k] = value[k] + middle
-            radius.append(Interval((remainder - middle).magnitude()))
-        error = quadratic(constant(np.abs(p)), radius).upper
-        return Expansion(value, jacobian, error, influence)
+        bends = self._loop.hessians(c + UNIT * h)
+        remainder = Interval(np.zeros_like(center))
+        for i in _RANGE:
+            width = h[:, None, i]
+            remainder = remainder + bends[..., i, i] * width.square() * Interval(0.0, 0.5)
+            for j in range(i):
+                remainder = remainder + bends[..., i, j] * width * h[:, None, j] * UNIT
+        middle = Interval(remainder.middle())
+        radius = Interval((remainder - middle).magnitude())
+        error = quadratic(Interval(np.abs(p)), radius).upper
+        size = np.nan_to_num(bends.magnitude() * half[:, None, :, None] * half[:, None, None])
+        bent = 0.5 * np.einsum("k,nkij->ni", np.sqrt(np.diag(p)), size)
+        influence = 1e-9 * half * np.sqrt(np.diag(p)) + bent
+        return Expansion(value + middle, jacobian, error, influence)
 
     def guess(
         self,
@@ -327,7 +310,7 @@ class QuadraticBound:
             m: Multipliers, shape (n,).
         """
         p, (a, jacobian, error) = self._p, expanded
-        big = self._right_float + m[:, None, None] * p
+        big = self._right.middle() + m[:, None, None] * p
         pj = p @ jacobian
         squared = np.swapaxes(jacobian, 1, 2) @ pj
         pulled = np.einsum("mki,mk->mi", pj, a)
@@ -377,27 +360,23 @@ class QuadraticBound:
             expansion: On these boxes.
             guess: For these boxes.
         """
-        p, right, unit = self._p, self._right, Interval(-np.ones(len(m)), np.ones(len(m)))
-        value, jacobian, t = expansion.value, expansion.jacobian, Interval(guess.young)
-        c, h, young = columns(center), columns(half), t + 1.0
-        d, diagonal = columns(guess.point), columns(guess.convexifier)
-        big = [[right[i][j] + Interval(p[i, j]) * Interval(m) for j in _RANGE] for i in _RANGE]
-        squared = product(transpose(jacobian), product(constant(p), jacobian))
-        curved = [[big[i][j] - squared[i][j] * young for j in _RANGE] for i in _RANGE]
+        p, times_m, t = Interval(self._p), Interval(m), Interval(guess.young)
+        c, h, young = Interval(center), Interval(half), t + 1.0
+        d, diagonal = Interval(guess.point), Interval(guess.convexifier)
+        value, jacobian = expansion.value, expansion.jacobian
+        big = self._right + p * times_m[:, None, None]
+        squared = product(jacobian.transposed, product(p, jacobian))
+        curved = with_diagonal(big - squared * young[:, None, None], diagonal)
+        concave = definite(curved * h[:, :, None] * h[:, None, :])
+        x, image = c + d, value + times(jacobian, d)
+        p_image, big_x = times(p, image), times(big, x)
+        top = dot(image, p_image) * young
+        top = top + Interval(expansion.error) * (t.inverse() + 1.0) + times_m * self.level
+        top = top - dot(x, big_x)
+        slope = times(jacobian.transposed, p_image) * young[:, None] - big_x - diagonal * d
+        convexified, tilted = diagonal * (h.square() - d.square()), 2.0 * slope * (UNIT * h - d)
         for i in _RANGE:
-            curved[i][i] = curved[i][i] + diagonal[i]
-        concave = definite([[curved[i][j] * h[i] * h[j] for j in _RANGE] for i in _RANGE])
-        x = [ci + di for ci, di in zip(c, d, strict=True)]
-        image = [v + w for v, w in zip(value, times(jacobian, d), strict=True)]
-        p_image, big_x = times(constant(p), image), times(big, x)
-        top = total(v * w for v, w in zip(image, p_image, strict=True)) * young
-        top = top + Interval(expansion.error) * (t.inverse() + 1.0) + Interval(m) * self.level
-        top = top - total(v * w for v, w in zip(x, big_x, strict=True))
-        pulled = times(transpose(jacobian), p_image)
-        for i in _RANGE:
-            slope = pulled[i] * young - big_x[i] - diagonal[i] * d[i]
-            top = top + diagonal[i] * (h[i].square() - d[i].square())
-            top = top + 2.0 * slope * (unit * h[i] - d[i])
+            top = top + convexified[:, i] + tilted[:, i]
         return concave & (top.upper <= 0.0)
 
 
@@ -411,9 +390,7 @@ def decrease_bound(
     level: float,
 ) -> QuadraticBound:
     """V_f(f(x, Kx)) - V_f(x) + L(x, Kx) <= -slack V_f(x), P, Q, R and K taken as exact."""
-    stage = stage_weight(q, r, k)
-    share = Interval(1.0) - slack
-    right = [[Interval(p[i, j]) * share - stage[i][j] for j in _RANGE] for i in _RANGE]
+    right = Interval(p) * (Interval(1.0) - slack) - stage_weight(q, r, k)
     return QuadraticBound(loop, p, right, level)
 
 

@@ -16,8 +16,6 @@
 
 from __future__ import annotations
 
-import functools
-
 import pytest
 from filled_messages import sensed
 from paced_link import LINK
@@ -42,8 +40,11 @@ from uav_tracking_mpc.nodes.topics import (
 )
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 from uav_tracking_mpc.parameters.specification import ParameterError
+from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.studies.faults.fault_relay import FaultRelay
-from uav_tracking_mpc.studies.faults.soak import SoakObserver
+from uav_tracking_mpc.studies.faults.invariants import Recovery
+from uav_tracking_mpc.studies.faults.node_campaign import limits
+from uav_tracking_mpc.studies.faults.observer import Observer
 
 pytestmark = pytest.mark.nodes
 TOPIC = TRACKING["cost"]
@@ -161,10 +162,15 @@ def test_no_message_of_a_reliable_sender_is_lost(nodes):
     assert [each.qos_profile.reliability for each in info] == [ReliabilityPolicy.RELIABLE]
 
 
+def observer(**options):
+    limit = limits(load_configuration("paper"))
+    return Observer(limit, (150.0, 50.0), Recovery(10.0), [], relayed=False, **options)
+
+
 @pytest.mark.parametrize(
     "make",
-    [Monitor, FlightRecorder, FaultRelay, functools.partial(SoakObserver, 150.0)],
-    ids=["monitor", "flight_recorder", "fault_relay", "soak_observer"],
+    [Monitor, FlightRecorder, FaultRelay, observer],
+    ids=["monitor", "flight_recorder", "fault_relay", "observer"],
 )
 def test_everybody_who_looks_follows_the_senders(nodes, make):
     looking = nodes.join(make(context=nodes.context))

@@ -23,62 +23,62 @@ from rich.console import Console
 from uav_tracking_mpc.cli.main import main
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.studies.faults.link_campaign import (
-    LINK_FAULTS,
-    LinkCampaign,
-    LinkFlight,
-    TakeOver,
-)
+from uav_tracking_mpc.studies.faults import invariants, link_campaign
+from uav_tracking_mpc.studies.faults.link_campaign import LINK_FAULTS, LinkCampaign, TakeOver
 from uav_tracking_mpc.studies.faults.schedule import schedule
 
-CROSSWIND = load_configuration("small_uav", (), "crosswind")
-SHORT = ("silence", "take_over", "bit_flips")
+# The flight begins on the orbit: its way there takes time and shows nothing.
+ON_ORBIT = (
+    "uav_simulator.initial_position=[274.95454169735043, 0.0, 120.0]",
+    "uav_simulator.initial_heading=-1.5707963267948966",
+)
+CROSSWIND = load_configuration("small_uav", ON_ORBIT, "crosswind")
+SHORT = ("silence", "bit_flips", "take_over")  # the pilot last: the aircraft is not given back
 
 
-def flown(dialect, count, seed, kinds=tuple(LINK_FAULTS)):
-    campaign = LinkCampaign(dialect, CROSSWIND, Console(quiet=True))
-    cases = schedule({kind: LINK_FAULTS[kind] for kind in kinds}, seed, most=1)
-    assert not campaign.fly_cases(islice(cases, count))
+def campaign_of(dialect="ardupilot"):
+    return LinkCampaign(dialect, CROSSWIND, Console(quiet=True))
+
+
+def flown(campaign, cases):
+    assert not campaign.fly_cases(cases)
     return campaign.found
 
 
 @pytest.mark.parametrize("dialect", ["ardupilot", "px4"])
-def test_a_short_campaign_breaks_nothing(dialect):
-    cases = flown(dialect, len(SHORT), 3, SHORT)
-    assert sorted(kind for case in cases for kind in case.kinds) == sorted(SHORT)
-    assert [case.violations for case in cases] == [{}] * len(SHORT)
-    assert not any(case.lost for case in cases)
+def test_a_short_campaign_breaks_nothing(dialect, monkeypatch):
+    monkeypatch.setattr(invariants, "RECOVERY_LIMIT", 10.0)
+    cases = [next(schedule({kind: LINK_FAULTS[kind]}, 3, most=1)) for kind in SHORT]
+    found = flown(campaign_of(dialect), cases)
+    assert [case.kinds for case in found] == [(kind,) for kind in SHORT]
+    assert [case.violations for case in found] == [{}] * len(SHORT)
+    assert not any(case.lost for case in found)
 
 
 @pytest.mark.long
 @pytest.mark.timeout(900)
 @pytest.mark.parametrize("dialect", ["ardupilot", "px4"])
 def test_three_of_every_kind_break_nothing(dialect):
-    assert not any(case.violations for case in flown(dialect, 3 * len(LINK_FAULTS), 0))
+    cases = islice(schedule(LINK_FAULTS, 0, most=1), 3 * len(LINK_FAULTS))
+    assert not any(case.violations for case in flown(campaign_of(dialect), cases))
 
 
 def test_there_are_kinds_enough():
     assert len(LINK_FAULTS) >= 12
 
 
-def test_a_seed_makes_it_the_same_again():
-    once, again = (flown("ardupilot", 1, 7, ("jitter",)) for _ in range(2))
-    assert once == again
-
-
-def test_what_fails_is_told_and_the_next_flight_begins_anew(monkeypatch):
-    campaign = LinkCampaign("ardupilot", CROSSWIND, Console(quiet=True))
-    first = campaign.flight
-    monkeypatch.setattr(first.link, "measured", lambda timeout: 1 / 0)
-    campaign.fly_cases(islice(schedule(LINK_FAULTS, 0, most=1), 1))
-    assert campaign.found[0].violations["exception"] == (1, "ZeroDivisionError: division by zero")
-    assert campaign.found[0].lost
-    assert campaign.flight is not first
-
-
 @pytest.fixture
 def flight():
-    return LinkFlight("ardupilot", CROSSWIND)
+    return campaign_of()
+
+
+def test_what_fails_is_told_and_the_next_flight_begins_anew(flight, monkeypatch):
+    first = flight.link
+    monkeypatch.setattr(first, "measured", lambda timeout: 1 / 0)
+    flight.fly_cases(islice(schedule(LINK_FAULTS, 0, most=1), 1))
+    assert flight.found[0].violations["exception"] == (1, "ZeroDivisionError: division by zero")
+    assert flight.found[0].lost
+    assert flight.link is not first
 
 
 def set_point(bank=0.0, mask=0b11111110):
@@ -89,14 +89,16 @@ def set_point(bank=0.0, mask=0b11111110):
 
 
 def broken(flight):
-    return sorted(violation.invariant for violation in flight.take_violations())
+    found = sorted(violation.invariant for violation in flight.violations)
+    flight.violations.clear()
+    return found
 
 
 def test_rules_that_are_broken_are_seen(flight):
     send = flight.link.heard.connection.send
     send(set_point())
     assert broken(flight) == ["engaged"]
-    flight.link.engagement.ask(flight.now())
+    flight.link.engagement.ask(flight.link.now())
     send(set_point(bank=1.2))
     send(set_point(bank=float("nan")))
     command = mavlink.MAV_CMD_COMPONENT_ARM_DISARM
@@ -124,10 +126,18 @@ def test_a_link_that_clings_to_command_is_seen(flight):
     assert "take-over" in broken(flight)
 
 
-def test_the_command_writes_and_prints_what_came_of_it(tmp_path, capsys):
-    arguments = ["torture", "--link", "ardupilot", "--cases", "1", "--seed", "4", "--json"]
-    assert main([*arguments, "--output", str(tmp_path)]) == 0
+def test_the_command_writes_and_prints_what_came_of_it_and_a_seed_makes_it_the_same_again(
+    tmp_path, capsys, monkeypatch
+):
+    monkeypatch.setattr(link_campaign, "BAD_FRAMES", 1000)
+    words = ["torture", "--link", "ardupilot", "--cases", "1", "--seed", "4", "--json"]
+    sets = [word for assignment in ON_ORBIT for word in ("--set", assignment)]
+    assert main([*words, *sets, "--output", str(tmp_path)]) == 0
     printed = json.loads(capsys.readouterr().out)
     assert printed == json.loads((tmp_path / "torture.json").read_text(encoding="utf-8"))
     assert (tmp_path / "timeline.png").read_bytes().startswith(b"\x89PNG")
     assert (printed["dialect"], printed["faults"], printed["violations"]) == ("ardupilot", 1, 0)
+    assert printed["frames"]["bad"] == 1000
+    (again,) = flown(campaign_of(), islice(schedule(LINK_FAULTS, 4, most=1), 1))
+    assert list(printed["per_kind"]) == list(again.kinds)
+    assert printed["worst_recovery_s"] == again.recovery

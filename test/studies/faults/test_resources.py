@@ -19,7 +19,7 @@ import pytest
 from uav_tracking_mpc.studies.faults.resources import WARM_UP, Growth, Usage, usage
 
 
-def watched(rss, handles=lambda time: 10, threads=lambda time: 5, seconds=300):
+def watched(rss=lambda time: 10**8, handles=lambda time: 10, threads=lambda time: 5, seconds=300):
     growth = Growth(start=0.0)
     for time in range(seconds):
         growth.add(float(time), Usage(rss(time), handles(time), threads(time)))
@@ -38,32 +38,22 @@ def test_a_process_that_is_gone_uses_nothing():
     assert usage(2**22 + 1) is None
 
 
-def test_a_leak_is_told_in_percent_an_hour():
+def test_a_leak_is_told_in_percent_an_hour_once_enough_was_watched():
     growth = watched(lambda time: round(100e6 + 100e6 * time / 3600.0))
     assert growth.rss_percent_per_hour() == pytest.approx(100.0, rel=0.01)
-    assert "memory grew by 7." in growth.complaint()
-
-
-def test_loading_is_no_leak():
-    growth = watched(lambda time: 100_000_000 if time > WARM_UP - 1 else 10_000_000)
-    assert growth.rss_percent_per_hour() == pytest.approx(0.0, abs=1e-6)
-    assert growth.complaint() == ""
-
-
-def test_a_short_life_tells_nothing():
     assert watched(lambda time: 10**8, seconds=20).rss_percent_per_hour() is None
 
 
-def test_handles_and_threads_that_stay_are_complained_of():
-    assert (
-        "handles grew from 11"
-        in watched(lambda time: 10**8, handles=lambda time: 10 + time // 10).complaint()
-    )
-    assert (
-        "threads grew"
-        in watched(lambda time: 10**8, threads=lambda time: 5 + time // 30).complaint()
-    )
-
-
-def test_handles_that_come_and_go_are_no_leak():
-    assert watched(lambda time: 10**8, handles=lambda time: 10 + 40 * (time % 3)).complaint() == ""
+@pytest.mark.parametrize(
+    ("use", "complaint"),
+    [
+        ({"rss": lambda time: round(100e6 + 100e6 * time / 3600.0)}, "memory grew by 7."),
+        ({"rss": lambda time: 10**8 if time > WARM_UP - 1 else 10**7}, ""),  # loading is no leak
+        ({"handles": lambda time: 10 + time // 10}, "handles grew from 11"),
+        ({"threads": lambda time: 5 + time // 30}, "threads grew"),
+        ({"handles": lambda time: 10 + 40 * (time % 3)}, ""),  # they come and go
+    ],
+)
+def test_what_grows_and_stays_is_complained_of(use, complaint):
+    words = watched(**use).complaint()
+    assert complaint in words if complaint else words == ""

@@ -83,13 +83,10 @@ def test_what_is_not_known_is_said(found):
     assert "# speed: not measured" in text
 
 
-def test_the_table_has_a_row_a_channel(found):
+def test_every_channel_has_a_row_plain_values_and_two_panels(found):
     table = identification_table(found)
     assert [row[0] for row in table.rows] == list(CHANNELS)
     assert "bank" in table.rows[0][5]
-
-
-def test_plain_values_are_finite_and_the_figure_shows_every_channel(found):
     figures = found[2].as_json()
     assert figures["lag_s"]["lower"] <= figures["lag_s"]["value"] <= figures["lag_s"]["upper"]
     assert figures["limits_observed"] == [None, None]

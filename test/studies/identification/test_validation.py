@@ -17,6 +17,7 @@
 import numpy as np
 import pytest
 
+from uav_tracking_mpc.studies.identification import validation
 from uav_tracking_mpc.studies.identification.flight_record import CHANNELS
 from uav_tracking_mpc.studies.identification.validation import (
     DEAD_TIME,
@@ -38,7 +39,7 @@ def test_what_is_drawn_depends_on_the_seed_alone():
     assert np.all(another[1]["lag"] != one[1]["lag"])
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(3))
 def test_what_is_drawn_is_flown_and_told_wrong(seed):
     configuration, truth = drawn(("small_uav", (), seed))
     simulator, controller = configuration.simulator, configuration.controller
@@ -53,7 +54,9 @@ def test_what_is_drawn_is_flown_and_told_wrong(seed):
     assert any(controller.excitation)
 
 
-def test_flights_are_counted():
+def test_flights_are_counted(monkeypatch):
+    monkeypatch.setattr(validation, "DURATION", 45.0)
+    monkeypatch.setattr(validation, "EXCITED", 25.0)
     study = validate("small_uav", QUICK, count=1, seed=1, workers=1)
     content = study.content
     assert list(content["channels"]) == list(CHANNELS)

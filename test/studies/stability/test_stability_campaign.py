@@ -36,15 +36,15 @@ SMALL = {
 }
 
 
+def mapped(level, horizon):
+    return attraction_map(PROBLEM, level, SMALL, horizon, workers=1)
+
+
 def test_papers_start_is_infeasible_at_10_and_feasible_at_20():
-    answers = {n: attraction_map(PROBLEM, LEVEL, SMALL, n, workers=1, show=False) for n in (10, 20)}
+    answers = {n: mapped(LEVEL, n) for n in (10, 20)}
     assert not answers[10]["marked_feasible"]
     assert answers[20]["marked_feasible"]
     assert np.all(answers[20]["feasible"] >= answers[10]["feasible"])
-
-
-def test_without_terminal_set_everything_is_feasible():
-    assert attraction_map(PROBLEM, None, SMALL, 10, workers=1, show=False)["feasible"].all()
 
 
 def test_slices_vary_what_they_say(monkeypatch):
@@ -65,8 +65,9 @@ def test_slices_vary_what_they_say(monkeypatch):
     np.testing.assert_array_equal(rows[-1], [PAPER_INITIAL_STATE])
 
 
-def test_archive_round_trip(tmp_path):
-    found = attraction_map(PROBLEM, None, SMALL, 5, workers=1, show=False)
+def test_without_terminal_set_everything_is_feasible_and_comes_back_from_the_archive(tmp_path):
+    found = mapped(None, 10)
+    assert found["feasible"].all()
     with (tmp_path / "maps.npz").open("wb") as file:
         save_maps([found], file)
     stored = np.load(tmp_path / "maps.npz")
@@ -77,19 +78,14 @@ def test_archive_round_trip(tmp_path):
     }  # fmt: skip
 
 
-def test_local_controller():
+def test_what_is_proved_is_flown():
     result = fly_local(PROBLEM, LEVEL, random_states(PROBLEM, LEVEL, 2000))
-    assert result["clean"]
-    assert result["flights"] == 2000
-
-
-def test_nmpc():
-    states = random_states(PROBLEM, LEVEL, 40, seed=5)
-    assert fly_nmpc(PROBLEM, LEVEL, states, workers=1, show=False)["clean"]
+    assert (result["clean"], result["flights"]) == (True, 2000)
+    states = random_states(PROBLEM, LEVEL, 20, seed=5)
+    assert fly_nmpc(PROBLEM, LEVEL, states, workers=1)["clean"]
 
 
 def test_campaign_sees_a_level_that_is_too_large():
-    states = random_states(PROBLEM, 40.0, 2000)
-    result = fly_local(PROBLEM, 40.0, states, steps=3)
+    result = fly_local(PROBLEM, 40.0, random_states(PROBLEM, 40.0, 2000), steps=3)
     assert result["outside_inputs"] > 0
     assert not result["clean"]

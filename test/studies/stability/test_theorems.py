@@ -26,12 +26,8 @@ from uav_tracking_mpc.studies.stability.analysis import (
     theorem3,
     theorem_quantities,
 )
-from uav_tracking_mpc.terminal.ingredients import (
-    decrease_excess,
-    directions,
-    paper_problem,
-    terminal_ingredients,
-)
+from uav_tracking_mpc.studies.stability.paper_report import PRINTED_LIPSCHITZ, paper_cases
+from uav_tracking_mpc.terminal.ingredients import decrease_excess, directions, paper_problem
 
 
 def quantities(model, lipschitz=0.5265, scaling=2.5, horizon=10):
@@ -44,10 +40,8 @@ def quantities(model, lipschitz=0.5265, scaling=2.5, horizon=10):
     [("exact", 0.149721, 0.005138, 0.791010), ("paper", 0.151822, 0.005181, 0.787683)],
 )
 def test_quantities_of_the_models(model, sigma, xi, contraction):
-    found = quantities(model)
-    assert found["sigma"] == pytest.approx(sigma, abs=5e-7)
-    assert found["xi"] == pytest.approx(xi, abs=5e-7)
-    assert found["contraction"] == pytest.approx(contraction, abs=5e-7)
+    found, expected = quantities(model), {"sigma": sigma, "xi": xi, "contraction": contraction}
+    assert {name: found[name] for name in expected} == pytest.approx(expected, abs=5e-7)
 
 
 @pytest.mark.parametrize("scaling", [1.0, 2.5, 40.0])
@@ -64,17 +58,17 @@ def test_condition_29_is_lipschitz_below_one_minus_contraction(scaling):
     assert not theorem2(quantities("exact", 1.0001 * edge, scaling))["holds"]
 
 
+def edge(found, theorem):
+    return largest_lipschitz(found["contraction"], theorem(found)["left"])
+
+
 def test_condition_41_tends_to_29_as_rho_grows():
     found = quantities("exact", scaling=1e7)
-    second = largest_lipschitz(found["contraction"], theorem2(found)["left"])
-    third = largest_lipschitz(found["contraction"], theorem3(found)["left"])
-    assert third == pytest.approx(second, rel=1e-4)
+    assert edge(found, theorem3) == pytest.approx(edge(found, theorem2), rel=1e-4)
 
 
 def test_largest_lipschitz_makes_the_condition_an_equality():
-    found = quantities("exact")
-    edge = largest_lipschitz(found["contraction"], theorem3(found)["left"])
-    condition = theorem3(quantities("exact", edge))
+    condition = theorem3(quantities("exact", edge(quantities("exact"), theorem3)))
     assert condition["left"] == pytest.approx(condition["right"], rel=1e-12)
 
 
@@ -85,16 +79,10 @@ def test_c_2_of_a_short_horizon_is_the_sum_written_out():
 
 
 def test_quantities_with_the_printed_matrix():
-    from uav_tracking_mpc.studies.stability.paper_report import PRINTED_A, PRINTED_B
-
-    problem = paper_problem()
-    parts = terminal_ingredients(
-        PRINTED_A, PRINTED_B, problem.state_weight, problem.input_weight, 2.5
-    )
-    found = theorem_quantities(problem, parts, 0.5265)
-    assert found["sigma"] == pytest.approx(0.14917, abs=5e-6)
-    assert found["xi"] == pytest.approx(0.004835, abs=5e-7)
-    assert found["contraction"] == pytest.approx(0.79189, abs=5e-6)
+    printed, *_ = paper_cases()
+    found = printed.quantities(PRINTED_LIPSCHITZ)
+    expected = {"sigma": 0.14917, "xi": 0.004835, "contraction": 0.79189}
+    assert {name: found[name] for name in expected} == pytest.approx(expected, abs=5e-6)
     assert theorem3(found)["left"] == pytest.approx(0.22859, abs=5e-6)
     assert theorem3(found)["right"] == pytest.approx(1.1111, abs=5e-5)
     assert not theorem3(found)["holds"]
@@ -107,27 +95,21 @@ def excess_of(model):
 
 
 @pytest.mark.parametrize(("model", "level"), [("exact", 15.84), ("paper", 4.887)])
-def test_lowest_violation_of_the_decrease(model, level):
+def test_lowest_violation_of_the_decrease_and_none_where_there_is_none(model, level):
     excess, parts = excess_of(model)
     found = lowest_violation(excess, 18.0)
     assert found.level == pytest.approx(level, abs=5e-3)
     assert excess(found.state[None])[0] > 0.0
     assert found.state @ parts.weight @ found.state == pytest.approx(found.level)
-
-
-def test_no_violation_where_there_is_none():
-    excess, _ = excess_of("exact")
-    assert lowest_violation(excess, 5.0) is None
+    assert lowest_violation(excess, 0.9 * level) is None
 
 
 def test_gradient_is_the_derivative():
     excess, _ = excess_of("exact")
     x = np.array([3.0, 0.4, -1.0, 0.2, 0.3])
     _, gradient = excess.with_gradient(x)
-    for i in range(5):
-        step = 1e-6 * np.eye(5)[i]
-        slope = (excess((x + step)[None])[0] - excess((x - step)[None])[0]) / 2e-6
-        assert gradient[i] == pytest.approx(slope, rel=1e-5, abs=1e-7)
+    steps = 1e-6 * np.eye(5)
+    np.testing.assert_allclose(gradient, (excess(x + steps) - excess(x - steps)) / 2e-6, rtol=1e-5)
 
 
 def test_ratio_is_attained_and_grows_with_the_level():

@@ -24,8 +24,7 @@
 ``invariants``       what must hold for every message, and when the orbit is reached again
 ``resources``        memory, files and threads of the processes
 ``observer``         the node that hears every message and checks the invariants
-``watched_nodes``    simulator, estimator and controller under watch, as the observer hears them
-``node_campaign``    cases flown with real nodes, which the faults act on
+``node_campaign``    cases flown with real nodes, whose processes are watched
 -------------------  --------------------------------------------------------------------------
 ``link_campaign``    faults on the wire to a simulated autopilot, one after the other
 -------------------  --------------------------------------------------------------------------

@@ -20,6 +20,7 @@ import copy
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, ClassVar
@@ -30,13 +31,11 @@ from rich.console import Console
 from uav_tracking_mpc.report.figure_style import BLUE, GREEN, GREY, VERMILLION, drawing
 from uav_tracking_mpc.report.pages import Table
 from uav_tracking_mpc.settings.configuration import Configuration
-from uav_tracking_mpc.studies.faults.invariants import Recovery, Violation
+from uav_tracking_mpc.studies.faults.invariants import RECOVERY_LIMIT, Recovery, Violation
 from uav_tracking_mpc.studies.faults.kinds import Fault
 from uav_tracking_mpc.studies.faults.schedule import Case
 from uav_tracking_mpc.studies.study import Study
 
-HOLD = 2.0  # s of simulated time that the orbit must be held
-RECOVERY_LIMIT = 30.0  # s of simulated time
 STALL_LIMIT = 20.0  # s of wall time in which simulated time must move on
 SAMPLE_PERIOD = 1.0  # s between errors that are kept for the figure
 
@@ -114,7 +113,7 @@ class Injection:
 
 
 class FaultCampaign(ABC):
-    """Cases on one flight.
+    """Cases on one flight, which the faults act on.
 
     Args:
         configuration: What to fly.
@@ -123,20 +122,22 @@ class FaultCampaign(ABC):
 
     Attributes:
         tolerance: Error of range and altitude on the orbit [m].
-        flight: What the faults act on.
+        speed: Simulated over the time of :meth:`now` [-].
         recovery: Told of every state.
+        violations: Found in the present case.
         found: What came of each case.
         range_errors: (:meth:`now`, r - r_d [m]), now and then.
     """
 
     tolerance: ClassVar[float]
-    flight: Any
+    speed = 1.0
 
     def __init__(
         self, configuration: Configuration, faults: Mapping[str, Fault], console: Console
     ) -> None:
         self.configuration, self._faults, self._console = configuration, faults, console
-        self.recovery = Recovery(self.tolerance, HOLD, RECOVERY_LIMIT)
+        self.recovery = Recovery(self.tolerance)
+        self.violations: list[Violation] = []
         self.found: list[CaseFindings] = []
         self.range_errors: list[tuple[float, float]] = []
 
@@ -145,17 +146,32 @@ class FaultCampaign(ABC):
         """Time since the campaign began [s]."""
 
     @abstractmethod
-    def watch(self, findings: CaseFindings, injections: Sequence[Injection] = ()) -> Iterator[bool]:
+    def watch(self, injections: Sequence[Injection] = ()) -> Iterator[bool]:
         """Fly on and judge what happens; yield now and then whether simulated time stands still.
 
         Args:
-            findings: Of the present case.
             injections: Under which simulated time may stand still.
         """
 
-    def excused(self, findings: CaseFindings) -> bool:
+    def prepare(self) -> None:  # noqa: B027 - not every campaign needs it
+        """Do what comes before a case."""
+
+    def excused(self, case: Case) -> bool:
         """Whether the aircraft is right not to come back by itself from a case."""
         return False
+
+    def begin_anew(self) -> bool:
+        """Begin another flight after an exception; whether there can be one."""
+        return False
+
+    def blame(self, invariant: str, detail: str) -> None:
+        """Note that something must not be.
+
+        Args:
+            invariant: What is violated, in a word or two.
+            detail: With numbers.
+        """
+        self.violations.append(Violation(invariant, detail))
 
     def sample(self) -> None:
         """Keep the range error, now and then."""
@@ -190,15 +206,26 @@ class FaultCampaign(ABC):
     def fly_case(self, case: Case) -> CaseFindings:
         """What comes of one case."""
         findings = CaseFindings(case.index, case.kinds, self.now())
-        injections: list[Injection] = []
         try:
-            self._inject(case, injections, findings)
-            self.recovery.begin()
-            self._recover(findings)
-        finally:
-            for injection in injections:
-                injection.end()
+            self.prepare()
+            with ExitStack() as ends:
+                self._inject(case, ends)
+                self.recovery.begin()
+                findings.recovery = self._recovered()
+            findings.loiters = findings.recovery is None and self.excused(case)
+            if findings.lost:
+                words = f"r - r_d is {self.recovery.range_error:.1f} m after {RECOVERY_LIMIT:g} s"
+                if not self.recovery.late():
+                    words = f"simulated time stood still for {STALL_LIMIT:g} s"
+                self.blame("recovery", words)
+        except Exception as error:
+            if not self.begin_anew():
+                raise
+            self.blame("exception", f"{type(error).__name__}: {error}")
         findings.end = self.now()
+        for violation in self.violations:
+            findings.add(violation)
+        self.violations.clear()
         return findings
 
     def study(self, seed: int, **more: Any) -> Study:
@@ -222,37 +249,31 @@ class FaultCampaign(ABC):
             left="what came later was not flown" if content["interrupted"] else "",
         )
 
-    def _inject(self, case: Case, injections: list[Injection], findings: CaseFindings) -> None:
+    def _inject(self, case: Case, ends: ExitStack) -> None:
         """Begin each fault at its time; return when all have settled, or time stands still."""
-        begin = self.recovery.flown
+        begin, injections = self.recovery.flown, list[Injection]()
         pending = sorted(case.faults, key=lambda fault: fault.offset)
-        for stalled in self.watch(findings, injections):
+        for stalled in self.watch(injections):
             while pending and self.recovery.flown - begin >= pending[0].offset:
                 scheduled = pending.pop(0)
                 fault = self._faults[scheduled.label]
-                injections.append(Injection(fault, scheduled.duration, scheduled.seed, self.flight))
+                injections.append(Injection(fault, scheduled.duration, scheduled.seed, self))
+                ends.callback(injections[-1].end)
             running = [injection for injection in injections if not injection.settled]
             for injection in running:
-                for violation in injection.step():
-                    findings.add(violation)
+                self.violations += injection.step()
             if not running and (stalled or not pending):
                 return
 
-    def _recover(self, findings: CaseFindings) -> None:
-        """Wait until the aircraft is back on its orbit, or will not be."""
-        for stalled in self.watch(findings):
-            findings.recovery = self.recovery.done()
-            if findings.recovery is not None and findings.recovery <= RECOVERY_LIMIT:
-                return
+    def _recovered(self) -> float | None:
+        """Time in [s] until the aircraft is back on its orbit; None if it will not be."""
+        for stalled in self.watch():
+            recovered = self.recovery.done()
+            if recovered is not None and recovered <= RECOVERY_LIMIT:
+                return recovered
             if stalled or self.recovery.late():
-                error = self.recovery.range_error
-                words = f"r - r_d is {error:.1f} m after {RECOVERY_LIMIT:g} s"
-                if stalled:
-                    words = f"simulated time stood still for {STALL_LIMIT:g} s"
-                findings.recovery, findings.loiters = None, self.excused(findings)
-                if not findings.loiters:
-                    findings.add(Violation("recovery", words))
-                return
+                break
+        return None
 
     def _report(self) -> None:
         case = self.found[-1]
@@ -282,9 +303,6 @@ def summary(
     """
     found = {label: [c for c in cases if label in c.kinds] for label in families}
     kinds = {label: _counted(those) for label, those in found.items() if those}
-    if "outcomes" in more:
-        for label, row in kinds.items():
-            row["loiters"] = sum(case.loiters for case in found[label])
     total = _counted(cases)
     return {
         "cases": len(cases),
@@ -292,6 +310,11 @@ def summary(
         "kinds": len(kinds),
         "violations": total["violations"],
         "worst_recovery_s": total["worst_recovery_s"],
+        "outcomes": {
+            "orbit": sum(case.recovery is not None for case in cases),
+            "loiter": total["loiters"],
+            "lost": sum(case.lost for case in cases),
+        },
         **more,
         "per_kind": kinds,
         "failing_cases": [
@@ -316,6 +339,7 @@ def _counted(cases: Sequence[CaseFindings]) -> dict[str, Any]:
     return {
         "faults": len(cases),
         "violations": sum(len(case.violations) for case in cases),
+        "loiters": sum(case.loiters for case in cases),
         "worst_recovery_s": max(case.recovery or 0.0 for case in cases) if known else None,
     }
 
@@ -323,7 +347,7 @@ def _counted(cases: Sequence[CaseFindings]) -> dict[str, Any]:
 def in_words(content: dict[str, Any]) -> list[str | Table]:
     """A :func:`summary` for people."""
     rows = content["per_kind"].items()
-    counts = ("faults", "violations", *(["loiters"] if "outcomes" in content else []))
+    counts = ("faults", "violations", "loiters")
     cells = [
         [kind, *(str(row[name]) for name in counts), _time(row["worst_recovery_s"])]
         for kind, row in rows
@@ -335,7 +359,7 @@ def in_words(content: dict[str, Any]) -> list[str | Table]:
     words.append(f"worst recovery {_time(content['worst_recovery_s'])}")
     if "rss_growth_percent" in content:
         words.append(f"memory {content['rss_growth_percent']:+.1f} % an hour")
-    words += [f"{count} times {name}" for name, count in content.get("outcomes", {}).items()]
+    words += [f"{count} times {name}" for name, count in content["outcomes"].items()]
     counted = "{faults} faults of {kinds} kinds in {cases} cases".format_map(content)
     lines = [f"{counted}: {', '.join(words)}"]
     if "frames" in content:

@@ -168,33 +168,9 @@ class Invariants:
         return found
 
 
+HOLD = 2.0  # s of simulated time that the orbit must be held
+RECOVERY_LIMIT = 30.0  # s of simulated time
 LONGEST_STEP = 1.0  # s; the vehicle's time moves on from state to state by less than this
-
-
-class FlownTime:
-    """Simulated time that was flown; it goes on when a vehicle that is started anew begins at 0.
-
-    Attributes:
-        seconds: Time flown so far [s].
-    """
-
-    def __init__(self) -> None:
-        self.seconds = 0.0
-        self._stamp: float | None = None
-
-    def state(self, stamp: float) -> float:
-        """Count the time since the last state.
-
-        Args:
-            stamp: Of a state [s].
-
-        Returns:
-            Time flown so far [s].
-        """
-        if self._stamp is not None and 0.0 < stamp - self._stamp < LONGEST_STEP:
-            self.seconds += stamp - self._stamp
-        self._stamp = stamp
-        return self.seconds
 
 
 class Recovery:
@@ -202,52 +178,52 @@ class Recovery:
 
     Args:
         tolerance: Greatest error of range and of altitude on the orbit [m].
-        hold: How long it must be held to count [s].
-        limit: Time allowed [s].
 
     Attributes:
-        flown: Time flown so far [s].
+        flown: Simulated time flown so far [s]; it goes on when a vehicle that is started anew
+            begins at 0.
         range_error: The latest r - r_d [m], nan before the first.
+        worst: Greatest abs(r - r_d) since the last fault ended [m], and when it was flown [s].
     """
 
-    def __init__(self, tolerance: float, hold: float, limit: float) -> None:
-        self._tolerance, self._hold, self._limit = tolerance, hold, limit
-        self.flown, self.range_error = 0.0, math.nan
-        self._end: float | None = None
+    def __init__(self, tolerance: float) -> None:
+        self._tolerance = tolerance
+        self.flown, self.range_error, self.worst = 0.0, math.nan, (0.0, 0.0)
+        self._stamp, self._end = math.nan, math.inf
         self._entered: float | None = None
 
     def begin(self) -> None:
         """The last fault has ended."""
-        self._end = self.flown
+        self._end, self.worst = self.flown, (0.0, self.flown)
 
     def state(
-        self, flown: float, range_error: float, altitude_error: float, commanded: bool
+        self, stamp: float, range_error: float, altitude_error: float, commanded: bool
     ) -> None:
         """Judge a state.
 
         Args:
-            flown: Time flown [s].
-            range_error: r - r_d [m].
-            altitude_error: z - z_d [m].
+            stamp: Its time [s].
+            range_error: r - r_d [m]; nan while no target is known.
+            altitude_error: z - z_d [m]; likewise.
             commanded: Whether commands of the controller come.
         """
-        self.flown, self.range_error = flown, range_error
-        errors = max(abs(range_error), abs(altitude_error))
-        if not (commanded and errors < self._tolerance):
+        if 0.0 < stamp - self._stamp < LONGEST_STEP:
+            self.flown += stamp - self._stamp
+        self._stamp, self.range_error = stamp, range_error
+        self.worst = max(self.worst, (abs(range_error), self.flown))
+        on_orbit = abs(range_error) < self._tolerance and abs(altitude_error) < self._tolerance
+        if not (commanded and on_orbit):
             self._entered = None
         elif self._entered is None:
-            self._entered = flown
+            self._entered = self.flown
 
     def done(self) -> float | None:
         """Time that the recovery took [s]; None while the orbit has not been held long enough."""
-        if self._end is None or self._entered is None:
-            return None
-        if self.flown - max(self._entered, self._end) < self._hold:
+        if self._entered is None or not self.flown - max(self._entered, self._end) >= HOLD:
             return None
         return max(0.0, self._entered - self._end)
 
     def late(self) -> bool:
         """Whether the time allowed is over without the aircraft on its orbit."""
-        return self._end is not None and (
-            self.flown - self._end > self._limit + (0.0 if self._entered is None else self._hold)
-        )
+        allowed = RECOVERY_LIMIT + (0.0 if self._entered is None else HOLD)
+        return self.flown - self._end > allowed

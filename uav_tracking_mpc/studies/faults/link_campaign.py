@@ -43,8 +43,7 @@ from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.settings.link import LinkParameters
 from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.simulation.steered_target import TargetSensor
-from uav_tracking_mpc.studies.faults.fault_campaign import CaseFindings, FaultCampaign, Injection
-from uav_tracking_mpc.studies.faults.invariants import Violation
+from uav_tracking_mpc.studies.faults.fault_campaign import FaultCampaign, Injection
 from uav_tracking_mpc.studies.faults.kinds import Fault
 from uav_tracking_mpc.studies.faults.schedule import Case
 from uav_tracking_mpc.studies.study import Study
@@ -53,6 +52,7 @@ SETTLING_LIMIT = 90.0  # s to the orbit, from wherever the autopilot was left
 LOITERS = ("LOITER", "RTL", "HOLD", "RETURN", "GUIDED", "OFFBOARD")  # it circles by itself
 HAND_FLOWN = ("FBWA", "MANUAL", "RTL", "LOITER", "STABILIZED", "HOLD")
 BAD_FRAMES = 100_000  # frames
+SHORT_SHARE = 0.7  # -, of the frames that lose a few bytes at most
 SENDER = 3  # code: MAVLink system of the good frames
 ROUNDING = math.radians(0.02)  # rad, rounding: a bank is a single, a limit in degrees
 ROLL_IGNORED_AS_ATTITUDE = 0b10000000  # bits with which ArduPlane takes the axes one by one
@@ -66,39 +66,44 @@ CONNECT_LIMIT, WAIT = 20.0, 0.1  # s
 TOLD = {"px4": {"COM_OBL_RC_ACT": 5.0}}
 
 
-class LinkFlight:
-    """A flight about the target of a configuration.
+class LinkCampaign(FaultCampaign):
+    """A campaign over a link, in simulated time, about the target of a configuration.
 
     Args:
-        dialect: Name of the link and of its autopilot.
+        dialect: Name of the link and of the simulated autopilot.
         configuration: What is flown; the vehicle's limits take the place of its own.
+        console: Where progress goes.
 
     Attributes:
         autopilot: What flies.
         link: To it.
         controller: Of the flight.
         set_points: How many were sent.
-        violations: Of what may be sent, found and not yet taken.
         silent: Whether the companion is dead: time goes on without us.
-        speed: Faults last as long as they say: all of it is simulated time.
 
     Raises:
         LinkError: The autopilot refuses to be flown.
     """
 
-    speed = 1.0
+    tolerance = 1.0
 
-    def __init__(self, dialect: str, configuration: Configuration) -> None:
-        self.autopilot = SteppedAutopilot(dialect, configuration)
-        for name, value in TOLD.get(dialect, {}).items():
+    def __init__(self, dialect: str, configuration: Configuration, console: Console) -> None:
+        super().__init__(configuration, LINK_FAULTS, console)
+        self._dialect = dialect
+        self.begin_anew()
+
+    def begin_anew(self) -> bool:
+        """See :meth:`FaultCampaign.begin_anew`."""
+        configuration = self.configuration
+        self.autopilot = SteppedAutopilot(self._dialect, configuration)
+        for name, value in TOLD.get(self._dialect, {}).items():
             self.autopilot.core.parameters.set(name, value)
         self.set_points, self.silent = 0, False
-        self.violations: list[Violation] = []
         self._motion = motion_of(configuration.target)
         self._sensor = TargetSensor(configuration.target, self._motion)
-        self._period, self._measured_at = 1.0 / configuration.target.rate, -math.inf
-        kind = VEHICLE_LINK.find(dialect)
-        self.link: MavlinkLink = kind("", LinkParameters(link=dialect), self._connection)
+        self._measured_at = -math.inf
+        kind = VEHICLE_LINK.find(self._dialect)
+        self.link: MavlinkLink = kind("", LinkParameters(link=self._dialect), self._connection)
         self.link.connect(CONNECT_LIMIT)
         found = self.link.inspect()
         if found.refusals:
@@ -106,15 +111,83 @@ class LinkFlight:
         envelope = {"autopilot_holds": self.link.holds, **found.envelope}
         fitted, _ = with_envelope(configuration, envelope)
         self.controller = Controller(fitted.controller, stopwatch=lambda: 0.0)
+        return True
 
-    def take_violations(self) -> list[Violation]:
-        """What was found since the last call."""
-        taken, self.violations = self.violations, []
-        return taken
+    def now(self) -> float:
+        """See :meth:`FaultCampaign.now`: of simulated time."""
+        return self.recovery.flown
 
-    def blame(self, rule: str, words: str) -> None:
-        """Note that a rule was broken, and how."""
-        self.violations.append(Violation(rule, words))
+    def fly(self, cases: Iterable[Case], *, seed: int) -> Study:
+        """Fly cases until there are no more, or the user interrupts.
+
+        Args:
+            cases: In this order.
+            seed: Of the cases, for the record.
+
+        Raises:
+            KeyboardInterrupt: Before the first case was flown; later the findings are returned.
+        """
+        interrupted = self.fly_cases(cases)
+        connection = SteppedAutopilot(self._dialect, self.configuration).connection("", 191, "")
+        frames = read_bad_frames(connection, BAD_FRAMES, seed)
+        return self.study(seed, dialect=self._dialect, interrupted=interrupted, frames=frames)
+
+    def prepare(self) -> None:
+        """See :meth:`FaultCampaign.prepare`: hand command over as a pilot does, reach the orbit."""
+        begin, asked = self.now(), -math.inf
+        self.recovery.begin()
+        if not self.link.engaged:
+            self.autopilot.pilot_mode(self.autopilot.core.loiter_mode)
+        for _ in self.watch():
+            if not self.link.engaged and self.now() - asked > 1.0:
+                asked = self.now()
+                self.link.engage()
+            if self.now() - begin > SETTLING_LIMIT:
+                raise RuntimeError(f"not on the orbit {SETTLING_LIMIT:g} s after it was engaged")
+            if self.recovery.done() is not None:
+                return
+
+    def watch(self, injections: Sequence[Injection] = ()) -> Iterator[bool]:
+        """See :meth:`FaultCampaign.watch`: simulated time never stands still."""
+        while True:
+            self.step()
+            self.sample()
+            yield False
+
+    def excused(self, case: Case) -> bool:
+        """See :meth:`FaultCampaign.excused`: the autopilot circles and waits to be engaged."""
+        by_itself = self.autopilot.core.mode in LOITERS and not self.link.engaged
+        return by_itself or TakeOver.name in case.kinds
+
+    def step(self) -> None:
+        """Go on by one measurement, or by the time that one may take."""
+        if self.silent:
+            self.autopilot.tick()
+        else:
+            self._control()
+        time, state = self.autopilot.time, self.autopilot.core.state
+        orbit = self.controller.parameters.orbit
+        x, y, z = self._motion.position(time).tolist()
+        up = state.up - z
+        range_error = math.hypot(state.east - x, state.north - y, up) - orbit.range
+        self.recovery.state(time, range_error, up - orbit.altitude, self.link.engaged)
+
+    def _control(self) -> None:
+        measured, now = self.link.measured(WAIT), self.link.now()
+        if now - self._measured_at >= 1.0 / self.configuration.target.rate:
+            self._measured_at = now
+            self._sensor.measure(now)
+        for stamp, position in self._sensor.delivered(now):
+            with contextlib.suppress(MeasurementError):  # ahead of stamps of a clock that jumped
+                self.controller.see_target(stamp, position)
+        self.controller.engage(self.link.engaged)
+        if measured is None:
+            return
+        if self.controller.formulation is not None:  # simulated time waits for a solve
+            self.controller.formulation.solver.time_limit = math.inf
+        command = self.controller.step(measured, now)
+        if command is not None:
+            self.link.command(command.stamp, command.inputs, command.step, command.flown_orbit)
 
     def _connection(self, address: str, component: int, key: str) -> Connection:
         """The link's end of the wire, with everything that it sends judged."""
@@ -165,41 +238,6 @@ class LinkFlight:
             return math.radians(known["ROLL_LIMIT_DEG"]), -math.pi, math.pi, 0.0, 1.0
         pitch = math.radians(known["FW_P_LIM_MIN"]), math.radians(known["FW_P_LIM_MAX"])
         return math.radians(known["FW_R_LIM"]), *pitch, known["FW_THR_MIN"], known["FW_THR_MAX"]
-
-    def now(self) -> float:
-        """Simulated time in [s]."""
-        return self.autopilot.time
-
-    @property
-    def errors(self) -> tuple[float, float]:
-        """True errors of range and altitude about the target in [m]."""
-        state, orbit = self.autopilot.core.state, self.controller.parameters.orbit
-        x, y, z = self._motion.position(self.now()).tolist()
-        east, north, up = state.east - x, state.north - y, state.up - z
-        distance = math.sqrt(east * east + north * north + up * up)
-        return distance - orbit.range, up - orbit.altitude
-
-    def step(self) -> None:
-        """Go on by one measurement, or by the time that one may take."""
-        if self.silent:
-            self.autopilot.tick()
-            return
-        measured = self.link.measured(WAIT)
-        now = self.link.now()
-        if now - self._measured_at >= self._period:
-            self._measured_at = now
-            self._sensor.measure(now)
-        for stamp, position in self._sensor.delivered(now):
-            with contextlib.suppress(MeasurementError):  # ahead of stamps of a clock that jumped
-                self.controller.see_target(stamp, position)
-        self.controller.engage(self.link.engaged)
-        if measured is None:
-            return
-        if self.controller.formulation is not None:  # simulated time waits for a solve
-            self.controller.formulation.solver.time_limit = math.inf
-        command = self.controller.step(measured, now)
-        if command is not None:
-            self.link.command(command.stamp, command.inputs, command.step, command.flown_orbit)
 
 
 class WireFault(Fault):
@@ -278,127 +316,21 @@ LINK_FAULTS: dict[str, Fault] = {
 }
 
 
-class LinkCampaign(FaultCampaign):
-    """A campaign over a link, in simulated time.
-
-    Args:
-        dialect: Name of the link and of the simulated autopilot.
-        configuration: What to fly.
-        console: Where progress goes.
-
-    Raises:
-        LinkError: The autopilot refuses to be flown.
-    """
-
-    tolerance = 1.0
-    flight: LinkFlight
-
-    def __init__(self, dialect: str, configuration: Configuration, console: Console) -> None:
-        super().__init__(configuration, LINK_FAULTS, console)
-        self._dialect, self._before = dialect, 0.0
-        self.flight = LinkFlight(dialect, configuration)
-
-    def now(self) -> float:
-        """See :meth:`FaultCampaign.now`: of simulated time."""
-        return self._before + self.flight.now()
-
-    def fly(self, cases: Iterable[Case], *, seed: int) -> Study:
-        """Fly cases until there are no more, or the user interrupts.
-
-        Args:
-            cases: In this order.
-            seed: Of the cases, for the record.
-
-        Raises:
-            KeyboardInterrupt: Before the first case was flown; later the findings are returned.
-        """
-        interrupted = self.fly_cases(cases)
-        outcomes = {
-            "orbit": sum(case.recovery is not None for case in self.found),
-            "loiter": sum(case.loiters for case in self.found),
-            "lost": sum(case.lost for case in self.found),
-        }
-        connection = SteppedAutopilot(self._dialect, self.configuration).connection("", 191, "")
-        return self.study(
-            seed,
-            dialect=self._dialect,
-            interrupted=interrupted,
-            outcomes=outcomes,
-            frames=read_bad_frames(connection, BAD_FRAMES, seed),
-        )
-
-    def fly_case(self, case: Case) -> CaseFindings:
-        """See :meth:`FaultCampaign.fly_case`: on the orbit first; nothing may end a flight."""
-        struck, findings = self.flight, CaseFindings(case.index, case.kinds, self.now())
-        try:
-            self._engage(findings)
-            findings = super().fly_case(case)
-        except Exception as error:
-            struck.blame("exception", f"{type(error).__name__}: {error}")
-            self._before = self.now()
-            self.flight = LinkFlight(self._dialect, self.configuration)
-        for violation in struck.take_violations():
-            findings.add(violation)
-        return findings
-
-    def watch(self, findings: CaseFindings, injections: Sequence[Injection] = ()) -> Iterator[bool]:
-        """See :meth:`FaultCampaign.watch`: simulated time never stands still."""
-        while True:
-            self.flight.step()
-            self.recovery.state(self.flight.now(), *self.flight.errors, self.flight.link.engaged)
-            self.sample()
-            yield False
-
-    def _engage(self, findings: CaseFindings) -> None:
-        """Hand command over as a pilot does, and wait for the orbit."""
-        flight, begin, asked = self.flight, self.flight.now(), -1.0
-        self.recovery.begin()
-        if not flight.link.engaged:
-            flight.autopilot.pilot_mode(flight.autopilot.core.loiter_mode)
-        for _ in self.watch(findings):
-            if not flight.link.engaged and flight.now() - asked > 1.0:
-                asked = flight.now()
-                flight.link.engage()
-            if flight.now() - begin > SETTLING_LIMIT:
-                raise RuntimeError(f"not on the orbit {SETTLING_LIMIT:g} s after it was engaged")
-            if self.recovery.done() is not None:
-                return
-
-    def excused(self, findings: CaseFindings) -> bool:
-        """See :meth:`FaultCampaign.excused`: the autopilot circles and waits to be engaged."""
-        by_itself = self.flight.autopilot.core.mode in LOITERS and not self.flight.link.engaged
-        return by_itself or TakeOver.name in findings.kinds
-
-
 def changed(random_: random.Random, good: bytes) -> bytes:
-    """A frame with some bytes changed, cut off, missing or put in between; never the same.
+    """A frame of which a stretch is lost or other bytes stand in its place; never the same.
 
     Args:
         random_: Where all that is random comes from.
         good: The frame.
     """
-    while (bad := _changed(random_, good)) == good:
-        pass
-    return bad
-
-
-def _changed(random_: random.Random, good: bytes) -> bytes:
-    frame = bytearray(good)
-    kind = random_.randrange(5)
-    if kind == 0:
-        for _ in range(random_.randrange(1, 6)):
-            frame[random_.randrange(len(frame))] ^= random_.randrange(1, 256)
-    elif kind == 1:
-        del frame[random_.randrange(1, len(frame)) :]
-    elif kind == 2:
-        place = random_.randrange(len(frame))
-        frame[place:place] = random_.randbytes(random_.randrange(1, 30))
-    elif kind == 3:
-        frame = bytearray(random_.randbytes(random_.randrange(1, 300)))
-    else:
-        start = random_.randrange(len(frame))
-        del frame[start : start + random_.randrange(1, 8)]
-    return bytes(frame)
+    while True:
+        start, end = sorted(random_.choices(range(len(good) + 1), k=2))
+        if random_.random() < SHORT_SHARE:
+            end = min(end, start + random_.randint(1, 8))
+        count = random_.choice((0, end - start, random_.randrange(1, 300)))
+        bad = good[:start] + random_.randbytes(count) + good[end:]
+        if bad != good:
+            return bad
 
 
 def read_bad_frames(connection: Connection, count: int, seed: int) -> dict[str, float]:

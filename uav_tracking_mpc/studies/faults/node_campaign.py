@@ -19,17 +19,21 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.serialization import serialize_message
 from rich.console import Console
 
-from uav_tracking_mpc.launch.supervisor import NODES, LaunchError
+from uav_tracking_mpc.control.guidance import compile_flight
+from uav_tracking_mpc.launch.flight import signals
+from uav_tracking_mpc.launch.supervisor import NODES, LaunchError, supervised
 from uav_tracking_mpc.parameters.specification import Specification, Value, specifications
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.studies.faults import fault_relay
@@ -42,9 +46,9 @@ from uav_tracking_mpc.studies.faults.fault_campaign import (
 from uav_tracking_mpc.studies.faults.invariants import Limits, Violation
 from uav_tracking_mpc.studies.faults.kinds import Fault
 from uav_tracking_mpc.studies.faults.observer import Observer
+from uav_tracking_mpc.studies.faults.resources import Growth, usage
 from uav_tracking_mpc.studies.faults.schedule import Case
 from uav_tracking_mpc.studies.faults.stream_fault import ORDERS, STREAMS, raw
-from uav_tracking_mpc.studies.faults.watched_nodes import LOG, watched_nodes
 from uav_tracking_mpc.studies.study import Study
 
 ANSWER_LIMIT = 5.0  # s of wall time for the parameters to be put back
@@ -53,6 +57,9 @@ START_LIMIT = 120.0  # s of wall time to fly onto the orbit the first time
 TRANSPORT = 0.5  # s of wall time that messages may take, whatever the load
 FENCE = 3.0  # -, times the distance at the start
 RELAY = "fault_relay"
+CHECK_PERIOD = 0.02  # s of wall time between looks at the processes
+RESOURCES_PERIOD = 1.0  # s of wall time between looks at what they use
+LOG = "nodes.log"
 
 
 class ParameterClient:
@@ -133,19 +140,20 @@ def limits(configuration: Configuration) -> Limits:
 
 
 class NodeCampaign(FaultCampaign):
-    """A campaign with real nodes, which its faults act on.
+    """A campaign with real nodes.
 
     Args:
         configuration: What to fly.
-        faults: That the cases name, by label.
+        faults: That the cases name, by label; without any there is no relay.
         output: Existing folder for the nodes' output and the bags of failing cases.
         console: Where progress goes.
 
     Attributes:
+        growth: What each process of the three nodes of a flight used, by name and id; also of
+            those that were killed since.
         supervisor: Of the node processes.
         observer: Node that hears every message.
         parameters: Client of the controller's parameters.
-        speed: Simulated over wall time [-].
         reach: How far a target is teleported [m].
     """
 
@@ -159,10 +167,13 @@ class NodeCampaign(FaultCampaign):
         console: Console,
     ) -> None:
         super().__init__(configuration, faults, console)
-        self._output, self.flight = output, self
-        self.speed = min(SPEED, configuration.mission.speed)
+        self._output = output
+        self.speed = configuration.mission.speed
+        if faults:
+            self.speed = min(SPEED, self.speed)
         self.reach = configuration.controller.range
-        self._deaths = self._log_read = 0
+        self.growth: dict[tuple[str, int], Growth] = {}
+        self._deaths = 0
 
     def now(self) -> float:
         """See :meth:`FaultCampaign.now`: of wall time."""
@@ -192,15 +203,12 @@ class NodeCampaign(FaultCampaign):
             LaunchError: The aircraft did not reach its orbit before the first fault.
             KeyboardInterrupt: Before the first case was flown; later the findings are returned.
         """
-        with watched_nodes(self.configuration, self._output, domain) as self._nodes:
-            self._start()
-            self._reach_orbit()
+        with self.flight(domain):
             interrupted = self.fly_cases(cases, end=60.0 * minutes)
-        resources = self._nodes.resources
-        for words in resources.complaints() if self.found else ():
-            self.found[-1].add(Violation("growth", words))
-        latest = resources.latest()
-        growth = {name: process.rss_percent_per_hour() for name, process in latest.items()}
+        for (name, _), process in self.growth.items():
+            if self.found and process.complaint():
+                self.found[-1].add(Violation("growth", f"{name}: {process.complaint()}"))
+        growth = {name: process.rss_percent_per_hour() for name, process in self.latest().items()}
         return self.study(
             seed,
             minutes=minutes,
@@ -216,29 +224,57 @@ class NodeCampaign(FaultCampaign):
             },
         )
 
-    def _start(self) -> None:
-        """Start two nodes of this process, one that hears, one that gives orders, and all others.
+    @contextmanager
+    def flight(self, domain: int | None) -> Iterator[None]:
+        """Nodes that fly, with the aircraft on its orbit; all end with it.
 
-        What they send goes to the relay first.
+        Args:
+            domain: ROS domain; None takes one that no other launch uses.
+
+        Raises:
+            LaunchError: The aircraft did not reach its orbit.
         """
-        orbit, commander = self.configuration.controller.orbit, Node("campaign")
-        limit = limits(self.configuration)
-        self.observer = Observer(limit, (orbit.range, orbit.altitude), self.recovery)
-        self._orders = commander.create_publisher(ORDERS.type, ORDERS.name, ORDERS.qos)
-        self.parameters = ParameterClient(commander, self.configuration.controller)
-        self._nodes.hear(self.observer, commander)
-        self._begin = time.monotonic()
-        self.supervisor = self._nodes.supervisor
-        self.supervisor.start(RELAY, fault_relay.__name__)
-        remaps = {
-            node: [f"{each.name}:={raw(each).name}" for each in STREAMS if node in each.sender]
-            for node in NODES
-        }
+        compile_flight(self.configuration.controller)  # no other solver is tried
+        path, orbit = self._output / LOG, self.configuration.controller.orbit
+        log = path.open("w", encoding="utf-8")
+        with (
+            signals() as self._received,
+            log,
+            supervised(Console(file=log), domain) as self.supervisor,
+            path.open(encoding="utf-8", errors="replace") as self._log_file,
+        ):
+            limit, wanted = limits(self.configuration), (orbit.range, orbit.altitude)
+            relayed, commander = bool(self._faults), Node("campaign")
+            self.observer = Observer(limit, wanted, self.recovery, self.violations, relayed)
+            self._orders = commander.create_publisher(ORDERS.type, ORDERS.name, ORDERS.qos)
+            self.parameters = ParameterClient(commander, self.configuration.controller)
+            self._executor = EventsExecutor()
+            for node in (self.observer, commander):
+                self._executor.add_node(node)
+            try:
+                self._start(relayed)
+                self._reach_orbit()
+                yield
+            finally:
+                self._executor.shutdown()
+                for node in (self.observer, commander):
+                    node.destroy_node()
+
+    def _start(self, relayed: bool) -> None:
+        """Start the processes; with a relay, what nodes send goes there first."""
+        self._begin = self._checked = self._sampled = time.monotonic()
+        remaps = {}
+        if relayed:
+            self.supervisor.start(RELAY, fault_relay.__name__)
+            remaps = {
+                node: [f"{each.name}:={raw(each).name}" for each in STREAMS if node in each.sender]
+                for node in NODES
+            }
         self.supervisor.start_flight(self.configuration, self.speed, remaps)
 
     def _reach_orbit(self) -> None:
         self.recovery.begin()
-        for _ in self._nodes.spin():
+        for _ in self._spin():
             self.sample()
             dead = self.supervisor.dead()
             if dead or self.now() > START_LIMIT:
@@ -250,38 +286,62 @@ class NodeCampaign(FaultCampaign):
             if self.recovery.done() is not None:
                 return
 
+    def _spin(self) -> Iterator[float]:
+        """Hear messages; yield the steady time in [s] every CHECK_PERIOD.
+
+        A signal raises KeyboardInterrupt here alone: within a callback, rclpy may turn that
+        exception into others.
+        """
+        while True:
+            self._executor.spin_once(timeout_sec=CHECK_PERIOD)
+            if self._received:
+                raise KeyboardInterrupt
+            now = time.monotonic()
+            if now - self._sampled > RESOURCES_PERIOD:
+                self._sampled = now
+                self._sample_resources(now)
+            if now - self._checked >= CHECK_PERIOD:
+                self._checked = now
+                yield now
+
+    def _sample_resources(self, now: float) -> None:
+        self.supervisor.note_shared_memory()
+        for name, process in self.supervisor.processes.items():
+            used = usage(process.identity) if name in NODES else None
+            if used is not None:
+                key = name, process.identity
+                self.growth.setdefault(key, Growth(process.started)).add(now, used)
+
+    def latest(self) -> dict[str, Growth]:
+        """What the process of each node used that was started last, by name."""
+        return {name: growth for (name, _), growth in self.growth.items()}
+
+    def prepare(self) -> None:
+        """See :meth:`FaultCampaign.prepare`."""
+        self.observer.begin_case()
+
     def fly_case(self, case: Case) -> CaseFindings:
         """See :meth:`FaultCampaign.fly_case`; the bag of a case that fails is kept."""
-        self.observer.begin_case()
         findings = super().fly_case(case)
-        self._read_log(findings)
+        for line in self._log_file:
+            if "Traceback" in line:
+                findings.add(Violation("traceback", line.rstrip()))
         if findings.violations:
             cases = self._output / "cases"
             cases.mkdir(exist_ok=True)
             self.observer.write_bag(cases / f"case_{case.index:04d}.mcap")
         return findings
 
-    def watch(self, findings: CaseFindings, injections: Sequence[Injection] = ()) -> Iterator[bool]:
+    def watch(self, injections: Sequence[Injection] = ()) -> Iterator[bool]:
         """See :meth:`FaultCampaign.watch`: messages and processes."""
         moved, flown = time.monotonic(), self.recovery.flown
-        for now in self._nodes.spin():
+        for now in self._spin():
             self.sample()
             under_way = any(not injection.settled for injection in injections)
             if under_way or self.recovery.flown != flown:
                 moved, flown = now, self.recovery.flown
-            for violation in self.observer.take_violations():
-                findings.add(violation)
             for name, code in self.supervisor.dead().items():
                 self._deaths += 1
-                findings.add(Violation("process lost", f"{name} ended with exit code {code}"))
+                self.blame("process lost", f"{name} ended with exit code {code}")
                 self.supervisor.restart(name)
             yield now - moved > STALL_LIMIT
-
-    def _read_log(self, findings: CaseFindings) -> None:
-        with (self._output / LOG).open(encoding="utf-8", errors="replace") as file:
-            file.seek(self._log_read)
-            text = file.read()
-            self._log_read = file.tell()
-        for line in text.splitlines():
-            if "Traceback" in line:
-                findings.add(Violation("traceback", line))

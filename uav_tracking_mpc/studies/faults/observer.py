@@ -24,6 +24,7 @@ import functools
 import math
 import time
 from collections import deque
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -34,25 +35,18 @@ from rclpy.serialization import deserialize_message
 from uav_tracking_mpc.nodes.flight_recorder import FlightBag
 from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription
 from uav_tracking_mpc.nodes.topics import COMMAND, DIAGNOSTICS, ODOMETRY, TARGET, Topic
-from uav_tracking_mpc.studies.faults.invariants import (
-    FlownTime,
-    Invariants,
-    Limits,
-    Recovery,
-    Violation,
-)
+from uav_tracking_mpc.studies.faults.invariants import Invariants, Limits, Recovery, Violation
 from uav_tracking_mpc.studies.faults.stream_fault import ORDERS, STREAMS, raw
 
 MOST = 100_000  # messages; a case has a tenth of it
 BEFORE = 1_000_000_000  # ns of what came before the case
 
-# Of every relayed topic both sides: as sent (under ``raw``) and as received.
-HEARD = (*(raw(topic) for topic in STREAMS), *STREAMS, DIAGNOSTICS)
-TOPICS = (*HEARD, ORDERS)  # of a bag
-
-
+# Of a bag; of every relayed topic both sides: as sent (under ``raw``) and as received.
+TOPICS = (*(raw(topic) for topic in STREAMS), *STREAMS, DIAGNOSTICS, ORDERS)
 QUEUE = 1000  # messages that may wait
 PATIENCE = 1.0  # s of simulated time without a command after which the aircraft is not commanded
+
+Judge = Callable[[Any], None]
 
 
 class Observer(Node):
@@ -62,33 +56,45 @@ class Observer(Node):
         limits: What the messages are held to.
         orbit: Range and altitude to be on [m].
         recovery: Told of every state.
+        violations: Where those that are found are added.
+        relayed: Whether a relay stands in the way of every topic.
         options: As of rclpy's Node.
 
     Attributes:
-        violations: Found and not yet taken.
+        commands: How many were sent.
+        longest_gap: Greatest time between the states of two commands [s].
         heard: Steady time [s] of each node's latest diagnostics, by its name.
     """
 
     def __init__(
-        self, limits: Limits, orbit: tuple[float, float], recovery: Recovery, **options: Any
+        self,
+        limits: Limits,
+        orbit: tuple[float, float],
+        recovery: Recovery,
+        violations: list[Violation],
+        relayed: bool = True,
+        **options: Any,
     ) -> None:
         super().__init__("observer", **options)
-        self._invariants, self._recovery, self._flown = Invariants(limits), recovery, FlownTime()
-        self._range, self._altitude = orbit
+        self._invariants, self._recovery = Invariants(limits), recovery
+        self._violations, self._orbit = violations, orbit
         self._target: np.ndarray | None = None
+        self._answered = math.nan  # stamp of the state of the latest command [s]
         self._commanded = -math.inf  # flown time of the latest command [s]
         self._messages: deque[tuple[Topic, int, bytes]] = deque(maxlen=MOST)
-        self.violations: list[Violation] = []
+        self.commands, self.longest_gap = 0, 0.0
         self.heard: dict[str, float] = {}
-        judges = {
-            raw(ODOMETRY).name: self._on_state,
-            ODOMETRY.name: self._on_delivered,
-            raw(TARGET).name: self._on_target,
-            raw(COMMAND).name: self._on_command,
-            DIAGNOSTICS.name: self._on_diagnostics,
-        }
-        for topic in HEARD:
-            callback = functools.partial(self._on_message, topic, judges.get(topic.name))
+        sent = {each: raw(each) if relayed else each for each in STREAMS}
+        judges = [
+            (sent[ODOMETRY], self._on_state),
+            (ODOMETRY, self._on_delivered),
+            (sent[TARGET], self._on_target),
+            (sent[COMMAND], self._on_command),
+            (DIAGNOSTICS, self._on_diagnostics),
+        ]
+        for topic in dict.fromkeys((*sent.values(), *STREAMS, DIAGNOSTICS)):
+            those = [judge for judged, judge in judges if judged == topic]
+            callback = functools.partial(self._on_message, topic, those)
             FollowingSubscription(self, topic, callback, QUEUE, raw=True)
 
     def keep(self, topic: Topic, data: bytes) -> None:
@@ -100,20 +106,25 @@ class Observer(Node):
         """
         self._messages.append((topic, time.time_ns(), data))
 
-    def _on_message(self, topic: Topic, judge: Any, data: bytes) -> None:
+    def _on_message(
+        self, topic: Topic, judges: Sequence[Callable[[Any], None]], data: bytes
+    ) -> None:
         self.keep(topic, data)
-        if judge is not None:
-            judge(deserialize_message(data, topic.type))
+        message = deserialize_message(data, topic.type) if judges else None
+        for judge in judges:
+            judge(message)
 
     def _on_state(self, message: Any) -> None:
         position = vector(message.pose.pose.position)
         stamp = seconds(message.header.stamp)
-        self.violations += self._invariants.state(stamp, position)
-        flown = self._flown.state(stamp)
+        self._violations += self._invariants.state(stamp, position)
+        range_error = altitude_error = math.nan
         if self._target is not None:
-            offset = position - self._target
-            errors = float(np.linalg.norm(offset)) - self._range, float(offset[2]) - self._altitude
-            self._recovery.state(flown, *errors, flown - self._commanded < PATIENCE)
+            offset, (wanted, altitude) = position - self._target, self._orbit
+            range_error = float(np.linalg.norm(offset)) - wanted
+            altitude_error = float(offset[2]) - altitude
+        commanded = self._recovery.flown - self._commanded < PATIENCE
+        self._recovery.state(stamp, range_error, altitude_error, commanded)
 
     def _on_delivered(self, message: Any) -> None:
         self._invariants.delivered(time.monotonic(), seconds(message.header.stamp))
@@ -123,19 +134,16 @@ class Observer(Node):
         self._invariants.target(self._target)
 
     def _on_command(self, message: Any) -> None:
-        self._commanded = self._flown.seconds
         plan, starts = read_command(message)
         stamp = seconds(message.header.stamp)
-        self.violations += self._invariants.command(time.monotonic(), stamp, plan, starts)
+        self.commands += 1
+        self.longest_gap = max(self.longest_gap, stamp - self._answered)
+        self._answered, self._commanded = stamp, self._recovery.flown
+        self._violations += self._invariants.command(time.monotonic(), stamp, plan, starts)
 
     def _on_diagnostics(self, message: Any) -> None:
         for status in message.status:
             self.heard[status.name.partition(":")[0]] = time.monotonic()
-
-    def take_violations(self) -> list[Violation]:
-        """What was found since the last call."""
-        taken, self.violations = self.violations, []
-        return taken
 
     def begin_case(self) -> None:
         """Forget the messages that came more than a second ago."""

@@ -18,13 +18,10 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-
-from uav_tracking_mpc.launch.supervisor import NodeProcess
 
 WARM_UP = 15.0  # s after its start that a process has for loading, compiling, filling its buffers
 SHORTEST = 120.0  # s of samples below which a slope says nothing: histories are being filled
@@ -129,32 +126,3 @@ class Growth:
             if last - first > HANDLES_ALLOWED:
                 words.append(f"{name} grew from {first} to {last}")
         return ", ".join(words)
-
-
-class ResourceWatch:
-    """What each process used, also of those that were killed since."""
-
-    def __init__(self) -> None:
-        self._growth: dict[tuple[str, int], Growth] = {}
-
-    def sample(self, time: float, processes: Iterable[NodeProcess]) -> None:
-        """Look at what processes use now.
-
-        Args:
-            time: By the steady clock [s].
-            processes: To look at.
-        """
-        for process in processes:
-            used = usage(process.identity)
-            if used is not None:
-                key = process.name, process.identity
-                self._growth.setdefault(key, Growth(process.started)).add(time, used)
-
-    def latest(self) -> dict[str, Growth]:
-        """Of each node the process that was started last, by name."""
-        return {name: growth for (name, _), growth in self._growth.items()}
-
-    def complaints(self) -> list[str]:
-        """What grew more than allowed in any process, in words."""
-        words = [(name, growth.complaint()) for (name, _), growth in self._growth.items()]
-        return [f"{name}: {complaint}" for name, complaint in words if complaint]

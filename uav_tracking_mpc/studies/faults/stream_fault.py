@@ -222,9 +222,3 @@ class ChangeFault(StreamFault):
             topic: Of the message.
             message: As it was sent.
         """
-
-
-class MessageFault(ChangeFault, TopicFault):
-    """A topic fault that changes every other message."""
-
-    share = 0.5

@@ -39,27 +39,34 @@ In a bag a command counts from when it was heard, by the clock of the stamps. Wh
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import io
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.control.command import Command
 from uav_tracking_mpc.dynamics.air import GRAVITY
-from uav_tracking_mpc.dynamics.frames import (
-    course_from_quaternion,
-    course_rates,
-    pitch_rate_from_path_angle_rate,
-    rotation_from_quaternion,
-)
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.nodes.messages.conversions import nanoseconds
-from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, CLOCK, COMMAND, ODOMETRY
+from uav_tracking_mpc.nodes.messages.conversions import (
+    measurement_from_odometry,
+    nanoseconds,
+    plan_from_command,
+)
+from uav_tracking_mpc.nodes.messages.heard_values import VALUES
+from uav_tracking_mpc.nodes.topics import (
+    AIR_VELOCITY,
+    ANY_FRAMES,
+    CLOCK,
+    COMMAND,
+    ODOMETRY,
+    MessageError,
+)
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.report.atomic_write import write_atomically
 from uav_tracking_mpc.report.bag import messages
@@ -109,41 +116,26 @@ class ChannelRecord:
     rate: Samples | None
     leverage: NDArray[np.float64]
 
-    @classmethod
-    def of(
-        cls,
-        name: str,
-        demand: Samples,
-        state: Samples,
-        rate: Samples | None,
-        leverage: NDArray[np.float64],
-    ) -> ChannelRecord:
-        """A record without what was measured before or long after commands.
-
-        Args:
-            name: One of :data:`CHANNELS`.
-            demand: As above.
-            state: As above.
-            rate: As above.
-            leverage: As above, shape (m,), in [s] or [-].
+    def between_commands(self) -> ChannelRecord:
+        """The record without what was measured before or long after commands.
 
         Raises:
             ParameterError: There are too few measurements between commands.
         """
-        begin, end = demand.time[0] + WARM_UP, demand.time[-1] + 1.0
+        begin, end = self.demand.time[0] + WARM_UP, self.demand.time[-1] + 1.0
 
         def within(samples: Samples) -> Samples:
             inside = (samples.time >= begin) & (samples.time <= end)
             return Samples(samples.time[inside], samples.value[inside])
 
-        kept = within(state)
+        kept = within(self.state)
         length = kept.time[-1] - kept.time[0] if len(kept.time) else 0.0
         if not length >= SHORTEST:
             raise ParameterError(
-                f"channel {name}: {length:.1f} s of measurements with commands, must be at least "
-                f"{SHORTEST:g} s beginning {WARM_UP:g} s after the first command"
+                f"channel {self.name}: {length:.1f} s of measurements with commands, must be at "
+                f"least {SHORTEST:g} s beginning {WARM_UP:g} s after the first command"
             )
-        return cls(name, demand, kept, None if rate is None else within(rate), leverage)
+        return replace(self, state=kept, rate=None if self.rate is None else within(self.rate))
 
 
 class FlownPlan(NamedTuple):
@@ -225,17 +217,15 @@ class FlightRecord:
         time = self.demand.time
         turn, path, speed = (Samples(time, inputs) for inputs in self.demand.value.T)
         ones = np.ones_like(time)
-        lateral = ones
-        if self.airspeed is not None and len(self.airspeed.time):
-            lateral = _smooth(time, self.airspeed) / GRAVITY
+        lateral = ones if self.airspeed is None else _smooth(time, self.airspeed) / GRAVITY
         heading = self.heading._replace(value=np.unwrap(self.heading.value))
         found = [
-            ChannelRecord.of(TURN, turn, heading, _moving(self.turn_rate), lateral),
-            ChannelRecord.of(PATH, path, self.path_angle, _moving(self.path_angle_rate), ones),
+            ChannelRecord(TURN, turn, heading, _moving(self.turn_rate), lateral),
+            ChannelRecord(PATH, path, self.path_angle, _moving(self.path_angle_rate), ones),
         ]
         if self.airspeed is not None:
-            found.append(ChannelRecord.of(SPEED, speed, self.airspeed, None, ones))
-        return found
+            found.append(ChannelRecord(SPEED, speed, self.airspeed, None, ones))
+        return [channel.between_commands() for channel in found]
 
 
 def samples(time: ArrayLike, values: ArrayLike) -> Samples:
@@ -266,11 +256,18 @@ def _smooth(time: NDArray[np.float64], noisy: Samples) -> NDArray[np.float64]:
 
 
 class FlightWitness:
-    """Sees a simulated flight and keeps what a record of it needs."""
+    """Sees a flight and keeps what a record of it needs.
+
+    Attributes:
+        plans: As the aircraft got them.
+        measured: Of the aircraft, in the order in which it came.
+        airspeeds: (time [s], v [m/s]), where they were measured.
+    """
 
     def __init__(self) -> None:
-        self._plans: list[FlownPlan] = []
-        self._measured: list[Measurement] = []
+        self.plans: list[FlownPlan] = []
+        self.measured: list[Measurement] = []
+        self.airspeeds: list[tuple[float, float]] = []
 
     def __call__(self, now: float, measured: Measurement, command: Command | None) -> None:
         """Take note of a tick: a ``Witness`` of the closed loop.
@@ -280,10 +277,12 @@ class FlightWitness:
             measured: What the sensors say.
             command: What the controller answers; None for nothing.
         """
-        self._measured.append(measured)
+        self.measured.append(measured)
+        if measured.airspeed is not None:
+            self.airspeeds.append((measured.stamp, measured.airspeed))
         if command is not None:
             starts = command.stamp + command.step * np.arange(float(len(command.inputs)))
-            self._plans.append(FlownPlan(now, starts, command.inputs))
+            self.plans.append(FlownPlan(now, starts, command.inputs))
 
     def record(self) -> FlightRecord:
         """The flight so far.
@@ -291,13 +290,14 @@ class FlightWitness:
         Raises:
             ParameterError: There was no command.
         """
-        times = [measured.stamp for measured in self._measured]
+        times = [measured.stamp for measured in self.measured]
         columns = {
-            # As floats: what is None was not measured, and is no number.
-            name: samples(times, np.array([getattr(each, name) for each in self._measured], float))
-            for name in (*STATES, *OPTIONAL)
+            name: samples(times, [getattr(each, name) for each in self.measured])
+            for name in (*STATES, "turn_rate", "path_angle_rate")
         }
-        return FlightRecord(flown_demand(self._plans), **columns)
+        if self.airspeeds:
+            columns["airspeed"] = samples(*zip(*self.airspeeds, strict=True))
+        return FlightRecord(flown_demand(self.plans), **columns)
 
 
 def write_record(record: FlightRecord, path: Path) -> None:
@@ -329,16 +329,20 @@ def read_csv_record(path: Path) -> FlightRecord:
     """
     with path.open(newline="", encoding="utf-8-sig") as file:
         reader = csv.DictReader(file)
-        names = [name.strip() for name in reader.fieldnames or ()]
-        missing = [name for name in COLUMNS if name not in (*names, *OPTIONAL)]
+        reader.fieldnames = [name.strip() for name in reader.fieldnames or ()]
+        missing = [name for name in COLUMNS if name not in (*reader.fieldnames, *OPTIONAL)]
         if missing:
             raise ParameterError(
                 f"{path} has no columns {', '.join(missing)}; it must have "
                 f"{', '.join(name for name in COLUMNS if name not in OPTIONAL)} and may have "
                 f"{', '.join(OPTIONAL)}"
             )
-        reader.fieldnames = names
-        table = _table(path, reader, [name for name in COLUMNS if name in names])
+        names = [name for name in COLUMNS if name in reader.fieldnames]
+        rows = [
+            [_number(row[name], f"{path}, line {reader.line_num}: {name}") for name in names]
+            for row in reader
+        ]
+    table = dict(zip(names, np.reshape(rows, (-1, len(names))).T, strict=True))
     time = table.pop("time")
     inputs = np.column_stack([table.pop(name) for name in COMMANDS])
     commanded = np.isfinite(inputs).all(axis=1) & np.isfinite(time)
@@ -353,25 +357,17 @@ def read_csv_record(path: Path) -> FlightRecord:
     return FlightRecord(Samples(time[commanded][order], inputs[commanded][order]), **columns)
 
 
-def _table(
-    path: Path, reader: csv.DictReader[str], names: list[str]
-) -> dict[str, NDArray[np.float64]]:
-    """Columns by name, shape (n,) each; an empty cell is nan."""
-    columns: dict[str, list[float]] = {name: [] for name in names}
-    for row in reader:
-        for name in names:
-            text = (row[name] or "").strip()
-            try:
-                columns[name].append(float(text) if text else np.nan)
-            except ValueError:
-                raise ParameterError(
-                    f"{path}, line {reader.line_num}: {name} is {text!r}, must be a number or empty"
-                ) from None
-    return {name: np.array(values) for name, values in columns.items()}
+def _number(cell: str | None, where: str) -> float:
+    """What a cell holds; nan where it is empty."""
+    text = (cell or "").strip()
+    try:
+        return float(text or np.nan)
+    except ValueError:
+        raise ParameterError(f"{where} is {text!r}, must be a number or empty") from None
 
 
 def read_bag_record(path: Path) -> FlightRecord:
-    """Read a bag.
+    """Read a bag; messages that cannot be used are left out.
 
     Args:
         path: A file ``.mcap``, or the folder of a bag.
@@ -379,9 +375,7 @@ def read_bag_record(path: Path) -> FlightRecord:
     Raises:
         ParameterError: It is no bag, or does not hold commands and states.
     """
-    plans: list[FlownPlan] = []
-    states: list[tuple[float, ...]] = []  # time, psi, chi, psi', chi'
-    airspeeds: list[tuple[float, float]] = []
+    witness = FlightWitness()
     origin, clock = None, None  # [ns]
     for topic, heard, message in messages(path, TOPICS):
         if topic == CLOCK.name:
@@ -390,45 +384,28 @@ def read_bag_record(path: Path) -> FlightRecord:
         stamp = nanoseconds(message.header.stamp)
         origin = stamp if origin is None else origin
         time = (stamp - origin) * 1e-9  # as floats, whole times would lose nanoseconds
-        if topic == ODOMETRY.name:
-            states.append((time, *_course(message)))
-        elif topic == AIR_VELOCITY.name:
-            linear = message.twist.linear
-            airspeeds.append((time, float(np.linalg.norm([linear.x, linear.y, linear.z]))))
-        else:
-            plans.append(_plan(message, stamp, heard if clock is None else clock, origin))
-    for found, name in ((states, ODOMETRY.name), (plans, COMMAND.name)):
+        with contextlib.suppress(MessageError):
+            if topic == ODOMETRY.name:
+                witness.measured.append(measurement_from_odometry(message, time, ANY_FRAMES))
+            elif topic == AIR_VELOCITY.name:
+                witness.airspeeds.append((time, VALUES[topic](message)))
+            else:
+                inputs, starts = plan_from_command(message, ANY_FRAMES)
+                late = _lateness(stamp, heard if clock is None else clock)
+                witness.plans.append(FlownPlan(time + late, time + starts, inputs))
+    for found, name in ((witness.measured, ODOMETRY.name), (witness.plans, COMMAND.name)):
         if not found:
             raise ParameterError(f"bag {path} holds no {name}")
-    times, *values = zip(*states, strict=True)
-    names = (*STATES, "turn_rate", "path_angle_rate")
-    columns = {name: samples(times, each) for name, each in zip(names, values, strict=True)}
-    if airspeeds:
-        columns["airspeed"] = samples(*zip(*airspeeds, strict=True))
-    return FlightRecord(flown_demand(plans), **columns)
+    return witness.record()
 
 
-def _plan(message: Any, stamp: int, heard: int, origin: int) -> FlownPlan:
-    """The plan of a command; stamp, when it was heard and the origin of time are in [ns]."""
+def _lateness(stamp: int, heard: int) -> float:
+    """Time in [s] from the stamp of a command in [ns] to when it was heard in [ns]."""
     late = (heard - stamp) * 1e-9
     if not abs(late) <= APART:
         raise ParameterError(
             f"a command was heard {late:.3g} s after its stamp, may be {APART:g} s: bag and "
             "stamps do not share a clock; record /clock with simulated time"
         )
-    inputs, starts = [], []
-    for point in message.points:
-        angular, linear = point.velocities[0].angular, point.accelerations[0].linear
-        inputs.append((angular.z, pitch_rate_from_path_angle_rate(angular.y), linear.x))
-        starts.append((stamp + nanoseconds(point.time_from_start) - origin) * 1e-9)
     # A clock that stands between its ticks may be older than the stamp of a state just heard.
-    return FlownPlan((max(heard, stamp) - origin) * 1e-9, np.array(starts), np.array(inputs))
-
-
-def _course(message: Any) -> tuple[float, float, float, float]:
-    """(psi, chi, psi', chi') of an Odometry message, in [rad] and [rad/s]."""
-    q, angular = message.pose.pose.orientation, message.twist.twist.angular
-    heading, path_angle = course_from_quaternion(q.x, q.y, q.z, q.w)
-    rotation = rotation_from_quaternion(q.x, q.y, q.z, q.w)
-    turn_rate, path_angle_rate = course_rates(rotation, (angular.x, angular.y, angular.z))
-    return heading, path_angle, turn_rate, path_angle_rate
+    return max(late, 0.0)

@@ -75,14 +75,6 @@ class Estimate(NamedTuple):
     lower: float
     upper: float
 
-    def holds(self, truth: float) -> bool:
-        """Whether a value is in the interval.
-
-        Args:
-            truth: The value, in [s] or [-].
-        """
-        return self.lower <= truth <= self.upper
-
 
 class Estimates(NamedTuple):
     """What is known of a channel.

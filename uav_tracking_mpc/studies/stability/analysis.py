@@ -55,6 +55,7 @@ from uav_tracking_mpc.terminal.ingredients import (
 from uav_tracking_mpc.terminal.quadratic_bound import QuadraticBound
 
 Say = Callable[[str], None]
+ASCENTS = 12  # starts of a search for the largest ratio
 _SHARES = (0.98, 0.95, 0.9, 0.8, 0.65, 0.45, 0.25)  # -, of the level at which a violation is known
 
 
@@ -150,7 +151,7 @@ class Violation:
 
 
 def lowest_violation(
-    excess: Excess, ceiling: float, rays: int = 6000, starts: int = 16, seed: int = 0
+    excess: Excess, ceiling: float, rays: int = 6000, starts: int = 16
 ) -> Violation | None:
     """The lowest level found at which the bound fails.
 
@@ -159,12 +160,11 @@ def lowest_violation(
         ceiling: Greatest level to look at [-].
         rays: Directions tried.
         starts: Local descents from the best of them.
-        seed: Of the random directions.
 
     Returns:
         None if no ray meets a violation below the ceiling.
     """
-    rays_out = directions(excess.weight, rays, np.random.default_rng(seed))
+    rays_out = directions(excess.weight, rays, np.random.default_rng(0))
     hits: NDArray[np.float64] = np.zeros((0, rays_out.shape[1]))
     for level in ceiling * np.geomspace(1e-3, 1.0, 40):
         states = np.sqrt(level) * rays_out
@@ -218,23 +218,18 @@ def lipschitz_excess(
     return Excess(problem.dynamics(), ingredients.gain, weight, constant**2 * weight, linear)
 
 
-def largest_ratio(
-    excess: Excess, level: float, rays: int = 6000, starts: int = 12, seed: int = 0
-) -> Violation:
+def largest_ratio(excess: Excess, level: float) -> Violation:
     """State of x'Px <= level with the largest |F(x)|_P / |x|_P.
 
     Args:
         excess: |F|_P^2, so made with N = 0.
         level: varrho [-].
-        rays: Directions tried.
-        starts: Local ascents from the best of them.
-        seed: Of the random directions.
 
     Returns:
         The ratio as :attr:`Violation.level`, and the state.
     """
     weight = excess.weight
-    samples = directions(weight, rays, np.random.default_rng(seed))
+    samples = directions(weight, 6000, np.random.default_rng(0))
     states = np.vstack([np.sqrt(level * part) * samples for part in (1.0, 0.7, 0.4)])
     heights = np.einsum("ki,ij,kj->k", states, weight, states)
     ratios = np.nan_to_num(excess(states) / heights, nan=-np.inf, posinf=-np.inf)
@@ -248,7 +243,7 @@ def largest_ratio(
         return level - float(x @ weight @ x), -2.0 * weight @ x
 
     best = Violation(0.0, states[0])
-    for index in np.argsort(-ratios)[:starts]:
+    for index in np.argsort(-ratios)[:ASCENTS]:
         x = _minimiser(ratio, states[index], room, 1e-14)
         x = x * min(1.0, np.sqrt(level / float(x @ weight @ x)))
         value = -ratio(x)[0]

@@ -50,7 +50,7 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc.dynamics.vehicle import INPUT_NAMES
 from uav_tracking_mpc.terminal.certificate import FORMAT, digest, problem_parameters
 from uav_tracking_mpc.terminal.ingredients import StabilityProblem, TerminalIngredients
-from uav_tracking_mpc.terminal.interval import Interval, columns, inverse_of, quadratic
+from uav_tracking_mpc.terminal.interval import Interval, inverse_of, quadratic
 from uav_tracking_mpc.terminal.quadratic_bound import (
     HALF_TURN,
     ClosedLoop,
@@ -272,9 +272,8 @@ def limits(problem: StabilityProblem, ingredients: TerminalIngredients) -> tuple
     def limit(name: str, room: Interval, c: ArrayLike) -> Limit:
         if not room.lower > 0.0:
             return Limit(name, 0.0)
-        reach = quadratic(inverse, columns(np.array([c], dtype=float)))
-        level = (room.square() / reach).lower
-        return Limit(name, float(level.item()) * (1.0 - 1e-12))
+        level = (room.square() / quadratic(inverse, Interval(c))).lower
+        return Limit(name, float(level) * (1.0 - 1e-12))
 
     inputs = []
     for i, (name, row) in enumerate(zip(INPUT_NAMES, ingredients.gain, strict=True)):
@@ -371,8 +370,7 @@ def lipschitz_bound(
         level: varrho [-].
     """
     weight = ingredients.weight
-    square = Interval(constant).square()
-    right = [[square * entry for entry in row] for row in weight]
+    right = Interval(constant).square() * weight
     loop = closed_loop(problem, ingredients)
     return QuadraticBound(loop, weight, right, level, ingredients.closed_loop)
 

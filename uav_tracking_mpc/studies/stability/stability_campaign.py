@@ -99,7 +99,6 @@ def attraction_map(
     where: Map,
     horizon: int,
     workers: int | None = None,
-    show: bool = True,
 ) -> Map:
     """Map X_N over a slice.
 
@@ -109,7 +108,6 @@ def attraction_map(
         where: The slice.
         horizon: N [-].
         workers: Processes, all cores by default.
-        show: Progress bar on stderr.
     """
     changed, marked = replace(problem, horizon=horizon), marked_state(problem)
     first, second = where["coordinates"]
@@ -118,7 +116,7 @@ def attraction_map(
     states[:, :, COORDINATES[second]] = where["second"]
     pieces = [(changed, level, row) for row in (*states, marked[None])]
     label = f"X_{horizon} over {first}, {second}"
-    *rows, (marked_cost,) = parallel_map(_solve_row, pieces, workers, label, show)
+    *rows, (marked_cost,) = parallel_map(_solve_row, pieces, workers, label)
     costs = np.array(rows)
     return {
         "horizon": horizon,
@@ -250,7 +248,6 @@ def fly_nmpc(
     states: NDArray[np.float64],
     steps: int = 20,
     workers: int | None = None,
-    show: bool = True,
 ) -> dict[str, Any]:
     """Fly the NMPC with the hard terminal set from every state.
 
@@ -260,11 +257,10 @@ def fly_nmpc(
         states: Shape (count, 5).
         steps: Of every flight; it ends sooner once the cost is below a millionth of varrho.
         workers: Processes.
-        show: Progress bar on stderr.
     """
     chunks = np.array_split(np.asarray(states, dtype=float), max(1, len(states) // 50))
     pieces = [(problem, level, chunk, steps) for chunk in chunks]
-    parts = parallel_map(_fly_piece, pieces, workers, "NMPC flights", show)
+    parts = parallel_map(_fly_piece, pieces, workers, "NMPC flights")
     flights = [flight for part in parts for flight in part]
     counts = {name: sum(flight[name] for flight in flights) for name in ("steps", *EXCLUDED)}
     largest = max((flight["height"] for flight in flights), default=0.0) / level

@@ -43,9 +43,9 @@ from uav_tracking_mpc.nodes.topics import (
     ],
 )
 def test_so_much_arrives_so_late(label, share, latest):
-    heard = arrivals(label, ODOMETRY, 1000)
+    heard = arrivals(label, ODOMETRY, 400)
     delays = np.array([delay for delay, _ in heard])
-    assert len(heard) / 1000 == share
+    assert len(heard) / 400 == share
     assert delays.min() < 0.02
     assert delays.max() == pytest.approx(latest, abs=0.02)
     if label == "odometry_reordered":
@@ -79,15 +79,12 @@ def test_silence_leaves_nothing(label, topics):
 )
 def test_absurd_places_pass_every_check_of_a_single_message(label, topic, read):
     values = np.array([read(message) for _, message in arrivals(label, topic)])
-    assert np.all(np.isfinite(values))
-    assert np.max(np.abs(values)) > 1e6
+    assert np.isfinite(values).all() and np.abs(values).max() > 1e6
 
 
 def test_a_target_leaps_to_one_place_and_stays_there():
-    places = {
-        (message.point.x, message.point.y) for _, message in arrivals("target_teleport", TARGET)
-    }
-    ((x, y),) = places
+    leapt = [message.point for _, message in arrivals("target_teleport", TARGET)]
+    ((x, y),) = {(point.x, point.y) for point in leapt}
     assert math.hypot(x - 1.0, y - 2.0) == pytest.approx(REACH)
 
 

@@ -16,6 +16,7 @@ import os
 import random
 import time
 from types import SimpleNamespace
+from unittest.mock import Mock, call
 
 import pytest
 
@@ -38,19 +39,9 @@ from uav_tracking_mpc.studies.faults.kinds.nodes import (
 )
 
 
-class Calls:
-    """A supervisor that writes down what it is asked for."""
-
-    def __init__(self):
-        self.made = []
-
-    def __getattr__(self, action):
-        return lambda name: self.made.append((action, name))
-
-
 @pytest.fixture
 def flight():
-    return SimpleNamespace(supervisor=Calls(), observer=SimpleNamespace(heard={"b": 50.0}))
+    return Mock(observer=SimpleNamespace(heard={"b": 50.0}))
 
 
 def test_a_killed_node_is_started_and_must_be_heard_again(flight, monkeypatch):
@@ -59,7 +50,7 @@ def test_a_killed_node_is_started_and_must_be_heard_again(flight, monkeypatch):
     fault = Kill("b")
     fault.begin(flight, 0.5, 0)
     fault.end(flight)
-    assert flight.supervisor.made == [("kill", "b"), ("restart", "b")]
+    assert flight.supervisor.mock_calls == [call.kill("b"), call.restart("b")]
     assert not fault.settled(flight)
     assert fault.violations(flight) == []
     now[0] += RESTART_LIMIT + 1.0
@@ -75,8 +66,8 @@ def test_a_frozen_node_goes_on(flight):
     for fault in Stop.variants():
         fault.begin(flight, 1.0, 0)
         fault.end(flight)
-    frozen = [(action, node) for node in NODES for action in ("freeze", "thaw")]
-    assert flight.supervisor.made == frozen
+    frozen = [made(node) for node in NODES for made in (call.freeze, call.thaw)]
+    assert flight.supervisor.mock_calls == frozen
 
 
 def test_busy_processes_are_ended():
@@ -93,26 +84,19 @@ KNOWN = specifications(TrackingParameters)
 CONFIGURED = {known.name: known.default for known in KNOWN}
 
 
-def test_a_storm_asks_for_sane_and_absurd_values_and_puts_back(monkeypatch):
+def test_a_storm_asks_for_sane_and_absurd_values_and_puts_back(flight, monkeypatch):
     monkeypatch.setattr(nodes, "PERIOD", 0.0)
-    asked, put_back = [], []
-    client = SimpleNamespace(
-        known=list(KNOWN),
-        configured=CONFIGURED,
-        ask=asked.append,
-        put_back=lambda: put_back.append(True),
-        settled=True,
-    )
-    flight = SimpleNamespace(parameters=client)
+    client = flight.parameters
+    client.known, client.configured = list(KNOWN), CONFIGURED
     fault = ParameterStorm()
     fault.begin(flight, 1.0, 3)
     for _ in range(200):
         fault.during(flight)
-    names = {name for values in asked for name in values}
+    names = {name for asked in client.ask.mock_calls for name in asked.args[0]}
     assert names >= {*CONFIGURED, "use_sim_time", "no_such_parameter"}
     fault.end(flight)
-    assert put_back
-    assert fault.settled(flight)
+    client.put_back.assert_called_once_with()
+    assert fault.settled(flight) is client.settled
 
 
 def test_sane_values_do_not_widen_what_commands_are_held_to():
@@ -128,15 +112,11 @@ def test_sane_values_do_not_widen_what_commands_are_held_to():
                 assert abs(value) <= abs(own) * (1.0 if known.name in LIMITS else 1.1)
 
 
-def test_the_least_budget_is_asked_for_last_and_put_back():
-    asked = []
-    client = SimpleNamespace(
-        ask=lambda values: asked.append(values["solve_time_max"]),
-        put_back=lambda: asked.append("put back"),
-        settled=False,
-    )
-    flight, fault = SimpleNamespace(parameters=client), SolverBudget()
+def test_the_least_budget_is_asked_for_last_and_put_back(flight):
+    fault = SolverBudget()
     fault.begin(flight, 1.0, 0)
     fault.end(flight)
-    assert asked == [*sorted(asked[:-1], reverse=True), "put back"]
-    assert not fault.settled(flight)
+    *asked, last = flight.parameters.mock_calls
+    budgets = [each.args[0]["solve_time_max"] for each in asked]
+    assert budgets == sorted(budgets, reverse=True)
+    assert last == call.put_back()

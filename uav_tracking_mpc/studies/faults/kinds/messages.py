@@ -28,7 +28,6 @@ from uav_tracking_mpc.studies.faults.kinds import Fault
 from uav_tracking_mpc.studies.faults.stream_fault import (
     FAMILIES,
     ChangeFault,
-    MessageFault,
     StreamFault,
     TopicFault,
     numbers,
@@ -223,7 +222,7 @@ CHANGES: dict[str, tuple[Callable[[Topic, Any, random.Random], None], tuple[Topi
 }
 
 
-class Corruption(MessageFault):
+class Corruption(ChangeFault, TopicFault):
     """Corrupts every other message of a topic in one way.
 
     Args:
@@ -232,6 +231,7 @@ class Corruption(MessageFault):
     """
 
     name = "corruption"
+    share = 0.5
 
     def __init__(self, topic: Topic, word: str) -> None:
         super().__init__(topic)
