@@ -41,7 +41,7 @@ class AirFilter(AirEstimate):
         )  # fmt: skip
         rates = np.array([turn, 0.0, 0.0])
         state = measurement.state(speed)
-        self.found = self.update(measurement, state, rates, 120.0, False)
+        self.found = self.update(measurement, state, rates, 0.0, False)
 
 
 def flown(

@@ -66,7 +66,7 @@ class AirCheck(Evaluated):
             seen = heading, reading, present, level, air, deviation, moved, forward
             return air_checked(known, dt, *seen)
 
-        super().__init__(check, AIR_CHECK, initial_air_check(), [1, 1, 1, 1, 1, 4, 1, 3, 1])
+        super().__init__(check, AIR_CHECK, initial_air_check(), [1, 1, 1, 1, 1, 4, 2, 3, 1])
         self.time = 0.0
 
     @property
@@ -77,7 +77,7 @@ class AirCheck(Evaluated):
     def judge(self, time, heading, reading, level, air, deviations, explained, acceleration):
         elapsed, self.time = time - self.time, time
         present = reading is not None
-        seen = heading, reading or 0.0, present, level, np.concatenate(air), max(deviations)
+        seen = heading, reading or 0.0, present, level, np.concatenate(air), deviations
         turned, along = self(elapsed, *seen, explained, acceleration)
         return float(turned[0]), float(along[0])
 

@@ -158,7 +158,7 @@ class AirEstimate:
         measurement: Measurement,
         vehicle: NDArray[np.float64],
         rates: NDArray[np.float64],
-        height: float,
+        ground: float,
         missing: bool,
     ) -> AircraftInAir:
         """Take in a measurement.
@@ -167,11 +167,16 @@ class AirEstimate:
             measurement: Of the path through the air.
             vehicle: (x, y, z, psi, chi, v) of it, shape (6,).
             rates: psi' and chi' as measured in [rad/s], v' as commanded in [m/s^2], shape (3,).
-            height: Above ground in [m], for the length of the gusts.
+            ground: Height of the ground in ``map`` in [m], for the length of the gusts.
             missing: Whether there is no airspeed.
+
+        Raises:
+            ValueError: There has been no position since the flight began.
         """
-        seen, noise, scales = self._seen, measurement.noise, gust_scales(height, 0.0)
-        seen.position[:], seen.placed[0] = vehicle[:3], 1.0
+        seen, noise, state = self._seen, measurement.noise, self._filter.state
+        placed = measurement.placed
+        seen.position[:], seen.placed[0] = vehicle[:3] if placed else state[P], placed
+        scales = gust_scales(float(seen.position[2]) - ground, 0.0)
         seen.ground[:] = measurement.ground_velocity
         seen.heading[0] = measurement.heading if missing else vehicle[3]
         seen.path_angle[0], seen.airspeed[0], seen.measured[0] = vehicle[4], vehicle[5], not missing
@@ -181,6 +186,8 @@ class AirEstimate:
         seen.scales[:2], seen.scales[2] = scales.long, scales.short
         elapsed = -1.0 if self._time is None else measurement.stamp - self._time
         if not 0.0 <= elapsed <= LONGEST_GAP:
+            if not placed:
+                raise ValueError("no position is known")
             elapsed = 0.0
             self._begin()
         self._time, seen.elapsed[0] = measurement.stamp, elapsed
@@ -191,10 +198,9 @@ class AirEstimate:
     def _begin(self) -> None:
         """Let position and motion begin anew, whatever was known of them."""
         seen, known = self._seen, self._known
-        if seen.placed[0]:
-            for lane in LANES:
-                parts = LANE.parts(getattr(known, lane))
-                wind_filter.begin_position(parts, seen.position, seen.position_noise)
+        for lane in LANES:
+            parts = LANE.parts(getattr(known, lane))
+            wind_filter.begin_position(parts, seen.position, seen.position_noise)
         motion = np.concatenate([seen.heading, seen.path_angle, seen.airspeed])
         rate_aided.begin_values(RATE_AIDED.parts(known.aided), motion, seen.rates, seen.noise)
         known.velocity[:] = known.place[:] = 0.0
@@ -255,7 +261,7 @@ def _step() -> ca.Function:
         seen.measured,
         ca.fmax(level * (1.0 - state[ALPHA]), LEAST_LEVEL),
         (u[0], u[1]),
-        ca.sqrt(ca.fmax(ca.mmax(ca.vertcat(*level_wind)), 0.0)),
+        ca.sqrt(ca.fmax(ca.vertcat(*[ca.mmax(each) for each in level_wind]), 0.0)),
         ca.vertcat((blind[W] + blind[G])[:2], blind[BETA] * seen.airspeed),
         seen.rates[2],
     )

@@ -80,7 +80,7 @@ AIRSPEED, HEADING = 0, 1
 # Residuals (r, c) in m/s by the wind without airspeed, then by that without heading: without noise,
 # as of some seconds ago, and what lasts; and mean squares of what gusts make of them.
 AIR_CHECK = Layout(
-    reasons=2, agreed=2, now=4, before=4, lasting=4, jumps=4, offsets=4, weight=1, explained=3,
+    reasons=2, agreed=2, now=4, before=4, lasting=4, jumps=4, offsets=4, weight=2, explained=3,
     moved=1, reading=1, stood=1, gained=1, speed=1,
 )  # fmt: skip
 
@@ -179,7 +179,7 @@ def air_checked(
     present: ca.SX,
     level: ca.SX,
     air: tuple[ca.SX, ca.SX],
-    wind_deviation: ca.SX,
+    wind_deviations: ca.SX,
     explained: ca.SX,
     acceleration: ca.SX,
 ) -> tuple[ca.SX, ca.SX, ca.SX]:
@@ -194,7 +194,8 @@ def air_checked(
         level: Share of it that is level, less what it is known to read too much, [-].
         air: u by a wind that owes nothing to the airspeed, and by one that owes nothing to the
             heading, shape (2,) each, in [m/s].
-        wind_deviation: Standard deviation of the worse of these winds in [m/s].
+        wind_deviations: Standard deviations of these winds, shape (2,), in [m/s]; a sensor is judged
+            while that of its wind is small.
         explained: Of the estimate that owes nothing to the airspeed what it holds for wind and
             gust, and for the heading's bias times airspeed, shape (3,), in [m/s].
         acceleration: That is commanded and flown in [m/s^2].
@@ -213,7 +214,8 @@ def air_checked(
         speed = ca.norm_2(each)
         off = ca.remainder(ca.atan2(each[1], each[0]) - heading, math.tau)
         residuals += [ca.if_else(present, level * reading - speed, 0.0), speed * off]
-    compared = ca.logic_and(elapsed > 0.0, wind_deviation <= WIND_KNOWN)
+    known_winds = ca.logic_and(elapsed > 0.0, wind_deviations <= WIND_KNOWN)
+    compared = ca.vertsplit(known_winds)
     moved = ca.fmax(
         ca.norm_2(explained - known.explained), known.moved * ca.exp(-elapsed / CHANGES)
     )
@@ -225,15 +227,17 @@ def air_checked(
         reasons,
         weight,
         ca.vertcat(*residuals),
-        TURNED * wind_deviation,
+        TURNED * wind_deviations,
         MOVES * moved,
     )
     for name, value in vars(after).items():
-        setattr(known, name, ca.if_else(compared, value, getattr(known, name)))
-    known.weight = ca.if_else(compared, after.weight, 0.0)
-    known.moved = ca.if_else(compared, moved, 0.0)
-    known.explained = ca.if_else(compared, followed, explained)
-    known.reasons = ca.if_else(compared, agreed, ca.vertcat(*reasons))
+        before = getattr(known, name)
+        of_each = [known_winds[k * 2 // value.numel()] for k in range(value.numel())]
+        setattr(known, name, ca.if_else(ca.vertcat(*of_each), value, before))
+    known.weight = ca.if_else(known_winds, after.weight, 0.0)
+    known.moved = ca.if_else(compared[AIRSPEED], moved, 0.0)
+    known.explained = ca.if_else(compared[AIRSPEED], followed, explained)
+    known.reasons = ca.if_else(known_winds, agreed, ca.vertcat(*reasons))
     no_airspeed, no_heading = known.reasons[AIRSPEED] > 0.0, known.reasons[HEADING] > 0.0
     way = ca.if_else(no_airspeed, air[0], air[1])
     along = ca.if_else(no_heading, ca.norm_2(air[0]), along)
@@ -274,11 +278,11 @@ def _compared(
     changes: ca.SX,
 ) -> tuple[ca.SX, SimpleNamespace]:
     """States of both sensors, and the rest of what is known, after residuals have been followed."""
-    begins = weight == 0.0
+    begins = _of_residuals(weight == 0.0)
     now = ca.if_else(begins, residuals, known.now)
     before = ca.if_else(begins, residuals, known.before)
     lasting = ca.if_else(begins, 0.0, known.lasting)
-    weight = ca.fmin(ca.if_else(begins, PRIOR_TIME, weight) + elapsed, COMPARED)
+    weight = ca.fmin(ca.if_else(weight == 0.0, PRIOR_TIME, weight) + elapsed, COMPARED)
     now += ca.fmin(elapsed / SMOOTHING, 1.0) * (residuals - now)
     before += elapsed / CHANGE_TIME * (now - before)
     lasting += elapsed / LASTING * (now - lasting)
@@ -286,7 +290,7 @@ def _compared(
     again = [ca.SX(0.0)] * 2
     for which in (AIRSPEED, HEADING):
         own, other = 3 * which, 1 + which  # of the residuals: its own one, and the other one
-        most = LEAST_JUMP + DEVIATIONS * (ca.sqrt(known.jumps[other]) + turned)
+        most = LEAST_JUMP + DEVIATIONS * (ca.sqrt(known.jumps[other]) + turned[which])
         most = ca.fmax(most, DOMINANCE * ca.fabs(jumps[other]))
         least = LEAST_OFFSET + DEVIATIONS * ca.sqrt(known.offsets[other])
         least = changes + ca.fmax(least, DOMINANCE * ca.fabs(lasting[other]))
@@ -295,7 +299,7 @@ def _compared(
         jumped = ca.fabs(jumps[own]) > most
         off = ca.fabs(lasting[own]) > least
         # A bias from the start has been found by then, and is none of this.
-        off = off * (weight >= COMPARED) if which == AIRSPEED else ca.SX(0.0)
+        off = off * (weight[AIRSPEED] >= COMPARED) if which == AIRSPEED else ca.SX(0.0)
         found = ca.if_else(jumped, CODE[JUMPED], off * CODE[OFF])
         agrees = ca.fabs(now[own]) < AGREEING * ca.fmin(most, least)
         if which == AIRSPEED:
@@ -309,7 +313,7 @@ def _compared(
     anew = ca.vertcat(*again, *again)
     before, lasting = (ca.if_else(anew, now, value) for value in (before, lasting))
     used = [reason == CODE[USED] for reason in reasons]
-    share = elapsed / weight * ca.vertcat(*used, *used)
+    share = elapsed / _of_residuals(weight) * ca.vertcat(*used, *used)
     after = SimpleNamespace(
         now=now,
         before=before,
@@ -320,3 +324,8 @@ def _compared(
         offsets=known.offsets + share * (lasting**2 - known.offsets),
     )
     return ca.vertcat(*reasons), after
+
+
+def _of_residuals(winds: ca.SX) -> ca.SX:
+    """Of each of the four residuals, from what is of each of the two winds."""
+    return winds[[0, 0, 1, 1]]

@@ -48,7 +48,7 @@ def test_every_value_has_its_unit_and_is_the_filters():
         heading = 0.07 * time
         ground = 22.0 * np.array([np.cos(heading), np.sin(heading), 0.0]) + wind
         seen = Measurement(time, np.zeros(3), ground, heading, 0.0, 0.07)
-        air.update(seen, seen.state(22.0), np.array([0.07, 0.0, 0.0]), 120.0, False)
+        air.update(seen, seen.state(22.0), np.array([0.07, 0.0, 0.0]), 0.0, False)
     values = air_values(air)
     assert all(key.endswith(("]", " sensor")) for key in values)
     assert values["airspeed sensor"] == "used"
