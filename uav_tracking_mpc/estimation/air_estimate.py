@@ -340,7 +340,7 @@ def _step() -> ca.Function:
         changed=changed,
     )
     results = [MEMORY.joined(remembered), FOUND.joined(found)]
-    return ca.Function("air_estimate", [memory, measured], results, {"cse": True})
+    return ca.Function("air_estimate", [memory, measured], results)
 
 
 def _loose(heading: ca.SX, airspeed: ca.SX | float, across: ca.SX | float) -> ca.SX:
