@@ -21,6 +21,7 @@ import pytest
 
 from uav_tracking_mpc.estimation.air_estimate import AirEstimate
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement, SensorNoise
+from uav_tracking_mpc.estimation.wind_filter import DIAGONAL, SIZE, G, P, W
 
 STEP, SPEED, TURN = 0.05, 22.0, 0.073
 
@@ -200,3 +201,52 @@ def test_a_wind_that_turns_at_once_is_believed_after_a_second():
         position = position + STEP * (air + wind)
         if time > 33.0:
             np.testing.assert_allclose(filter_.mean_wind + filter_.gust, after, atol=0.5)
+
+
+def covariance(lane):
+    """Of a filter's state, from its upper triangle by columns."""
+    upper = np.zeros((SIZE, SIZE))
+    upper.T[np.tril_indices(SIZE)] = lane.triangle
+    np.testing.assert_array_equal(np.diag(upper), lane.triangle[DIAGONAL])
+    return upper + np.triu(upper, 1).T
+
+
+def normalised_errors(seed, noise, walk):
+    """Squared errors of position and of wind with gust, over their covariances, as it circles."""
+    random, filter_ = np.random.default_rng(seed), AirFilter()
+    position, wind = np.array([0.0, 0.0, 120.0]), np.array([5.0, -3.0, 0.0])
+    times = np.array([275.0, 275.0, 120.0]) / SPEED
+    spread, decay, rows = np.sqrt(0.5 * walk * times), np.exp(-STEP / times), []
+    gust = spread * random.standard_normal(3)
+    seen = np.zeros((2, 3, SIZE))
+    seen[0][:, P] = seen[1][:, W] = seen[1][:, G] = np.eye(3)
+    for k in range(round(80.0 / STEP)):
+        psi = TURN * k * STEP
+        air = SPEED * np.array([np.cos(psi), np.sin(psi), 0.0])
+        blown = [position, air + wind + gust]
+        place, ground = (
+            each + size * random.standard_normal(3) for each, size in zip(blown, noise, strict=True)
+        )
+        filter_.see(k * STEP, place, ground, air, *[(size,) * 3 for size in noise])
+        if k * STEP > 30.0 and k % 20 == 0:
+            known = filter_._filter
+            errors = known.state[P] - position, known.state[W] + known.state[G] - wind - gust
+            rows.append(
+                [
+                    error @ np.linalg.solve(part @ covariance(known) @ part.T, error)
+                    for part, error in zip(seen, errors, strict=True)
+                ]
+            )
+        middle = psi + 0.5 * TURN * STEP
+        position = position + STEP * SPEED * np.array([np.cos(middle), np.sin(middle), 0.0])
+        position = position + STEP * (wind + gust)
+        gust = decay * gust + spread * np.sqrt(1.0 - decay**2) * random.standard_normal(3)
+    return np.array(rows)
+
+
+@pytest.mark.parametrize(("noise", "walk"), [((1.0, 0.3), 1.0), ((0.3, 0.1), 0.25)])
+def test_errors_are_as_large_as_the_filter_says(noise, walk):
+    """NEES, mean over flights: 3 of a filter that knows all; this one may only be pessimistic."""
+    place, air = np.concatenate([normalised_errors(seed, noise, walk) for seed in range(3)]).mean(0)
+    assert 1.5 < place < 3.5
+    assert 0.75 < air < 3.5

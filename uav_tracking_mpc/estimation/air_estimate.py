@@ -297,10 +297,7 @@ def _step() -> ca.Function:
         loose = _loose(
             heading, 1.0 if which == NO_AIRSPEED else out[0], 1.0 if which == NO_HEADING else out[1]
         )
-        trend = wind_filter.QUICK_TREND if which == MAIN else wind_filter.SLOW_TREND
-        ahead.append(
-            wind_filter.predicted(lane, dt, velocity_through, seen.scales, loose, walks, trend)
-        )
+        ahead.append(wind_filter.predicted(lane, dt, velocity_through, seen.scales, loose, walks))
     ground = ca.if_else(odd, wind_filter.expected_velocity(ahead[MAIN]), seen.ground)
     sample = wind_filter.sampled(ahead[MAIN], position, ground)
     told, told_velocity = seen.position_noise**2, seen.velocity_noise**2

@@ -76,7 +76,7 @@ COMPARED = 60.0  # s, memory of the gusts
 PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts taken at first, and how much that weighs
 AGREEING, AGREED_FOR = 0.5, 5.0  # -, s: share of the limits to be kept to, to be used again
 STUCK_FOR, STUCK_CHANGE = 1.0, 0.4  # s and m/s: of a reading, and of the speed meanwhile
-AIRSPEED, HEADING = 0, 1  # -, index of the sensors
+AIRSPEED, HEADING = 0, 1
 # Residuals (r, c) in m/s by the wind without airspeed, then by that without heading: without noise,
 # as of some seconds ago, and what lasts; and mean squares of what gusts make of them.
 AIR_CHECK = Layout(
@@ -194,8 +194,8 @@ def air_checked(
         level: Share of it that is level, less what it is known to read too much, [-].
         air: u by a wind that owes nothing to the airspeed, and by one that owes nothing to the
             heading, shape (2,) each, in [m/s].
-        wind_deviations: Standard deviations of these winds, shape (2,), in [m/s]; a sensor is judged
-            while that of its wind is small.
+        wind_deviations: Standard deviations of these winds, shape (2,), in [m/s]; a sensor is
+            judged while that of its wind is small.
         explained: Of the estimate that owes nothing to the airspeed what it holds for wind and
             gust, and for the heading's bias times airspeed, shape (3,), in [m/s].
         acceleration: That is commanded and flown in [m/s^2].

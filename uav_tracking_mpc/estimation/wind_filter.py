@@ -58,10 +58,7 @@ AIRSPEED_SHARE, HEADING_BIAS = 0.02, 0.02  # -, rad
 WIND_WALK, GROUND_WALK, SHARE_WALK, HEADING_WALK = 0.03, 0.01, 2e-4, 2e-4
 POSITION_NOISE, VELOCITY_NOISE = 0.1, 0.05  # m, m/s: least standard deviations believed
 GUST_WALK = 1.0  # m^2/s^3, that of moderate gusts, until it is seen how strong they are
-# Deviation of the wind's change in m/s^2, how long it lasts in s: of the filter that is flown by,
-# which follows quickly, and of those that judge sensors, or a wind would explain a sensor that drifts
-QUICK_TREND, SLOW_TREND = (0.2, 4.0), (0.03, 60.0)
-TREND = 0.006  # m/s^2, before anything is measured
+TREND, TREND_TIME = 0.03, 60.0  # m/s^2, s: deviation of the wind's change, how long it lasts
 # Over which the air velocity is averaged that multiplies alpha and beta. A gust changes the
 # airspeed of a real aircraft, and its heading as it weathercocks, before it moves the aircraft:
 # v_measured - a then changes exactly as -a does, and the gust would be taken for alpha.
@@ -90,7 +87,7 @@ def initial_lane() -> NDArray[np.float64]:
     """What a filter knows before anything is measured, shape (LANE.size,)."""
     memory = np.zeros(LANE.size)
     deviations = [POSITION_NOISE, WIND, GUST, GROUND_BIAS]
-    prior = [*np.repeat(deviations, 3), TREND, TREND, AIRSPEED_SHARE, HEADING_BIAS]
+    prior = [*np.repeat(deviations, 3), 0.2 * TREND, 0.2 * TREND, AIRSPEED_SHARE, HEADING_BIAS]
     LANE.parts(memory).triangle[DIAGONAL] = np.square(prior)
     return memory
 
@@ -112,13 +109,7 @@ def begin_position(
 
 
 def predicted(
-    lane: SimpleNamespace,
-    elapsed: ca.SX,
-    air: ca.SX,
-    scales: ca.SX,
-    loose: ca.SX,
-    walks: ca.SX,
-    trend: tuple[float, float],
+    lane: SimpleNamespace, elapsed: ca.SX, air: ca.SX, scales: ca.SX, loose: ca.SX, walks: ca.SX
 ) -> SimpleNamespace:
     """A filter after a time, before it is corrected.
 
@@ -129,7 +120,6 @@ def predicted(
         scales: Lengths of gusts on each axis, shape (3,), in [m].
         loose: Directions in which a is a guess, times its deviation, shape (3, n), in [m/s].
         walks: Intensities of the level and the vertical gusts in [m^2/s^3].
-        trend: Standard deviation of the wind's change [m/s^2], and how long it lasts [s].
 
     Returns:
         As :data:`LANE`, but the covariance as a matrix; and the gusts' correlation times [s].
@@ -140,7 +130,7 @@ def predicted(
     steady, turn_rate = _averaged(elapsed, lane.turn_rate, before, air, steady)
     mean = 0.5 * (before + air)
     times = scales / ca.fmax(ca.norm_2(mean), 1.0)
-    decay, lasts = ca.exp(-elapsed / times), ca.exp(-elapsed / trend[1])
+    decay, lasts = ca.exp(-elapsed / times), ca.exp(-elapsed / TREND_TIME)
     transition = ca.SX(ca.DM.eye(SIZE))
     across = _across(steady)
     for axis in range(3):
@@ -158,7 +148,7 @@ def predicted(
     # A random walk of intensity q is a short piece of a gust of variance q T / 2.
     spread[G] = 0.5 * ca.vertcat(walks[0], walks[0], walks[1]) * times * (1.0 - decay**2)
     spread[W], spread[B] = WIND_WALK**2 * elapsed, GROUND_WALK**2 * elapsed
-    spread[T] = trend[0] ** 2 * (1.0 - lasts**2)
+    spread[T] = TREND**2 * (1.0 - lasts**2)
     spread[ALPHA], spread[BETA] = SHARE_WALK**2 * elapsed, HEADING_WALK**2 * elapsed
     covariance = ca.triu2symm(ca.SX(ca.Sparsity.upper(SIZE), lane.triangle))
     covariance = transition @ covariance @ transition.T + ca.diag(spread)
