@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Random flights: a sensor that fails is named, no other is, and the airspeed stays in its limits."""
+"""Random flights: a sensor that fails is named, no other is, and airspeed limits are kept."""
 
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
