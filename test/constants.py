@@ -45,8 +45,8 @@ HEADINGS = (
     "constant", "module", "value", "unit", "kind", "what it is for", "source",
     "noticed when halved", "when doubled",
 )  # fmt: skip
-# Redesigned at present; and an example of what is generated for each problem.
-LEFT_OUT = re.compile(r"estimation/.*|control/adaptation\.py|mpc/newton/stage\.py")
+# An example of what is generated for each problem.
+LEFT_OUT = re.compile(r"mpc/newton/stage\.py")
 DISPLAY = re.compile(r"(view|report)/(?!metrics|bag).*|studies/.*(figures?|page)\.py")
 # Patterns of the unit and of words of the comment for each kind; the first that fits decides.
 KINDS = (

@@ -28,26 +28,25 @@ class NoiseMeter:
 
     def __init__(self, deviation, memory, walk=0.0, size=1):
         self.meters = NoiseMeters([Signal(size, deviation, walk)], memory)
-        sizes = len(self.meters.state), len(self.meters.compared), size, 1
-        symbols = [ca.SX.sym(f"s{k}", n) for k, n in enumerate(sizes)]
-        after, variance = self.meters.metered(*symbols)
-        self.update = ca.Function("update", symbols, [after, variance])
-        self.walks = ca.Function("walks", symbols[:1], [self.meters.walks(symbols[0])])
+        known, parts = self.meters.layout.symbol("known")
+        symbols = [ca.SX.sym(name, count) for name, count in (("dt", 1), ("x", size), ("told", 1))]
+        metered = self.meters.metered(parts, *symbols)
+        self.update = ca.Function("update", [known, *symbols], metered)
+        self.walks = ca.Function("walks", [known], [self.meters.walks(parts)])
         self.reset()
 
     def reset(self):
-        self.meters.reset()
-        self.variance = self.meters.state[-1]
+        self.known, self.time = self.meters.initial(), -np.inf
+        self.variance = self.meters.layout.parts(self.known).held[0]
 
     def see(self, time, signal, told=0.0):
-        self.meters.begin(time)
-        after, variance = self.update(self.meters.state, self.meters.compared, signal, told)
-        self.meters.state[:], self.variance = np.array(after).ravel(), float(variance)
-        self.meters.keep(signal)
+        elapsed, self.time = min(time - self.time, 1e3), time
+        known, variance = self.update(self.known, elapsed, signal, told)
+        self.known, self.variance = np.array(known).ravel(), float(variance)
 
     @property
     def walk(self):
-        return float(self.walks(self.meters.state))
+        return float(self.walks(self.known))
 
     @property
     def deviation(self):

@@ -19,13 +19,12 @@
 ``state_gate``           which measurements are believed
 ``air_data``             the airspeed that belongs to a measurement
 ``flight_path``          path through the air, from the attitude of the body
-``air_estimate``         aircraft and air, by three filters, two of which judge a sensor each
-``air_check``            whether airspeed and heading fit the wind, and what stands in for them
+``air_estimate``         aircraft and air: three filters, two of which judge a sensor each
+``sensor_check``         which of position, ground velocity, airspeed and heading are believed
 ``sensor_health``        which sensors are used, and why one is not
-``noise_meter``          how noisy a signal is, and how much it wanders
-``rate_aided_filter``    angles and speeds, from themselves and rates whose biases are taken out
+``rate_aided``           angles and speeds, from themselves and rates whose biases are taken out
 ``wind_filter``          mean wind, gusts and sensor biases, from positions and velocities
-``velocity_check``       whether a ground velocity that nothing explains was flown
+``noise_meter``          how noisy a signal is, and how much it wanders
 ``target_filter``        where the target is and will be, from positions that may be wrong
 ``target_track``         several models of the target's motion side by side, behind it
 ``told_noise``           what a source tells of its noise, as far as it makes sense

@@ -17,37 +17,63 @@
 Three filters of the wind run side by side. One knows all sensors, and is what is flown by. One owes
 nothing to the airspeed, one nothing to the heading: each judges the sensor that it does not know,
 and tells what stands in for it. Where a sensor is found wrong, the first goes on from the one that
-nothing wrong has come into.
+nothing wrong has come into. A step of all of it is one compiled function; only where a flight
+begins and where a sensor is left out its memory is written otherwise.
 """
 
 from __future__ import annotations
 
+import functools
 import math
+from types import SimpleNamespace
 from typing import NamedTuple
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics import vehicle as vehicle_model
-from uav_tracking_mpc.estimation.air_check import AirCheck, loose_air
+from uav_tracking_mpc.dynamics.air import gust_scales
+from uav_tracking_mpc.estimation import rate_aided, sensor_check, wind_filter
 from uav_tracking_mpc.estimation.measurement import Measurement
-from uav_tracking_mpc.estimation.rate_aided_filter import RateAided, RateAidedFilters
+from uav_tracking_mpc.estimation.rate_aided import RATE_AIDED
+from uav_tracking_mpc.estimation.sensor_check import AIR_CHECK, POSITION_CHECK, VELOCITY_CHECK
 from uav_tracking_mpc.estimation.sensor_health import (
     AIRSPEED,
     HEADING,
     POSITION,
     SILENT,
+    STATES,
     USED,
     VELOCITY,
     SensorHealth,
 )
-from uav_tracking_mpc.estimation.wind_filter import WindFilter
+from uav_tracking_mpc.estimation.wind_filter import ALPHA, BETA, DIAGONAL, LANE, B, G, P, T, W
+from uav_tracking_mpc.symbolic.functions import BufferedFunction
+from uav_tracking_mpc.symbolic.layout import Layout
 
-# What the filters begin with: noise of a rate per root of Hz and standard deviation of its bias, in
-# [rad/s] as measured and in [m/s^2] as computed from the commands; least noise of what is measured.
-GYRO, ACCELERATION_MODEL = (1e-3, 0.05), (0.1, 0.5)
-ATTITUDE_NOISE, AIRSPEED_NOISE = 1e-3, 0.05  # rad, m/s
 LEAST_LEVEL = 0.1  # -, share of the airspeed, below which the wind tells nothing of it
+BLIND = 100.0  # m/s, standard deviation of what is not measured
+LONGEST_GAP = 2.0  # s without a measurement, after which the position begins anew
+MAIN, NO_AIRSPEED, NO_HEADING = range(3)  # filters: what they go by
+LANES = ("main", "no_airspeed", "no_heading")
+
+SEEN = Layout(
+    elapsed=1, position=3, placed=1, ground=3, heading=1, path_angle=1, airspeed=1, measured=1,
+    rates=3, noise=3, position_noise=3, velocity_noise=3, scales=3,
+)  # fmt: skip
+MEMORY = Layout(
+    **dict.fromkeys(LANES, LANE.size),
+    meters=wind_filter.METERS.layout.size,
+    aided=RATE_AIDED.size,
+    air=AIR_CHECK.size,
+    velocity=VELOCITY_CHECK.size,
+    place=POSITION_CHECK.size,
+    ground=3,
+)
+FOUND = Layout(
+    position=3, angles=2, airspeed=1, rates=3, wind=3, trend=3, gust=3, times=3, states=4, changed=1
+)  # fmt: skip
 
 
 class AircraftInAir(NamedTuple):
@@ -74,29 +100,65 @@ class AirEstimate:
     """Measurements in, aircraft and air out.
 
     Attributes:
-        filter: Of mean wind, gusts and biases, by all sensors that are used.
-        check: Which of airspeed and heading are left out.
         health: Of all sensors.
     """
 
     def __init__(self) -> None:
-        self.filter, self.check, self.health = WindFilter(), AirCheck(), SensorHealth()
-        self._without = WindFilter(), WindFilter()  # airspeed; heading
-        angle = RateAided(*GYRO, ATTITUDE_NOISE, circular=True)
-        speed = RateAided(*ACCELERATION_MODEL, AIRSPEED_NOISE, circular=False)
-        self._motion = RateAidedFilters([angle, angle, speed])  # heading, path angle, airspeed
+        self.health = SensorHealth()
+        self._memory, seen = np.zeros(MEMORY.size), np.zeros(SEEN.size)
+        self._known, self._seen = MEMORY.parts(self._memory), SEEN.parts(seen)
+        self._filter = LANE.parts(self._known.main)
+        self._step = BufferedFunction(_step(), [self._memory, seen])
+        self._found = FOUND.parts(self._step.results[1])
+        self.reset()
 
     def reset(self) -> None:
         """Forget the air and believe every sensor."""
-        for part in (self.filter, *self._without, self.check, self._motion, self.health):
-            part.reset()
+        self._memory[:] = 0.0
+        self._begin_filters()
+        self._known.aided[:] = rate_aided.initial()
+        self._known.air[:] = sensor_check.initial_air_check()
+        self._states = [0.0] * len(self.health.states)
+        self.health.reset()
+
+    def _begin_filters(self) -> None:
+        """Nothing is known of the wind."""
+        for lane in LANES:
+            getattr(self._known, lane)[:] = wind_filter.initial_lane()
+        self._known.meters[:] = wind_filter.METERS.initial()
+        self._time: float | None = None
+
+    @property
+    def mean_wind(self) -> NDArray[np.float64]:
+        """w, shape (3,), in [m/s]."""
+        return self._filter.state[W].copy()
+
+    @property
+    def gust(self) -> NDArray[np.float64]:
+        """G at the newest measurement, shape (3,), in [m/s]."""
+        return self._filter.state[G].copy()
+
+    @property
+    def ground_velocity_bias(self) -> NDArray[np.float64]:
+        """b, shape (3,), in [m/s]."""
+        return self._filter.state[B].copy()
+
+    @property
+    def airspeed_share(self) -> float:
+        """alpha, [-]."""
+        return float(self._filter.state[ALPHA])
+
+    @property
+    def heading_bias(self) -> float:
+        """Beta in [rad]."""
+        return float(self._filter.state[BETA])
 
     def update(
         self,
         measurement: Measurement,
         vehicle: NDArray[np.float64],
         rates: NDArray[np.float64],
-        height: float,
+        ground: float,
         missing: bool,
     ) -> AircraftInAir:
         """Take in a measurement.
@@ -105,76 +167,193 @@ class AirEstimate:
             measurement: Of the path through the air.
             vehicle: (x, y, z, psi, chi, v) of it, shape (6,).
             rates: psi' and chi' as measured in [rad/s], v' as commanded in [m/s^2], shape (3,).
-            height: Above ground in [m], for the length of the gusts.
+            ground: Height of the ground in ``map`` in [m], for the length of the gusts.
             missing: Whether there is no airspeed.
+
+        Raises:
+            ValueError: There has been no position since the flight began.
         """
-        filters, noise, check, rates = self._motion, measurement.noise, self.check, rates.copy()
-        stamp, place, air = measurement.stamp, vehicle[:3], self.filter
-        seen = stamp, place, measurement.ground_velocity
-        ground = air.believed(*seen, noise.velocity)
-        before = list(check.reasons)
-        motion, by_wind = self._by_wind(measurement, vehicle, ground, missing, float(rates[2]))
-        told = noise.heading, noise.path_angle, noise.airspeed
-        filters.update(stamp, motion, rates, told)
-        heading, path_angle, airspeed = filters.values.tolist()
-        about = height, noise.position, noise.velocity
-        out = [bool(reason) for reason in check.reasons]
-        for which, lane in (*enumerate(self._without), (None, air)):
-            guess = [heading, airspeed]
-            if which is not None:
-                lane.share_noise(air)
-                guess[1 - which] = by_wind[1 - which]
-            loose = loose_air(heading, out[0] or which == 0, out[1] or which == 1)
-            velocity = vehicle_model.air_velocity(guess[0], path_angle, guess[1], math)
-            lane.update(*seen, np.array(velocity), *about, loose)
-        for lane, reason, earlier in zip(self._without, check.reasons, before, strict=True):
-            if reason not in ("", SILENT) and reason != earlier:
-                air.begin_as(lane)  # which nothing wrong has come into
-        for sensor, state in (
-            *zip((AIRSPEED, HEADING), check.reasons, strict=True),
-            (POSITION, air.place),
-            (VELOCITY, air.velocity),
-        ):
-            self.health.states[sensor] = state or USED
-        heading = math.remainder(heading - air.heading_bias, 2.0 * math.pi)
-        airspeed *= 1.0 - air.airspeed_share
-        rates[:2] -= filters.biases[:2]
+        seen, noise, state = self._seen, measurement.noise, self._filter.state
+        placed = measurement.placed
+        seen.position[:], seen.placed[0] = vehicle[:3] if placed else state[P], placed
+        scales = gust_scales(float(seen.position[2]) - ground, 0.0)
+        seen.ground[:] = measurement.ground_velocity
+        seen.heading[0] = measurement.heading if missing else vehicle[3]
+        seen.path_angle[0], seen.airspeed[0], seen.measured[0] = vehicle[4], vehicle[5], not missing
+        seen.rates[:] = rates
+        seen.noise[:] = noise.heading, noise.path_angle, noise.airspeed
+        seen.position_noise[:], seen.velocity_noise[:] = noise.position, noise.velocity
+        seen.scales[:2], seen.scales[2] = scales.long, scales.short
+        elapsed = -1.0 if self._time is None else measurement.stamp - self._time
+        if not 0.0 <= elapsed <= LONGEST_GAP:
+            if not placed:
+                raise ValueError("no position is known")
+            elapsed = 0.0
+            self._begin()
+        self._time, seen.elapsed[0] = measurement.stamp, elapsed
+        self._step.evaluate()
+        self._memory[:] = self._step.results[0]
+        return self._taken()
+
+    def _begin(self) -> None:
+        """Let position and motion begin anew, whatever was known of them."""
+        seen, known = self._seen, self._known
+        for lane in LANES:
+            parts = LANE.parts(getattr(known, lane))
+            wind_filter.begin_position(parts, seen.position, seen.position_noise)
+        motion = np.concatenate([seen.heading, seen.path_angle, seen.airspeed])
+        rate_aided.begin_values(RATE_AIDED.parts(known.aided), motion, seen.rates, seen.noise)
+        known.velocity[:] = known.place[:] = 0.0
+        POSITION_CHECK.parts(known.place).last[:], known.ground[:] = np.nan, seen.ground
+
+    def _taken(self) -> AircraftInAir:
+        """What has been found; a filter goes on from the one that no wrong sensor has come into."""
+        found, before = self._found, self._states
+        self._states = found.states.tolist()
+        for name, code, lane in zip((AIRSPEED, HEADING), self._states, LANES[1:], strict=False):
+            if STATES[int(code)] not in (USED, SILENT) and code != before[LANES.index(lane) - 1]:
+                self._known.main[:] = getattr(self._known, lane)
+            self.health.states[name] = STATES[int(code)]
+        for name, code in zip((POSITION, VELOCITY), self._states[2:], strict=True):
+            self.health.states[name] = STATES[int(code)]
+        if found.changed[0]:
+            self._begin_filters()
         return AircraftInAir(
-            np.array([*air.position, heading, path_angle, airspeed]),
-            rates,
-            air.mean_wind,
-            air.trend,
-            air.gust,
-            air.correlation_times,
+            np.concatenate([found.position, found.angles, found.airspeed]),
+            found.rates.copy(),
+            found.wind.copy(),
+            found.trend.copy(),
+            found.gust.copy(),
+            found.times.copy(),
         )
 
-    def _by_wind(
-        self,
-        measurement: Measurement,
-        vehicle: NDArray[np.float64],
-        ground: NDArray[np.float64],
-        missing: bool,
-        acceleration: float,
-    ) -> tuple[NDArray[np.float64], tuple[float, float]]:
-        """Heading, path angle, airspeed to go by; and heading, airspeed that the wind tells.
 
-        What judges a sensor and stands in for it is a filter that does not know that sensor.
-        """
-        heading, path_angle, airspeed = vehicle[3:].tolist()
-        cosine = max(math.cos(path_angle), LEAST_LEVEL)
-        level = max(cosine * (1.0 - self.filter.airspeed_share), LEAST_LEVEL)
-        air = [(ground - lane.ground_velocity_bias - lane.mean_wind)[:2] for lane in self._without]
-        deviations = [lane.wind_deviation for lane in self._without]
-        reading = None if missing else airspeed
-        if missing:
-            heading = measurement.heading
-        without = self._without[0]
-        level_wind = (without.mean_wind + without.gust)[:2]
-        explained = np.array([*level_wind, without.heading_bias * airspeed])
-        known = air, deviations, explained, acceleration
-        turned, along = self.check.judge(measurement.stamp, heading, reading, level, *known)
-        by_wind = turned, along / cosine
-        out = self.check.reasons
-        going_by = by_wind[0] if out[1] else heading
-        flown = by_wind[1] if reading is None or out[0] else reading
-        return np.array([going_by, path_angle, flown]), by_wind
+@functools.cache
+def _step() -> ca.Function:
+    """Memory and what is seen to memory and what is found."""
+    memory, known = MEMORY.symbol("memory")
+    measured, seen = SEEN.symbol("seen")
+    dt = seen.elapsed
+    lanes = [LANE.parts(getattr(known, lane)) for lane in LANES]
+    main, meters = lanes[MAIN], wind_filter.METERS.layout.parts(known.meters)
+    place = POSITION_CHECK.parts(known.place)
+
+    # Ground velocity, compared with what is expected before airspeed and heading are
+    state = main.state
+    variance = ca.sum1(main.triangle[DIAGONAL[W.start : B.stop].tolist()])
+    deviation = ca.sqrt(ca.fmax(variance + ca.mmax(seen.velocity_noise) ** 2, 0.0))
+    expected = main.air + state[W] + state[G] + state[B]
+    velocity, odd, changed = sensor_check.velocity_checked(
+        VELOCITY_CHECK.parts(known.velocity), dt, seen.position, seen.ground, expected, deviation
+    )
+    used_ground = ca.if_else(odd, expected, seen.ground)
+
+    # Airspeed and heading
+    level = ca.fmax(ca.cos(seen.path_angle), LEAST_LEVEL)
+    u = [(used_ground - lane.state[B] - lane.state[W])[:2] for lane in lanes[1:]]
+    level_wind = [lane.triangle[DIAGONAL[W.start : W.stop - 1].tolist()] for lane in lanes[1:]]
+    blind = lanes[NO_AIRSPEED].state
+    air, turned, along = sensor_check.air_checked(
+        AIR_CHECK.parts(known.air),
+        dt,
+        seen.heading,
+        seen.airspeed,
+        seen.measured,
+        ca.fmax(level * (1.0 - state[ALPHA]), LEAST_LEVEL),
+        (u[0], u[1]),
+        ca.sqrt(ca.fmax(ca.vertcat(*[ca.mmax(each) for each in level_wind]), 0.0)),
+        ca.vertcat((blind[W] + blind[G])[:2], blind[BETA] * seen.airspeed),
+        seen.rates[2],
+    )
+    reasons = AIR_CHECK.parts(air).reasons
+    out = [reason > 0.0 for reason in ca.vertsplit(reasons)]
+    by_wind = turned, along / level
+    heading = ca.if_else(out[1], by_wind[0], seen.heading)
+    airspeed = ca.if_else(out[0], by_wind[1], seen.airspeed)
+    motion = ca.vertcat(heading, seen.path_angle, airspeed)
+    aided = rate_aided.smoothed(RATE_AIDED.parts(known.aided), dt, motion, seen.rates, seen.noise)
+    heading, path_angle, airspeed = ca.vertsplit(aided.value)
+
+    # Position
+    carried = state[P] + dt * (0.5 * (known.ground + used_ground) - state[B])
+    deviation = ca.fmax(ca.sqrt(meters.held[wind_filter.POSITION]), ca.mmax(seen.position_noise))
+    placed, code, used, moved = sensor_check.position_checked(
+        place, dt, seen.position, seen.placed, carried, deviation
+    )
+    placed.faded += ca.if_else(moved, state[P] - seen.position, 0.0)
+    position = ca.if_else(used, seen.position, carried)
+
+    # The filters of the wind
+    ahead = []
+    walks = wind_filter.METERS.walks(meters)
+    for which, lane in enumerate(lanes):
+        lane.state[P] = ca.if_else(moved, seen.position, lane.state[P])
+        guess = (
+            by_wind[0] if which == NO_HEADING else heading,
+            path_angle,
+            by_wind[1] if which == NO_AIRSPEED else airspeed,
+        )
+        velocity_through = ca.vertcat(*vehicle_model.air_velocity(*guess, ca))
+        loose = _loose(
+            heading, 1.0 if which == NO_AIRSPEED else out[0], 1.0 if which == NO_HEADING else out[1]
+        )
+        ahead.append(wind_filter.predicted(lane, dt, velocity_through, seen.scales, loose, walks))
+    ground = ca.if_else(odd, wind_filter.expected_velocity(ahead[MAIN]), seen.ground)
+    sample = wind_filter.sampled(ahead[MAIN], position, ground)
+    told, told_velocity = seen.position_noise**2, seen.velocity_noise**2
+    told_mean = ca.sum1(told) / 3.0
+    by_source = ca.vertcat(0.5 * ca.sum1(told_velocity[:2]), told_velocity[2], told_mean)
+    metered, variances = wind_filter.METERS.metered(meters, dt, sample, by_source)
+    share = ca.if_else(told_mean > 0.0, told / told_mean, 1.0)
+    noise = ca.vertcat(
+        ca.fmax(variances[wind_filter.POSITION] * share, wind_filter.POSITION_NOISE**2),
+        *[ca.fmax(variances[k], wind_filter.VELOCITY_NOISE**2) for k in (0, 0, 1)],
+    )
+    noise[3:] += odd * BLIND**2
+    read = ca.vertcat(position, ground)
+    after = [wind_filter.corrected(lane, read, noise) for lane in ahead]
+
+    main = LANE.parts(after[MAIN])
+    state = main.state
+    remembered = SimpleNamespace(
+        **dict(zip(LANES, after, strict=True)),
+        meters=metered,
+        aided=RATE_AIDED.joined(aided),
+        air=air,
+        velocity=velocity,
+        place=POSITION_CHECK.joined(placed),
+        ground=used_ground,
+    )
+    found = SimpleNamespace(
+        position=state[P] + placed.faded,
+        angles=ca.vertcat(ca.remainder(heading - state[BETA], math.tau), path_angle),
+        airspeed=airspeed * (1.0 - state[ALPHA]),
+        rates=ca.vertcat(seen.rates[:2] - aided.bias[:2], seen.rates[2]),
+        wind=state[W],
+        trend=ca.vertcat(state[T], 0.0),
+        gust=state[G],
+        times=ahead[MAIN].times,
+        states=ca.vertcat(reasons, code, odd * sensor_check.CODE["off"]),
+        changed=changed,
+    )
+    results = [MEMORY.joined(remembered), FOUND.joined(found)]
+    return ca.Function("air_estimate", [memory, measured], results)
+
+
+def _loose(heading: ca.SX, airspeed: ca.SX | float, across: ca.SX | float) -> ca.SX:
+    """Directions in which the air velocity is not measured, times the deviation, shape (3, 2).
+
+    Args:
+        heading: That is gone by in [rad].
+        airspeed: Whether the airspeed is not.
+        across: Whether the heading is not.
+    """
+    east, north = ca.cos(heading), ca.sin(heading)
+    return (
+        ca.vertcat(
+            ca.horzcat(airspeed * east, -across * north),
+            ca.horzcat(airspeed * north, across * east),
+            ca.SX.zeros(1, 2),
+        )
+        * BLIND
+    )

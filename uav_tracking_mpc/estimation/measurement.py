@@ -89,7 +89,8 @@ class Measurement:
 
     Attributes:
         stamp: Time of the measurement in [s], by the clock that stamps all others.
-        position: In ``map``, shape (3,), in [m].
+        position: In ``map``, shape (3,), in [m]; three times no number (NaN) where it is not known
+            now: with ``air_estimation`` the ground velocity then carries the last one on.
         ground_velocity: In ``map``, shape (3,), in [m/s].
         heading: psi, counter-clockwise from East, of the axis in [rad].
         path_angle: chi, the elevation of the axis, in [rad].
@@ -122,7 +123,8 @@ class Measurement:
         """Refuse what is no measurement; copy the vectors, which must not change afterwards."""
         for name in ("position", "ground_velocity"):
             vector = np.array(getattr(self, name), dtype=float)
-            if vector.shape != (3,) or not all(map(math.isfinite, vector.tolist())):
+            unknown = name == "position" and vector.shape == (3,) and np.isnan(vector).all()
+            if not unknown and not (vector.shape == (3,) and np.isfinite(vector).all()):
                 raise MeasurementError(
                     f"{name} is {getattr(self, name)!r}, must be three finite numbers"
                 )
@@ -131,6 +133,11 @@ class Measurement:
             value = getattr(self, name)
             if not (value is None and name in ("airspeed", "bank")) and not math.isfinite(value):
                 raise MeasurementError(f"{name} is {value!r}, must be a finite number")
+
+    @property
+    def placed(self) -> bool:
+        """Whether the position is known."""
+        return not math.isnan(self.position[0])
 
     def state(self, airspeed: float) -> NDArray[np.float64]:
         """State of the vehicle (3) whose air velocity points along the body.

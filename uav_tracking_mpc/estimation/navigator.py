@@ -220,10 +220,10 @@ class Navigator:
         time, self.airspeed = measurement.stamp, float(vehicle[5])
         delay = max(self._dead_time) + min(max(self.latency, 0.0), LATENCY_LIMIT)
         track = self.target.track
-        motion, height = track.state.reshape(-1), float(vehicle[2] - track.state[0, 2])
+        motion, ground = track.state.reshape(-1), float(track.state[0, 2])
         turning = float(track.covariance[2, 2]), track.turn_rate, *self.target.bridge(time)
         self._follow_acceleration(time)
-        air = self._aircraft_in_air(measurement, vehicle, height)
+        air = self._aircraft_in_air(measurement, vehicle, ground)
         np.add(self._stages, delay, out=self._times[1:])
         blowing = air.wind, air.trend, air.gust, air.correlation_times
         faded = self._fading(time).reshape(-1)
@@ -237,12 +237,14 @@ class Navigator:
         return Estimate(present, self._at_effect(time, delay, present, forecast), forecast)
 
     def _aircraft_in_air(
-        self, measurement: Measurement, vehicle: NDArray[np.float64], height: float
+        self, measurement: Measurement, vehicle: NDArray[np.float64], ground: float
     ) -> AircraftInAir:
         """What is measured, without noise and biases as far as they are known."""
         rates = np.array([measurement.turn_rate, measurement.path_angle_rate, self._acceleration])
         if self._estimating:
-            return self.air_estimate.update(measurement, vehicle, rates, height, self.air.missing)
+            return self.air_estimate.update(measurement, vehicle, rates, ground, self.air.missing)
+        if not measurement.placed:
+            raise ValueError("no position is measured")
         wind = measurement.ground_velocity - vehicle_model.velocity(vehicle)
         return AircraftInAir(vehicle, rates, wind, np.zeros(3), np.zeros(3), np.ones(3))
 

@@ -30,17 +30,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-SAMPLES = 16  # of the longer difference
+from uav_tracking_mpc.symbolic.layout import Layout
+
+SAMPLES = 16  # -, of the longer difference
 MEMORY = 40.0  # s, of the noise of an aircraft's sensors and of gusts
 PRIOR_TIME = 1.0  # s of samples that what is taken at first counts for
 MEASURED_TIME = 2.0  # s of samples after which the noise that is measured counts, not that told
 LONGEST_GAP = 1.0  # s between samples beyond which the signal begins anew
-HEAD = 3  # of the times that come first, both in the state and in what a sample is compared with
 
 
 @dataclass(frozen=True)
@@ -62,116 +64,98 @@ class Signal:
 class NoiseMeters:
     """White noise and random walk of signals that are sampled together, averaged over time.
 
-    :meth:`begin`, then the expression :meth:`metered` evaluated, then :meth:`keep`.
+    What is known is a part of the memory of the filter that asks. It holds how many samples have
+    come one after the other, their averages' weight and times [s], the mean squares of the short
+    and of the long differences, the average and the newest of the variances that were told, the
+    variances that hold, and ages [s] and values of the latest samples.
 
     Args:
         signals: What is sampled.
         memory: Time constant of the averages in [s].
 
     Attributes:
-        state: What is known, shape (k,): weight [s] and times [s] of the averages, then for all
-            signals the mean squares of the short and of the long differences, the averages and the
-            newest of the variances that are told, and the variances that hold.
-        compared: What a sample is compared with, shape (m,): whether there is anything (1 or 0),
-            times [s] since the sample before and since the oldest, and both samples.
+        layout: Names of what is known.
     """
 
-    def __init__(self, signals: Sequence[Signal], memory: float) -> None:
-        self._signals, self._memory = tuple(signals), memory
-        self.components = sum(signal.size for signal in signals)
-        self.state = np.zeros(HEAD + 5 * len(signals))
-        self.compared = np.zeros(HEAD + 2 * self.components)
-        self._times = np.zeros(SAMPLES)
-        self._samples = np.zeros((SAMPLES, self.components))
-        self.reset()
+    def __init__(self, signals: Sequence[Signal], memory: float = MEMORY) -> None:
+        self._signals, self._memory, count = tuple(signals), memory, len(signals)
+        self._width = sum(signal.size for signal in signals)
+        times = dict.fromkeys(("count", "weight", "short_time", "long_time"), 1)
+        values = dict.fromkeys(("short", "long", "average", "before", "held"), count)
+        samples = {"ages": SAMPLES, "samples": SAMPLES * self._width}
+        self.layout = Layout(**times, **values, **samples)
 
-    def reset(self) -> None:
-        """Forget the signals and their noise."""
-        self._count, self._time = 0, 0.0
+    def initial(self) -> NDArray[np.float64]:
+        """What is known before any sample, shape (n,)."""
+        memory = np.zeros(self.layout.size)
+        known = self.layout.parts(memory)
         variances = np.square([signal.deviation for signal in self._signals])
-        walks = np.array([signal.walk for signal in self._signals])
-        untold, head = 0.0 * variances, (PRIOR_TIME, 0.0, 1.0)
-        short = 2.0 * variances
-        self.state[:] = [*head, *short, *(short + walks), *untold, *untold, *variances]
-
-    def begin(self, time: float) -> None:
-        """Prepare what the next sample is compared with.
-
-        Args:
-            time: Of the sample in [s].
-        """
-        if self._count and not 0.0 < time - self._time < LONGEST_GAP:
-            self._count = 0
-        compared = self.compared
-        compared[0] = complete = self._count >= SAMPLES
-        if complete:
-            row, width = self._count % SAMPLES, HEAD + self.components
-            compared[1], compared[2] = time - self._time, time - self._times[row]
-            compared[HEAD:width], compared[width:] = self._samples[row - 1], self._samples[row]
-        self._time = time
-
-    def keep(self, sample: NDArray[np.float64]) -> None:
-        """Keep the sample that has been compared.
-
-        Args:
-            sample: All components of all signals, shape (n,), in their units [SI].
-        """
-        row = self._count % SAMPLES
-        self._times[row], self._samples[row] = self._time, sample
-        self._count += 1
+        known.weight[:], known.long_time[:] = PRIOR_TIME, 1.0
+        known.short[:] = 2.0 * variances
+        known.long[:] = known.short + [signal.walk for signal in self._signals]
+        known.held[:] = variances
+        return memory
 
     def metered(
-        self, state: ca.SX, compared: ca.SX, sample: ca.SX, told: ca.SX
+        self, known: SimpleNamespace, elapsed: ca.SX, sample: ca.SX, told: ca.SX
     ) -> tuple[ca.SX, ca.SX]:
-        """State after a sample, and variances R of its noise, as expressions.
+        """What is known after a sample, and variances R of its noise, as expressions.
 
         Args:
-            state: As ``NoiseMeters.state``.
-            compared: As ``NoiseMeters.compared``.
+            known: By :attr:`layout`.
+            elapsed: Since the sample before in [s].
             sample: All components of all signals, shape (n,).
             told: Variance of each signal's noise by its source, averaged over the components, in
                 the square of the unit [SI]; 0 where it tells none: what it told last then holds.
         """
-        count, width = len(self._signals), self.components
-        counted, short_step, long_step = compared[0], compared[1], compared[2]
-        short, long, average, before, held = ca.vertsplit(state[HEAD:], count)
-        told = ca.if_else(told > 0.0, told, before)
-        average = ca.if_else(average > 0.0, average, told)
-        early = state[0] < PRIOR_TIME + MEASURED_TIME
-        held = ca.if_else(ca.logic_and(told > 0.0, early), told, held)
-        weight = ca.fmin(state[0] + counted * short_step, self._memory)
+        goes_on = ca.logic_and(elapsed > 0.0, elapsed < LONGEST_GAP)
+        count = ca.if_else(goes_on, known.count, 0.0)
+        counted, ages = count >= SAMPLES, known.ages + elapsed
+        short_step, long_step = ages[0], ages[SAMPLES - 1]
+        latest, oldest = known.samples[: self._width], known.samples[-self._width :]
+        told = ca.if_else(told > 0.0, told, known.before)
+        average = ca.if_else(known.average > 0.0, known.average, told)
+        early = known.weight < PRIOR_TIME + MEASURED_TIME
+        held = ca.if_else(ca.logic_and(told > 0.0, early), told, known.held)
+        weight = ca.fmin(known.weight + counted * short_step, self._memory)
         share = counted * short_step / weight
-        short_time = state[1] + share * (short_step - state[1])
-        long_time = state[2] + share * (long_step - state[2])
-        latest, oldest = ca.vertsplit(compared[HEAD:], width)
-        short += share * (self._mean_squares(sample - latest) - short)
-        long += share * (self._mean_squares(sample - oldest) - long)
+        short_time = known.short_time + share * (short_step - known.short_time)
+        long_time = known.long_time + share * (long_step - known.long_time)
+        short = known.short + share * (self._mean_squares(sample - latest) - known.short)
+        long = known.long + share * (self._mean_squares(sample - oldest) - known.long)
         average += share * (told - average)
         walk = _walks(short, long, long_time - short_time)
         measured = 0.5 * ca.fmax(short - walk * short_time, 0.0)
         late = ca.if_else(weight >= PRIOR_TIME + MEASURED_TIME, measured * told / average, held)
-        measured = ca.if_else(told > 0.0, late, measured)
-        variance = ca.if_else(counted > 0.0, measured, held)
-        after = ca.vertcat(weight, short_time, long_time, short, long, average, told, variance)
-        return after, variance
+        variance = ca.if_else(counted, ca.if_else(told > 0.0, late, measured), held)
+        after = SimpleNamespace(
+            count=ca.fmin(count + 1.0, SAMPLES),
+            weight=weight,
+            short_time=short_time,
+            long_time=long_time,
+            short=short,
+            long=long,
+            average=average,
+            before=told,
+            held=variance,
+            ages=ca.vertcat(0.0, ages[: SAMPLES - 1]),
+            samples=ca.vertcat(sample, known.samples[: -self._width]),
+        )
+        return self.layout.joined(after), variance
 
-    def walks(self, state: ca.SX) -> ca.SX:
+    def walks(self, known: SimpleNamespace) -> ca.SX:
         """Intensities q of the random walks, as an expression.
 
         Args:
-            state: As ``NoiseMeters.state``.
+            known: By :attr:`layout`.
         """
-        short, long, *_ = ca.vertsplit(state[HEAD:], len(self._signals))
-        return _walks(short, long, state[2] - state[1])
+        return _walks(known.short, known.long, known.long_time - known.short_time)
 
     def _mean_squares(self, difference: ca.SX) -> ca.SX:
         """Of the components of each signal."""
-        means, begin = [], 0
-        for signal in self._signals:
-            part = difference[begin : begin + signal.size]
-            means.append(ca.sumsqr(part) / signal.size)
-            begin += signal.size
-        return ca.vertcat(*means)
+        sizes = [signal.size for signal in self._signals]
+        pieces = ca.vertsplit(difference, np.cumsum([0, *sizes]).tolist())
+        return ca.vertcat(*[ca.sumsqr(piece) / piece.numel() for piece in pieces])
 
 
 def _walks(short: ca.SX, long: ca.SX, apart: ca.SX) -> ca.SX:

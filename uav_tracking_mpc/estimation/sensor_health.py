@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 AIRSPEED, HEADING, POSITION, VELOCITY = "airspeed", "heading", "position", "ground velocity"
-USED, SILENT, STUCK, JUMPED, OFF = "used", "silent", "stuck", "jumped", "off"
+STATES = USED, SILENT, STUCK, JUMPED, OFF = "used", "silent", "stuck", "jumped", "off"
 SAID = {
     USED: "agrees with the others: it is used again",
     SILENT: "is not measured",

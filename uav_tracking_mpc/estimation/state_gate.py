@@ -163,12 +163,13 @@ def _change(
 ) -> tuple[float, float]:
     """Time [s] and distance [m] from one measurement to another, less what has been flown since.
 
-    A position that repeats is no jump, nor is the first one that does not.
+    A position that repeats or is not known is no jump, nor is the first one after it.
     """
-    if np.array_equal(before.position, after.position):
-        return after.stamp - before.stamp, 0.0
+    step = after.stamp - before.stamp
+    if np.array_equal(before.position, after.position) or not (before.placed and after.placed):
+        return step, 0.0
     x, y, z = (after.position - before.position - flown).tolist()
-    return after.stamp - before.stamp, math.sqrt(x * x + y * y + z * z)
+    return step, math.sqrt(x * x + y * y + z * z)
 
 
 def _explained(measurement: Measurement, step: float) -> float:

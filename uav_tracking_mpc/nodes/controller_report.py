@@ -328,8 +328,7 @@ class ControllerReport:
             **self.peers.values(),
         }
         if controller.parameters.air_estimation:
-            air = navigator.air_estimate
-            values |= air_values(air.filter) | air.health.values()
+            values |= air_values(navigator.air_estimate)
         decrease = None if formulation is None else formulation.decrease
         if decrease is not None:
             values["cost decrease (54) checked"] = decrease.checked

@@ -160,7 +160,8 @@ class UavSimulator(VehicleNode):
             self._clock_publisher.publish(self._clock_message)
         if not self._failure and not self._outage.lasts:
             seen = self._plant.measured()
-            self._publish(self._start + round(seen.stamp * 1e9), seen)
+            if seen.placed:  # a message without a position is none
+                self._publish(self._start + round(seen.stamp * 1e9), seen)
 
     def _listeners(self) -> int:
         """How many listen to the state, without who only looks."""

@@ -221,7 +221,9 @@ class SimulatorParameters(HoldParameters, FrameParameters):
         (0.0, 0.0, 0.0), "Constant error of the measured position.", "m", -1e4, 1e4, size=3
     )
     position_fault: str = parameter(
-        "none", "Of the positions: frozen at the one measured last.", choices=("none", "frozen")
+        "none",
+        "Of the positions: frozen at the one measured last, or silent; then no state is published.",
+        choices=("none", "frozen", "silent"),
     )
     velocity_gain: float = parameter(
         1.0, "Share of the ground velocity that is measured; -1 turns its sign.", "", -2.0, 2.0

@@ -78,13 +78,15 @@ class VehicleSensors:
         )
         self._airspeed_fault = parameters.airspeed_fault
         self._frozen = parameters.position_fault == "frozen"
+        self._unplaced = parameters.position_fault == "silent"
         if self._airspeed_fault not in ("stuck", "blocked"):
             self._left = None
         if not self._frozen:
             self._place = None
         self._turn_rate_bias = parameters.turn_rate_bias
         self._velocity_gain = parameters.velocity_gain
-        faulty = self._airspeed_fault != "none", self._frozen, self._velocity_gain != 1.0
+        placed = parameters.position_fault == "none"
+        faulty = self._airspeed_fault != "none", not placed, self._velocity_gain != 1.0
         errors = *self._deviations, *self._biases, self._turn_rate_bias
         self._wrong = any(errors) or any(faulty)
         self._delay, self._stamp_true = parameters.state_delay, parameters.state_stamp_true
@@ -120,7 +122,7 @@ class VehicleSensors:
             self._place = place = place if self._place is None else self._place
         return dataclasses.replace(
             truth,
-            position=place,
+            position=np.full(3, np.nan) if self._unplaced else place,
             ground_velocity=self._velocity_gain * truth.ground_velocity + ground_velocity,
             heading=float(wrap_angle(truth.heading + heading)),
             path_angle=min(max(truth.path_angle + path_angle, -right_angle), right_angle),

@@ -16,5 +16,6 @@
 
 =============  =================================================================================
 ``functions``  built by one thread at a time, on arrays of their own, walked through; time steps
+``layout``     names for the parts of a flat vector
 =============  =================================================================================
 """

@@ -25,8 +25,9 @@ from uav_tracking_mpc.control.adaptation import ResponseAdaptation
 from uav_tracking_mpc.control.event import EventLog
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
+from uav_tracking_mpc.estimation.air_estimate import AirEstimate
 from uav_tracking_mpc.estimation.channel_response import CHANNELS, ChannelResponse
-from uav_tracking_mpc.estimation.wind_filter import WindFilter
+from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes.messages.diagnostic_values import (
     MODE,
     REASON,
@@ -41,15 +42,16 @@ from uav_tracking_mpc.nodes.messages.diagnostic_values import (
 
 
 def test_every_value_has_its_unit_and_is_the_filters():
-    air = WindFilter()
-    wind = np.array([3.0, 4.0, 0.0])
+    air, wind = AirEstimate(), np.array([3.0, 4.0, 0.0])
     for k in range(200):
         time = 0.05 * k
         heading = 0.07 * time
-        velocity = 22.0 * np.array([np.cos(heading), np.sin(heading), 0.0])
-        air.update(time, np.zeros(3), velocity + wind, velocity, 120.0)
+        ground = 22.0 * np.array([np.cos(heading), np.sin(heading), 0.0]) + wind
+        seen = Measurement(time, np.zeros(3), ground, heading, 0.0, 0.07)
+        air.update(seen, seen.state(22.0), np.array([0.07, 0.0, 0.0]), 0.0, False)
     values = air_values(air)
-    assert all(key.endswith("]") for key in values)
+    assert all(key.endswith(("]", " sensor")) for key in values)
+    assert values["airspeed sensor"] == "used"
     assert values["mean wind north [m/s]"] == air.mean_wind[1]
     assert values["gust up [m/s]"] == air.gust[2]
     assert values["bias of ground velocity east [m/s]"] == air.ground_velocity_bias[0]

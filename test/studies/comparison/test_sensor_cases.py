@@ -130,6 +130,7 @@ def flown(name, until, sooner=70.0):
         ("heading_30", [("heading", "jumped")]),
         ("velocity_flip", [("ground velocity", "off"), ("ground velocity", "used")]),
         ("position_frozen", [("position", "stuck"), ("position", "used")]),
+        ("position_silent", [("position", "silent"), ("position", "used")]),
     ],
 )
 def test_a_failing_sensor_is_named_and_the_orbit_is_held(name, news):

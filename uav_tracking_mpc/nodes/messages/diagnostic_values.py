@@ -25,9 +25,9 @@ from collections.abc import Mapping, Sequence
 from uav_tracking_mpc.control.adaptation import ResponseAdaptation
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.orbit import Orbit
+from uav_tracking_mpc.estimation.air_estimate import AirEstimate
 from uav_tracking_mpc.estimation.channel_response import CHANNELS
 from uav_tracking_mpc.estimation.sensor_health import SensorHealth
-from uav_tracking_mpc.estimation.wind_filter import WindFilter
 from uav_tracking_mpc.simulation.flight_log import FlownMode, SensorNews
 from uav_tracking_mpc.simulation.plan_follower import PlanFollower
 from uav_tracking_mpc.simulation.steered_target import SteeredTarget
@@ -81,11 +81,11 @@ def target_words(target: SteeredTarget, now: float) -> str:
     return f"target drives to ({x:.6g}, {y:.6g}, {z:.6g}), then is {motion}"
 
 
-def air_values(air: WindFilter) -> dict[str, object]:
-    """Keys, with units, and values.
+def air_values(air: AirEstimate) -> dict[str, object]:
+    """Keys, with units, and values of wind, biases and sensors.
 
     Args:
-        air: Filter of wind and biases.
+        air: What is known of them.
     """
     vectors = {
         "mean wind": air.mean_wind,
@@ -100,6 +100,7 @@ def air_values(air: WindFilter) -> dict[str, object]:
         },
         "airspeed reads too much by [%]": 100.0 * air.airspeed_share,
         "bias of heading [deg]": math.degrees(air.heading_bias),
+        **air.health.values(),
     }
 
 

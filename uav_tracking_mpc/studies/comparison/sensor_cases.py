@@ -172,6 +172,7 @@ ASKED_OF_SENSORS = {
     "position_offset": AskedOfSensors(worst=JUMP, airspeed=0.5),
     "height_steps": AskedOfSensors(overshoot=1.0, airspeed=0.5),
     "position_frozen": AskedOfSensors(worst=1.0, named="position", within=5.0),
+    "position_silent": AskedOfSensors(worst=1.0, named="position", within=5.0),
     "heading_30": AskedOfSensors(worst=0.3, named="heading"),
     "velocity_flip": AskedOfSensors(worst=0.3, airspeed=0.5),
     "wind_turns": AskedOfSensors(worst=0.06, airspeed=0.5, quiet=True),

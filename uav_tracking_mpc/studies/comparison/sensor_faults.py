@@ -161,6 +161,7 @@ SENSOR_FAULTS = {
     "position_offset": SensorFault(changes=_fails(BEGIN + OFFSET, position_bias=[JUMP, 0.0, 0.0])),
     "height_steps": SensorFault(changes=_height_steps),
     "position_frozen": SensorFault(changes=_fails(BEGIN + FROZEN, position_fault="frozen")),
+    "position_silent": SensorFault(changes=_fails(BEGIN + FROZEN, position_fault="silent")),
     "heading_30": SensorFault(changes=_fails(heading_bias=math.radians(30.0))),
     "velocity_flip": SensorFault(changes=_fails(BEGIN + FLIPPED, velocity_gain=-1.0)),
     "wind_turns": SensorFault(changes=_turning_wind),

@@ -19,9 +19,30 @@ import math
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.estimation.wind_filter import WindFilter
+from uav_tracking_mpc.estimation.air_estimate import AirEstimate
+from uav_tracking_mpc.estimation.measurement import Axis, Measurement, SensorNoise
+from uav_tracking_mpc.estimation.wind_filter import DIAGONAL, SIZE, G, P, W
 
 STEP, SPEED, TURN = 0.05, 22.0, 0.073
+
+
+class AirFilter(AirEstimate):
+    """Estimate of an aircraft whose air velocity is measured as a vector; it turns as that does."""
+
+    def see(self, time, position, ground, air, noise=(0.0, 0.0, 0.0), velocity_noise=(0.0,) * 3):
+        east, north, up = np.asarray(air, dtype=float)
+        heading, speed = math.atan2(north, east), math.hypot(east, north, up)
+        turn = 0.0
+        if self._time is not None and time > self._time:
+            turn = math.remainder(heading - self._seen.heading[0], math.tau) / (time - self._time)
+        told = SensorNoise(position=tuple(noise), velocity=tuple(velocity_noise))
+        measurement = Measurement(
+            time, position, ground, heading, math.asin(up / speed), turn,
+            airspeed=speed, noise=told, axis=Axis.AIR_VELOCITY,
+        )  # fmt: skip
+        rates = np.array([turn, 0.0, 0.0])
+        state = measurement.state(speed)
+        self.found = self.update(measurement, state, rates, 0.0, False)
 
 
 def flown(
@@ -30,7 +51,7 @@ def flown(
 ):  # fmt: skip
     """Filter after circling in steady wind with sensors that err."""
     random, position = np.random.default_rng(2), np.array([100.0, 50.0, 120.0])
-    filter_ = WindFilter()
+    filter_ = AirFilter()
     for k in range(round(duration / STEP)):
         psi = TURN * k * STEP
         air = SPEED * np.array([np.cos(psi), np.sin(psi), 0.0])
@@ -40,7 +61,7 @@ def flown(
         ground = air + wind + np.array(bias) + noise * random.standard_normal(3)
         place = position + np.array(position_noise) * random.standard_normal(3)
         known = (position_noise, (noise,) * 3) if told else ()
-        filter_.update(k * STEP, place, ground, measured, 120.0, *known)
+        filter_.see(k * STEP, place, ground, measured, *known)
         chord = STEP * np.sinc(0.5 * TURN * STEP / np.pi)
         middle = psi + 0.5 * TURN * STEP
         position = position + chord * SPEED * np.array([np.cos(middle), np.sin(middle), 0.0])
@@ -73,13 +94,13 @@ def test_biases_of_airspeed_and_heading_show_while_the_aircraft_turns(share, hea
 
 def test_gusts_that_the_airspeed_shows_are_no_bias_of_it():
     # Heavy aircraft: gusts change airspeed and heading, and hardly the velocity over ground.
-    random, filter_, gust = np.random.default_rng(3), WindFilter(), np.zeros(3)
+    random, filter_, gust = np.random.default_rng(3), AirFilter(), np.zeros(3)
     position = np.array([100.0, 50.0, 120.0])
     for k in range(round(150.0 / STEP)):
         psi = TURN * k * STEP
         ground = SPEED * np.array([np.cos(psi), np.sin(psi), 0.0])
         gust += -STEP / 12.0 * gust + np.sqrt(STEP) * random.standard_normal(3)
-        filter_.update(k * STEP, position, ground, ground - gust, 120.0)
+        filter_.see(k * STEP, position, ground, ground - gust)
         position = position + STEP * ground
     assert abs(filter_.airspeed_share) < 0.1
     assert abs(filter_.heading_bias) < 0.1
@@ -88,27 +109,29 @@ def test_gusts_that_the_airspeed_shows_are_no_bias_of_it():
 def test_noise_of_the_ground_velocity_is_smoothed_and_its_size_seen():
     filter_, position = flown(100.0, noise=0.3)
     np.testing.assert_allclose(filter_.mean_wind + filter_.gust, [3.0, -5.0, 0.2], atol=0.2)
-    assert np.linalg.norm(filter_.position - position) < 1.2  # of the newest, a step before
+    assert (
+        np.linalg.norm(filter_.found.vehicle[:3] - position) < 1.2
+    )  # of the newest, a step before
 
 
 def test_gusts_last_as_long_as_drydens():
     filter_, _ = flown(1.0)
-    long, also_long, short = filter_.correlation_times
+    long, also_long, short = filter_.found.correlation_times
     assert long == also_long == pytest.approx(275.0 / SPEED, rel=0.01)
     assert short == pytest.approx(120.0 / SPEED, rel=0.01)
 
 
 def test_after_a_gap_the_position_begins_anew_and_the_wind_is_kept():
     filter_, _ = flown(60.0)
-    filter_.update(70.0, np.array([5e3, 0.0, 100.0]), np.array([25.0, -5.0, 0.2]),
-                   np.array([22.0, 0.0, 0.0]), 120.0)  # fmt: skip
-    assert filter_.position[0] == pytest.approx(5e3, abs=1.0)
+    filter_.see(70.0, np.array([5e3, 0.0, 100.0]), np.array([25.0, -5.0, 0.2]),
+                   np.array([22.0, 0.0, 0.0]))  # fmt: skip
+    assert filter_.found.vehicle[:3][0] == pytest.approx(5e3, abs=1.0)
     np.testing.assert_allclose(filter_.mean_wind, [3.0, -5.0, 0.2], atol=0.2)
 
 
 def test_what_slips_while_it_rolls_is_taken_for_no_bias():
     """An aircraft that rolls into its turn has its nose off by degrees; nothing is biased."""
-    found, wind = WindFilter(), np.array([8.0, 0.0, 0.0])
+    found, wind = AirFilter(), np.array([8.0, 0.0, 0.0])
     position, heading = np.zeros(3), 0.0
     for tick in range(1500):
         time = 0.02 * tick
@@ -118,7 +141,7 @@ def test_what_slips_while_it_rolls_is_taken_for_no_bias():
         air = 22.0 * np.array([math.cos(heading), math.sin(heading), 0.0])
         seen = 22.0 * np.array([math.cos(heading + slip), math.sin(heading + slip), 0.0])
         position = position + 0.02 * (air + wind)
-        found.update(time, position, air + wind, seen, 120.0)
+        found.see(time, position, air + wind, seen)
     assert abs(found.airspeed_share) < 0.02
     assert abs(found.heading_bias) < 0.02
     np.testing.assert_allclose(found.mean_wind + found.gust, wind, atol=1.0)
@@ -139,7 +162,7 @@ def test_each_axis_is_smoothed_by_its_own_noise():
             flown(duration, position_noise=(1.0, 1.0, 9.0), told=told)
             for duration in range(20, 60, 4)
         )
-        errors = [found.position - position for found, position in flights]
+        errors = [found.found.vehicle[:3] - position for found, position in flights]
         return np.sqrt(np.mean(np.square(errors), axis=0))
 
     (east, north, up), (_, _, up_untold) = spread(True), spread(False)
@@ -150,7 +173,7 @@ def test_each_axis_is_smoothed_by_its_own_noise():
 @pytest.mark.parametrize("gap", [0.0, 1.0])
 def test_a_velocity_of_the_wrong_sign_is_not_the_wind(gap):
     """Positions say that it was not flown, however long it lasts and whatever went before."""
-    filter_, position = WindFilter(), np.array([100.0, 50.0, 120.0])
+    filter_, position = AirFilter(), np.array([100.0, 50.0, 120.0])
     wind, begin = np.array([3.0, -5.0, 0.0]), 30.0
     for k in range(round(60.0 / STEP)):
         time, psi = k * STEP, TURN * k * STEP
@@ -158,23 +181,72 @@ def test_a_velocity_of_the_wrong_sign_is_not_the_wind(gap):
         wrong = begin <= time < begin + 8.0
         ground = (-1.0 if wrong else 1.0) * (air + wind)
         if not begin - gap <= time < begin:
-            filter_.update(time, position, ground, air, 120.0)
+            filter_.see(time, position, ground, air)
             if time > 10.0:
                 np.testing.assert_allclose(filter_.mean_wind + filter_.gust, wind, atol=0.3)
-                np.testing.assert_allclose(filter_.position, position, atol=0.3)
+                np.testing.assert_allclose(filter_.found.vehicle[:3], position, atol=0.3)
         middle = psi + 0.5 * TURN * STEP
         position = position + STEP * SPEED * np.array([np.cos(middle), np.sin(middle), 0.0])
         position = position + STEP * wind
 
 
 def test_a_wind_that_turns_at_once_is_believed_after_a_second():
-    filter_, position = WindFilter(), np.array([100.0, 50.0, 120.0])
+    filter_, position = AirFilter(), np.array([100.0, 50.0, 120.0])
     before, after = np.array([10.0, 0.0, 0.0]), np.array([-10.0, 0.0, 0.0])
     for k in range(round(40.0 / STEP)):
         time, psi = k * STEP, TURN * k * STEP
         air = SPEED * np.array([np.cos(psi), np.sin(psi), 0.0])
         wind = before if time < 30.0 else after
-        filter_.update(time, position, air + wind, air, 120.0)
+        filter_.see(time, position, air + wind, air)
         position = position + STEP * (air + wind)
         if time > 33.0:
             np.testing.assert_allclose(filter_.mean_wind + filter_.gust, after, atol=0.5)
+
+
+def covariance(lane):
+    """Of a filter's state, from its upper triangle by columns."""
+    upper = np.zeros((SIZE, SIZE))
+    upper.T[np.tril_indices(SIZE)] = lane.triangle
+    np.testing.assert_array_equal(np.diag(upper), lane.triangle[DIAGONAL])
+    return upper + np.triu(upper, 1).T
+
+
+def normalised_errors(seed, noise, walk):
+    """Squared errors of position and of wind with gust, over their covariances, as it circles."""
+    random, filter_ = np.random.default_rng(seed), AirFilter()
+    position, wind = np.array([0.0, 0.0, 120.0]), np.array([5.0, -3.0, 0.0])
+    times = np.array([275.0, 275.0, 120.0]) / SPEED
+    spread, decay, rows = np.sqrt(0.5 * walk * times), np.exp(-STEP / times), []
+    gust = spread * random.standard_normal(3)
+    seen = np.zeros((2, 3, SIZE))
+    seen[0][:, P] = seen[1][:, W] = seen[1][:, G] = np.eye(3)
+    for k in range(round(80.0 / STEP)):
+        psi = TURN * k * STEP
+        air = SPEED * np.array([np.cos(psi), np.sin(psi), 0.0])
+        blown = [position, air + wind + gust]
+        place, ground = (
+            each + size * random.standard_normal(3) for each, size in zip(blown, noise, strict=True)
+        )
+        filter_.see(k * STEP, place, ground, air, *[(size,) * 3 for size in noise])
+        if k * STEP > 30.0 and k % 20 == 0:
+            known = filter_._filter
+            errors = known.state[P] - position, known.state[W] + known.state[G] - wind - gust
+            rows.append(
+                [
+                    error @ np.linalg.solve(part @ covariance(known) @ part.T, error)
+                    for part, error in zip(seen, errors, strict=True)
+                ]
+            )
+        middle = psi + 0.5 * TURN * STEP
+        position = position + STEP * SPEED * np.array([np.cos(middle), np.sin(middle), 0.0])
+        position = position + STEP * (wind + gust)
+        gust = decay * gust + spread * np.sqrt(1.0 - decay**2) * random.standard_normal(3)
+    return np.array(rows)
+
+
+@pytest.mark.parametrize(("noise", "walk"), [((1.0, 0.3), 1.0), ((0.3, 0.1), 0.25)])
+def test_errors_are_as_large_as_the_filter_says(noise, walk):
+    """NEES, mean over flights: 3 of a filter that knows all; this one may only be pessimistic."""
+    place, air = np.concatenate([normalised_errors(seed, noise, walk) for seed in range(3)]).mean(0)
+    assert 1.5 < place < 3.5
+    assert 0.75 < air < 3.5

@@ -14,24 +14,47 @@
 
 """A quantity from itself and its biased rate."""
 
+import casadi as ca
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.estimation.rate_aided_filter import RateAided, RateAidedFilters
+from uav_tracking_mpc.estimation.rate_aided import RATE_AIDED, begin_values, initial, smoothed
 
 STEP = 0.05
+
+
+class Heading:
+    """The filter of the heading, evaluated; the other quantities stand still."""
+
+    def __init__(self):
+        known, parts = RATE_AIDED.symbol("known")
+        symbols = ca.SX.sym("dt"), *[ca.SX.sym(name, 3) for name in ("x", "rate", "told")]
+        after = RATE_AIDED.joined(smoothed(parts, *symbols))
+        self._update = ca.Function("update", [known, *symbols], [after])
+        self._known, self._begun = initial(), False
+
+    @property
+    def parts(self):
+        return RATE_AIDED.parts(self._known)
+
+    def update(self, elapsed, measured, rate, told):
+        seen = [np.array([value, 0.0, 0.0]) for value in (measured, rate, told)]
+        if not self._begun:
+            begin_values(self.parts, *seen)
+            self._begun, elapsed = True, 0.0
+        self._known = np.array(self._update(self._known, elapsed, *seen)).ravel()
 
 
 def filtered(count=2000, noise=0.0, bias=0.0, seed=0, told=0.0):
     """Filter after a course of turns, the errors of its values and the truth at its end."""
     random, errors = np.random.default_rng(seed), []
-    aided = RateAidedFilters([RateAided(1e-3, 0.05, 1e-3, circular=True)])
+    aided = Heading()
     for k in range(count):
         time = k * STEP
         truth, rate = 3.0 * np.sin(0.2 * time) + 0.1 * time, 0.6 * np.cos(0.2 * time) + 0.1
         measured = np.angle(np.exp(1j * (truth + noise * random.standard_normal())))
-        aided.update(time, [measured], [rate + bias], [told])
-        errors.append(np.angle(np.exp(1j * (aided.values[0] - truth))))
+        aided.update(STEP, measured, rate + bias, told)
+        errors.append(np.angle(np.exp(1j * (aided.parts.value[0] - truth))))
     return aided, np.array(errors)
 
 
@@ -43,20 +66,21 @@ def test_without_noise_the_measurement_counts():
 @pytest.mark.parametrize("bias", [0.035, -0.1])
 def test_the_bias_of_the_rate_is_found(bias):
     aided, errors = filtered(bias=bias)
-    assert aided.biases[0] == pytest.approx(bias, abs=2e-4)
+    assert aided.parts.bias[0] == pytest.approx(bias, abs=2e-4)
     assert np.abs(errors[-100:]).max() < 1e-4
 
 
 def test_noise_is_smoothed_by_the_rate_though_nobody_tells_how_much_there_is():
     aided, errors = filtered(count=4000, noise=0.02, bias=0.035)
     assert np.sqrt(np.mean(errors[2000:] ** 2)) < 0.2 * 0.02
-    assert aided.biases[0] == pytest.approx(0.035, abs=2e-3)
+    assert aided.parts.bias[0] == pytest.approx(0.035, abs=2e-3)
 
 
-def test_after_a_gap_it_begins_at_the_measurement():
-    aided, _ = filtered(count=100)
-    aided.update(100.0, [0.5], [0.0], [0.0])
-    assert aided.values[0] == 0.5
+def test_what_begins_anew_is_where_it_is_measured_and_keeps_the_bias():
+    aided, _ = filtered(bias=0.035)
+    begin_values(aided.parts, *np.array([[0.5, 0.0, 20.0], np.zeros(3), np.zeros(3)]))
+    assert aided.parts.value[0] == 0.5
+    assert aided.parts.bias[0] == pytest.approx(0.035, abs=2e-4)
 
 
 def test_noise_that_is_told_is_smoothed_from_the_start():

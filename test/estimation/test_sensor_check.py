@@ -16,12 +16,70 @@
 
 import math
 
+import casadi as ca
 import numpy as np
 import pytest
 
-from uav_tracking_mpc.estimation.air_check import AIRSPEED, BLIND, HEADING, AirCheck, loose_air
+from uav_tracking_mpc.estimation.sensor_check import (
+    AIR_CHECK,
+    AIRSPEED,
+    HEADING,
+    JUMP,
+    JUMP_TIME,
+    ODD,
+    POSITION_CHECK,
+    VELOCITY_CHECK,
+    WINDOW,
+    air_checked,
+    initial_air_check,
+    position_checked,
+    velocity_checked,
+)
+from uav_tracking_mpc.estimation.sensor_health import STATES
 
 STEP, AIRSPEED_FLOWN, TURN = 0.05, 22.0, 0.073
+
+
+class Evaluated:
+    """A check on numbers, with the memory that it writes."""
+
+    def __init__(self, check, layout, memory, sizes):
+        known, parts = layout.symbol("known")
+        seen = [ca.SX.sym(f"seen{k}", size) for k, size in enumerate(sizes)]
+        after, *results = check(parts, *seen)
+        after = after if isinstance(after, ca.SX) else layout.joined(after)
+        self._function = ca.Function("check", [known, *seen], [after, *results])
+        self.memory, self.layout = memory, layout
+
+    def __call__(self, *seen):
+        after, *results = (np.array(each).ravel() for each in self._function(self.memory, *seen))
+        self.memory = after
+        return results
+
+
+class AirCheck(Evaluated):
+    """Of airspeed and heading; the time is that of the last call."""
+
+    def __init__(self):
+        def check(known, dt, heading, reading, present, level, air, deviation, moved, forward):
+            air = air[:2], air[2:]
+            seen = heading, reading, present, level, air, deviation, moved, forward
+            return air_checked(known, dt, *seen)
+
+        super().__init__(check, AIR_CHECK, initial_air_check(), [1, 1, 1, 1, 1, 4, 2, 3, 1])
+        self.time = 0.0
+
+    @property
+    def reasons(self):
+        codes = self.layout.parts(self.memory).reasons
+        return ["" if code == 0.0 else STATES[int(code)] for code in codes]
+
+    def judge(self, time, heading, reading, level, air, deviations, explained, acceleration):
+        elapsed, self.time = time - self.time, time
+        present = reading is not None
+        seen = heading, reading or 0.0, present, level, np.concatenate(air), deviations
+        turned, along = self(elapsed, *seen, explained, acceleration)
+        return float(turned[0]), float(along[0])
 
 
 def circled(check, reading, begin=0.0, end=100.0, heading_error=0.0, gust=None, **more):
@@ -142,7 +200,78 @@ def test_a_wind_that_changes_across_may_have_changed_along(check):
     assert circled(check, drifting, 100.0, 140.0, explained=moving)[2] == [["", ""]]
 
 
-def test_what_is_left_out_is_not_measured():
-    assert not loose_air(0.3, False, False).any()
-    np.testing.assert_allclose(loose_air(0.0, True, False), [BLIND, 0.0, 0.0])
-    np.testing.assert_allclose(loose_air(0.0, False, True), [0.0, BLIND, 0.0])
+VELOCITY_STEP = 0.1
+EXPECTED = np.array([20.0, 0.0, 0.0])
+ODD_ONE = np.add(EXPECTED, (0.0, 2.0 * ODD, 0.0))
+USED, LEFT_OUT, NEW = (0, 0), (1, 0), (0, 1)
+
+
+@pytest.fixture
+def velocities():
+    return Evaluated(
+        velocity_checked, VELOCITY_CHECK, np.zeros(VELOCITY_CHECK.size), [1, 3, 3, 3, 1]
+    )
+
+
+def judged(check, flown, measured, duration, deviation=0.0):
+    """Verdicts over a time in which one velocity is flown and one measured."""
+    steps = range(round(duration / VELOCITY_STEP))
+    found = (
+        check(VELOCITY_STEP, k * VELOCITY_STEP * flown, measured, EXPECTED, deviation)
+        for k in steps
+    )
+    return [(int(odd[0]), int(changed[0])) for odd, changed in found]
+
+
+def test_a_velocity_that_is_near_is_used_and_one_that_is_uncertain_may_be_farther(velocities):
+    near = np.add(EXPECTED, (0.9 * ODD, 0.0, 0.0))
+    assert set(judged(velocities, near, near, 3.0)) == {USED}
+    assert set(judged(velocities, EXPECTED, ODD_ONE, 3.0, deviation=ODD)) == {USED}
+
+
+def test_a_velocity_that_is_not_flown_stays_odd(velocities):
+    assert set(judged(velocities, EXPECTED, ODD_ONE, 10.0 * WINDOW)) == {LEFT_OUT}
+
+
+def test_a_velocity_that_is_flown_is_new_after_the_window(velocities):
+    verdicts = judged(velocities, ODD_ONE, ODD_ONE, 2.0 * WINDOW)
+    first = verdicts.index(NEW)
+    assert set(verdicts[:first]) == {LEFT_OUT}
+    assert abs((first + 1) * VELOCITY_STEP - WINDOW) < 2.0 * VELOCITY_STEP
+
+
+def test_a_fault_that_turns_into_a_change_is_believed_at_last(velocities):
+    assert NEW not in judged(velocities, EXPECTED, ODD_ONE, 3.5 * WINDOW)
+    assert NEW in judged(velocities, ODD_ONE, ODD_ONE, 2.5 * WINDOW)
+
+
+def test_an_odd_velocity_between_good_ones_is_forgotten(velocities):
+    for _ in range(5):
+        assert judged(velocities, EXPECTED, ODD_ONE, 0.5 * WINDOW)[-1] == LEFT_OUT
+        assert judged(velocities, EXPECTED, EXPECTED, VELOCITY_STEP) == [USED]
+
+
+def placed(offset, duration, present=True):
+    """States, uses and moves of positions that are elsewhere from the second on."""
+    check = Evaluated(
+        position_checked, POSITION_CHECK, np.zeros(POSITION_CHECK.size), [1, 3, 1, 3, 1]
+    )
+    rows = []
+    for k in range(1, round(duration / STEP)):
+        carried = k * STEP * EXPECTED
+        seen = carried + np.array([offset, 0.0, 0.0]) * (k > 1)
+        code, used, moved = check(STEP, seen, present, carried, 0.1)
+        rows.append((STATES[int(code[0])], bool(used[0]), bool(moved[0])))
+    return rows
+
+
+def test_a_position_that_jumps_is_left_out_until_it_has_stayed_there():
+    rows = placed(2.0 * JUMP, 1.5 * JUMP_TIME)
+    arrived = rows.index(("used", True, True))
+    assert arrived * STEP == pytest.approx(JUMP_TIME, abs=2.0 * STEP)
+    assert set(rows[1:arrived]) == {("jumped", False, False)}
+
+
+def test_a_position_that_is_near_is_used_and_an_absent_one_is_silent():
+    assert set(placed(0.5 * JUMP, 1.0)) == {("used", True, False)}
+    assert set(placed(0.0, 1.0, present=False)) == {("silent", False, False)}

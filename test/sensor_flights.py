@@ -1,0 +1,88 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Random flights, in which nothing fails or one sensor does."""
+
+import dataclasses
+import math
+
+import numpy as np
+
+from uav_tracking_mpc import load_configuration
+from uav_tracking_mpc.estimation.sensor_health import USED
+from uav_tracking_mpc.simulation.closed_loop import ClosedLoop
+
+BEGIN, END = 90.0, 150.0  # s, of what fails
+
+
+def either(random, least, greatest):
+    return random.choice([-1.0, 1.0]) * random.uniform(least, greatest)
+
+
+# By the sensor that is to be named: parameters of the simulator from the begin on.
+FAULTS = {
+    "stuck": ("airspeed", lambda r: {"airspeed_fault": "stuck", "airspeed_bias": either(r, 2, 6)}),
+    "off": ("airspeed", lambda r: {"airspeed_bias": either(r, 4, 8)}),
+    "zero": ("airspeed", lambda r: {"airspeed_bias": -50.0}),
+    "silent": ("airspeed", lambda r: {"airspeed_fault": "silent"}),
+    "turned": ("heading", lambda r: {"heading_bias": either(r, 0.35, 3.0)}),
+    "reversed": ("ground velocity", lambda r: {"velocity_gain": -1.0}),
+    "frozen": ("position", lambda r: {"position_fault": "frozen"}),
+    "lost": ("position", lambda r: {"position_fault": "silent"}),
+    "moved": ("position", lambda r: {"position_bias": [*r.uniform(6.0, 20.0, 2).tolist(), 0.0]}),
+}
+
+
+def flown(seed, name):
+    """News of the sensors, and least and greatest airspeed, of a flight about a moving target."""
+    random = np.random.default_rng(seed)
+    wind, direction = random.uniform(0.0, 8.0), random.uniform(-math.pi, math.pi)
+    simulator = {
+        "wind": [wind * math.cos(direction), wind * math.sin(direction), 0.0],
+        "seed": seed,
+        "gust_intensity": random.choice([0.0, 7.7, 15.4]),
+        "airspeed_noise": random.choice([0.0, 0.3]),
+        "velocity_noise": random.choice([0.0, 0.2]),
+        "attitude_noise": random.choice([0.0, 0.005]),
+    }
+    changes = [f"uav_simulator.{key}={value}" for key, value in simulator.items()]
+    changes += [
+        "target_publisher.motion=line",
+        f"target_publisher.speed={random.uniform(0.0, 4.0)}",
+        f"target_publisher.heading={random.uniform(-3.0, 3.0)}",
+        f"nmpc_controller.range={random.uniform(200.0, 350.0)}",
+        "nmpc_controller.solve_time_max=10.0",
+    ]
+    fails = FAULTS[name][1](random) if name else {}
+    wrong = tuple((BEGIN, f"uav_simulator.{key}={value}") for key, value in fails.items())
+    loop = ClosedLoop(dataclasses.replace(load_configuration("small_uav", changes), changes=wrong))
+    airspeeds = []
+    while loop.time < END:
+        airspeeds.append(loop.tick().truth.airspeed)
+    news = [(each.time, each.sensor, each.state) for each in loop.log(END).sensors]
+    return news, min(airspeeds), max(airspeeds)
+
+
+def named_rightly(name, news):
+    """Whether the sensor that fails is named, after it fails, and no other."""
+    wrong = [(time, sensor) for time, sensor, state in news if state != USED]
+    if not name:
+        return not wrong
+    return bool(wrong) and all(each == FAULTS[name][0] and time >= BEGIN for time, each in wrong)
+
+
+def judged(seed, name):
+    news, slowest, fastest = flown(seed, name)
+    assert 14.0 <= slowest <= fastest <= 32.0, (seed, name, slowest, fastest)
+    return named_rightly(name, news)

@@ -1,0 +1,39 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Random flights: a sensor that fails is named, no other is, and airspeed limits are kept."""
+
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+
+import pytest
+from sensor_flights import FAULTS, judged
+
+
+@pytest.mark.parametrize("name", ["", "off", "turned", "moved"])
+def test_what_fails_is_named_and_nothing_else(name):
+    assert judged(1, name)
+
+
+@pytest.mark.long
+def test_of_200_flights_none_is_blamed_and_of_200_faults_19_in_20_are_named():
+    jobs = [(seed, "") for seed in range(200)]
+    jobs += [(200 + k, list(FAULTS)[k % len(FAULTS)]) for k in range(200)]
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        right = list(pool.map(judged, *zip(*jobs, strict=True)))
+    print(
+        f"rightly named: {sum(right[:200])} of 200 without, {sum(right[200:])} of 200 with a fault"
+    )
+    assert all(right[:200])
+    assert sum(right[200:]) >= 190

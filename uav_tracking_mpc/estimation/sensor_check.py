@@ -1,0 +1,331 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+r"""Which of position, ground velocity, airspeed and heading are believed.
+
+Each is compared with what the others tell:
+
+- a **ground velocity** far from what is expected is left out, unless within a second the positions
+  say that it was flown and what was expected was not: then the air has changed;
+- a **position** far from where the ground velocity leads is left out for a time; if the next ones
+  stay there, that is where the aircraft is. One that repeats is none;
+- **airspeed and heading** are compared with the wind triangle. With the ground velocity
+  :math:`v_g` and the mean wind w, the velocity through the air is :math:`u = v_g - w`. It is to be
+  as fast as the airspeed, and to point along the heading:
+
+.. math:: r = v - |u|, \qquad c = |u| \angle(\psi, u) .
+
+Each of these two sensors is judged by a wind that was found without it. By that wind a sensor that
+fails shows on its own residual alone, while gusts and a wind that changes show on both as the
+aircraft turns. A sensor is left out when its residual has jumped within a few seconds, or has
+stayed away from zero for longer, by more than the other residual and the change of that wind
+explain: a wind that has changed where it is seen may have changed where it is not. An airspeed that
+stays the same to the last bit though the aircraft has been accelerated is left out too. Ground
+velocity and wind stand in for a sensor until it agrees again.
+
+These are expressions: :mod:`~uav_tracking_mpc.estimation.air_estimate` compiles them.
+"""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from uav_tracking_mpc.estimation.sensor_health import JUMPED, OFF, SILENT, STATES, STUCK, USED
+from uav_tracking_mpc.symbolic.layout import Layout
+
+CODE = {state: float(number) for number, state in enumerate(STATES)}
+
+# Ground velocity
+ODD = 10.0  # m/s that it may be apart from what is expected, besides deviations
+ODD_DEVIATIONS = 4.0  # -, standard deviations of what is expected, that it may be apart as well
+WINDOW = 1.0  # s after which positions tell which of the two velocities was flown
+VELOCITY_CHECK = Layout(odd=1, begin=3, by_measured=3, by_expected=3)
+
+# Positions that are elsewhere by more than this and so many standard deviations of their noise are
+# left out for a time. If they stay there, what is told of the aircraft's place goes there gently.
+JUMP, JUMP_DEVIATIONS, JUMP_TIME, FADE_TIME = 2.0, 6.0, 2.0, 10.0  # m, -, s, s
+POSITION_CHECK = Layout(jumped=1, faded=3, last=3)
+
+# Airspeed and heading
+SMOOTHING, CHANGE_TIME, LASTING = 0.7, 4.0, 7.0  # s: of noise, of a jump, of what lasts
+LEAST_JUMP, LEAST_OFFSET = 1.0, 0.8  # m/s
+DEVIATIONS = 4.0  # standard deviations of gusts that explain a residual
+DOMINANCE = 3.0  # -, by which the residual of a sensor that fails exceeds the other
+TURNED = 0.3  # rad, that the wind's error turns against the heading in a jump
+# s, and share of what the wind without airspeed has changed in it: it may have changed as much
+# along the heading, where it was not seen
+CHANGES, MOVES = 40.0, 3.0
+WIND_KNOWN = 1.5  # m/s, standard deviation of the wind from which on there is something to compare
+COMPARED = 60.0  # s, memory of the gusts
+PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts taken at first, and how much that weighs
+AGREEING, AGREED_FOR = 0.5, 5.0  # -, s: share of the limits to be kept to, to be used again
+STUCK_FOR, STUCK_CHANGE = 1.0, 0.4  # s and m/s: of a reading, and of the speed meanwhile
+AIRSPEED, HEADING = 0, 1
+# Residuals (r, c) in m/s by the wind without airspeed, then by that without heading: without noise,
+# as of some seconds ago, and what lasts; and mean squares of what gusts make of them.
+AIR_CHECK = Layout(
+    reasons=2, agreed=2, now=4, before=4, lasting=4, jumps=4, offsets=4, weight=2, explained=3,
+    moved=1, reading=1, stood=1, gained=1, speed=1,
+)  # fmt: skip
+
+
+def initial_air_check() -> NDArray[np.float64]:
+    """What is known before anything is compared, shape (AIR_CHECK.size,)."""
+    memory = np.zeros(AIR_CHECK.size)
+    known = AIR_CHECK.parts(memory)
+    known.jumps[:] = known.offsets[:] = PRIOR**2
+    known.reading[:] = -1.0
+    return memory
+
+
+def velocity_checked(
+    known: SimpleNamespace,
+    elapsed: ca.SX,
+    position: ca.SX,
+    measured: ca.SX,
+    expected: ca.SX,
+    deviation: ca.SX,
+) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """What is known after a ground velocity; whether it is left out; whether the air has changed.
+
+    Args:
+        known: By :data:`VELOCITY_CHECK`: for how long velocities have been odd [s], where that
+            began [m], ways since then by both velocities [m].
+        elapsed: Since the measurement before in [s].
+        position: As measured, shape (3,), in [m].
+        measured: Shape (3,), in [m/s].
+        expected: Shape (3,), in [m/s].
+        deviation: Standard deviation of the difference in [m/s].
+    """
+    far = ca.norm_2(measured - expected) > ODD + ODD_DEVIATIONS * deviation
+    goes_on = known.odd > 0.0
+    begin = ca.if_else(goes_on, known.begin, position)
+    by_measured = ca.if_else(goes_on, known.by_measured + elapsed * measured, 0.0)
+    by_expected = ca.if_else(goes_on, known.by_expected + elapsed * expected, 0.0)
+    odd = ca.if_else(far, known.odd + elapsed, 0.0)
+    judged = odd >= WINDOW
+    way = position - begin
+    flown = ca.sumsqr(way - by_measured) < ca.sumsqr(way - by_expected)
+    changed = ca.logic_and(judged, flown)
+    # One that was not flown is still odd; the next window decides anew.
+    after = SimpleNamespace(
+        odd=ca.if_else(judged, ca.if_else(changed, 0.0, elapsed), odd),
+        begin=ca.if_else(judged, position, begin),
+        by_measured=ca.if_else(judged, 0.0, by_measured),
+        by_expected=ca.if_else(judged, 0.0, by_expected),
+    )
+    return VELOCITY_CHECK.joined(after), ca.logic_and(far, ca.logic_not(changed)), changed
+
+
+def position_checked(
+    known: SimpleNamespace,
+    elapsed: ca.SX,
+    position: ca.SX,
+    present: ca.SX,
+    carried: ca.SX,
+    deviation: ca.SX,
+) -> tuple[SimpleNamespace, ca.SX, ca.SX, ca.SX]:
+    """What is known after a position, its state by :data:`CODE`, whether it is used, has moved.
+
+    Args:
+        known: By :data:`POSITION_CHECK`: for how long positions have been elsewhere [s], what of a
+            jump is still to be told [m], the last position [m].
+        elapsed: Since the measurement before in [s].
+        position: As measured, shape (3,), in [m].
+        present: 1 where one is measured, else 0.
+        carried: Where the ground velocity leads, shape (3,), in [m].
+        deviation: Standard deviation of the noise on the worst axis in [m].
+    """
+    same = ca.logic_not(ca.sumsqr(position - known.last) > 0.0)
+    repeated = ca.logic_and(present, same)
+    far = ca.norm_2(position - carried) > JUMP + JUMP_DEVIATIONS * deviation
+    far = ca.logic_and(present, far)
+    jumped = ca.if_else(far, known.jumped + elapsed, 0.0)
+    elsewhere = ca.logic_and(far, ca.logic_not(repeated))
+    moved = ca.logic_and(elsewhere, jumped >= JUMP_TIME)
+    waits = ca.logic_and(elsewhere, ca.logic_not(moved))
+    stuck = ca.logic_and(far, repeated)
+    code = CODE[JUMPED] * waits + CODE[STUCK] * stuck + CODE[SILENT] * ca.logic_not(present)
+    used = present * ca.logic_not(repeated) * ca.logic_not(waits)
+    after = SimpleNamespace(
+        jumped=ca.if_else(moved, 0.0, jumped),
+        faded=known.faded * ca.exp(-elapsed / FADE_TIME),
+        last=ca.if_else(present, position, known.last),
+    )
+    return after, code, used, moved
+
+
+def air_checked(
+    known: SimpleNamespace,
+    elapsed: ca.SX,
+    heading: ca.SX,
+    reading: ca.SX,
+    present: ca.SX,
+    level: ca.SX,
+    air: tuple[ca.SX, ca.SX],
+    wind_deviations: ca.SX,
+    explained: ca.SX,
+    acceleration: ca.SX,
+) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """What is known after airspeed and heading; heading [rad] and level airspeed [m/s] by the wind.
+
+    Args:
+        known: By :data:`AIR_CHECK`.
+        elapsed: Since the measurement before in [s]; 0 where the flight begins.
+        heading: As measured in [rad].
+        reading: Airspeed as measured in [m/s].
+        present: 1 where there is a reading, else 0.
+        level: Share of it that is level, less what it is known to read too much, [-].
+        air: u by a wind that owes nothing to the airspeed, and by one that owes nothing to the
+            heading, shape (2,) each, in [m/s].
+        wind_deviations: Standard deviations of these winds, shape (2,), in [m/s]; a sensor is
+            judged while that of its wind is small.
+        explained: Of the estimate that owes nothing to the airspeed what it holds for wind and
+            gust, and for the heading's bias times airspeed, shape (3,), in [m/s].
+        acceleration: That is commanded and flown in [m/s^2].
+    """
+    known = SimpleNamespace(**vars(known))
+    along = air[0][0] * ca.cos(heading) + air[0][1] * ca.sin(heading)
+    reason, is_heading = ca.vertsplit(known.reasons)
+    was_silent = reason == CODE[SILENT]
+    reason = ca.if_else(was_silent, CODE[USED], reason)
+    weight = ca.if_else(ca.logic_and(present, was_silent), 0.0, known.weight)
+    reason = _stuck(known, elapsed, reason, reading, along, acceleration)
+    reasons = [ca.if_else(present, reason, CODE[SILENT]), is_heading]
+
+    residuals = []
+    for each in air:
+        speed = ca.norm_2(each)
+        off = ca.remainder(ca.atan2(each[1], each[0]) - heading, math.tau)
+        residuals += [ca.if_else(present, level * reading - speed, 0.0), speed * off]
+    known_winds = ca.logic_and(elapsed > 0.0, wind_deviations <= WIND_KNOWN)
+    compared = ca.vertsplit(known_winds)
+    moved = ca.fmax(
+        ca.norm_2(explained - known.explained), known.moved * ca.exp(-elapsed / CHANGES)
+    )
+    share = ca.fmin(elapsed / CHANGES, 1.0)
+    followed = known.explained + share * (explained - known.explained)
+    agreed, after = _compared(
+        known,
+        elapsed,
+        reasons,
+        weight,
+        ca.vertcat(*residuals),
+        TURNED * wind_deviations,
+        MOVES * moved,
+    )
+    for name, value in vars(after).items():
+        before = getattr(known, name)
+        of_each = [known_winds[k * 2 // value.numel()] for k in range(value.numel())]
+        setattr(known, name, ca.if_else(ca.vertcat(*of_each), value, before))
+    known.weight = ca.if_else(known_winds, after.weight, 0.0)
+    known.moved = ca.if_else(compared[AIRSPEED], moved, 0.0)
+    known.explained = ca.if_else(compared[AIRSPEED], followed, explained)
+    known.reasons = ca.if_else(known_winds, agreed, ca.vertcat(*reasons))
+    no_airspeed, no_heading = known.reasons[AIRSPEED] > 0.0, known.reasons[HEADING] > 0.0
+    way = ca.if_else(no_airspeed, air[0], air[1])
+    along = ca.if_else(no_heading, ca.norm_2(air[0]), along)
+    return AIR_CHECK.joined(known), ca.atan2(way[1], way[0]), ca.fmax(along, 0.0)
+
+
+def _stuck(
+    known: SimpleNamespace,
+    elapsed: ca.SX,
+    reason: ca.SX,
+    reading: ca.SX,
+    along: ca.SX,
+    acceleration: ca.SX,
+) -> ca.SX:
+    """State of an airspeed that may stay the same, compared with how the aircraft is accelerated.
+
+    Once it changes again it must agree first. ``known`` takes what is known after it.
+    """
+    changed = ca.logic_not(reading == known.reading)
+    known.stood = ca.if_else(changed, 0.0, known.stood + elapsed)
+    known.gained = ca.if_else(changed, 0.0, known.gained + elapsed * acceleration)
+    known.speed = ca.if_else(changed, along, known.speed)
+    known.reading = reading
+    gained = ca.fmin(ca.fabs(known.gained), ca.fabs(along - known.speed)) > STUCK_CHANGE
+    stands = ca.logic_and(known.stood > STUCK_FOR, gained)
+    freed = ca.logic_and(changed, reason == CODE[STUCK])
+    reason = ca.if_else(ca.logic_and(stands, reason == CODE[USED]), CODE[STUCK], reason)
+    return ca.if_else(freed, CODE[JUMPED], reason)
+
+
+def _compared(
+    known: SimpleNamespace,
+    elapsed: ca.SX,
+    reasons: list[ca.SX],
+    weight: ca.SX,
+    residuals: ca.SX,
+    turned: ca.SX,
+    changes: ca.SX,
+) -> tuple[ca.SX, SimpleNamespace]:
+    """States of both sensors, and the rest of what is known, after residuals have been followed."""
+    begins = _of_residuals(weight == 0.0)
+    now = ca.if_else(begins, residuals, known.now)
+    before = ca.if_else(begins, residuals, known.before)
+    lasting = ca.if_else(begins, 0.0, known.lasting)
+    weight = ca.fmin(ca.if_else(weight == 0.0, PRIOR_TIME, weight) + elapsed, COMPARED)
+    now += ca.fmin(elapsed / SMOOTHING, 1.0) * (residuals - now)
+    before += elapsed / CHANGE_TIME * (now - before)
+    lasting += elapsed / LASTING * (now - lasting)
+    jumps, agreed, reasons = now - before, [], list(reasons)
+    again = [ca.SX(0.0)] * 2
+    for which in (AIRSPEED, HEADING):
+        own, other = 3 * which, 1 + which  # of the residuals: its own one, and the other one
+        most = LEAST_JUMP + DEVIATIONS * (ca.sqrt(known.jumps[other]) + turned[which])
+        most = ca.fmax(most, DOMINANCE * ca.fabs(jumps[other]))
+        least = LEAST_OFFSET + DEVIATIONS * ca.sqrt(known.offsets[other])
+        least = changes + ca.fmax(least, DOMINANCE * ca.fabs(lasting[other]))
+        reason = reasons[which]
+        free = ca.logic_and(reason == CODE[USED], reasons[1 - which] == CODE[USED])
+        jumped = ca.fabs(jumps[own]) > most
+        off = ca.fabs(lasting[own]) > least
+        # A bias from the start has been found by then, and is none of this.
+        off = off * (weight[AIRSPEED] >= COMPARED) if which == AIRSPEED else ca.SX(0.0)
+        found = ca.if_else(jumped, CODE[JUMPED], off * CODE[OFF])
+        agrees = ca.fabs(now[own]) < AGREEING * ca.fmin(most, least)
+        if which == AIRSPEED:
+            agrees = ca.logic_and(agrees, known.stood < STUCK_FOR)
+        for_long = ca.if_else(agrees, known.agreed[which] + elapsed, 0.0)
+        wrong = ca.logic_or(reason == CODE[JUMPED], reason == CODE[OFF])
+        again[which] = ca.logic_and(wrong, for_long > AGREED_FOR)
+        agreed.append(ca.if_else(wrong, for_long, 0.0))
+        reason = ca.if_else(free, found, reason)
+        reasons[which] = ca.if_else(again[which], CODE[USED], reason)
+    anew = ca.vertcat(*again, *again)
+    before, lasting = (ca.if_else(anew, now, value) for value in (before, lasting))
+    used = [reason == CODE[USED] for reason in reasons]
+    share = elapsed / _of_residuals(weight) * ca.vertcat(*used, *used)
+    after = SimpleNamespace(
+        now=now,
+        before=before,
+        lasting=lasting,
+        weight=weight,
+        agreed=ca.vertcat(*agreed),
+        jumps=known.jumps + share * ((now - before) ** 2 - known.jumps),
+        offsets=known.offsets + share * (lasting**2 - known.offsets),
+    )
+    return ca.vertcat(*reasons), after
+
+
+def _of_residuals(winds: ca.SX) -> ca.SX:
+    """Of each of the four residuals, from what is of each of the two winds."""
+    return winds[[0, 0, 1, 1]]

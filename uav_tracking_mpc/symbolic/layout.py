@@ -1,0 +1,65 @@
+# Copyright 2026 uav_tracking_mpc maintainers
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Names for the parts of a flat vector, of numbers or of symbols alike."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import casadi as ca
+
+
+class Layout:
+    """Parts of a vector that follow each other.
+
+    Args:
+        sizes: How many numbers each part has, by its name.
+
+    Attributes:
+        size: How many numbers they have together.
+    """
+
+    def __init__(self, **sizes: int) -> None:
+        self._slices: dict[str, slice] = {}
+        self.size = 0
+        for name, size in sizes.items():
+            self._slices[name] = slice(self.size, self.size + size)
+            self.size += size
+
+    def parts(self, vector: Any) -> SimpleNamespace:
+        """The parts by name: views of an array, or pieces of a column of symbols.
+
+        Args:
+            vector: Shape (size,), or a CasADi column.
+        """
+        return SimpleNamespace(**{name: vector[place] for name, place in self._slices.items()})
+
+    def symbol(self, name: str) -> tuple[ca.SX, SimpleNamespace]:
+        """A column of new symbols, and its parts.
+
+        Args:
+            name: That expressions print.
+        """
+        vector = ca.SX.sym(name, self.size)
+        return vector, self.parts(vector)
+
+    def joined(self, parts: SimpleNamespace) -> ca.SX:
+        """The dense column of these parts.
+
+        Args:
+            parts: Expressions, each with as many entries as its size says.
+        """
+        return ca.densify(ca.vertcat(*[getattr(parts, name) for name in self._slices]))
