@@ -45,6 +45,8 @@ suppress_warnings = ["ref.python"]  # a type in a signature whose name two class
 myst_enable_extensions = ["dollarmath", "colon_fence"]
 myst_heading_anchors = 3
 
+highlight_language = "bash"  # blocks of commands name none
+
 html_theme = "furo"
 html_title = "uav_tracking_mpc"
 html_math_renderer = "mathml"
@@ -62,3 +64,4 @@ autodoc_preserve_defaults = True
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 napoleon_use_ivar = True
+napoleon_attr_annotations = False  # the descriptions say units and shapes

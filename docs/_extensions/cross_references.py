@@ -20,6 +20,7 @@ packages, are shown without a link. A name that nothing in the package has ends 
 a docstring that no page shows.
 """
 
+import ast
 import re
 from functools import cache
 from importlib.util import find_spec
@@ -109,7 +110,11 @@ def resolve(app, environment, node, content):
 @cache
 def names():
     """Names that the package's sources define, and those of its modules."""
-    defined = re.compile(r"^ *(?:(?:def|class) )?(\w+)(?:\(|:| =|,)", re.MULTILINE)
-    texts = [path.read_text(encoding="utf-8") for path in SOURCES]
-    found = {name for text in texts for name in defined.findall(text)}
-    return found | {path.stem for path in SOURCES} | {path.parent.name for path in SOURCES}
+    found = {part for path in SOURCES for part in (path.stem, path.parent.name)}
+    for path in SOURCES:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ClassDef | ast.FunctionDef):
+                found.add(node.name)
+            elif isinstance(getattr(node, "ctx", None), ast.Store):
+                found.add(getattr(node, "id", getattr(node, "attr", "")))
+    return found
