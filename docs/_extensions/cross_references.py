@@ -37,6 +37,7 @@ ARRAY = re.compile(
     r"~?numpy\.ndarray\[~?(?:tuple\[~?typing\.Any, \.\.\.\]|typing\.Any), "
     r"~?numpy\.dtype\[~?(?:numpy\.)?(\w+)\]\]"
 )
+LIKE = re.compile(r"~?\S*_Buffer \|.*?_NestedSequence\[~?complex \| ~?bytes \| ~?str\]")
 SOURCES = sorted(Path(uav_tracking_mpc.__file__).parent.rglob("*.py"))
 REFERENCE = re.compile(r":(?:attr|class|const|data|exc|func|meth|mod|obj):`[~.]*([\w.]+)`")
 PLAIN = ("attribute", "data", "property")
@@ -80,8 +81,9 @@ def keep_first_line(app, what, name, value, options, lines):
 
 
 def name_arrays(app, what, name, value, options, signature, returned):
-    """Write ``NDArray[float64]`` instead of what numpy makes of it."""
-    return tuple(text and ARRAY.sub(r"NDArray[\1]", text) for text in (signature, returned))
+    """Write ``NDArray[float64]`` instead of what numpy makes of it, and ``...`` for a factory."""
+    texts = [text and ARRAY.sub(r"NDArray[\1]", text) for text in (signature, returned)]
+    return tuple(text and LIKE.sub("ArrayLike", text).replace("<factory>", "...") for text in texts)
 
 
 def skip_private(app, what, name, value, skip, options):
