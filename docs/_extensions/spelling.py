@@ -31,7 +31,8 @@ from sphinx.util import logging
 GLOSSARY = Path(__file__).parents[1] / "reference" / "words.md"
 WORD = re.compile(r"(?<![\w./@-])[A-Za-z][a-z]+(?![\w/@]|\.\w)")
 FORMS = {
-    "is": "iz", "ys": "yz", "our": "or", "tre": "ter", "ll": "l", "ogue": "og", "ence": "ense",
+    "is": "iz", "ys": "yz", "our": "or", "tre": "ter", "ogue": "og", "ence": "ense",
+    "lled": "led", "lling": "ling", "ller": "ler",
 }  # fmt: skip
 AMERICAN = re.compile(
     r"(?!(?:re)?siz|priz|seiz)\w{2,}iz(?:e[drs]?|ers|ing|ations?)$|analyz"
@@ -84,5 +85,8 @@ def english():
 
 @cache
 def glossary():
-    """Words of the glossary's page, small."""
-    return {word.lower() for word in WORD.findall(GLOSSARY.read_text(encoding="utf-8"))}
+    """Words that the glossary explains or lists, small."""
+    text = GLOSSARY.read_text(encoding="utf-8")
+    explained = re.findall(r"^\| (.*?) \|", text, re.MULTILINE)
+    listed = text.partition("## Other words")[2]
+    return {word.lower() for word in WORD.findall(" ".join([*explained, listed]))}
