@@ -6,7 +6,8 @@
 # make golden     fly the records of test/golden again and say what differs; RECORD=1 writes them
 # make mutants    let the tests find 50 mutants of the package, as many as those of AGAINST=REV find;
 #                 it takes hours
-# make docs       build the documentation site in docs/_build, with the tables of its reference
+# make docs       build the documentation site in docs/_build, with the tables of its reference;
+#                 a warning, or a word that neither English nor the glossary knows, ends it
 # make figures    fly again for docs/flight.md, margins.md, identification.md: tables and pictures
 # make gallery    take the pictures of docs/gallery.md again, with chromium: half an hour at most
 # make campaign   fly the 2000 flights of docs/campaign.md again: tables and picture; about an hour
@@ -87,7 +88,7 @@ campaign: $(VENV)/demo
 	cp output/campaigns/robustness/campaign.png docs/
 
 clean:
-	rm -rf $(VENV) build install log output docs/_build docs/api *.egg-info
+	rm -rf $(VENV) build install log output docs/_build *.egg-info
 
 $(VENV)/bin/python:
 	@echo "Setting up $(VENV), once: about two minutes."

@@ -118,7 +118,7 @@ setup(
             "websockets>=15",
         ],
         "mutants": ["cosmic-ray>=8.4"],
-        "docs": ["furo", "myst-parser>=4.0", "sphinx>=8.2"],
+        "docs": ["furo", "myst-parser>=4.0", "pyspellchecker>=0.8", "sphinx>=8.2"],
     },
     entry_points={
         "console_scripts": [

@@ -29,21 +29,23 @@ release = version = __version__
 
 extensions = [
     "myst_parser",
-    "sphinx.ext.apidoc",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "command_help",
     "cross_references",
     "mathml",
+    "spelling",
 ]
 exclude_patterns = ["_build", "_extensions"]
 nitpicky = True
 nitpick_ignore_regex = [("py:obj", r".*\.[TN]")]  # variables of types have no page
-toc_object_entries = False  # thousands of them, copied into every page
+toc_object_entries = False  # they would be copied into every page
 suppress_warnings = ["ref.python"]  # a type in a signature whose name two classes have
 
 myst_enable_extensions = ["dollarmath", "colon_fence"]
 myst_heading_anchors = 3
+
+highlight_language = "bash"  # blocks of commands name none
 
 html_theme = "furo"
 html_title = "uav_tracking_mpc"
@@ -55,23 +57,11 @@ html_search_scorer = str(HERE / "search_scorer.js")  # pages of text before attr
 html_copy_source = False
 html_show_sphinx = False
 
-apidoc_modules = [
-    {
-        "path": str(HERE.parent / "uav_tracking_mpc"),
-        "destination": "api",
-        "exclude_patterns": [str(HERE.parent / "uav_tracking_mpc" / "__main__.py")],
-        "module_first": True,
-        "include_private": True,  # modules that rooms share; their private members are left out
-    }
-]
-autodoc_default_options = {
-    "members": True,
-    "show-inheritance": True,
-    "ignore-module-all": True,  # what a package only passes on stands where it is defined
-}
+autodoc_default_options = {"members": True}
 autodoc_typehints_format = "short"
 autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 napoleon_use_ivar = True
+napoleon_attr_annotations = False  # the descriptions say units and shapes

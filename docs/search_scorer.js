@@ -1,8 +1,8 @@
-// Order of search results: pages of text, then tables of reference, then modules and attributes.
+// Order of search results: pages of text, then tables of reference, then classes and attributes.
 var Scorer = {
   score: ([docname, title, anchor, description, score]) => {
-    if (docname.startsWith("api/")) return score;
-    return score + (/^reference\/(constants|changelog|tests|contributing)$/.test(docname) ? 100 : 200);
+    if (/^reference\/(api|bases)$/.test(docname)) return score;
+    return score + (/^reference\/(constants|changelog|contributing)$/.test(docname) ? 100 : 200);
   },
   objNameMatch: 11,
   objPartialMatch: 6,

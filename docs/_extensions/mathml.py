@@ -17,10 +17,10 @@
 The pages then need no script, no font and no network. The conversion is that of docutils; a formula
 that it does not know is a warning, and so ends the build.
 
-Four things are corrected. For a letter with an accent and an index, docutils puts the index under
+Five things are corrected. For a letter with an accent and an index, docutils puts the index under
 the letter. What is marked as an accent is drawn by Chromium into the letter if no font of the
 machine is a mathematical one, and a dot is then not seen. Names of functions stand without space
-between their neighbours. A sign at the beginning is spaced like a sum.
+between their neighbours. A sign at the beginning, and the bars of a norm, are spaced like a sum.
 """
 
 import html
@@ -35,6 +35,7 @@ ET.register_namespace("", MATHML)
 THIN = "0.167em"
 APPLIED = "\u2061"  # invisible, after the name of a function
 SIGNS, CLOSING = ("+", "\u2212", "\u00b1"), (")", "]", "}", "|", "\u2016", "!")
+BARS = ("|", "\u2016")
 HTML_ENTITY = re.compile(r"&(?!(?:amp|lt|gt|quot|apos|#\w+);)\w+;")  # XML knows five alone
 
 
@@ -101,6 +102,9 @@ def _space(row):
                 row.insert(at + 1, _thin_space())
         elif text in SIGNS and not follows_operand:
             element.set("form", "prefix")
+        elif text in BARS:
+            element.set("lspace", "0")
+            element.set("rspace", "0")
         before = "" if text is None else text
 
 
