@@ -25,7 +25,9 @@ import pytest
 from sources import ROOT, loaded
 
 from uav_tracking_mpc.dynamics.frames import wrap_angle
+from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
+from uav_tracking_mpc.simulation.closed_loop import simulate
 
 EXAMPLES = ROOT / "examples"
 
@@ -99,24 +101,39 @@ def test_fly_over_a_link():
     assert abs(float(error)) < 1.0
 
 
-@pytest.mark.nodes
-@pytest.mark.alone
-def test_add_a_fault(tmp_path):
-    """The fault that is given comes before all others."""
-    arguments = ["--minutes", "0.2", "--json", "--output", str(tmp_path)]
-    words = [sys.executable, str(EXAMPLES / "add_a_fault.py"), *arguments]
-    finished = subprocess.run(words, capture_output=True, text=True, timeout=280)
-    outcome = json.loads(finished.stdout)
-    assert outcome["per_kind"]["iced_pitot"]["faults"] == 1
-    assert outcome["per_kind"]["iced_pitot"]["violations"] == 0
+def test_add_a_fault():
+    """It is injected into a flight in test/cli/test_torture.py."""
+    pytest.importorskip("rclpy")
+    from filled_messages import filled_air
+    from rclpy.serialization import deserialize_message, serialize_message
+
+    from uav_tracking_mpc.nodes.topics import AIR_VELOCITY
+
+    fault = loaded(EXAMPLES / "add_a_fault.py").IcedPitot()
+    for stamp, airspeed in ((1, 20.0), (2, 25.0)):
+        data = serialize_message(filled_air(stamp, airspeed))
+        ((delay, delivered),) = fault.deliver(AIR_VELOCITY, data)
+        message = deserialize_message(delivered, AIR_VELOCITY.type)
+        assert (delay, message.header.stamp.nanosec) == (0.0, stamp)
+        assert message.twist.linear.x == 20.0
 
 
-@pytest.mark.nodes
-@pytest.mark.alone
 def test_read_a_bag(tmp_path):
-    fly = ["fly", "--config", "paper", "--set", "mission.duration=30.0", "--output", tmp_path]
-    words = [sys.executable, "-m", "uav_tracking_mpc", *map(str, fly)]
-    subprocess.run(words, check=True, capture_output=True, timeout=280)
-    printed = run("read_a_bag.py", tmp_path / "mission.mcap")
+    pytest.importorskip("rclpy")
+    from filled_messages import filled_odometry, filled_point, write_messages
+
+    from uav_tracking_mpc.nodes.topics import ODOMETRY, TARGET
+
+    log = simulate(load_configuration("paper", ["mission.duration=30.0"]))
+    stamps = np.round(1e9 * log.time).astype(int).tolist()
+    messages = [
+        message
+        for time, vehicle, target in zip(stamps, log.vehicle, log.target, strict=True)
+        for message in (
+            (TARGET, time, filled_point(time, target)),
+            (ODOMETRY, time, filled_odometry(time, vehicle)),
+        )
+    ]
+    printed = run("read_a_bag.py", write_messages(tmp_path / "mission.mcap", messages))
     (settled,) = re.findall(r"after ([\d.]+) s", printed)
     assert 15.0 < float(settled) < 25.0
