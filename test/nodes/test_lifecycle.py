@@ -33,10 +33,6 @@ from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 pytestmark = pytest.mark.nodes
 
 
-def test_it_flies_by_itself_unless_told_otherwise(flying):
-    assert flying.state() == "active"
-
-
 def test_without_autostart_a_manager_brings_it_up_and_down(flight):
     flight.add_all(autostart=False)
     assert flight.state() == "unconfigured"
@@ -69,11 +65,7 @@ def test_without_autostart_a_manager_brings_it_up_and_down(flight):
 
 @pytest.mark.parametrize(
     ("before", "shutdown"),
-    [
-        ((), "active_shutdown"),
-        (("deactivate",), "inactive_shutdown"),
-        (("deactivate", "cleanup"), "unconfigured_shutdown"),
-    ],
+    [((), "active_shutdown"), (("deactivate", "cleanup"), "unconfigured_shutdown")],
 )
 def test_a_node_that_was_shut_down_says_so_and_sends_nothing(flying, before, shutdown):
     assert flying.change(*before, shutdown)
@@ -126,9 +118,8 @@ def test_a_vehicle_that_falls_silent_is_told_at_once_and_nobody_else_is_blamed(f
     assert said.count(words) <= 2  # the event, and the second that it may stand
     assert flight.tells("vehicle state is lost")
     assert "uav/odometry" in flight.told()[0]
-    flight.spin(lambda: False, 3.0)
+    assert flight.spin(lambda: report.deadlines_missed > before + 5)
     assert report.refused == 0
-    assert report.deadlines_missed > before
 
 
 def own_objects():
@@ -147,11 +138,11 @@ def test_a_cycle_through_all_states_leaves_nothing_behind(flight, monkeypatch):
     monkeypatch.setattr("uav_tracking_mpc.nodes.nmpc_controller.MARGIN_PATIENCE", 1e6)
     flight.add_all(autostart=False)
     before = Counter()
-    for cycle in range(6):
+    for cycle in range(4):
         assert flight.change("configure", "activate")
         assert flight.commanded(3)
         assert flight.change("deactivate", "cleanup")
-        if cycle == 2:  # all that is loaded once is loaded
+        if cycle == 1:  # all that is loaded once is loaded
             assert wait_for(no_margins)
             before = own_objects()
     assert wait_for(no_margins)  # are judged any more
