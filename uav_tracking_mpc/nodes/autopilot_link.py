@@ -383,11 +383,6 @@ def _link(parameters: LinkParameters) -> VehicleLink:
         raise ParameterError(f"parameters 'link', 'connection': {error}") from error
 
 
-def main() -> int:
-    """Entry point of the executable."""
-    sys.setswitchinterval(SWITCH_INTERVAL)
-    return run("autopilot_link", AutopilotLink)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.setswitchinterval(SWITCH_INTERVAL)
+    sys.exit(run("autopilot_link", AutopilotLink))

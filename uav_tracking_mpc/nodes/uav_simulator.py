@@ -235,10 +235,5 @@ def _plant(parameters: SimulatorParameters) -> Plant:
         raise ParameterError(f"parameter 'plant': {error}") from error
 
 
-def main() -> int:
-    """Entry point of the executable."""
-    return run("uav_simulator", UavSimulator)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run("uav_simulator", UavSimulator))

@@ -51,6 +51,7 @@ MARKS = 1.25e99, -3.5e-77  # codes: numbers that no other bytes are twice
 # Numbers of a point of a command: transform, if it has one, then twist and acceleration.
 PLACE, ATTITUDE, VELOCITY = slice(0, 3), slice(3, 7), slice(7, 10)
 TRANSFORM, RATES = 7, 12  # how many
+READ_IN_PLACE = {(1, 1, 1), (0, 1, 1)}  # parts of a point: ours with their path, or without
 INPUTS = [-7, -8, -6]  # indices of (u_psi, u_chi, u_v), from the end
 PITCH_SIGN = pitch_rate_from_path_angle_rate(1.0)
 SINGLE_SEGMENT = 1.0  # s that a plan of one segment lasts
@@ -66,21 +67,14 @@ class Form:
     """
 
     def __init__(self, message: Any) -> None:
-        written = [bytearray(serialize_message(_filled(message, mark))) for mark in MARKS]
-        self._buffer = written[0]
+        self._buffer, other = (
+            bytearray(serialize_message(_filled(message, mark))) for mark in MARKS
+        )
         if self._buffer[1] != LITTLE_ENDIAN:
             raise RuntimeError("messages are not encoded in little-endian CDR")
-        self._size = (len(self._buffer) - ENCAPSULATION) // 8
-        first, second = map(self._all, written)
-        self._numbers = first
+        first, second = _doubles(self._buffer), _doubles(other)
         self._places = np.flatnonzero((first == MARKS[0]) & (second == MARKS[1]))
-        fixed = np.ones(len(self._buffer), dtype=bool)  # what is neither stamp nor number
-        fixed[ENCAPSULATION:BEHIND_STAMP] = False
-        fixed[ENCAPSULATION:][: 8 * self._size].reshape(-1, 8)[self._places] = False
-        self._fixed, self._same = np.flatnonzero(fixed), b""
-
-    def _all(self, data: bytes | bytearray) -> NDArray[np.float64]:
-        return np.ndarray(self._size, "<f8", data, ENCAPSULATION)
+        self._learnt: bytearray | None = None  # a message without stamp and numbers
 
     def learn(self, data: bytes) -> None:
         """Take note of a message, unless it is encoded in another way.
@@ -89,10 +83,14 @@ class Form:
             data: Serialized.
         """
         if len(data) == len(self._buffer) and data[:2] == self._buffer[:2]:
-            self._same = self._shared(data)
+            self._learnt = self._rest(data)
 
-    def _shared(self, data: bytes) -> bytes:
-        return np.frombuffer(data, np.uint8)[self._fixed].tobytes()
+    def _rest(self, data: bytes) -> bytearray:
+        """What is neither stamp nor number, with zeros in their places."""
+        rest = bytearray(data)
+        _doubles(rest)[self._places] = 0.0
+        rest[ENCAPSULATION:BEHIND_STAMP] = bytes(STAMP.size)
+        return rest
 
     def fits(self, data: bytes) -> bool:
         """Whether a message differs from the one that was learnt in stamp and numbers alone.
@@ -100,8 +98,8 @@ class Form:
         Args:
             data: Serialized.
         """
-        alike = len(data) == len(self._buffer) and bool(self._same)
-        return alike and self._shared(data) == self._same
+        alike = self._learnt is not None and len(data) == len(self._learnt)
+        return alike and self._rest(data) == self._learnt
 
     def numbers(self, data: bytes) -> NDArray[np.float64]:
         """The numbers of a message in order, shape (n,).
@@ -109,7 +107,7 @@ class Form:
         Args:
             data: Serialized; it fits.
         """
-        return self._all(data)[self._places]
+        return _doubles(data)[self._places]
 
     def write(self, stamp: int, numbers: NDArray[np.float64]) -> bytes:
         """Serialized message.
@@ -118,9 +116,14 @@ class Form:
             stamp: In [ns].
             numbers: In order, shape (n,) or of as many rows as there are points.
         """
-        self._numbers[self._places] = numbers.ravel()
+        _doubles(self._buffer)[self._places] = numbers.ravel()
         STAMP.pack_into(self._buffer, ENCAPSULATION, *divmod(stamp, SECOND))
         return bytes(self._buffer)
+
+
+def _doubles(data: bytes | bytearray) -> NDArray[np.float64]:
+    """All places in which a message may have a number, as a view of its bytes."""
+    return np.ndarray((len(data) - ENCAPSULATION) // 8, "<f8", data, ENCAPSULATION)
 
 
 def _filled(message: Any, value: float) -> Any:
@@ -172,8 +175,9 @@ class CommandWire:
 
     def __init__(self, frames: FrameNames = FRAMES) -> None:
         self._frames = frames
-        self._known: tuple[FrameNames, int, float, bool] | None = None
+        self._written: tuple[int, float, bool] | None = None  # form of the last one: see write
         # Of the command that was read last
+        self._read: Form | None = None
         self._step: float | None = None
         self._starts = np.zeros(0)
 
@@ -189,7 +193,14 @@ class CommandWire:
             path: On which the plan leads the aircraft; its end is left out, no input belongs to
                 it. None leaves out the whole.
         """
-        self._take_form(self._frames, len(plan), step, path is not None)
+        if self._written != (form := (len(plan), step, path is not None)):
+            message = COMMAND.type()
+            set_command(message, 0, np.zeros((len(plan), 3)), step, self._frames)
+            for point in message.points if path is not None else ():
+                point.transforms = [Transform()]
+            self._form = Form(message)
+            self._values = np.zeros((len(plan), RATES + TRANSFORM * (path is not None)))
+            self._written = form
         values = self._values
         values[:, INPUTS] = plan
         values[:, INPUTS[1]] *= PITCH_SIGN
@@ -236,13 +247,11 @@ class CommandWire:
         message = deserialized(COMMAND, data)
         plan, self._starts = plan_from_command(message, self._frames)
         self._step = _step(self._starts)
-        placed = bool(message.points[0].transforms)
-        ours = len(message.joint_names) == 1 and all(_ours(p, placed) for p in message.points)
-        self._known = None
-        if self._step is not None and ours:
-            named = FrameNames(message.header.frame_id, message.joint_names[0])
-            self._take_form(named, len(plan), self._step, placed)
-            self._form.learn(data)
+        forms = {_parts(point) for point in message.points}
+        self._read = None
+        if self._step is not None and len(forms) == 1 and forms <= READ_IN_PLACE:
+            self._read = Form(message)
+            self._read.learn(data)
         return nanoseconds(message.header.stamp), plan, self._starts
 
     def places(self, data: bytes) -> tuple[int, NDArray[np.float64], NDArray[np.float64]]:
@@ -271,27 +280,14 @@ class CommandWire:
 
     def _points(self, data: bytes) -> NDArray[np.float64] | None:
         """Numbers of each point of a command that is as the one that was read last, else None."""
-        if self._known is None or not self._form.fits(data):
+        if self._read is None or not self._read.fits(data):
             return None
-        return self._form.numbers(data).reshape(self._values.shape)
-
-    def _take_form(self, frames: FrameNames, count: int, step: float, placed: bool) -> None:
-        """Learn where the numbers of a plan of another form stand, with its path or without."""
-        if self._known == (frames, count, step, placed):
-            return
-        message = COMMAND.type()
-        set_command(message, 0, np.zeros((count, 3)), step, frames)
-        for point in message.points if placed else ():
-            point.transforms = [Transform()]
-        self._form = Form(message)
-        self._values = np.zeros((count, RATES + TRANSFORM * placed))
-        self._known = frames, count, step, placed
+        return self._read.numbers(data).reshape(len(self._starts), -1)
 
 
-def _ours(point: MultiDOFJointTrajectoryPoint, placed: bool) -> bool:
-    """Whether a point has as many parts as ours with their path, or without."""
-    parts = len(point.transforms), len(point.velocities), len(point.accelerations)
-    return parts == (placed, 1, 1)
+def _parts(point: MultiDOFJointTrajectoryPoint) -> tuple[int, int, int]:
+    """How many transforms, velocities and accelerations a point has."""
+    return len(point.transforms), len(point.velocities), len(point.accelerations)
 
 
 def _step(starts: NDArray[np.float64]) -> float | None:
