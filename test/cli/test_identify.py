@@ -14,9 +14,19 @@
 
 """From an excited flight to the YAML to paste, on the command line."""
 
+import functools
+
 import pytest
 
 from uav_tracking_mpc.cli.main import main
+from uav_tracking_mpc.studies.identification import identification
+
+identified = functools.cache(identification.identification)
+
+
+@pytest.fixture(autouse=True)
+def _once(monkeypatch):
+    monkeypatch.setattr(identification, "identification", identified)
 
 
 @pytest.fixture(scope="module")
