@@ -174,17 +174,6 @@ def test_a_transition_that_fails_leads_back_to_unconfigured_with_the_reason(flig
     assert flight.commanded()
 
 
-def test_parameters_may_be_set_while_inactive(flying):
-    assert flying.change("deactivate")
-    assert flying.set(range=340.0) == ""
-    assert flying.set(horizon=30)
-    flying.fly(1.5)
-    assert flying.told()[0] == "inactive: no command is sent"
-    assert flying.change("activate")
-    assert flying.commanded()
-    assert flying.controller.controller.orbit.range == 340.0
-
-
 def test_in_a_namespace_the_services_and_the_aircraft_have_its_name(flight):
     flight.add(NmpcController, namespace="red", autostart=False)
     assert flight.state("red/nmpc_controller") == "unconfigured"
@@ -215,10 +204,15 @@ def test_with_autostart_that_ends_the_process():
     assert "'certificate' is '/nowhere.json'" in refused_start("nmpc_controller", *arguments)
 
 
-def test_what_is_compiled_changes_after_cleanup(flying):
+def test_what_is_compiled_changes_after_cleanup_alone_and_the_rest_while_inactive(flying):
     refusal = flying.set(limit_penalty=500.0)
     assert "must stay 1000.0 while the controller is configured" in refusal
-    assert flying.change("deactivate", "cleanup")
+    assert flying.change("deactivate")
+    assert flying.set(range=340.0) == ""
+    assert flying.set(horizon=30)
+    flying.fly(1.5)
+    assert flying.told()[0] == "inactive: no command is sent"
+    assert flying.change("cleanup")
     assert flying.state() == "unconfigured"
     assert flying.set(horizon=20) == ""
     assert flying.controller.parameters.horizon == 20
@@ -226,12 +220,7 @@ def test_what_is_compiled_changes_after_cleanup(flying):
     flying.commands.clear()
     assert flying.commanded()
     assert len(flying.commands[-1].points) == 20
-
-
-def test_the_vehicle_tells_that_its_controller_has_gone(flying):
-    flying.remove(flying.controller)
-    words = "nobody publishes uav/command any more"
-    assert flying.spin(lambda: words in [s.message for s in flying.says("uav_simulator")])
+    assert flying.controller.controller.orbit.range == 340.0
 
 
 def test_what_the_node_flew_is_flown_again_bit_for_bit(flight, tmp_path):

@@ -76,6 +76,8 @@ def test_a_new_controller_takes_over_in_mid_turn_and_after_the_plan_has_ended(fl
     assert flying.commanded(60)
     kill(flying)
     killed = flying.simulator._now
+    words = "nobody publishes uav/command any more"
+    assert flying.spin(lambda: words in [said.message for said in flying.says("uav_simulator")])
     assert flying.spin(lambda: plan.holding)
     parameters = flying.configuration.controller
     length = parameters.horizon * parameters.horizon_step
