@@ -31,6 +31,7 @@ from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import VEHICLE_LINK, LinkError, LinkRefusedError, Sighting, VehicleLink
 from uav_tracking_mpc.nodes.messages.conversions import set_point, set_truth
+from uav_tracking_mpc.nodes.messages.wires import even_command
 from uav_tracking_mpc.nodes.ros import diagnostics
 from uav_tracking_mpc.nodes.ros.endpoints import publish, steady_timer
 from uav_tracking_mpc.nodes.ros.process import run
@@ -227,7 +228,7 @@ class AutopilotLink(VehicleNode):
 
     def _on_command(self, data: bytes) -> None:
         try:
-            stamp, plan, step = self._wire.read(data)
+            stamp, plan, step = even_command(data, self._frames)
         except MessageError as error:
             refusal = str(error)
         else:
