@@ -16,6 +16,7 @@
 
 import json
 import re
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -25,6 +26,8 @@ import pytest
 from sources import ROOT, loaded
 
 from uav_tracking_mpc.dynamics.frames import wrap_angle
+from uav_tracking_mpc.report import mission_report
+from uav_tracking_mpc.report.metrics import metrics
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.closed_loop import simulate
@@ -41,6 +44,24 @@ def run(name, *arguments, limit=280):
     )
     assert finished.returncode == 0, finished.stdout + finished.stderr
     return finished.stdout
+
+
+@pytest.fixture
+def run_here(monkeypatch, capsys):
+    """Runs an example in this process and without figures; what it prints."""
+    monkeypatch.setattr(mission_report, "write_report", lambda log, *_: metrics(log))
+
+    def run_here(name, *arguments):
+        monkeypatch.setattr(sys, "argv", [name, *map(str, arguments)])
+        code = 0
+        try:
+            runpy.run_path(str(EXAMPLES / name), run_name="__main__")
+        except SystemExit as ended:
+            code = ended.code
+        assert code == 0
+        return capsys.readouterr().out
+
+    return run_here
 
 
 def test_every_example_has_a_test():
@@ -64,29 +85,30 @@ def test_fly_your_own_plant():
     assert np.abs(distances[-200:] - 300.0).max() < 1.0
 
 
-def test_add_a_law():
-    printed = run("add_a_law.py", "--json", "--set", "mission.duration=60.0")
+def test_add_a_law(run_here):
+    printed = run_here("add_a_law.py", "--json", "--set", "mission.duration=60.0")
     (laws,) = json.loads(printed)["scenarios"].values()
     assert list(laws) == ["l1", "pure_pursuit"]
     assert laws["pure_pursuit"]["range_rms_m"] < 10.0
 
 
-def test_add_a_limit():
-    without, with_it = (float(x) for x in re.findall(r": +([\d.]+) m from", run("add_a_limit.py")))
+def test_add_a_limit(run_here):
+    printed = run_here("add_a_limit.py")
+    without, with_it = (float(x) for x in re.findall(r": +([\d.]+) m from", printed))
     assert without < 40.0
     assert with_it > 58.0
 
 
-def test_add_a_model(tmp_path):
+def test_add_a_model(tmp_path, run_here):
     shorter = ["--set", "mission.duration=60.0"]
-    metrics = json.loads(run("add_a_model.py", "--json", "--output", tmp_path, *shorter))
-    assert metrics["steady_state"]["range_rms_m"] < 1.0
+    flown = json.loads(run_here("add_a_model.py", "--json", "--output", tmp_path, *shorter))
+    assert flown["steady_state"]["range_rms_m"] < 1.0
 
 
-def test_add_a_plant(tmp_path):
+def test_add_a_plant(tmp_path, run_here):
     shorter = ["--set", "mission.duration=60.0"]
-    metrics = json.loads(run("add_a_plant.py", "--json", "--output", tmp_path, *shorter))
-    assert metrics["steady_state"]["range_rms_m"] < 5.0
+    flown = json.loads(run_here("add_a_plant.py", "--json", "--output", tmp_path, *shorter))
+    assert flown["steady_state"]["range_rms_m"] < 5.0
     slipping = loaded(EXAMPLES / "add_a_plant.py").Slipping(SimulatorParameters(initial_speed=20.0))
     slipping.accept(np.tile([0.3, 0.0, 0.0], (6, 1)), np.arange(6.0))
     for _ in range(100):
