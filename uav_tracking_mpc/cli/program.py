@@ -274,7 +274,7 @@ def offer(make_parser: Callable[[Sequence[str]], argparse.ArgumentParser]) -> No
     line, point = os.environ.get("COMP_LINE", ""), int(os.environ.get("COMP_POINT", 0))
     words = split_line(line, point)[3]
     parser = make_parser(words[int(os.environ[ASKED]) :])  # its value counts the program's words
-    argcomplete.autocomplete(parser, default_completer=_names)
+    argcomplete.autocomplete(parser, default_completer=_names)  # type: ignore[arg-type]
 
 
 def settings(prefix: str) -> Iterator[str]:
