@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import os
 import time
 import traceback
 from dataclasses import asdict
@@ -25,7 +26,7 @@ from unittest import mock
 
 import rclpy
 from fingerprint import PACKAGE, fingerprints
-from processes import PATIENCE, spin
+from processes import PATIENCE, TERMINATE, spin
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message, serialize_message
@@ -42,6 +43,12 @@ def overrides(parameters):
         Parameter(name, value=list(value) if isinstance(value, tuple) else value)
         for name, value in parameters.items()
     ]
+
+
+def ending(node):
+    """A node that is up, and is ended as by a signal as soon as it is spun."""
+    os.kill(os.getpid(), TERMINATE)
+    return node
 
 
 def tapped(node_class, heard):

@@ -16,6 +16,7 @@
 
 import json
 import re
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -25,7 +26,11 @@ import pytest
 from sources import ROOT, loaded
 
 from uav_tracking_mpc.dynamics.frames import wrap_angle
+from uav_tracking_mpc.report import mission_report
+from uav_tracking_mpc.report.metrics import metrics
+from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
+from uav_tracking_mpc.simulation.closed_loop import simulate
 
 EXAMPLES = ROOT / "examples"
 
@@ -39,6 +44,24 @@ def run(name, *arguments, limit=280):
     )
     assert finished.returncode == 0, finished.stdout + finished.stderr
     return finished.stdout
+
+
+@pytest.fixture
+def run_here(monkeypatch, capsys):
+    """Runs an example in this process and without figures; what it prints."""
+    monkeypatch.setattr(mission_report, "write_report", lambda log, *_: metrics(log))
+
+    def run_here(name, *arguments):
+        monkeypatch.setattr(sys, "argv", [name, *map(str, arguments)])
+        code = 0
+        try:
+            runpy.run_path(str(EXAMPLES / name), run_name="__main__")
+        except SystemExit as ended:
+            code = ended.code
+        assert code == 0
+        return capsys.readouterr().out
+
+    return run_here
 
 
 def test_every_example_has_a_test():
@@ -62,29 +85,30 @@ def test_fly_your_own_plant():
     assert np.abs(distances[-200:] - 300.0).max() < 1.0
 
 
-def test_add_a_law():
-    printed = run("add_a_law.py", "--json", "--set", "mission.duration=60.0")
+def test_add_a_law(run_here):
+    printed = run_here("add_a_law.py", "--json", "--set", "mission.duration=60.0")
     (laws,) = json.loads(printed)["scenarios"].values()
     assert list(laws) == ["l1", "pure_pursuit"]
     assert laws["pure_pursuit"]["range_rms_m"] < 10.0
 
 
-def test_add_a_limit():
-    without, with_it = (float(x) for x in re.findall(r": +([\d.]+) m from", run("add_a_limit.py")))
+def test_add_a_limit(run_here):
+    printed = run_here("add_a_limit.py")
+    without, with_it = (float(x) for x in re.findall(r": +([\d.]+) m from", printed))
     assert without < 40.0
     assert with_it > 58.0
 
 
-def test_add_a_model(tmp_path):
+def test_add_a_model(tmp_path, run_here):
     shorter = ["--set", "mission.duration=60.0"]
-    metrics = json.loads(run("add_a_model.py", "--json", "--output", tmp_path, *shorter))
-    assert metrics["steady_state"]["range_rms_m"] < 1.0
+    flown = json.loads(run_here("add_a_model.py", "--json", "--output", tmp_path, *shorter))
+    assert flown["steady_state"]["range_rms_m"] < 1.0
 
 
-def test_add_a_plant(tmp_path):
+def test_add_a_plant(tmp_path, run_here):
     shorter = ["--set", "mission.duration=60.0"]
-    metrics = json.loads(run("add_a_plant.py", "--json", "--output", tmp_path, *shorter))
-    assert metrics["steady_state"]["range_rms_m"] < 5.0
+    flown = json.loads(run_here("add_a_plant.py", "--json", "--output", tmp_path, *shorter))
+    assert flown["steady_state"]["range_rms_m"] < 5.0
     slipping = loaded(EXAMPLES / "add_a_plant.py").Slipping(SimulatorParameters(initial_speed=20.0))
     slipping.accept(np.tile([0.3, 0.0, 0.0], (6, 1)), np.arange(6.0))
     for _ in range(100):
@@ -99,24 +123,39 @@ def test_fly_over_a_link():
     assert abs(float(error)) < 1.0
 
 
-@pytest.mark.nodes
-@pytest.mark.alone
-def test_add_a_fault(tmp_path):
-    """The fault that is given comes before all others."""
-    arguments = ["--minutes", "0.2", "--json", "--output", str(tmp_path)]
-    words = [sys.executable, str(EXAMPLES / "add_a_fault.py"), *arguments]
-    finished = subprocess.run(words, capture_output=True, text=True, timeout=280)
-    outcome = json.loads(finished.stdout)
-    assert outcome["per_kind"]["iced_pitot"]["faults"] == 1
-    assert outcome["per_kind"]["iced_pitot"]["violations"] == 0
+def test_add_a_fault():
+    """It is injected into a flight in test/cli/test_torture.py."""
+    pytest.importorskip("rclpy")
+    from filled_messages import filled_air
+    from rclpy.serialization import deserialize_message, serialize_message
+
+    from uav_tracking_mpc.nodes.topics import AIR_VELOCITY
+
+    fault = loaded(EXAMPLES / "add_a_fault.py").IcedPitot()
+    for stamp, airspeed in ((1, 20.0), (2, 25.0)):
+        data = serialize_message(filled_air(stamp, airspeed))
+        ((delay, delivered),) = fault.deliver(AIR_VELOCITY, data)
+        message = deserialize_message(delivered, AIR_VELOCITY.type)
+        assert (delay, message.header.stamp.nanosec) == (0.0, stamp)
+        assert message.twist.linear.x == 20.0
 
 
-@pytest.mark.nodes
-@pytest.mark.alone
 def test_read_a_bag(tmp_path):
-    fly = ["fly", "--config", "paper", "--set", "mission.duration=30.0", "--output", tmp_path]
-    words = [sys.executable, "-m", "uav_tracking_mpc", *map(str, fly)]
-    subprocess.run(words, check=True, capture_output=True, timeout=280)
-    printed = run("read_a_bag.py", tmp_path / "mission.mcap")
+    pytest.importorskip("rclpy")
+    from filled_messages import filled_odometry, filled_point, write_messages
+
+    from uav_tracking_mpc.nodes.topics import ODOMETRY, TARGET
+
+    log = simulate(load_configuration("paper", ["mission.duration=30.0"]))
+    stamps = np.round(1e9 * log.time).astype(int).tolist()
+    messages = [
+        message
+        for time, vehicle, target in zip(stamps, log.vehicle, log.target, strict=True)
+        for message in (
+            (TARGET, time, filled_point(time, target)),
+            (ODOMETRY, time, filled_odometry(time, vehicle)),
+        )
+    ]
+    printed = run("read_a_bag.py", write_messages(tmp_path / "mission.mcap", messages))
     (settled,) = re.findall(r"after ([\d.]+) s", printed)
     assert 15.0 < float(settled) < 25.0

@@ -14,16 +14,31 @@
 
 """What the shell is offered, asked for as the shell asks."""
 
+import functools
+import io
 import os
 import subprocess
 import sys
 
 import pytest
 
+from uav_tracking_mpc.cli.main import main
 from uav_tracking_mpc.cli.program import _import_when_used, settings
 
-pytest.importorskip("argcomplete")
+argcomplete = pytest.importorskip("argcomplete")
 SLOW = ("casadi.casadi", "numba", "scipy", "matplotlib", "rclpy")
+
+
+def asking(line):
+    """What a shell sets that asks."""
+    return {
+        "_ARGCOMPLETE": "1",
+        "_ARGCOMPLETE_IFS": "\013",
+        "_ARGCOMPLETE_COMP_WORDBREAKS": " \t\n\"'><;|&(",
+        "COMP_LINE": line,
+        "COMP_POINT": str(len(line)),
+        "COMP_TYPE": "9",
+    }
 
 
 def completions(line, module="main", tail=""):
@@ -43,15 +58,7 @@ def completions(line, module="main", tail=""):
         capture_output=True,
         text=True,
         pass_fds=(write,),
-        env={
-            **os.environ,
-            "_ARGCOMPLETE": "1",
-            "_ARGCOMPLETE_IFS": "\013",
-            "_ARGCOMPLETE_COMP_WORDBREAKS": " \t\n\"'><;|&(",
-            "COMP_LINE": line,
-            "COMP_POINT": str(len(line)),
-            "COMP_TYPE": "9",
-        },
+        env={**os.environ, **asking(line)},
         timeout=60,
     )
     os.close(write)
@@ -78,16 +85,30 @@ def completions(line, module="main", tail=""):
         ("uav_tracking compare --laws nmpc l", {"l1"}),
     ],
 )
-def test_commands_options_and_names_are_offered(line, offered):
-    words, finished = completions(line)
+def test_commands_options_and_names_are_offered(line, offered, monkeypatch):
+    said, ask = io.StringIO(), argcomplete.CompletionFinder()
+    asked = functools.partial(ask, exit_method=sys.exit, output_stream=said)
+    monkeypatch.setattr(argcomplete, "autocomplete", asked)
+    monkeypatch.setattr(os, "fdopen", lambda *_: sys.stderr)  # the shell's files are not there
+    for name, value in asking(line).items():
+        monkeypatch.setenv(name, value)
+    with pytest.raises(SystemExit):
+        main()
+    assert {word.strip() for word in said.getvalue().split("\013")} == offered
+
+
+@pytest.mark.parametrize(
+    ("line", "module", "offered"),
+    [
+        ("uav_tracking simulate --set mission.plant=eu", "main", {"mission.plant=euler"}),
+        ("launch_tracking --config sm", "launch_tracking", {"small_uav"}),
+    ],
+)
+def test_a_shell_is_answered_at_once(line, module, offered):
+    words, finished = completions(line, module)
     assert words == offered, finished.stderr
-    assert finished.stderr.endswith("slow=[]"), finished.stderr  # it comes at once
+    assert finished.stderr.endswith("slow=[]"), finished.stderr
     assert finished.stdout == ""
-
-
-def test_the_launcher_completes_as_well():
-    words, finished = completions("launch_tracking --config sm", "launch_tracking")
-    assert words == {"small_uav"}, finished.stderr
 
 
 def test_every_parameter_is_offered():

@@ -14,6 +14,7 @@
 
 """A flight with a page: the same flight, and a page that it does not depend on."""
 
+import contextlib
 import json
 import os
 import re
@@ -49,22 +50,21 @@ def test_security_without_keys_is_refused_in_words(tmp_path, monkeypatch, capfd)
 
 
 @pytest.fixture
-def flight(tmp_path):
+def viewed(tmp_path):
+    """Flies with a page for so long in [s]."""
     pytest.importorskip("viser")
-    words = ("--view", "--no-browser", "--port", 0, "--duration", 20, "--output", tmp_path)
-    started_page = {"after": "page: http", "apart": True}
-    with started("cli.main", "fly", *words, "--domain-id", DOMAIN, **started_page) as process:
-        children = children_of(process.pid)
-        (process.page,) = (child for child, words in children if " view --domain-id " in words)
-        yield process
 
+    @contextlib.contextmanager
+    def viewed(duration):
+        words = ("--view", "--no-browser", "--port", 0, "--duration", duration)
+        where = ("--output", tmp_path, "--domain-id", DOMAIN)
+        how = {"after": "page: http", "apart": True}
+        with started("cli.main", "fly", *words, *where, **how) as process:
+            children = children_of(process.pid)
+            (process.page,) = (child for child, words in children if " view --domain-id " in words)
+            yield process
 
-def end_of(flight):
-    """Exit code and words; the code is that of the flight, not of Ctrl-C."""
-    _, rest = flight.communicate(timeout=LIMIT)
-    words = flight.said + rest
-    assert flight.returncode == (3 if "not settled" in words else 0), words
-    return words
+    return viewed
 
 
 def answers(address):
@@ -74,21 +74,31 @@ def answers(address):
 
 @pytest.mark.nodes
 @pytest.mark.timeout(900)
-def test_the_page_stays_after_the_report_until_ctrl_c(flight, tmp_path):
-    address = re.search(r"page: (http://127\.0\.0\.1:\d+\S*)", flight.said)[1]
-    assert answers(address)
-    hear(flight, "until Ctrl-C")
-    metrics = json.loads((tmp_path / "metrics.json").read_text())
-    assert metrics["duration_s"] == pytest.approx(20.0, abs=1.0)
-    assert answers(address)
-    flight.send_signal(INTERRUPT)
-    assert "Traceback" not in end_of(flight)
-    assert not alive(flight.page)
+def test_the_page_stays_after_the_report_until_ctrl_c(viewed, tmp_path):
+    with viewed(8) as flight:
+        address = re.search(r"page: (http://127\.0\.0\.1:\d+\S*)", flight.said)[1]
+        assert answers(address)
+        hear(flight, "until Ctrl-C")
+        metrics = json.loads((tmp_path / "metrics.json").read_text())
+        assert metrics["duration_s"] == pytest.approx(8.0, abs=1.0)
+        assert answers(address)
+        flight.send_signal(INTERRUPT)
+        _, rest = flight.communicate(timeout=LIMIT)
+        assert flight.returncode == 3, rest  # that of a flight that is too short, not of Ctrl-C
+        assert "Traceback" not in flight.said + rest
+        assert not alive(flight.page)
 
 
 @pytest.mark.nodes
 @pytest.mark.timeout(900)
-def test_a_page_that_dies_ends_no_flight(flight, tmp_path):
-    os.kill(flight.page, KILL)
-    end_of(flight)
+def test_a_page_that_dies_ends_no_flight(viewed, tmp_path):
+    with viewed(600) as flight:
+        os.kill(flight.page, KILL)
+        hear(flight, "flying on commands")
+        flight.send_signal(INTERRUPT)
+        _, errors = flight.communicate(timeout=LIMIT)
+    assert flight.returncode == 130
+    assert "of 600 s were flown" in errors
+    assert "Traceback" not in errors
+    assert json.loads((tmp_path / "metrics.json").read_text())["duration_s"] < 600.0
     assert (tmp_path / "report.html").exists()

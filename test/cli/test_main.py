@@ -118,9 +118,8 @@ def test_a_process_ends_with_its_code():
     assert "Traceback" not in output
 
 
-def test_help_teaches():
-    code, text = run("cli.main", "--help")
-    assert code == 0
+def test_help_teaches(uav_tracking):
+    text = uav_tracking.told("--help")
     for word in (*COMMANDS, "examples:"):
         assert word in text
 

@@ -17,7 +17,8 @@
 import json
 
 import pytest
-from processes import TERMINATE, nodes_of, outcome, started, undecided
+from processes import TERMINATE, nodes_of, outcome, scripted, started, undecided
+from sources import ROOT
 
 pytestmark = pytest.mark.nodes
 TORTURE = ("cli.main", "torture")
@@ -35,26 +36,16 @@ BELOW_THE_TARGET = (
     *("--set", "uav_simulator.initial_heading=-1.5707963267948966"),
     *("--set", "uav_simulator.initial_speed=4.0"),
 )
-STUCK_TARGET = """
-from uav_tracking_mpc.nodes.topics import TARGET
-from uav_tracking_mpc.studies.faults.stream_fault import StreamFault
-
-class Stuck(StreamFault):
-    name, family, duration, streams = "stuck_target", "target", (0.5, 1.0), (TARGET,)
-    latest = None
-
-    def deliver(self, topic, data):
-        self.latest = self.latest or data
-        return [(0.0, self.latest)]
-"""
+EXAMPLE = ROOT / "examples" / "add_a_fault.py"
+ICED = f"{EXAMPLE}:IcedPitot"
 
 
 @pytest.mark.alone
 def test_faults_break_nothing(tmp_path):
-    file, output = tmp_path / "stuck.py", tmp_path / "output"
-    file.write_text(STUCK_TARGET)
-    words = ("--minutes", 0.3, "--seed", 0, "--fault", f"{file}:Stuck", "--output", output)
-    code, printed, errors = outcome(*TORTURE, *words, "--json", *ON_ORBIT, env=undecided())
+    """By the example, whose fault comes before all others."""
+    words = ("--minutes", 0.3, "--seed", 0, "--output", tmp_path, "--json", *ON_ORBIT)
+    script = f"import runpy; runpy.run_path({str(EXAMPLE)!r}, run_name='__main__')"
+    code, printed, errors = scripted(script, *words, env=undecided())
     summary = json.loads(printed)
     told = {"failing": summary["failing_cases"], "errors": errors}
     assert code == 0, told
@@ -62,11 +53,11 @@ def test_faults_break_nothing(tmp_path):
     assert not summary["interrupted"]
     assert summary["faults"] >= summary["kinds"] >= 5
     assert summary["worst_recovery_s"] <= 30.0
-    assert "stuck_target" in summary["per_kind"]
+    assert summary["per_kind"]["iced_pitot"]["faults"] == 1
     assert any(kind.startswith("kill_") for kind in summary["per_kind"])
-    assert json.loads((output / "torture.json").read_text()) == summary
-    assert (output / "timeline.png").read_bytes().startswith(b"\x89PNG")
-    assert "Traceback" not in errors + (output / "nodes.log").read_text()
+    assert json.loads((tmp_path / "torture.json").read_text()) == summary
+    assert (tmp_path / "timeline.png").read_bytes().startswith(b"\x89PNG")
+    assert "Traceback" not in errors + (tmp_path / "nodes.log").read_text()
 
 
 @pytest.mark.long
@@ -84,13 +75,11 @@ def test_what_is_violated_is_found_told_and_kept(tmp_path):
     from uav_tracking_mpc.nodes.bag_log import messages
     from uav_tracking_mpc.studies.faults.observer import TOPICS
 
-    file = tmp_path / "stuck.py"
-    file.write_text(STUCK_TARGET)
-    words = ("--minutes", 1, "--seed", 1, "--case", 0, "--fault", f"{file}:Stuck")
+    words = ("--minutes", 1, "--seed", 1, "--case", 0, "--fault", ICED)
     where = ("--config", "paper", "--output", tmp_path, *BELOW_THE_TARGET)
     code, output, errors = outcome(*TORTURE, *words, *where, env=undecided())
     assert code == 1, errors
-    assert "case 0 (stuck_target): altitude floor" in output
+    assert "case 0 (iced_pitot): altitude floor" in output
     (bag,) = (tmp_path / "cases").glob("case_0000.mcap")
     heard = {topic.name for topic, _, _ in messages(bag, *TOPICS)}
     assert {"raw/uav/odometry", "uav/odometry", "raw/uav/command", "torture/fault"} <= heard

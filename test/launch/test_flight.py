@@ -29,12 +29,7 @@ from rich.console import Console
 from std_srvs.srv import Trigger
 
 from uav_tracking_mpc.launch import flight
-from uav_tracking_mpc.launch.flight import (
-    ControllerKill,
-    SimulatedPace,
-    page_process,
-    progress_line,
-)
+from uav_tracking_mpc.launch.flight import SimulatedPace, page_process, progress_line, serve_kill
 from uav_tracking_mpc.launch.supervisor import NodeProcess, Supervisor
 from uav_tracking_mpc.mpc import machine_code
 from uav_tracking_mpc.nodes.flight_recorder import Progress
@@ -145,20 +140,20 @@ def supervisor(tmp_path):
 def test_the_controller_alone_is_killed_and_runs_again(supervisor):
     services = {}
     node = SimpleNamespace(create_service=lambda kind, name, call: services.update({name: call}))
-    kill = ControllerKill(node, supervisor)
+    kill = serve_kill(node, supervisor)
     before = {name: process.identity for name, process in supervisor.processes.items()}
-    kill.follow()
+    kill()
     assert supervisor.processes["nmpc_controller"].identity == before["nmpc_controller"]
     answer = services["nmpc_controller/kill"](Trigger.Request(), Trigger.Response())
     assert (answer.success, answer.message) == (True, "nmpc_controller is killed and started again")
     assert alive(before["nmpc_controller"])  # the callback itself waits for no process
-    kill.follow()
+    kill()
     assert not alive(before["nmpc_controller"])
     again = supervisor.processes["nmpc_controller"].identity
     assert again != before["nmpc_controller"] and alive(again)
     assert supervisor.processes["uav_simulator"].identity == before["uav_simulator"]
     supervisor.check()  # nobody misses the one that was killed
-    kill.follow()
+    kill()
     assert supervisor.processes["nmpc_controller"].identity == again
 
 

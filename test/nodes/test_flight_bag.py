@@ -141,7 +141,7 @@ def fly_with_link(path, engaged=True, target_system=0):
     return flight_log(write_messages(path, said()), configuration)
 
 
-def test_with_a_link_a_flight_begins_when_it_is_engaged(tmp_path):
+def test_with_a_link_a_flight_begins_when_engaged_and_the_target_when_its_node_did(tmp_path):
     log = fly_with_link(tmp_path / "flight.mcap")
     np.testing.assert_allclose(log.time, STEP * 1e-9 * np.arange(15), atol=1e-6)
     np.testing.assert_allclose(log.command_time, log.time)
@@ -150,10 +150,6 @@ def test_with_a_link_a_flight_begins_when_it_is_engaged(tmp_path):
     assert log.link.dialect == "ardupilot"
     assert (log.link.rate, log.link.latency, log.link.lost, log.link.refused) == (50.0, 2.5, 3, 3)
     assert np.isnan(log.link.latency_p99)
-
-
-def test_with_a_link_the_target_began_when_its_node_did(tmp_path):
-    log = fly_with_link(tmp_path / "flight.mcap")
     np.testing.assert_allclose(log.target[:, 0], 2.0 * (log.time + 15 * STEP * 1e-9), atol=1e-6)
 
 
@@ -223,9 +219,9 @@ def test_the_file_names_itself_and_its_chunks_are_compressed(tmp_path):
     assert {channel.topic for channel in summary.channels.values()} >= {"/tf", "/rosout"}
 
 
-@pytest.mark.parametrize("frame", ["base_link", "uav1/base_link", "b", "ba", "bas"])
-def test_the_bag_holds_the_transform_of_every_state(tmp_path, frame):
-    """With the frames of the state, however long their names are."""
+@pytest.mark.parametrize("frame", ["base_link", "uav1/base_link"])
+def test_the_bag_holds_the_frames_of_aircraft_and_autopilots(tmp_path, frame):
+    """Axes of map_ned in map (east, north, up), of the aircraft's _frd in its own; same origins."""
     recorded(tmp_path / "flight.mcap", frame)
     found = read(tmp_path / "flight.mcap", "/tf")
     for (_, time, message), (stamp, state) in zip(found, states(), strict=True):
@@ -240,12 +236,6 @@ def test_the_bag_holds_the_transform_of_every_state(tmp_path, frame):
         ):
             for name in expected.get_fields_and_field_types():
                 assert getattr(part, name) == getattr(expected, name)
-
-
-@pytest.mark.parametrize("frame", ["base_link", "uav1/base_link"])
-def test_the_bag_holds_the_frames_of_autopilots(tmp_path, frame):
-    """Axes of map_ned in map (east, north, up), of the aircraft's _frd in its own; same origins."""
-    recorded(tmp_path / "flight.mcap", frame)
     ((connection, _, message),) = read(tmp_path / "flight.mcap", "/tf_static")
     assert connection.ext.offered_qos_profiles[0].durability.name == "TRANSIENT_LOCAL"
     ned, frd = message.transforms

@@ -33,10 +33,6 @@ from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 pytestmark = pytest.mark.nodes
 
 
-def test_it_flies_by_itself_unless_told_otherwise(flying):
-    assert flying.state() == "active"
-
-
 def test_without_autostart_a_manager_brings_it_up_and_down(flight):
     flight.add_all(autostart=False)
     assert flight.state() == "unconfigured"
@@ -69,11 +65,7 @@ def test_without_autostart_a_manager_brings_it_up_and_down(flight):
 
 @pytest.mark.parametrize(
     ("before", "shutdown"),
-    [
-        ((), "active_shutdown"),
-        (("deactivate",), "inactive_shutdown"),
-        (("deactivate", "cleanup"), "unconfigured_shutdown"),
-    ],
+    [((), "active_shutdown"), (("deactivate", "cleanup"), "unconfigured_shutdown")],
 )
 def test_a_node_that_was_shut_down_says_so_and_sends_nothing(flying, before, shutdown):
     assert flying.change(*before, shutdown)
@@ -126,9 +118,8 @@ def test_a_vehicle_that_falls_silent_is_told_at_once_and_nobody_else_is_blamed(f
     assert said.count(words) <= 2  # the event, and the second that it may stand
     assert flight.tells("vehicle state is lost")
     assert "uav/odometry" in flight.told()[0]
-    flight.spin(lambda: False, 3.0)
+    assert flight.spin(lambda: report.deadlines_missed > before + 5)
     assert report.refused == 0
-    assert report.deadlines_missed > before
 
 
 def own_objects():
@@ -147,11 +138,11 @@ def test_a_cycle_through_all_states_leaves_nothing_behind(flight, monkeypatch):
     monkeypatch.setattr("uav_tracking_mpc.nodes.nmpc_controller.MARGIN_PATIENCE", 1e6)
     flight.add_all(autostart=False)
     before = Counter()
-    for cycle in range(6):
+    for cycle in range(4):
         assert flight.change("configure", "activate")
         assert flight.commanded(3)
         assert flight.change("deactivate", "cleanup")
-        if cycle == 2:  # all that is loaded once is loaded
+        if cycle == 1:  # all that is loaded once is loaded
             assert wait_for(no_margins)
             before = own_objects()
     assert wait_for(no_margins)  # are judged any more
@@ -181,17 +172,6 @@ def test_a_transition_that_fails_leads_back_to_unconfigured_with_the_reason(flig
     assert flight.told()[1]["lifecycle state"] == "unconfigured"
     assert flight.change("configure", "activate")
     assert flight.commanded()
-
-
-def test_parameters_may_be_set_while_inactive(flying):
-    assert flying.change("deactivate")
-    assert flying.set(range=340.0) == ""
-    assert flying.set(horizon=30)
-    flying.fly(1.5)
-    assert flying.told()[0] == "inactive: no command is sent"
-    assert flying.change("activate")
-    assert flying.commanded()
-    assert flying.controller.controller.orbit.range == 340.0
 
 
 def test_in_a_namespace_the_services_and_the_aircraft_have_its_name(flight):
@@ -224,10 +204,15 @@ def test_with_autostart_that_ends_the_process():
     assert "'certificate' is '/nowhere.json'" in refused_start("nmpc_controller", *arguments)
 
 
-def test_what_is_compiled_changes_after_cleanup(flying):
+def test_what_is_compiled_changes_after_cleanup_alone_and_the_rest_while_inactive(flying):
     refusal = flying.set(limit_penalty=500.0)
     assert "must stay 1000.0 while the controller is configured" in refusal
-    assert flying.change("deactivate", "cleanup")
+    assert flying.change("deactivate")
+    assert flying.set(range=340.0) == ""
+    assert flying.set(horizon=30)
+    flying.fly(1.5)
+    assert flying.told()[0] == "inactive: no command is sent"
+    assert flying.change("cleanup")
     assert flying.state() == "unconfigured"
     assert flying.set(horizon=20) == ""
     assert flying.controller.parameters.horizon == 20
@@ -235,12 +220,7 @@ def test_what_is_compiled_changes_after_cleanup(flying):
     flying.commands.clear()
     assert flying.commanded()
     assert len(flying.commands[-1].points) == 20
-
-
-def test_the_vehicle_tells_that_its_controller_has_gone(flying):
-    flying.remove(flying.controller)
-    words = "nobody publishes uav/command any more"
-    assert flying.spin(lambda: words in [s.message for s in flying.says("uav_simulator")])
+    assert flying.controller.controller.orbit.range == 340.0
 
 
 def test_what_the_node_flew_is_flown_again_bit_for_bit(flight, tmp_path):

@@ -141,12 +141,6 @@ def test_it_waits_for_an_aircraft_that_is_not_there_yet(reader):
     assert made.refusal == ""
 
 
-def test_it_gives_up_what_no_waiting_helps(reader):
-    made = reader(PacedLink("copter"))
-    assert wait_for(lambda: made.refusal == "it is a copter")
-    assert not made.connected
-
-
 @pytest.mark.parametrize("error", [LinkError("the wire broke"), ZeroDivisionError("of a user")])
 def test_a_link_that_fails_is_connected_again(reader, error):
     class Failing(PacedLink):

@@ -63,7 +63,7 @@ def test_times_count_from_the_first_stamp():
     times = MessageTimes(node)
     assert times.now() == 0.0
     assert times.measured(ODOMETRY, stamped(ODOMETRY, 999 * SECOND)) == 0.0
-    assert times.measured_or_now(TARGET, stamped(TARGET, 1001 * SECOND)) == 2.0
+    assert times.measured(TARGET, stamped(TARGET, 1001 * SECOND)) == 2.0
     assert times.now() == 1.0
 
 
@@ -74,7 +74,7 @@ def test_a_target_without_stamp_is_of_now_which_is_said_once_a_topic():
     for _ in range(3):
         node.now += SECOND // 2
         for topic in (TARGET, TARGET_ODOMETRY):
-            assert times.measured_or_now(topic, stamped(topic, 0)) == times.now()
+            assert times.measured(topic, stamped(topic, 0)) == times.now()
     of_position, of_odometry = lines(node.logger)
     assert of_position.startswith("target/position: header.stamp is 0")
     assert of_odometry.startswith("target/odometry: header.stamp is 0")
@@ -91,7 +91,7 @@ def test_a_state_without_stamp_is_refused_by_name_and_is_no_origin(topic):
 def test_zero_is_a_time_where_a_simulation_begins():
     times = MessageTimes(clocked(now=SECOND // 2))
     assert times.measured(ODOMETRY, stamped(ODOMETRY, 0)) == 0.0
-    assert times.measured_or_now(TARGET, stamped(TARGET, 0)) == 0.0
+    assert times.measured(TARGET, stamped(TARGET, 0)) == 0.0
 
 
 def test_one_subject_does_not_silence_another(monkeypatch):

@@ -19,12 +19,10 @@ suite, every parameter in its long form. A few do so in processes of their own, 
 alone can show.
 """
 
-import os
-import signal
-
 import pytest
 import rclpy
 from node_flight import NODES
+from node_harness import ending
 from processes import fatal_words
 from rclpy.node import Node
 
@@ -58,18 +56,12 @@ ABSURD = (
 )
 
 
-def last_word(node):
-    """The node is up: end it as a signal would."""
-    os.kill(os.getpid(), signal.SIGTERM)
-    return node
-
-
 @pytest.fixture
 def starts(run_here):
     """Whether a node starts, or ends with code 2 and one line that says why."""
 
     def starts(name, create, *arguments):
-        code, output = run_here(name, lambda: last_word(create()), "--ros-args", *arguments)
+        code, output = run_here(name, lambda: ending(create()), "--ros-args", *arguments)
         if code == 0:
             assert "[FATAL]" not in output
             assert "Traceback" not in output
@@ -106,7 +98,13 @@ def test_parameters_from_the_command_line(node, count, starts):
     assert any(started)  # some of it is allowed
 
 
-@pytest.mark.parametrize("node", NODES)
+@pytest.mark.parametrize(
+    "node",
+    [
+        pytest.param(node, marks=() if node == "nmpc_controller" else pytest.mark.long)
+        for node in NODES
+    ],
+)
 def test_every_type_of_parameter_from_yaml(node, starts, tmp_path):
     file = tmp_path / "parameters.yaml"
     for known in of_each_type(node, 1):

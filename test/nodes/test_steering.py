@@ -44,8 +44,13 @@ def test_another_orbit_is_flown_without_a_jump(flying):
     turn = 0.5 * flying.controller.parameters.envelope.turn_rate_max(22.0)
     assert np.all(np.max(steps, axis=0) < [turn, 0.25, 2.5])
     assert flying.told()[1]["mode"] == "optimal plan"
+    wanted = {"rate_lag": [0.3, 0.3, 0.2], "dead_time": [0.1, 0.2, 0.2], "solve_time_max": 0.9}
+    assert flying.set(**wanted) == ""
+    assert flying.controller.controller.formulation.solver.time_limit == 0.9
+    assert flying.controller.parameters.rate_lag == (0.3, 0.3, 0.2)
     # It climbs and widens.
     assert flying.spin(lambda: flying.states[-1].pose.pose.position.z > 125.0)
+    assert flying.told()[1]["mode"] == "optimal plan"
 
 
 def test_what_is_refused_leaves_everything_as_it_was(flying):
@@ -94,19 +99,10 @@ def test_a_lower_control_rate_is_no_rate_that_is_not_kept(flight):
     flight.add_all(speed=None)
     assert flight.commanded()
     assert flight.set(control_rate=5.0) == ""
-    flight.spin(lambda: False, 1.0)
+    assert flight.commanded(2)
     before = flight.controller.report.deadlines_missed
-    assert flight.commanded(10)
+    assert flight.commanded(6)
     assert flight.controller.report.deadlines_missed == before
-
-
-def test_lag_dead_time_and_budget_change_in_flight(flying):
-    wanted = {"rate_lag": [0.3, 0.3, 0.2], "dead_time": [0.1, 0.2, 0.2], "solve_time_max": 0.9}
-    assert flying.set(**wanted) == ""
-    assert flying.commanded(20)
-    assert flying.told()[1]["mode"] == "optimal plan"
-    assert flying.controller.controller.formulation.solver.time_limit == 0.9
-    assert flying.controller.parameters.rate_lag == (0.3, 0.3, 0.2)
 
 
 def test_small_margins_are_told_at_configuration_and_after_a_change(flight):
@@ -212,8 +208,8 @@ def test_wind_noise_and_speed_change_in_flight(steered):
     assert steered.spin(lambda: float(steered.told()[1]["drift east [m/s]"]) > 3.0)
     assert steered.set("uav_simulator", speed=0.1) == ""
     first = steered.simulator._now
-    steered.spin(lambda: False, 3.0)
-    assert 0 < steered.simulator._now - first <= 4e8  # 0.3 s; before it was 15 s
+    steered.spin(lambda: False, 1.0)
+    assert 0 < steered.simulator._now - first <= 2e8  # 0.1 s; before it was 5 s
     for values, words in (
         ({"seed": 3}, "read-only"),
         ({"wind": [200.0, 0.0, 0.0]}, "'wind' is [200.0, 0.0, 0.0], must be"),

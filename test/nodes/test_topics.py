@@ -165,6 +165,6 @@ def test_a_link_takes_frames(nodes):
     node = nodes.add(kind, link=LINK, **parameters, **frames)
     assert node._frames == ("odom", "a/base_link")
     assert TARGET_ODOMETRY.name not in sent
-    node._sightings.publish(1, Sighting(0.0, np.zeros(3), np.ones(3)))
+    node._publish_sighting(1, Sighting(0.0, np.zeros(3), np.ones(3)))
     (track,) = sent[TARGET_ODOMETRY.name]
     assert (track.header.frame_id, track.child_frame_id) == ("odom", "odom")

@@ -21,40 +21,13 @@ import sys
 from types import ModuleType
 from unittest import mock
 
-import numpy as np
 import pytest
-from filled_messages import filled_odometry
-from geometry_msgs.msg import TransformStamped
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
-from uav_tracking_mpc.dynamics.frames import (
-    FORWARD_RIGHT_DOWN,
-    NORTH_EAST_DOWN,
-    rotation_from_course,
-    rotation_from_quaternion,
-)
+from uav_tracking_mpc.dynamics.frames import FORWARD_RIGHT_DOWN, NORTH_EAST_DOWN
 from uav_tracking_mpc.nodes.messages.conversions import nanoseconds
-from uav_tracking_mpc.nodes.topics import FRAMES, ODOMETRY, FrameNames
+from uav_tracking_mpc.nodes.topics import ODOMETRY
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
-from uav_tracking_mpc.nodes.vehicle_node import vehicle_transform
-
-
-def odometry(stamp=5_000_000_007, frames=FRAMES):
-    return filled_odometry(stamp, [10.0, -20.0, 30.0, 2.0, 0.3, 15.0], frames=frames)
-
-
-def test_a_transform_is_filled_in_place_with_pose_stamp_and_frames_of_the_odometry():
-    transform = TransformStamped()
-    vehicle_transform(odometry(9_000_000_000), transform)
-    vehicle_transform(odometry(frames=FrameNames("world", "uav1/base_link")), transform)
-    assert transform.header.frame_id == "world"
-    assert transform.child_frame_id == "uav1/base_link"
-    assert nanoseconds(transform.header.stamp) == 5_000_000_007
-    place, q = transform.transform.translation, transform.transform.rotation
-    assert (place.x, place.y, place.z) == (10.0, -20.0, 30.0)
-    np.testing.assert_allclose(
-        rotation_from_quaternion(q.x, q.y, q.z, q.w), rotation_from_course(2.0, 0.3), atol=1e-12
-    )
 
 
 class TFMessage:

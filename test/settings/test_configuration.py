@@ -97,14 +97,6 @@ def test_small_uav_is_the_base_of_flights_in_wind_after_moving_targets(overrides
     assert load_configuration("small_uav", overrides).mission.plant == "vehicle"
 
 
-def test_overrides_win():
-    configuration = load_configuration(
-        "paper", ["nmpc_controller.model=paper", "mission.duration=20"]
-    )
-    assert configuration.controller.model == "paper"
-    assert configuration.mission.duration == 20.0
-
-
 def test_a_change_of_a_section_is_checked_and_in_the_file():
     base = load_configuration("small_uav", scenario="crosswind")
     flown = base.changed("autopilot_link", {"connection": "udpin:127.0.0.1:1"})

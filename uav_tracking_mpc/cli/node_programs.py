@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-import importlib
+import runpy
 from collections.abc import Callable
 
 from uav_tracking_mpc.cli.program import explained
@@ -29,12 +29,12 @@ def program(name: str) -> Callable[[], int]:
         name: Of the node and of its module.
 
     Returns:
-        Runs the node and returns its exit code.
+        Runs the node; it ends the process with its exit code.
     """
 
     def start() -> int:
         with explained(name) as ending:
-            ending.code = importlib.import_module(f"uav_tracking_mpc.nodes.{name}").main()
+            runpy.run_module(f"uav_tracking_mpc.nodes.{name}", run_name="__main__", alter_sys=True)
         return ending.code
 
     return start

@@ -274,11 +274,7 @@ def offer(make_parser: Callable[[Sequence[str]], argparse.ArgumentParser]) -> No
     line, point = os.environ.get("COMP_LINE", ""), int(os.environ.get("COMP_POINT", 0))
     words = split_line(line, point)[3]
     parser = make_parser(words[int(os.environ[ASKED]) :])  # its value counts the program's words
-    for action in _actions(parser):
-        names = _names(action)
-        if names is not None:
-            action.completer = names  # type: ignore[attr-defined]
-    argcomplete.autocomplete(parser)
+    argcomplete.autocomplete(parser, default_completer=_names)  # type: ignore[arg-type]
 
 
 def settings(prefix: str) -> Iterator[str]:
@@ -329,26 +325,17 @@ LISTS = {
 ROOMS = {"--law": "laws", "--plant": "simulation.plants", "--limit": "limits", "--link": "links"}
 
 
-def _names(action: argparse.Action) -> Callable[..., Iterable[str]] | None:
-    """What gives the names that an argument takes; None where argcomplete knows better."""
-    if action.choices is not None:
-        return None
-    if action.metavar == "SECTION.PARAMETER=VALUE":
-        return lambda prefix, **_: settings(prefix)
+def _names(prefix: str, action: argparse.Action, **asked: Any) -> Iterable[str]:
+    """The names that an argument takes, or files."""
+    from argcomplete.completers import FilesCompleter
+
     name = action.option_strings[0] if action.option_strings else action.dest
+    if name == "--set":
+        return settings(prefix)
     if name in ROOMS:
-        return lambda **_: names_of(f"uav_tracking_mpc.{ROOMS[name]}")
+        return names_of(f"uav_tracking_mpc.{ROOMS[name]}")
     if name in LISTS:
         from uav_tracking_mpc.settings import configuration
 
-        return lambda **_: getattr(configuration, LISTS[name])()
-    return None
-
-
-def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
-    """Arguments of a parser and of its commands."""
-    for action in parser._actions:
-        yield action
-        if isinstance(action, argparse._SubParsersAction):
-            for command in action.choices.values():
-                yield from _actions(command)
+        return getattr(configuration, LISTS[name])()  # type: ignore[no-any-return]
+    return FilesCompleter()(prefix, action=action, **asked)  # type: ignore[no-any-return]

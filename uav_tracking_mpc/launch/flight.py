@@ -20,6 +20,7 @@ import math
 import signal
 import socket
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -126,8 +127,8 @@ class SimulatedPace:
             self._console.print(words, markup=False, highlight=False, soft_wrap=True)
 
 
-class ControllerKill:
-    """Service ``nmpc_controller/kill`` of a simulated flight, for trials.
+def serve_kill(node: Node, supervisor: Supervisor) -> Callable[[], None]:
+    """Serve ``nmpc_controller/kill`` of a simulated flight, for trials.
 
     A flight does not end over that death: the process is missed by nobody and started at once, as
     it was started before, with the parameters of the start.
@@ -135,26 +136,28 @@ class ControllerKill:
     Args:
         node: Of the launcher; serves the service.
         supervisor: Of the controller's process.
+
+    Returns:
+        Does what was asked for since the last call: a callback does not wait for a process.
     """
+    from std_srvs.srv import Trigger
 
-    def __init__(self, node: Node, supervisor: Supervisor) -> None:
-        from std_srvs.srv import Trigger
+    asked = threading.Event()
 
-        self._supervisor, self._wanted = supervisor, False
-        node.create_service(Trigger, f"{CONTROLLER}/kill", self._on_request)
-
-    def _on_request(self, request: Any, response: Any) -> Any:
-        self._wanted = True  # a callback does not wait for the end of a process
+    def on_request(request: Any, response: Any) -> Any:
+        asked.set()
         response.success = True
         response.message = f"{CONTROLLER} is killed and started again"
         return response
 
-    def follow(self) -> None:
-        """Do what was asked for since the last call."""
-        if self._wanted:
-            self._wanted = False
-            self._supervisor.kill(CONTROLLER)
-            self._supervisor.restart(CONTROLLER)
+    def follow() -> None:
+        if asked.is_set():
+            asked.clear()
+            supervisor.kill(CONTROLLER)
+            supervisor.restart(CONTROLLER)
+
+    node.create_service(Trigger, f"{CONTROLLER}/kill", on_request)
+    return follow
 
 
 def launch(
@@ -226,7 +229,7 @@ def _fly(
         try:
             if not link:  # nobody kills what commands a real aircraft
                 pace = SimulatedPace(configuration, recorder, console)
-                follow = [pace.follow, ControllerKill(recorder, supervisor).follow]
+                follow = [pace.follow, serve_kill(recorder, supervisor)]
                 supervisor.start_flight(configuration, pace.speed)
             else:
                 supervisor.start_link_flight(configuration)

@@ -24,7 +24,6 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from rclpy.node import Node
 from std_srvs.srv import SetBool
 
 from uav_tracking_mpc.control.event import Level
@@ -32,17 +31,11 @@ from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import VEHICLE_LINK, LinkError, LinkRefusedError, Sighting, VehicleLink
 from uav_tracking_mpc.nodes.messages.conversions import set_point, set_truth
+from uav_tracking_mpc.nodes.messages.wires import even_command
 from uav_tracking_mpc.nodes.ros import diagnostics
 from uav_tracking_mpc.nodes.ros.endpoints import publish, steady_timer
 from uav_tracking_mpc.nodes.ros.process import run
-from uav_tracking_mpc.nodes.topics import (
-    ENGAGED,
-    FRAMES,
-    TARGET,
-    TARGET_ODOMETRY,
-    FrameNames,
-    MessageError,
-)
+from uav_tracking_mpc.nodes.topics import ENGAGED, TARGET, TARGET_ODOMETRY, MessageError
 from uav_tracking_mpc.nodes.vehicle_node import VehicleNode
 from uav_tracking_mpc.parameters.registry import ExtensionError
 from uav_tracking_mpc.parameters.specification import ParameterError
@@ -175,34 +168,6 @@ class LinkReader:
                     self._link.events.add(Level.WARNING, words)
 
 
-class SightingPublisher:
-    """On ``target/odometry`` where the velocity is told, on ``target/position`` where it is not.
-
-    Args:
-        node: Through which it publishes.
-        frames: Of the messages.
-    """
-
-    def __init__(self, node: Node, frames: FrameNames = FRAMES) -> None:
-        self._frames = frames
-        self._points, self._tracks = (publish(node, topic) for topic in (TARGET, TARGET_ODOMETRY))
-        self._point, self._track = TARGET.type(), TARGET_ODOMETRY.type()
-
-    def publish(self, stamp: int, sighting: Sighting) -> None:
-        """Publish a sighting.
-
-        Args:
-            stamp: Its time in [ns].
-            sighting: Of the vehicle.
-        """
-        if sighting.velocity is None:
-            set_point(self._point, stamp, sighting.position, self._frames)
-            self._points.publish(self._point)
-            return
-        set_truth(self._track, stamp, sighting.position, sighting.velocity, self._frames)
-        self._tracks.publish(self._track)
-
-
 class AutopilotLink(VehicleNode):
     """Publishes what the aircraft measures and hands it the commands.
 
@@ -227,9 +192,9 @@ class AutopilotLink(VehicleNode):
         self._ready = False  # whether the link has something to fly
         self._orbit: tuple[FlownOrbit, int] | None = None
         self._states, self._state_time, self._refusal = 0, -math.inf, ""
-        self._sightings = None
         if self.parameters.target_system:
-            self._sightings = SightingPublisher(self, self._frames)
+            self._point, self._track = TARGET.type(), TARGET_ODOMETRY.type()
+            self._points, self._tracks = publish(self, TARGET), publish(self, TARGET_ODOMETRY)
         self._engaged_publisher = publish(self, ENGAGED)
         self._reader = LinkReader(self._link, self._on_measured)
         self._open(self.parameters.telemetry_rate)
@@ -249,12 +214,21 @@ class AutopilotLink(VehicleNode):
         self._publish(self._clocks.ros(seen.stamp), seen, state)
         self._states += 1
         self._state_time = time.monotonic()
-        if self._sightings is not None and (sighting := self._link.sighting()) is not None:
-            self._sightings.publish(self._clocks.ros(sighting.stamp), sighting)
+        if self.parameters.target_system and (sighting := self._link.sighting()) is not None:
+            self._publish_sighting(self._clocks.ros(sighting.stamp), sighting)
+
+    def _publish_sighting(self, stamp: int, sighting: Sighting) -> None:
+        """On ``target/odometry`` where the velocity is told, on ``target/position`` where not."""
+        if sighting.velocity is None:
+            set_point(self._point, stamp, sighting.position, self._frames)
+            self._points.publish(self._point)
+            return
+        set_truth(self._track, stamp, sighting.position, sighting.velocity, self._frames)
+        self._tracks.publish(self._track)
 
     def _on_command(self, data: bytes) -> None:
         try:
-            stamp, plan, step = self._wire.read(data)
+            stamp, plan, step = even_command(data, self._frames)
         except MessageError as error:
             refusal = str(error)
         else:
@@ -383,11 +357,6 @@ def _link(parameters: LinkParameters) -> VehicleLink:
         raise ParameterError(f"parameters 'link', 'connection': {error}") from error
 
 
-def main() -> int:
-    """Entry point of the executable."""
-    sys.setswitchinterval(SWITCH_INTERVAL)
-    return run("autopilot_link", AutopilotLink)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.setswitchinterval(SWITCH_INTERVAL)
+    sys.exit(run("autopilot_link", AutopilotLink))

@@ -133,6 +133,7 @@ class ControllerReport:
     Attributes:
         alarm: Shows an error while it lasts: see :meth:`Diagnostics.alarm`.
         end: Publishes that the node has ended: see :meth:`Diagnostics.end`.
+        publish: Publishes the present diagnostics: see :meth:`Diagnostics.publish`.
         peers: Who publishes what the node listens to.
         refused: Messages that could not be used.
         deadlines_missed: How often no command came for two control periods of wall time.
@@ -152,6 +153,7 @@ class ControllerReport:
             node, lambda words: self._diagnostics.report(diagnostics.WARN, words)
         )
         self.alarm, self.end = self._diagnostics.alarm, self._diagnostics.end
+        self.publish = self._diagnostics.publish
         self._throttled = ThrottledWarnings(node)
 
     def configured(self, controller: Controller, claims: ClaimWatch) -> None:
@@ -250,10 +252,6 @@ class ControllerReport:
         """Report that simulated time stands still: nothing is due, and nothing is lost."""
         if self._stage is Stage.ACTIVE:
             self._diagnostics.report(diagnostics.WARN, "simulated time stands still")
-
-    def publish(self) -> None:
-        """Publish the present diagnostics."""
-        self._diagnostics.publish()
 
     def command(self, command: Command, response: float) -> None:
         """Count a command that has been sent.

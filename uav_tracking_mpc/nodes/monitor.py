@@ -195,10 +195,5 @@ WORDS: dict[str, Callable[[Topic, Any], str]] = {
 }
 
 
-def main() -> int:
-    """Entry point of the executable."""
-    return run("monitor", Monitor)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run("monitor", Monitor))

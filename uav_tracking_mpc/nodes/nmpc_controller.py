@@ -70,6 +70,7 @@ from uav_tracking_mpc.settings.configuration import configuration_folder
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 
 HEARD = (ODOMETRY, AIR_VELOCITY, TARGET, TARGET_ODOMETRY)
+BY_HAND = (TARGET, TARGET_ODOMETRY)  # what people publish, without a stamp
 MARGIN_PATIENCE = 3.0  # s, in which a flight begins before its margins are judged
 MARGIN_REST = 1.0  # s without another change, after which they are judged anew
 BEGINNING = 1_000_000_000  # ns; before this zero is a time of a simulation that has just begun
@@ -91,55 +92,38 @@ class MessageTimes:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._origin: int | None = None
-        self._told: set[str] = set()  # topics without stamps
+        self._told: set[Topic] = set()  # topics without stamps
 
     def now(self) -> float:
         """The node's clock; 0 before the first message."""
         return 0.0 if self._origin is None else (self._clock() - self._origin) * 1e-9
 
     def measured(self, topic: Topic, message: Any) -> float:
-        """Time of a message that must have a stamp.
+        """Time of a message; one of the target without a stamp is of its arrival: logged once.
 
         Args:
             topic: From which it came.
             message: With a header.
 
         Raises:
-            MessageError: It has none.
+            MessageError: It has no stamp, and must have one.
         """
-        stamp = conversions.nanoseconds(message.header.stamp)
-        if stamp == 0 and self._clock() >= BEGINNING:
-            raise MessageError(
-                f"{topic.name}: header.stamp is 0, must be when it was measured: is the driver "
-                "right?"
-            )
-        return self._since_origin(stamp)
-
-    def measured_or_now(self, topic: Topic, message: Any) -> float:
-        """Time of a message; without a stamp that of its arrival, which is logged once.
-
-        Args:
-            topic: From which it came.
-            message: With a header.
-        """
-        stamp = conversions.nanoseconds(message.header.stamp)
-        if stamp == 0 and (now := self._clock()) >= BEGINNING:
+        stamp, now = conversions.nanoseconds(message.header.stamp), self._clock()
+        if stamp == 0 and now >= BEGINNING:
             stamp = now
-            if topic.name not in self._told:
-                self._told.add(topic.name)
-                self._node.get_logger().info(
-                    f"{topic.name}: header.stamp is 0: such messages count as measured when they "
-                    "arrive"
-                )
-        return self._since_origin(stamp)
-
-    def _clock(self) -> int:
-        return int(self._node.get_clock().now().nanoseconds)
-
-    def _since_origin(self, stamp: int) -> float:
+            words = f"{topic.name}: header.stamp is 0"
+            if topic not in BY_HAND:
+                raise MessageError(f"{words}, must be when it was measured: is the driver right?")
+            if topic not in self._told:
+                self._told.add(topic)
+                words = f"{words}: such messages count as measured when they arrive"
+                self._node.get_logger().info(words)
         if self._origin is None:
             self._origin = stamp
         return (stamp - self._origin) * 1e-9
+
+    def _clock(self) -> int:
+        return int(self._node.get_clock().now().nanoseconds)
 
 
 class StallGuard:
@@ -322,7 +306,7 @@ class NmpcController(ManagedNode):
 
     def _on_target(self, message: Any, controller: Controller) -> None:
         position = conversions.position_from_point(message, self._frames)
-        stamp = self._times.measured_or_now(TARGET, message)
+        stamp = self._times.measured(TARGET, message)
         if abs(stamp - self._tracked) > self.parameters.target_timeout:
             self._see_target(TARGET, controller, stamp, position)
         elif not self._both_told:  # one after the other they would count as two measurements
@@ -332,7 +316,7 @@ class NmpcController(ManagedNode):
 
     def _on_target_odometry(self, message: Any, controller: Controller) -> None:
         measured = target_from_odometry(message, self._frames)
-        stamp = self._times.measured_or_now(TARGET_ODOMETRY, message)
+        stamp = self._times.measured(TARGET_ODOMETRY, message)
         self._see_target(TARGET_ODOMETRY, controller, stamp, *measured)
         self._tracked = stamp
 
@@ -434,10 +418,5 @@ class NmpcController(ManagedNode):
         self._end_record()
 
 
-def main() -> int:
-    """Entry point of the executable."""
-    return run("nmpc_controller", NmpcController)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run("nmpc_controller", NmpcController))

@@ -149,10 +149,5 @@ class TargetPublisher(Node):
         self._diagnostics.end()
 
 
-def main() -> int:
-    """Entry point of the executable."""
-    return run("target_publisher", TargetPublisher)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run("target_publisher", TargetPublisher))

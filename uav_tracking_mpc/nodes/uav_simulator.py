@@ -27,6 +27,7 @@ from std_srvs.srv import SetBool, Trigger
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.nodes.messages.conversions import set_stamp
 from uav_tracking_mpc.nodes.messages.diagnostic_values import vehicle_status
+from uav_tracking_mpc.nodes.messages.wires import command_segments
 from uav_tracking_mpc.nodes.ros import diagnostics
 from uav_tracking_mpc.nodes.ros.declared_parameters import follow_parameters
 from uav_tracking_mpc.nodes.ros.endpoints import SimulatedOutage, publish, steady_timer
@@ -134,7 +135,7 @@ class UavSimulator(VehicleNode):
 
     def _on_command(self, data: bytes) -> None:
         try:
-            stamp, plan, starts = self._wire.segments(data)
+            stamp, plan, starts = command_segments(data, self._frames)
             if stamp < self._reset_at:
                 raise ValueError("it answers a state from before the reset")
             self._plant.accept(plan, (stamp - self._start) * 1e-9 + starts)
@@ -236,10 +237,5 @@ def _plant(parameters: SimulatorParameters) -> Plant:
         raise ParameterError(f"parameter 'plant': {error}") from error
 
 
-def main() -> int:
-    """Entry point of the executable."""
-    return run("uav_simulator", UavSimulator)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run("uav_simulator", UavSimulator))

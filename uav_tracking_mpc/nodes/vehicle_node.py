@@ -35,7 +35,6 @@ from uav_tracking_mpc.nodes.messages.conversions import (
     set_measurement,
 )
 from uav_tracking_mpc.nodes.messages.named_figures import orbit_from_message
-from uav_tracking_mpc.nodes.messages.wires import CommandWire
 from uav_tracking_mpc.nodes.ros.declared_parameters import declare_parameters
 from uav_tracking_mpc.nodes.ros.diagnostics import (
     WARN,
@@ -94,7 +93,7 @@ class VehicleNode(Node):
         self._diagnostics = Diagnostics(self, self._values, now)
         self._senders = DuplicateSenders(self, FLOWN, self._diagnostics.alarm)
         self._commanders = PublisherWatch(self, lambda words: self._diagnostics.report(WARN, words))
-        self._wire, self._warnings = CommandWire(self._frames), ThrottledWarnings(self)
+        self._warnings = ThrottledWarnings(self)
         self._commanders.listen(COMMAND, self._on_command, raw=True)
         listen(self, ORBIT, self._on_orbit)
 

@@ -44,7 +44,7 @@ from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.nodes.messages.conversions import set_vector
 from uav_tracking_mpc.nodes.messages.heard_values import VALUES, NodeReport
-from uav_tracking_mpc.nodes.messages.wires import CommandWire, deserialized
+from uav_tracking_mpc.nodes.messages.wires import deserialized, planned_places
 from uav_tracking_mpc.nodes.ros.declared_parameters import ros_value
 from uav_tracking_mpc.nodes.ros.endpoints import FollowingSubscription, NewestMessage, steady_timer
 from uav_tracking_mpc.nodes.topics import (
@@ -391,9 +391,9 @@ class HeardAircraft:
 
     def __init__(self, node: Node, namespace: str) -> None:
         self.namespace = namespace
-        self._node, self._commands = node, CommandWire(ANY_FRAMES)
+        self._node = node
         self.state: NewestMessage[Measurement] = self._hear(ODOMETRY)
-        self.plan: NewestMessage[Plan] = self._hear(COMMAND, self._plan)
+        self.plan: NewestMessage[Plan] = self._hear(COMMAND, _plan)
         self.airspeed: NewestMessage[float] = self._hear(AIR_VELOCITY)
         self.sighting: NewestMessage[NDArray[np.float64]] = self._hear(TARGET)
         self.tracked: NewestMessage[NDArray[np.float64]] = self._hear(TARGET_ODOMETRY)
@@ -419,9 +419,10 @@ class HeardAircraft:
         # One step, for another thread looks: what it goes through is not changed.
         self.reports = {**self.reports, node: said._replace(node=node, arrival=time.monotonic())}
 
-    def _plan(self, data: bytes) -> Plan:
-        stamp, positions, times = self._commands.places(data)
-        return Plan(stamp * 1e-9, positions, times)
+
+def _plan(data: bytes) -> Plan:
+    stamp, positions, times = planned_places(data, ANY_FRAMES)
+    return Plan(stamp * 1e-9, positions, times)
 
 
 def _read(topic: Topic, data: bytes) -> Any:

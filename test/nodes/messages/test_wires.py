@@ -23,9 +23,14 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 from uav_tracking_mpc.control.commanded_path import PlannedPath
 from uav_tracking_mpc.dynamics.frames import quaternion_from_course
-from uav_tracking_mpc.nodes.messages import wires
-from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, plan_from_command
-from uav_tracking_mpc.nodes.messages.wires import CommandWire, deserialized
+from uav_tracking_mpc.nodes.messages.conversions import plan_from_command
+from uav_tracking_mpc.nodes.messages.wires import (
+    CommandWire,
+    command_segments,
+    deserialized,
+    even_command,
+    planned_places,
+)
 from uav_tracking_mpc.nodes.topics import (
     ANY_FRAMES,
     COMMAND,
@@ -59,26 +64,12 @@ def path_of(plan):
     return PlannedPath(states, random.normal(size=(len(plan) + 1, 3)))
 
 
-@pytest.mark.parametrize("placed", [False, True])
-def test_one_wire_takes_plans_of_any_form(placed):
-    wire = CommandWire()
-    generator = np.random.default_rng(0)
-    for count, step in ((20, 0.5), (1, 1.0), (7, 0.5), (20, 0.5)):
-        plan = generator.normal(size=(count, 3))
-        path = path_of(plan) if placed else None
-        message = deserialize_message(wire.write(5_000_000_007, plan, step, path), COMMAND.type)
-        assert nanoseconds(message.header.stamp) == 5_000_000_007
-        heard, starts = plan_from_command(message)
-        np.testing.assert_array_equal(heard, plan)
-        assert starts == pytest.approx(step * np.arange(count))
-
-
 def test_each_point_carries_its_place_its_attitude_and_its_velocity():
     wire, generator = CommandWire(), np.random.default_rng(3)
-    for _ in range(2):  # written anew, then in place
-        plan = generator.normal(size=(4, 3))
+    for count, step in ((20, 0.5), (20, 0.5), (1, 1.0), (7, 0.5)):  # anew, in place, other forms
+        plan = generator.normal(size=(count, 3))
         path = path_of(plan)
-        message = deserialize_message(wire.write(1, plan, 0.5, path), COMMAND.type)
+        message = deserialize_message(wire.write(1, plan, step, path), COMMAND.type)
         for point, state, ground in zip(
             message.points, path.states, path.ground_velocities, strict=False
         ):
@@ -92,56 +83,34 @@ def test_each_point_carries_its_place_its_attitude_and_its_velocity():
         np.testing.assert_array_equal(heard, plan)
 
 
-def test_commands_with_a_path_and_without_are_read_in_turns():
-    """A controller of somebody else need not send any."""
-    wire, sender = CommandWire(), CommandWire()
-    for count in range(12):
-        plan = np.full((5, 3), 0.1 * count)
-        path = path_of(plan) if count % 4 < 2 else None
-        stamp, read, step = wire.read(sender.write(count, plan, 0.4, path))
-        assert (stamp, step) == (count, 0.4)
-        np.testing.assert_array_equal(read, plan)
-
-
-def test_as_many_bytes_with_other_parts_are_read_right():
-    """Point 0 has two transforms, point 1 none: the numbers stand elsewhere."""
-    wire, sender, plans = (
-        CommandWire(),
-        CommandWire(),
-        np.random.default_rng(2).normal(size=(3, 2, 3)),
-    )
-    for plan in plans:
-        message = deserialize_message(sender.write(1, plan, 0.4, path_of(plan)), COMMAND.type)
-        first, second = message.points
-        first.transforms, second.transforms = [*first.transforms, *second.transforms], []
-        np.testing.assert_array_equal(wire.read(serialize_message(message))[1], plan)
-
-
-def test_segments_need_not_be_of_one_length():
-    wire, plan = CommandWire(), np.ones((3, 3))
-    uneven = serialized(7, plan, 0.4, lambda m: setattr(m.points[2].time_from_start, "sec", 5))
-    for _ in range(2):
-        stamp, read, starts = wire.segments(uneven)
-        assert stamp == 7
-        np.testing.assert_array_equal(read, plan)
-        assert starts == pytest.approx([0.0, 0.4, 5.8])
-
-
 def serialized(stamp, plan, step, change=lambda message: None):
     message = filled_command(stamp, plan, step)
     change(message)
     return serialize_message(message)
 
 
-def test_commands_are_read_as_they_were_written():
-    wire, rng = CommandWire(), np.random.default_rng(1)
-    for count, step in ((22, 0.4), (22, 0.4), (22, 0.1), (1, 1.0), (1, 1.0), (22, 0.4)):
-        plan, stamp = rng.normal(size=(count, 3)), int(rng.integers(0, 2**60))
-        for data in (serialized(stamp, plan, step), CommandWire().write(stamp, plan, step)):
-            got, read, seconds = wire.read(data)
-            assert got == stamp
-            np.testing.assert_array_equal(read, plan)
-            assert seconds == pytest.approx(step)
+@pytest.mark.parametrize("count", [1, 22])
+def test_commands_are_read_as_they_were_written_with_a_path_or_without(count):
+    """A controller of somebody else need not send any."""
+    plan = np.random.default_rng(1).normal(size=(count, 3))
+    sent = (
+        serialized(2**60, plan, 0.4),
+        CommandWire().write(2**60, plan, 0.4),
+        CommandWire().write(2**60, plan, 0.4, path_of(plan)),
+    )
+    for data in sent:
+        stamp, read, step = even_command(data)
+        assert (stamp, step) == (2**60, 0.4 if count > 1 else 1.0)
+        np.testing.assert_array_equal(read, plan)
+
+
+def test_segments_need_not_be_of_one_length():
+    plan = np.ones((3, 3))
+    uneven = serialized(7, plan, 0.4, lambda m: setattr(m.points[2].time_from_start, "sec", 5))
+    stamp, read, starts = command_segments(uneven)
+    assert stamp == 7
+    np.testing.assert_array_equal(read, plan)
+    assert starts == pytest.approx([0.0, 0.4, 5.8])
 
 
 @pytest.mark.parametrize(
@@ -156,64 +125,36 @@ def test_commands_are_read_as_they_were_written():
         (lambda m: m.points.clear(), "points is empty"),
     ],
 )
-def test_what_is_no_command_is_refused_before_and_after_a_good_one(change, words):
-    wire, plan = CommandWire(), np.ones((4, 3))
-    bad = serialized(1, plan, 0.4, change)
-    for _ in range(2):
-        with pytest.raises(MessageError, match=words):
-            wire.read(bad)
-        assert wire.read(serialized(2, plan, 0.4))[0] == 2
-
-
-def test_a_command_with_more_in_it_is_read_all_the_same():
-    wire, plan = CommandWire(), np.ones((4, 3))
-    wire.read(serialized(1, plan, 0.4))
-
-    def add(message):
-        message.points[0].velocities[0].linear.x = 9.0
-
-    more = serialized(2, 2.0 * plan, 0.4, add)
-    np.testing.assert_array_equal(wire.read(more)[1], 2.0 * plan)
+def test_what_is_no_command_is_refused(change, words):
+    with pytest.raises(MessageError, match=words):
+        even_command(serialized(1, np.ones((4, 3)), 0.4, change))
 
 
 @pytest.mark.parametrize("data", [b"", b"banana", serialized(1, np.ones((4, 3)), 0.4)[:-40]])
 def test_bytes_that_are_no_message_are_refused(data):
-    wire = CommandWire()
-    wire.read(serialized(1, np.ones((4, 3)), 0.4))
-    with pytest.raises(MessageError):
-        wire.read(data)
-
-
-def test_what_differs_in_numbers_alone_is_not_turned_into_objects(monkeypatch):
-    wire, sender = CommandWire(), CommandWire()
-    plan = np.ones((22, 3))
-    wire.read(sender.write(1, plan, 0.4, path_of(plan)))
-    other = PlannedPath(*(1.0 + numbers for numbers in path_of(plan)))
-    monkeypatch.setattr(wires, "deserialize_message", None)
-    stamp, plan, step = wire.read(sender.write(2, np.full((22, 3), 0.5), 0.4, other))
-    assert (stamp, step) == (2, 0.4)
-    np.testing.assert_array_equal(plan, np.full((22, 3), 0.5))
+    with pytest.raises(MessageError, match="uav/command: no message"):
+        even_command(data)
 
 
 @pytest.mark.parametrize("named", [FRAMES, FrameNames("world", "red/base_link")])
 def test_the_planned_places_are_read_whatever_the_frames(named):
-    writing, reading = CommandWire(named), CommandWire(ANY_FRAMES)
+    writing = CommandWire(named)
     for count in (5, 5, 1):
         path = path_of(np.zeros((count, 3)))
         data = writing.write(3_000_000_001, np.zeros((count, 3)), 0.5, path)
-        stamp, positions, times = reading.places(data)
+        stamp, positions, times = planned_places(data, ANY_FRAMES)
         assert stamp == 3_000_000_001
         np.testing.assert_array_equal(positions, path.states[:-1, :3])
         assert times == pytest.approx(0.5 * np.arange(count))
-    _, positions, times = reading.places(writing.write(1, np.zeros((5, 3)), 0.5))
+    _, positions, times = planned_places(writing.write(1, np.zeros((5, 3)), 0.5), ANY_FRAMES)
     assert positions.shape == (0, 3) and times.shape == (0,)
 
 
 def test_a_planned_place_that_is_none_is_refused():
     path = path_of(np.zeros((5, 3)))
     path.states[2, 1] = np.nan
-    with pytest.raises(MessageError, match="transforms are at"):
-        CommandWire().places(CommandWire().write(1, np.zeros((5, 3)), 0.5, path))
+    with pytest.raises(MessageError, match="transforms.y is nan"):
+        planned_places(CommandWire().write(1, np.zeros((5, 3)), 0.5, path))
 
 
 @pytest.mark.parametrize("data", [b"", b"\x00\x01\x00\x00", b"\x00\x01\x00\x00" + b"\xff" * 60])

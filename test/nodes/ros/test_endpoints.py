@@ -18,8 +18,8 @@ from __future__ import annotations
 
 import pytest
 from filled_messages import sensed
+from node_harness import ending
 from paced_link import LINK
-from processes import TERMINATE, run_node
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -111,15 +111,14 @@ def test_a_nonsense_override_is_refused_with_what_is_allowed(nodes, policy, valu
         nodes.add(TargetPublisher, **{name: value})
 
 
-def test_unknown_parameters_and_overrides_in_vain_are_warned_of():
+def test_unknown_parameters_and_overrides_in_vain_are_warned_of(run_here):
     arguments = (
         *("-p", "raet:=5.0"),
         *("-p", "qos_overrides./target/positon.publisher.reliability:=best_effort"),
         *("-p", "qos_overrides./target/position.publisher.depth:=3"),
     )
-    code, output = run_node(
-        "target_publisher", "--ros-args", *arguments, stop=TERMINATE, after="target is"
-    )
+    how = "target_publisher", lambda: ending(TargetPublisher()), "--ros-args"
+    code, output = run_here(*how, *arguments)
     assert code == 0
     warnings = [line for line in output.splitlines() if "has no effect" in line]
     assert len(warnings) == 2
