@@ -147,7 +147,7 @@ def test_its_time_is_told_to_who_asks(talk):
 def test_parameters_are_listed_read_and_set(talk):
     listed = talk.say(mavlink.MAVLink_param_request_list_message(1, 1))
     assert [value.param_index for value in listed] == list(range(listed[0].param_count))
-    assert [value.param_id for value in listed] == talk.core.parameters.names
+    assert [value.param_id for value in listed] == list(talk.core.parameters)
     real = next(value for value in listed if value.param_type == mavlink.MAV_PARAM_TYPE_REAL32)
     name = real.param_id.encode()
     (told,) = talk.say(mavlink.MAVLink_param_set_message(1, 1, name, 12.5, real.param_type))
@@ -276,7 +276,7 @@ def test_no_message_ends_the_flight(dialect):
     core, rng = protocol.core, random.Random(1)
     sender, parser = mavlink.MAVLink(None, 255, 1), mavlink.MAVLink(None)
     for _ in range(MESSAGES):
-        message = mutated(rng, core.parameters.names)
+        message = mutated(rng, list(core.parameters))
         for heard in parser.parse_buffer(message.pack(sender)) or []:
             protocol.take(heard, core.time)
         protocol.advance(core.time + 0.01)

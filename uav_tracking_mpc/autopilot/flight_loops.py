@@ -32,7 +32,7 @@ from uav_tracking_mpc.limits.envelope import Envelope
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 
 LEAST_RADIUS, GREATEST_RADIUS = 1.0, 1e6  # m
-LEAST_PERIOD = 1.0  # s, of the L1 law
+LEAST_PERIOD, LEAST_DAMPING = 1.0, 0.1  # s, -, of the L1 law
 
 
 class Loiter(NamedTuple):
@@ -101,6 +101,8 @@ class FlightLoops:
         self._airframe = airframe
         self._steepest = simulator.pitch_rate_max
         self._plant_lag, self._path_lag, _ = simulator.rate_lag
+        if simulator.roll_frequency:  # the turn swings in instead: the lag that it is alike
+            self._plant_lag = 2.0 * simulator.roll_damping / simulator.roll_frequency
         self._path, self._pitched_at = 0.0, -math.inf  # what by_pitch holds, and since when not
         self._envelope = Envelope()  # that of a law, which only its climb and its clipping use
         self.throttle = 0.0
@@ -114,10 +116,7 @@ class FlightLoops:
         """
         self.throttle = float(running)
         self._bank = self.roll_wanted = 0.0
-        if running:
-            self._airframe.run(TICK)
-        else:
-            self._airframe.stand(TICK)
+        self._airframe.stand(TICK, running)
 
     def fly(self, demand: Demand, response: Response, engine: Engine) -> None:
         """Go on by one tick in the air.
@@ -223,5 +222,7 @@ class FlightLoops:
             drift_rate=np.zeros(3),
             rates=np.zeros(3),
         )
-        law = L1Loiter(orbit, self._envelope, max(period, LEAST_PERIOD), abs(damping))
+        law = L1Loiter(
+            orbit, self._envelope, max(period, LEAST_PERIOD), max(abs(damping), LEAST_DAMPING)
+        )
         return float(bank_from_turn_rate(law.lateral_acceleration(situation), 1.0))  # v psi'

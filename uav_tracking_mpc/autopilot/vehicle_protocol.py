@@ -196,7 +196,7 @@ class VehicleProtocol:
         self.core.attitude_target(AttitudeTarget(message.type_mask, roll, pitch, thrust))
 
     def _take_parameter_read(self, message: Any, now: float) -> None:
-        names = self.core.parameters.names
+        names = list(self.core.parameters)
         if message.param_index >= 0:
             name = names[message.param_index] if message.param_index < len(names) else ""
         else:
@@ -205,7 +205,7 @@ class VehicleProtocol:
             self._send_parameter(name)
 
     def _take_parameter_list(self, message: Any, now: float) -> None:
-        for name in self.core.parameters.names:
+        for name in self.core.parameters:
             self._send_parameter(name)
 
     def _take_parameter_set(self, message: Any, now: float) -> None:
@@ -228,7 +228,7 @@ class VehicleProtocol:
             kind = mavlink.MAV_PARAM_TYPE_INT32
             if self.core.traits.bytewise:
                 (value,) = struct.unpack("<f", struct.pack("<i", int(known[name])))
-        names = known.names
+        names = list(known)
         self._send(
             mavlink.MAVLink_param_value_message(
                 name.encode("ascii"), value, kind, len(names), names.index(name)
