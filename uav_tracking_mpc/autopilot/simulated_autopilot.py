@@ -38,10 +38,9 @@ from uav_tracking_mpc.autopilot.autopilot_core import AutopilotCore
 from uav_tracking_mpc.autopilot.deliveries import StreamRule
 from uav_tracking_mpc.autopilot.flight_loops import TICK
 from uav_tracking_mpc.autopilot.px4 import Px4
-from uav_tracking_mpc.autopilot.radio import Radio
 from uav_tracking_mpc.autopilot.telemetry_messages import MessageRates, position_message
 from uav_tracking_mpc.autopilot.vehicle_protocol import COMPONENT, VehicleProtocol
-from uav_tracking_mpc.autopilot.wire_faults import AutopilotFault, wire_fault
+from uav_tracking_mpc.autopilot.wire_faults import AutopilotFault, Radio, wire_fault
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.links import LinkError
 from uav_tracking_mpc.links.mavlink.connection import Connection, Wire

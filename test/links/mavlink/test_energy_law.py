@@ -15,6 +15,7 @@
 """Path angle and airspeed follow the inputs like the controller's model; limits always hold."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -32,7 +33,8 @@ from uav_tracking_mpc.links.mavlink.energy_law import (
     FlownPath,
 )
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.simulation import flight_control, flight_dynamics
+from uav_tracking_mpc.simulation import flight_dynamics
+from uav_tracking_mpc.simulation.plants import jsbsim
 
 CRUISE = 22.0
 LIMITS = EnergyLimits(CRUISE, 14.0, 32.0)
@@ -123,11 +125,15 @@ class Attitude:
     """
 
     def __init__(self):
-        start = flight_dynamics.Start((0.0, 0.0, 150.0), 0.0, 0.0, CRUISE)
-        self.airframe, self.time = flight_dynamics.Airframe(start), 0.0
+        parameters = replace(
+            load_configuration("jsbsim_uav").simulator,
+            initial_position=(0.0, 0.0, 150.0),
+            initial_path_angle=0.0,
+            initial_speed=CRUISE,
+        )
+        self.airframe, self.time = flight_dynamics.Airframe(parameters), 0.0
         flown, trim = self.airframe.flown, self.airframe.trim
-        parameters = load_configuration("jsbsim_uav").simulator
-        self.loops = flight_control.FlightControl(parameters, trim, flown)
+        self.loops = jsbsim.FlightControl(parameters, trim, flown)
         self.pitch, self.thrust, self._elevator = flown.pitch, trim.throttle, trim.elevator
 
     @property
@@ -146,9 +152,9 @@ class Attitude:
         wanted = rise * math.cos(flown.bank)
         wanted += yaw_rate * math.sin(flown.bank) * math.cos(flown.pitch)
         error = wanted - flown.pitch_rate
-        forward = flight_control.PITCH_FORWARD * CRUISE / flown.airspeed * wanted
-        elevator = self._elevator - forward - weaker * flight_control.PITCH_GAIN * error
-        self._elevator -= weaker * flight_control.PITCH_INTEGRAL * error * STEP
+        forward = jsbsim.PITCH_FORWARD * CRUISE / flown.airspeed * wanted
+        elevator = self._elevator - forward - weaker * jsbsim.PITCH_GAIN * error
+        self._elevator -= weaker * jsbsim.PITCH_INTEGRAL * error * STEP
         self.airframe.step(flight_dynamics.Surfaces(aileron, elevator, rudder, thrust))
         self.time += STEP
 
