@@ -239,9 +239,8 @@ class ArduPlane(AutopilotCore):
         self.loiter = self.loiter_here(radius)
         if mode == "RTL":  # P/mode_rtl.cpp, do_RTL: home, at RTL_ALTITUDE above it
             height = known["RTL_ALTITUDE"]
-            around = known["RTL_RADIUS"] or radius
             up = self.state.up if height < 0.0 else height
-            self.loiter = Loiter(0.0, 0.0, up, abs(around), around >= 0.0)
+            self.loiter = Loiter(0.0, 0.0, up, known["RTL_RADIUS"] or radius)
         elif mode == "TAKEOFF":  # P/mode_takeoff.cpp: straight on, then a loiter
             distance, heading = known["TKOFF_DIST"], self.state.heading
             self.loiter = self.loiter._replace(
@@ -343,7 +342,7 @@ class ArduPlane(AutopilotCore):
         radius = self._guided.radius
         if radius <= 1.0:
             radius = abs(self.parameters["WP_LOITER_RAD"])
-        self.loiter = Loiter(east, north, up, radius, clockwise)
+        self.loiter = Loiter(east, north, up, radius if clockwise else -radius)
         self._guided.moved = self.time
         return Result.ACCEPTED
 

@@ -80,8 +80,12 @@ CLIMB_LAG = 1.0  # s, in which the climb rate follows that of the energy control
 LOITER_BANK = math.radians(30.0)  # rad, with which a loiter is flown in still air, at most
 
 
-class VehicleNumbers(NamedTuple):
-    """What an operator would have typed in.
+class VehicleNumbers:
+    """What an operator would have typed in for an aircraft.
+
+    Args:
+        configuration: What the controller is told of it, and its plant's limits.
+        density_factor: True over equivalent airspeed at its start [-].
 
     Attributes:
         cruise: Calibrated airspeed in [m/s].
@@ -95,39 +99,19 @@ class VehicleNumbers(NamedTuple):
         radius: Of a loiter that leaves room for wind, in [m], in tens.
     """
 
-    cruise: float
-    slowest: float
-    fastest: float
-    bank_max: float
-    climb_max: float
-    sink_max: float
-    sink_idle: float
-    roll_rate: float
-    radius: int
-
-
-def vehicle_numbers(configuration: Configuration, density_factor: float) -> VehicleNumbers:
-    """Numbers of an aircraft.
-
-    Args:
-        configuration: What the controller is told of it, and its plant's limits.
-        density_factor: True over equivalent airspeed at its start [-].
-    """
-    envelope, plant = configuration.controller, configuration.simulator
-    cruise = envelope.airspeed
-    sink = cruise * math.sin(-envelope.path_angle_min)
-    turn = cruise / turn_rate_from_bank(-LOITER_BANK, cruise)
-    return VehicleNumbers(
-        cruise=round(cruise / density_factor, 2),
-        slowest=max(envelope.airspeed_min, plant.speed_min) / density_factor,
-        fastest=min(envelope.airspeed_max, plant.speed_max) / density_factor,
-        bank_max=round(math.degrees(min(envelope.bank_max, plant.bank_max)), 2),
-        climb_max=round(cruise * math.sin(envelope.path_angle_max), 2),
-        sink_max=round(sink, 2),
-        sink_idle=round(min(2.0, 0.5 * sink), 2),
-        roll_rate=round(math.degrees(min(envelope.roll_rate_max, 4.0))),
-        radius=10 * math.ceil(0.1 * turn),
-    )
+    def __init__(self, configuration: Configuration, density_factor: float) -> None:
+        envelope, plant = configuration.controller, configuration.simulator
+        cruise = envelope.airspeed
+        sink = cruise * math.sin(-envelope.path_angle_min)
+        turn = cruise / turn_rate_from_bank(-LOITER_BANK, cruise)
+        self.cruise = round(cruise / density_factor, 2)
+        self.slowest = max(envelope.airspeed_min, plant.speed_min) / density_factor
+        self.fastest = min(envelope.airspeed_max, plant.speed_max) / density_factor
+        self.bank_max = round(math.degrees(min(envelope.bank_max, plant.bank_max)), 2)
+        self.climb_max = round(cruise * math.sin(envelope.path_angle_max), 2)
+        self.sink_max, self.sink_idle = round(sink, 2), round(min(2.0, 0.5 * sink), 2)
+        self.roll_rate = round(math.degrees(min(envelope.roll_rate_max, 4.0)))
+        self.radius = 10 * math.ceil(0.1 * turn)
 
 
 class Order(NamedTuple):
@@ -258,7 +242,7 @@ class AutopilotCore(ABC):
         self._boot()
 
     def _boot(self) -> None:
-        own = vehicle_numbers(self._configuration, self.density_factor)
+        own = VehicleNumbers(self._configuration, self.density_factor)
         self.parameters = OnboardParameters(self.defaults(own))
         self.failsafe = False
         self.ground_heard: float | None = None
@@ -377,8 +361,7 @@ class AutopilotCore(ABC):
         Args:
             radius: In [m], negative for counter-clockwise.
         """
-        state = self.state
-        return Loiter(state.east, state.north, state.up, abs(radius), radius >= 0.0)
+        return Loiter(self.state.east, self.state.north, self.state.up, radius)
 
     def known(self, meaning: str, least: float = -math.inf) -> float:
         """A parameter by what it is for, in its own unit [SI or deg].

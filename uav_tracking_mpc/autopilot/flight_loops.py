@@ -42,15 +42,13 @@ class Loiter(NamedTuple):
         east: Of its centre in ``map`` in [m].
         north: Of its centre in ``map`` in [m].
         up: Height in ``map`` in [m].
-        radius: In [m], positive.
-        clockwise: Its direction, seen from above.
+        radius: In [m], negative for counter-clockwise, seen from above.
     """
 
     east: float
     north: float
     up: float
     radius: float
-    clockwise: bool
 
 
 DRIFT_TIME = 5.0  # s, in which the path angle comes back to that of the pitch
@@ -210,8 +208,8 @@ class FlightLoops:
             damping: NAVL1_DAMPING [-].
         """
         state = self._airframe.state
-        direction = CLOCKWISE if loiter.clockwise else COUNTER_CLOCKWISE
-        radius = min(max(loiter.radius, LEAST_RADIUS), GREATEST_RADIUS)
+        direction = CLOCKWISE if loiter.radius >= 0.0 else COUNTER_CLOCKWISE
+        radius = min(max(abs(loiter.radius), LEAST_RADIUS), GREATEST_RADIUS)
         orbit = Orbit(radius, 0.0, max(state.airspeed, 1.0), direction)
         course = math.atan2(state.north_rate, state.east_rate)
         over_ground = [state.east, state.north, 0.0, course, 0.0, state.groundspeed]

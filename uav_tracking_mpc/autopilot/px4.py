@@ -211,8 +211,7 @@ class Px4(AutopilotCore):
             self._intended = mode
         if mode == "RTL":  # rtl.cpp: home, at RTL_RETURN_ALT above it where it is lower
             up = max(self.state.up, known["RTL_RETURN_ALT"])
-            radius = known["RTL_LOITER_RAD"]
-            self.loiter = Loiter(0.0, 0.0, up, abs(radius), radius >= 0.0)
+            self.loiter = Loiter(0.0, 0.0, up, known["RTL_LOITER_RAD"])
         elif mode == "TAKEOFF":
             up = max(known["MIS_TAKEOFF_ALT"], self.state.up)
             self.loiter = self.loiter._replace(up=up)
@@ -306,7 +305,7 @@ class Px4(AutopilotCore):
         radius = order.param3
         if not math.isfinite(radius) or radius == 0.0:
             radius = self.parameters["NAV_LOITER_RAD"]
-        self.loiter = Loiter(east, north, up, abs(radius), radius > 0.0)
+        self.loiter = Loiter(east, north, up, radius)
         return Result.ACCEPTED
 
     def _arm(self, order: Order) -> int:
