@@ -169,6 +169,16 @@ class FlightState(NamedTuple):
     yaw_rate: float = 0.0
 
     @property
+    def place(self) -> tuple[float, float, float]:
+        """Position in ``map`` in [m]."""
+        return self.east, self.north, self.up
+
+    @property
+    def velocity(self) -> tuple[float, float, float]:
+        """Ground velocity in ``map`` in [m/s]."""
+        return self.east_rate, self.north_rate, self.up_rate
+
+    @property
     def groundspeed(self) -> float:
         """Horizontal speed over ground in [m/s]."""
         return math.hypot(self.east_rate, self.north_rate)

@@ -352,7 +352,7 @@ class AutopilotCore(ABC):
             return None
         # The earth falls away below the plane of map: 1.4 m in 4 km.
         state = self.state
-        latitude, longitude, _ = self.origin.place([state.east, state.north, state.up])
+        latitude, longitude, _ = self.origin.place(state.place)
         return float(self.origin.position(latitude, longitude, altitude)[2])
 
     def loiter_here(self, radius: float) -> Loiter:

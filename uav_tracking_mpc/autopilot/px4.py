@@ -294,7 +294,7 @@ class Px4(AutopilotCore):
         if order.param2 != 1.0:
             return Result.UNSUPPORTED
         state = self.state
-        here = self.origin.place([state.east, state.north, state.up])
+        here = self.origin.place(state.place)
         latitude = math.radians(order.x) if math.isfinite(order.x) else here[0]
         longitude = math.radians(order.y) if math.isfinite(order.y) else here[1]
         altitude = order.z if math.isfinite(order.z) else here[2]
