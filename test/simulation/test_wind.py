@@ -43,7 +43,7 @@ def gusts(count, number=0, airspeed=AIRSPEED):
 
 @pytest.fixture(scope="module")
 def record():
-    return gusts(200_000)
+    return gusts(100_000)
 
 
 def test_scales_at_the_ends_of_the_model():
@@ -95,7 +95,7 @@ def test_filter_is_driven_by_its_transition():
 def test_variance_is_stationary_from_the_start():
     """Over many seeds, at the first sample and 10 s later."""
     first, later = [], []
-    for number in range(2000):
+    for number in range(1000):
         wind = Wind((0.0, 0.0, 0.0), INTENSITY, seed(number), heading=0.0, height=HEIGHT)
         first.append(wind.velocity)
         for _ in range(3):
@@ -162,13 +162,6 @@ def test_gusts_turn_with_the_flight():
     east = Wind((0.0, 0.0, 0.0), INTENSITY, seed(), heading=0.0, height=HEIGHT).velocity
     north = Wind((0.0, 0.0, 0.0), INTENSITY, seed(), heading=np.pi / 2, height=HEIGHT).velocity
     np.testing.assert_allclose(north, [-east[1], east[0], east[2]], atol=1e-12)
-
-
-def test_steady_wind_is_the_mean():
-    wind = Wind((3.0, -2.0, 0.5), 0.0, seed(), heading=0.0, height=HEIGHT)
-    moved = wind.advance(2.0, 20.0, HEIGHT, heading=0.0, turn=1.0)
-    np.testing.assert_array_equal(moved, [6.0, -4.0, 1.0])
-    np.testing.assert_array_equal(wind.velocity, [3.0, -2.0, 0.5])
 
 
 def test_a_vehicle_that_stands_meets_no_new_gusts():
