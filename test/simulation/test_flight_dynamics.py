@@ -37,24 +37,22 @@ def started(seed=0, **changed):
     return Airframe(replace(START, **changed), seed)
 
 
-def flown(surfaces, steps, **changed):
-    """After so many steps from the start with those surfaces; None for those of the trim."""
+def flown(steps, surfaces=(), **changed):
+    """After so many steps from the start with the surfaces of its trim, but for some."""
     airframe = started(**changed)
     for _ in range(steps):
-        airframe.step(surfaces or airframe.trim)
+        airframe.step(airframe.trim._replace(**dict(surfaces)))
     return airframe
 
 
 @pytest.mark.parametrize(("airspeed", "path_angle"), [(16.0, 0.0), (22.0, 0.1), (28.0, -0.1)])
 def test_trimmed_flight_is_steady(airspeed, path_angle):
-    airframe = started(initial_speed=airspeed, initial_path_angle=path_angle, initial_heading=1.0)
-    for _ in range(2 * RATE):
-        airframe.step(airframe.trim)
-    flown = airframe.flown
-    assert flown.airspeed == pytest.approx(airspeed, abs=0.05)
-    assert flown.path_angle == pytest.approx(path_angle, abs=5e-3)
-    assert abs(flown.roll_rate) + abs(flown.pitch_rate) + abs(flown.yaw_rate) < 2e-3
-    assert airframe.yaw == pytest.approx(1.0, abs=5e-3)
+    start = {"initial_speed": airspeed, "initial_path_angle": path_angle, "initial_heading": 1.0}
+    airframe = flown(2 * RATE, **start)
+    seen = airframe.flown
+    assert seen.airspeed == pytest.approx(airspeed, abs=0.05)
+    assert (seen.path_angle, airframe.yaw) == pytest.approx((path_angle, 1.0), abs=5e-3)
+    assert abs(seen.roll_rate) + abs(seen.pitch_rate) + abs(seen.yaw_rate) < 2e-3
 
 
 def test_lift_bears_the_weight():
@@ -92,16 +90,11 @@ def test_moments_turn_the_aircraft_as_the_books_signs_say():
         ({"elevator": -0.3}, lambda flown: flown.pitch_rate),
         ({"rudder": -0.1}, lambda flown: flown.yaw_rate),
     ):
-        airframe = started()
-        for _ in range(RATE // 5):
-            airframe.step(airframe.trim._replace(**surfaces))
-        assert rate(airframe.flown) > 0.02, surfaces
+        assert rate(flown(RATE // 5, surfaces).flown) > 0.02, surfaces
 
 
 def test_rotation_is_that_of_the_books_equations():
-    airframe = started()
-    for _ in range(RATE // 5):
-        airframe.step(airframe.trim._replace(aileron=0.1, rudder=0.05, elevator=-0.3))
+    airframe = flown(RATE // 5, {"aileron": 0.1, "rudder": 0.05, "elevator": -0.3})
     fdm = airframe._fdm
     p, q, r = (fdm[f"velocities/{axis}-rad_sec"] for axis in "pqr")
     alpha, beta = fdm["aero/alpha-rad"], fdm["aero/beta-rad"]
@@ -179,7 +172,7 @@ def test_what_cannot_fly_is_refused():
     with pytest.raises(AirframeError, match="no steady flight at 60 m/s"):
         started(initial_speed=60.0)
     with pytest.raises(AirframeError, match="control is lost"):
-        flown(Surfaces(0.0, -0.78, 0.0, 0.0), 5 * RATE)
+        flown(5 * RATE, {"elevator": -0.78, "throttle": 0.0})
 
 
 def test_without_jsbsim_one_line_says_what_to_install(monkeypatch):

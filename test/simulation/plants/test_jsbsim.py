@@ -77,8 +77,7 @@ def test_turn_is_coordinated_and_keeps_height_and_airspeed():
 
 def test_climb_and_airspeed_follow_their_rates():
     plant = JSBSimPlant(LIMITS)
-    seen = flown(plant, (0.0, 0.1, 0.0), 1.0)
-    assert 0.06 < seen["path_angle"][-1] < 0.1
+    assert 0.06 < flown(plant, (0.0, 0.1, 0.0), 1.0)["path_angle"][-1] < 0.1
     seen = flown(plant, (0.0, 0.0, 0.0), 6.0)
     assert seen["path_angle"].max() < 0.108
     assert seen["path_angle"][-1] == pytest.approx(0.1, abs=5e-3)
@@ -116,9 +115,8 @@ def test_without_a_plan_wings_and_climb_are_levelled():
     flown(plant, (0.3, 0.1, 0.0), 1.0)
     plant.advance(10.0)
     level = plant.airframe.flown
-    assert abs(level.bank) < 0.01
-    assert abs(level.path_angle) < 5e-3
-    assert level.airspeed == pytest.approx(22.0, abs=0.2)
+    off = np.abs([level.bank, level.path_angle, level.airspeed - 22.0])
+    np.testing.assert_array_less(off, [0.01, 5e-3, 0.2])
 
 
 PARAMETERS = SimulatorParameters(
@@ -173,7 +171,6 @@ def test_flights_of_one_seed_are_the_same_and_of_another_are_not():
     one, same, other = (
         turning(JSBSimPlant(dataclasses.replace(gusty, seed=seed)), 5.0) for seed in (3, 3, 4)
     )
-    assert vars(one.truth).keys() == vars(same.truth).keys()
     for name, value in vars(one.truth).items():
         np.testing.assert_array_equal(vars(same.truth)[name], value)
     assert not np.array_equal(one.truth.position, other.truth.position)
@@ -211,11 +208,10 @@ def test_a_start_that_cannot_be_flown_is_told():
 
 
 def test_the_controller_holds_its_orbit_and_nothing_is_printed(capfd):
-    overrides = ["mission.duration=60.0", "nmpc_controller.solve_time_max=10.0"]
+    overrides = ["mission.duration=45.0", "nmpc_controller.solve_time_max=10.0"]
     configuration = load_configuration("jsbsim_uav", overrides, "still")
     flight = measures(simulate(configuration), configuration.controller)
-    assert flight.range_rms_m < 0.1
-    assert flight.altitude_rms_m < 0.3
     assert flight.settling_s is not None
-    assert flight.settling_s < 20.0
+    found = flight.range_rms_m, flight.altitude_rms_m, flight.settling_s
+    np.testing.assert_array_less(found, [0.1, 0.3, 20.0])
     assert capfd.readouterr() == ("", "")
