@@ -179,17 +179,20 @@ def test_a_trim_and_an_engine_that_are_not_as_told_are_learnt(plant):
     assert np.abs(airspeed[-1000:] - CRUISE).max() < 0.05
 
 
+def settled(flown):
+    """The law after 4 s of what is flown."""
+    law = EnergyLaw(LIMITS)
+    law.begin(flown, 0.1, LIMITS.trim)
+    for tick in range(1, 100):
+        law.step(0.0, 0.0, flown._replace(time=0.04 * tick))
+    return law
+
+
 def test_thin_air_takes_more_thrust():
     """PerformanceModel::getTrimThrottle: the root of the density at sea level over that there."""
-    thrust = []
-    for ratio in (1.0, 1.1):
-        law, flown = EnergyLaw(LIMITS), LEVEL._replace(airspeed=ratio * CRUISE)
-        flown = flown._replace(true_over_equivalent=ratio)
-        law.begin(flown, 0.1, LIMITS.trim)
-        for tick in range(1, 40):
-            law.step(0.0, 0.0, flown._replace(time=0.1 * tick))
-        thrust.append(law.thrust)
-    assert thrust[1] == pytest.approx(1.1 * thrust[0], rel=1e-6)
+    thin = LEVEL._replace(airspeed=1.1 * CRUISE, true_over_equivalent=1.1)
+    thrusts = [settled(flown).thrust for flown in (LEVEL, thin)]
+    assert thrusts[1] == pytest.approx(1.1 * thrusts[0], rel=1e-6)
 
 
 @pytest.mark.parametrize(("airspeed", "trim"), [(14.0, 0.4), (18.0, 0.5), (22.0, 0.6), (32.0, 0.9)])
@@ -202,11 +205,7 @@ def test_trim_by_airspeed_is_interpolated(airspeed, trim):
 
 
 def test_below_the_least_airspeed_the_nose_goes_down_and_the_thrust_up():
-    slow = LEVEL._replace(airspeed=12.0)
-    law = EnergyLaw(LIMITS)
-    law.begin(slow, 0.1, 0.6)
-    for tick in range(1, 30):
-        law.step(0.0, 0.0, slow._replace(time=0.04 * tick))
+    law = settled(LEVEL._replace(airspeed=12.0))
     assert law.thrust == LIMITS.thrust_max
     assert law.pitch < 0.1 - 0.05
 
@@ -231,10 +230,8 @@ def test_after_a_pause_it_begins_anew():
     law = EnergyLaw(LIMITS)
     law.begin(LEVEL, 0.1, 0.6)
     law.step(0.0, 0.0, LEVEL._replace(time=0.04))
-    away = FlownPath(5.0, 0.12, 25.0, 0.0)
-    law.step(0.0, 0.0, away)
-    assert law.path_angle == pytest.approx(0.12)
-    assert law.airspeed == pytest.approx(25.0)
+    law.step(0.0, 0.0, FlownPath(5.0, 0.12, 25.0, 0.0))
+    assert (law.path_angle, law.airspeed) == pytest.approx((0.12, 25.0))
 
 
 ANY = st.floats(width=32) | st.floats(-1.0, 1.0)
@@ -251,8 +248,7 @@ FLOWN = st.tuples(
 def test_limits_and_slew_hold_whatever_comes_in(steps):
     law = EnergyLaw(LIMITS)
     law.begin(LEVEL, 0.1, 0.6)
-    time, given_before = 0.0, (law.pitch, law.thrust)
-    given_all = [given_before]
+    time, given_all = 0.0, [(law.pitch, law.thrust)]
     for u_chi, u_v, (duration, *flown) in steps:
         time += duration
         given_all.append(law.step(u_chi, u_v, FlownPath(time, *flown)))
