@@ -24,7 +24,8 @@ from __future__ import annotations
 import heapq
 import itertools
 import random
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from uav_tracking_mpc.autopilot.deliveries import (
@@ -42,7 +43,7 @@ from uav_tracking_mpc.autopilot.deliveries import (
     Truncated,
     struck,
 )
-from uav_tracking_mpc.links.mavlink.connection import CHUNK, Connection, Wire
+from uav_tracking_mpc.links.mavlink.connection import CHUNK, Wire
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.parameters.specification import ParameterError
 
@@ -187,103 +188,73 @@ def wire_fault(name: str, seed: int = 0) -> StreamRule:
 Queue = list[tuple[float, int, bytes]]  # when it arrives in s, order, bytes
 
 
-class Radio(Connection):
-    """A connection whose bytes may be lost, late, doubled or changed on their way.
+class Radio(Wire):
+    """A wire whose bytes may be lost, late, doubled or changed on their way.
 
     What is sent comes as whole frames, what is received as pieces: of a datagram a frame, of a
     stream whatever was there.
 
     Args:
-        address: As :class:`Connection` has it.
-        component: MAVLink component that this end is.
-        key: File with the key that signs messages; empty for none.
+        wire: What carries them.
+        faults: That act now, one after the other.
+        now: Time in [s].
     """
 
-    def __init__(self, address: str, component: int, key: str = "") -> None:
-        self._faults: tuple[StreamRule, ...] = ()
+    def __init__(
+        self, wire: Wire, faults: list[StreamRule], now: Callable[[], float] = time.monotonic
+    ) -> None:
+        super().__init__(None)
+        self._wire, self._faults, self._now = wire, faults, now
         self._order = itertools.count()
         self._outward: Queue = []
         self._inward: Queue = []
         self._ended = False  # the other end has closed a stream
-        super().__init__(address, component, key)
 
-    def strike(self, fault: StreamRule) -> None:
-        """Let a fault act from now on, after those that act already.
-
-        Args:
-            fault: Prepared.
-        """
-        self._faults = (*self._faults, fault)
-
-    def release(self, fault: StreamRule) -> None:
-        """End a fault; what it holds back still comes.
-
-        Args:
-            fault: One that acts.
-        """
-        self._faults = tuple(other for other in self._faults if other is not fault)
-
-    def relay(self, frame: bytes) -> None:
-        """Send what another vehicle has said.
-
-        Args:
-            frame: Packed by that vehicle.
-        """
-        with self._sending:
-            if self._wire is not None:
-                self._wire.write(frame)
-
-    def _opened(self) -> Wire:
-        wire = super()._opened()
-        self._outward.clear()
-        self._inward.clear()
-        self._ended = False
-        self._write, self._read, self._wait = wire.write, wire.recv, wire.select
-        wire.write = self._sent  # type: ignore[method-assign]
-        wire.recv = self._received  # type: ignore[method-assign]
-        wire.select = self._ready  # type: ignore[method-assign]
-        return wire
-
-    def _sent(self, frame: bytes) -> None:
+    def write(self, frame: bytes) -> None:
+        """See :meth:`Wire.write`."""
         if not self._faults and not self._outward:
-            self._write(frame)
+            self._wire.write(frame)
             return
         self._queue(self._outward, bytes(frame), outward=True)
         self._flush()
 
-    def _received(self, size: int) -> bytes | None:
-        """One piece: a cut one must not swallow the next."""
-        if self._inward and self._inward[0][0] <= self.now():
+    def recv(self, size: int) -> bytes | None:
+        """See :meth:`Wire.recv`: one piece, for a cut one must not swallow the next."""
+        if self._inward and self._inward[0][0] <= self._now():
             return heapq.heappop(self._inward)[2]
         return b"" if self._ended else None
 
-    def _ready(self, timeout: float) -> bool:
-        """Whether there is something to receive, or the other end has closed."""
-        deadline = self.now() + timeout
+    def select(self, timeout: float) -> bool:
+        """See :meth:`Wire.select`."""
+        deadline = self._now() + timeout
         while True:
             self._flush()
-            now = self.now()
+            now = self._now()
             if self._ended or (self._inward and self._inward[0][0] <= now):
                 return True
             if now > deadline:
                 return False
             next_due = min((queue[0][0] for queue in (self._inward, self._outward) if queue),
                            default=deadline)  # fmt: skip
-            if self._wait(max(min(deadline, next_due) - now, 0.0)):
-                data = self._read(CHUNK)
+            if self._wire.select(max(min(deadline, next_due) - now, 0.0)):
+                data = self._wire.recv(CHUNK)
                 if data:
                     self._queue(self._inward, bytes(data), outward=False)
                 elif data == b"":
                     self._ended = True
             elif timeout <= 0.0:
-                return bool(self._inward and self._inward[0][0] <= self.now())
+                return bool(self._inward and self._inward[0][0] <= self._now())
+
+    def close(self) -> None:
+        """See :meth:`Wire.close`."""
+        self._wire.close()
 
     def _queue(self, queue: Queue, data: bytes, outward: bool) -> None:
-        now = self.now()
-        for delay, piece in struck(self._faults, outward, data, now):
+        now = self._now()
+        for delay, piece in struck(tuple(self._faults), outward, data, now):
             heapq.heappush(queue, (now + delay, next(self._order), piece))
 
     def _flush(self) -> None:
-        now = self.now()
+        now = self._now()
         while self._outward and self._outward[0][0] <= now:
-            self._write(heapq.heappop(self._outward)[2])
+            self._wire.write(heapq.heappop(self._outward)[2])
