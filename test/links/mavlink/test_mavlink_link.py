@@ -48,8 +48,8 @@ SMALL = {  # PX4's small airplane, by its own configuration
     [
         ("ardupilot", "wind", {}, (), 25.0, (0.3, 1.0, 5.0, 0.3)),
         # The bank jumped by 14 deg from one set-point to the next, by 1.2 deg with a shaking nose.
-        ("ardupilot", "wind", {}, (0.3, 1.5), 25.0, (1.0, 1.0, 10.0, 1.5)),
-        ("px4", "crosswind", {}, (0.3, 0.0), 25.0, (0.3, 1.0, 5.0, 0.3)),
+        ("ardupilot", "wind", {}, (0.3, 1.5, 0.3), 25.0, (1.0, 1.0, 10.0, 1.5)),
+        ("px4", "crosswind", {}, (0.3, 0.0, 0.3), 25.0, (0.3, 1.0, 5.0, 0.3)),
         ("px4", None, SMALL, (), 10.0, (0.3, 1.0, 5.0, 0.3)),
     ],
 )
