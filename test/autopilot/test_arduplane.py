@@ -108,7 +108,6 @@ def test_near_the_least_airspeed_the_load_factor_limits_the_bank(core):
     core.parameters.set("AIRSPEED_MIN", 19.0)
     equivalent = 22.0 / core.density_factor
     limit = math.degrees(math.acos((19.0 / equivalent) ** 2))
-    core.parameters.set("RLL2SRV_TCONST", 0.3)
     assert limit < 45.0
     assert math.degrees(core.roll_response.limit) == pytest.approx(max(limit, 25.0), abs=0.1)
 

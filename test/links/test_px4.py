@@ -87,10 +87,9 @@ def test_after_a_take_over_it_can_be_engaged_again(engaged):
 
 def test_a_controller_that_dies_ends_in_the_failsafe_and_nothing_streams_after_it(engaged):
     engaged.fly(8.0, Nobody())  # to the end of the last plan, and on
-    assert engaged.autopilot.core.mode == HOLD
-    assert engaged.autopilot.core.failsafe
+    assert (engaged.autopilot.core.mode, engaged.autopilot.core.failsafe) == (HOLD, True)
     at = engaged.time
-    engaged.fly(4.0)
+    engaged.fly(3.0)
     assert not engaged.sent_after(at)
     assert engaged.autopilot.core.mode == HOLD
 
@@ -100,9 +99,8 @@ def test_a_pilot_who_took_over_while_the_link_was_dead_keeps_it(engaged):
     engaged.fly(3.0)
     engaged.autopilot.pilot_mode("POSCTL")
     engaged.autopilot.end_fault(fault)
-    engaged.fly(5.0)
-    assert engaged.autopilot.core.mode == "POSCTL"
-    assert not engaged.link.engaged
+    engaged.fly(3.0)
+    assert (engaged.autopilot.core.mode, engaged.link.engaged) == ("POSCTL", False)
 
 
 def test_telemetry_that_stops_is_not_flown_by(engaged):
@@ -123,8 +121,7 @@ def test_a_pilot_may_engage_by_mode_where_that_is_asked_for():
     assert flown.link.engaged
     flown.autopilot.pilot_mode("POSCTL")
     flown.fly(1.5)
-    assert not flown.link.engaged
-    assert flown.autopilot.core.mode == "POSCTL"
+    assert (flown.autopilot.core.mode, flown.link.engaged) == ("POSCTL", False)
 
 
 GOOD = {
@@ -174,13 +171,12 @@ def test_the_law_gets_what_px4_itself_goes_by():
 def test_the_fence_has_a_margin_and_ends_with_its_action():
     assert envelope().fence() == (-math.inf, 290.0, 990.0)
     assert envelope(GF_MAX_VER_DIST=0.0).fence() == (-math.inf, math.inf, 990.0)
-    assert envelope(GF_ACTION=0.0).fence() is None
-    assert envelope(GF_MAX_VER_DIST=0.0, GF_MAX_HOR_DIST=0.0).fence() is None
+    for none in ({"GF_ACTION": 0.0}, {"GF_MAX_VER_DIST": 0.0, "GF_MAX_HOR_DIST": 0.0}):
+        assert envelope(**none).fence() is None
 
 
 def test_a_good_vehicle_is_neither_refused_nor_warned_of():
-    assert envelope().refusals() == []
-    assert envelope().warnings(50.0) == []
+    assert (envelope().refusals(), envelope().warnings(50.0)) == ([], [])
     assert all(len(name) <= 16 for name in NAMES)
 
 
@@ -201,17 +197,14 @@ def test_a_good_vehicle_is_neither_refused_nor_warned_of():
     ],
 )
 def test_what_does_not_fit_is_refused_by_name_and_value(changed, words):
-    refusals = envelope(**changed).refusals()
-    assert len(refusals) == 1
-    assert re.search(words, refusals[0])
+    (refusal,) = envelope(**changed).refusals()
+    assert re.search(words, refusal)
 
 
 def test_what_cannot_be_read_is_refused_where_it_is_needed_and_warned_of_where_not():
     assert envelope(without=["FW_R_LIM"]).refusals() == ["FW_R_LIM cannot be read"]
-    assert any(
-        "COM_OBL_RC_ACT cannot be read" in words
-        for words in envelope(without=["COM_OBL_RC_ACT"]).warnings(50.0)
-    )
+    warnings = envelope(without=["COM_OBL_RC_ACT"]).warnings(50.0)
+    assert any("COM_OBL_RC_ACT cannot be read" in words for words in warnings)
 
 
 @pytest.mark.parametrize(
@@ -228,6 +221,5 @@ def test_what_cannot_be_read_is_refused_where_it_is_needed_and_warned_of_where_n
 )
 def test_what_a_pilot_should_know_is_said(changed, words):
     assert envelope(**changed).refusals() == []
-    warnings = envelope(**changed).warnings(50.0)
-    assert len(warnings) == 1
-    assert words in warnings[0]
+    (warning,) = envelope(**changed).warnings(50.0)
+    assert words in warning

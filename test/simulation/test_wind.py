@@ -31,9 +31,13 @@ def seed(number=0):
     return np.random.SeedSequence(number)
 
 
+def blowing(number=0, heading=0.0):
+    return Wind((0.0, 0.0, 0.0), INTENSITY, seed(number), heading, HEIGHT)
+
+
 def gusts(count, number=0, airspeed=AIRSPEED):
     """Gusts along the axes of ``map``, which are theirs at heading 0, shape (count, 3)."""
-    wind = Wind((0.0, 0.0, 0.0), INTENSITY, seed(number), heading=0.0, height=HEIGHT)
+    wind = blowing(number)
     samples = np.empty((count, 3))
     for sample in samples:
         sample[:] = wind.velocity
@@ -96,7 +100,7 @@ def test_variance_is_stationary_from_the_start():
     """Over many seeds, at the first sample and 10 s later."""
     first, later = [], []
     for number in range(1000):
-        wind = Wind((0.0, 0.0, 0.0), INTENSITY, seed(number), heading=0.0, height=HEIGHT)
+        wind = blowing(number)
         first.append(wind.velocity)
         for _ in range(3):
             wind.advance(GUST_STEP, 5000.0, HEIGHT, heading=0.0, turn=0.0)  # a few lengths
@@ -159,14 +163,13 @@ def test_the_same_seed_blows_the_same_however_the_flight_is_cut():
 
 def test_gusts_turn_with_the_flight():
     """The same numbers: flown North, the gust along the flight blows North."""
-    east = Wind((0.0, 0.0, 0.0), INTENSITY, seed(), heading=0.0, height=HEIGHT).velocity
-    north = Wind((0.0, 0.0, 0.0), INTENSITY, seed(), heading=np.pi / 2, height=HEIGHT).velocity
+    east, north = blowing().velocity, blowing(heading=np.pi / 2).velocity
     np.testing.assert_allclose(north, [-east[1], east[0], east[2]], atol=1e-12)
 
 
 def test_a_vehicle_that_stands_meets_no_new_gusts():
     """Frozen turbulence: no way through the air, no change."""
-    wind = Wind((0.0, 0.0, 0.0), INTENSITY, seed(), heading=0.0, height=HEIGHT)
+    wind = blowing()
     before = wind.velocity
     wind.advance(5.0, 0.0, HEIGHT, heading=0.0, turn=0.0)
     np.testing.assert_array_equal(wind.velocity, before)
@@ -183,7 +186,7 @@ def test_another_mean_moves_the_gust_of_now_and_leaves_its_course():
 
 
 def test_the_gust_of_now_grows_with_its_strength():
-    wind = Wind((0.0, 0.0, 0.0), INTENSITY, seed(), 0.3, HEIGHT)
+    wind = blowing(heading=0.3)
     before = wind.velocity
     wind.change((0.0, 0.0, 0.0), 2.0 * INTENSITY, 0.3, HEIGHT)
     np.testing.assert_allclose(wind.velocity, 2.0 * before)

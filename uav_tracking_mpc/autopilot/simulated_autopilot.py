@@ -77,20 +77,18 @@ class GroundVehicle:
         Args:
             now: Since the start in [s].
         """
-        tellers = {"HEARTBEAT": self._heartbeat, "GLOBAL_POSITION_INT": self._position}
-        return [bytes(tellers[name](now).pack(self._voice)) for name in self._rates.due(now)]
+        return [bytes(self._message(name, now).pack(self._voice)) for name in self._rates.due(now)]
 
-    def _heartbeat(self, now: float) -> Any:
-        return mavlink.MAVLink_heartbeat_message(
-            mavlink.MAV_TYPE_GROUND_ROVER,
-            mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA,
-            MODE_GUIDED_ARMED,
-            15,
-            mavlink.MAV_STATE_ACTIVE,
-            3,
-        )
-
-    def _position(self, now: float) -> Any:
+    def _message(self, name: str, now: float) -> Any:
+        if name == "HEARTBEAT":
+            return mavlink.MAVLink_heartbeat_message(
+                mavlink.MAV_TYPE_GROUND_ROVER,
+                mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA,
+                MODE_GUIDED_ARMED,
+                15,
+                mavlink.MAV_STATE_ACTIVE,
+                3,
+            )
         position, velocity = self._motion.position(now), self._motion.velocity(now).tolist()
         yaw = math.atan2(*velocity[:2])
         return position_message(self._origin, round(now * 1e3), position, velocity, yaw)
