@@ -153,7 +153,7 @@ def position_message(
     )  # fmt: skip
 
 
-NOTHING = (0.0, 0.0, 0.0)
+NOTHING = (0.0, 0.0, 0.0)  # -, of a vector on the wire
 BUILDERS: dict[str, Builder] = {
     "HEARTBEAT": lambda core, state: mavlink.MAVLink_heartbeat_message(
         mavlink.MAV_TYPE_FIXED_WING,

@@ -69,7 +69,7 @@ NAMES = (
     "FS_LONG_ACTN", "FS_GCS_ENABL", "FENCE_ENABLE", "FENCE_ACTION", "FENCE_TYPE",
     "FENCE_ALT_MAX", "FENCE_ALT_MIN", "FENCE_RADIUS", "STICK_MIXING", "ALT_OFFSET",
 )  # fmt: skip
-# New name of each, and how much of its unit the old one had.
+# -, new name of each, and how much of its unit the old one had
 OLD_NAMES = {
     "LIM_ROLL_CD": ("ROLL_LIMIT_DEG", 1e-2), "TRIM_ARSPD_CM": ("AIRSPEED_CRUISE", 1e-2),
     "ARSPD_FBW_MIN": ("AIRSPEED_MIN", 1.0), "ARSPD_FBW_MAX": ("AIRSPEED_MAX", 1.0),
