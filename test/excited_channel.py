@@ -17,7 +17,7 @@
 import numpy as np
 
 from uav_tracking_mpc.control.command_shaping import Doublets
-from uav_tracking_mpc.simulation.inner_loop import Channel
+from uav_tracking_mpc.simulation.plants.vehicle import Channel
 from uav_tracking_mpc.studies.identification.flight_record import SPEED, ChannelRecord, Samples
 
 STEP = 0.05  # s

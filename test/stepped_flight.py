@@ -122,21 +122,25 @@ class SteppedFlight:
     def time(self):
         return self.autopilot.time
 
-    def shake(self, nose, climb):
-        """Turbulence in what is told: of the nose's pitch rate [rad/s] and the climb [m/s]."""
+    def shake(self, nose, climb, roll=0.0):
+        """Turbulence in what is told: rates of nose and roll [rad/s], the climb [m/s].
+
+        Told 50 times a second; a roll that swings in is ``uav_simulator.roll_frequency``.
+        """
         send, random_ = self.autopilot.radio.send, np.random.default_rng(1)
-        shaking = {"ATTITUDE": [0.0, 0.1, nose], "GLOBAL_POSITION_INT": [0.0, 0.7, climb]}
+        shaking = {  # correlation time [s], standard deviation in the message's unit
+            "ATTITUDE": {"pitchspeed": (0.1, nose), "rollspeed": (0.1, roll)},
+            "GLOBAL_POSITION_INT": {"vz": (0.7, 100.0 * climb)},
+        }
+        values = dict.fromkeys(("pitchspeed", "rollspeed", "vz"), 0.0)
 
         def shaken(message):
-            if (kind := message.get_type()) in shaking:
-                value, correlation, deviation = shaking[kind]
+            for field, (correlation, deviation) in shaking.get(message.get_type(), {}).items():
                 kept = math.exp(-0.02 / correlation)
-                value = kept * value + math.sqrt(1.0 - kept**2) * deviation * random_.normal()
-                shaking[kind][0] = value
-                if kind == "ATTITUDE":
-                    message.pitchspeed += value
-                else:
-                    message.vz = round(message.vz - 100.0 * value)
+                noise = math.sqrt(1.0 - kept**2) * deviation * random_.normal()
+                values[field] = kept * values[field] + noise
+                told = getattr(message, field)
+                setattr(message, field, type(told)(told + values[field]))
             send(message)
 
         self.autopilot.radio.send = shaken

@@ -76,23 +76,19 @@ def asked(connection, command, *values):
 
 
 @pytest.mark.parametrize(
-    ("own", "other"), [("udpout", "udpin"), ("udpin", "udpout"), ("tcpin", "tcp")]
+    ("dialect", "own", "other"),
+    [("ardupilot", "udpout", "udpin"), ("px4", "udpin", "udpout"), ("ardupilot", "tcpin", "tcp")],
 )
-@pytest.mark.parametrize("dialect", ["ardupilot", "px4"])
 def test_a_flight_over_a_wire(dialect, own, other, where):
-    with contextlib.ExitStack() as opened:
-        flown = SimulatedAutopilot(dialect, CONFIGURATION, f"{own}:{where}")
-        connection = opened.enter_context(client(f"{other}:{where}"))
-        autopilot = opened.enter_context(flown)
+    autopilot = SimulatedAutopilot(dialect, CONFIGURATION, f"{own}:{where}")
+    with client(f"{other}:{where}") as connection, autopilot:
         connection.mav.heartbeat_send(mavlink.MAV_TYPE_ONBOARD_CONTROLLER, 8, 0, 0, 0)
         heartbeat = heard(connection, "HEARTBEAT")
         assert heartbeat.autopilot == autopilot.core.traits.maker
         assert heartbeat.custom_mode == autopilot.core.custom_mode
         assert asked(connection, 511, mavlink.MAVLINK_MSG_ID_ATTITUDE, 20000.0) == 0
-        first, last = heard(connection, "ATTITUDE"), None
-        for _ in range(25):
-            last = heard(connection, "ATTITUDE")
-        assert last.time_boot_ms - first.time_boot_ms == pytest.approx(500, abs=60)
+        times = [heard(connection, "ATTITUDE").time_boot_ms for _ in range(26)]
+        assert times[-1] - times[0] == pytest.approx(500, abs=60)
         assert autopilot.pilot_mode("RTL")
         number = type(autopilot.core).modes["RTL"]
         hear_until(connection, "HEARTBEAT", lambda message: message.custom_mode == number)
@@ -122,14 +118,12 @@ def test_no_fault_ends_it(where, listener):
         assert heard(listener, "HEARTBEAT") is not None
         for name in WIRE_FAULTS:
             fault = autopilot.begin_fault(name, seed=1)
-            end = time.monotonic() + 0.2
-            while time.monotonic() < end:
+            for _ in range(10):
                 listener.mav.command_long_send(1, 1, 410, 0, *[0.0] * 7)
                 listener.recv_match(blocking=True, timeout=0.02)
             autopilot.end_fault(fault)
         while listener.recv_match(blocking=False) is not None:
             pass
-        assert heard(listener, "HEARTBEAT").get_srcSystem() in (1, 77)
         hear_until(listener, "HEARTBEAT", lambda message: message.get_srcSystem() == 1)
 
 
@@ -174,9 +168,8 @@ def test_it_tells_where_it_drives():
         for frame in vehicle.frames(0.01 * tick):
             heard += parser.parse_buffer(frame)
     assert {message.get_srcSystem() for message in heard} == {42}
-    positions = [m for m in heard if m.get_type() == "GLOBAL_POSITION_INT"]
-    assert len(positions) == 50
-    last = positions[-1]
+    *before, last = (m for m in heard if m.get_type() == "GLOBAL_POSITION_INT")
+    assert len(before) == 49
     east, north, _ = position_of(last)
     driven = 5.0 * last.time_boot_ms * 1e-3
     assert math.hypot(east - 50.0, north + 20.0) == pytest.approx(driven, abs=0.05)

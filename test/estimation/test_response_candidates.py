@@ -24,7 +24,7 @@ from uav_tracking_mpc.estimation.response_candidates import (
     LAGS,
     ResponseCandidates,
 )
-from uav_tracking_mpc.simulation.inner_loop import InnerLoop
+from uav_tracking_mpc.simulation.plants.vehicle import InnerLoop
 
 
 def simulated(commands, lag, dead_time, until):

@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 
 from uav_tracking_mpc.estimation.channel_response import ChannelResponse
 from uav_tracking_mpc.estimation.response_estimator import GAIN_LIMITS, ResponseEstimator
-from uav_tracking_mpc.simulation.inner_loop import InnerLoop
+from uav_tracking_mpc.simulation.plants.vehicle import InnerLoop
 
 TICK = 0.05
 SIZES = np.array([0.15, 0.08, 1.0])  # of commands [rad/s, rad/s, m/s^2]

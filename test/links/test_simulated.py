@@ -26,29 +26,14 @@ from uav_tracking_mpc.settings.simulator import SimulatorParameters
 CRUISE = SimulatorParameters(initial_speed=15.0, initial_path_angle=0.2, speed_max=40.0)
 
 
-def test_states_come_at_the_state_rate():
-    with SimulatedLink(parameters=CRUISE) as link:
-        stamps = [link.measured(1.0).stamp for _ in range(3)]
-    np.testing.assert_allclose(stamps, [0.05, 0.10, 0.15])
-
-
-def test_a_plan_is_flown():
+def test_it_flies_the_last_plan_to_its_end_then_holds_the_wings_level_as_it_says():
     with SimulatedLink(parameters=CRUISE) as link:
         assert link.command(link.now(), np.array([[0.2, 0.0, 0.0]] * 4), 0.5) == ""
-        before = link.measured(1.0)
-        after = [link.measured(1.0) for _ in range(20)][-1]
-    assert after.turn_rate == pytest.approx(0.2)
-    assert after.heading - before.heading == pytest.approx(0.2)
-
-
-def test_left_alone_it_does_as_it_says():
-    """Flies the last plan to its end, then holds the wings level."""
-    with SimulatedLink(parameters=CRUISE) as link:
-        link.command(link.now(), np.array([[0.2, 0.0, 0.0]] * 2), 0.5)
         states = [link.measured(1.0) for _ in range(400)]
-    assert states[18].turn_rate == pytest.approx(0.2)
-    assert states[-1].turn_rate == 0.0
-    assert states[-1].path_angle == pytest.approx(0.0, abs=1e-4)
+    np.testing.assert_allclose([state.stamp for state in states[:3]], [0.05, 0.10, 0.15])
+    assert states[20].turn_rate == pytest.approx(0.2)
+    assert states[20].heading - states[0].heading == pytest.approx(0.2)
+    assert (states[-1].turn_rate, states[-1].path_angle) == pytest.approx((0.0, 0.0), abs=1e-4)
     assert "wings level" in SimulatedLink.when_silent
 
 

@@ -16,41 +16,47 @@
 
 import math
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from uav_tracking_mpc.dynamics.air import GRAVITY, gust_scales
-from uav_tracking_mpc.simulation.flight_dynamics import (
-    RATE,
-    Airframe,
-    AirframeError,
-    Start,
-    Surfaces,
-)
+from uav_tracking_mpc.settings.simulator import SimulatorParameters
+from uav_tracking_mpc.simulation.flight_dynamics import RATE, Airframe, AirframeError, Surfaces
 
 MASS, AREA, SPAN, CHORD = 11.0, 0.55, 2.8956, 0.18994  # table E.1
 
 
-def start(**changes):
-    given = {"position": (0.0, 0.0, 100.0), "heading": 0.0, "path_angle": 0.0, "airspeed": 22.0}
-    return Start(**(given | changes))
+START = SimulatorParameters(
+    initial_position=(0.0, 0.0, 100.0), initial_path_angle=0.0, initial_speed=22.0, speed_max=99.0
+)
+
+
+def started(seed=0, **changed):
+    return Airframe(replace(START, **changed), seed)
+
+
+def flown(steps, surfaces=(), **changed):
+    """After so many steps from the start with the surfaces of its trim, but for some."""
+    airframe = started(**changed)
+    for _ in range(steps):
+        airframe.step(airframe.trim._replace(**dict(surfaces)))
+    return airframe
 
 
 @pytest.mark.parametrize(("airspeed", "path_angle"), [(16.0, 0.0), (22.0, 0.1), (28.0, -0.1)])
 def test_trimmed_flight_is_steady(airspeed, path_angle):
-    airframe = Airframe(start(airspeed=airspeed, path_angle=path_angle, heading=1.0))
-    for _ in range(2 * RATE):
-        airframe.step(airframe.trim)
-    flown = airframe.flown
-    assert flown.airspeed == pytest.approx(airspeed, abs=0.05)
-    assert flown.path_angle == pytest.approx(path_angle, abs=5e-3)
-    assert abs(flown.roll_rate) + abs(flown.pitch_rate) + abs(flown.yaw_rate) < 2e-3
-    assert airframe.yaw == pytest.approx(1.0, abs=5e-3)
+    start = {"initial_speed": airspeed, "initial_path_angle": path_angle, "initial_heading": 1.0}
+    airframe = flown(2 * RATE, **start)
+    seen = airframe.flown
+    assert seen.airspeed == pytest.approx(airspeed, abs=0.05)
+    assert (seen.path_angle, airframe.yaw) == pytest.approx((path_angle, 1.0), abs=5e-3)
+    assert abs(seen.roll_rate) + abs(seen.pitch_rate) + abs(seen.yaw_rate) < 2e-3
 
 
 def test_lift_bears_the_weight():
-    assert Airframe(start()).flown.pitch == pytest.approx(level_alpha(22.0), abs=2e-3)
+    assert started().flown.pitch == pytest.approx(level_alpha(22.0), abs=2e-3)
 
 
 def level_alpha(airspeed):
@@ -66,7 +72,7 @@ def level_alpha(airspeed):
 
 def test_position_and_velocity_are_those_that_are_asked_for():
     wind = (3.0, -4.0, 1.0)
-    airframe = Airframe(start(position=(5000.0, -3000.0, 250.0), heading=2.0, wind=wind))
+    airframe = started(initial_position=(5000.0, -3000.0, 250.0), initial_heading=2.0, wind=wind)
     np.testing.assert_allclose(airframe.position, [5000.0, -3000.0, 250.0], atol=1e-4)
     air = 22.0 * np.array([math.cos(2.0), math.sin(2.0), 0.0])
     # The plane of the map and the level there differ by 6 km / 6400 km.
@@ -84,16 +90,11 @@ def test_moments_turn_the_aircraft_as_the_books_signs_say():
         ({"elevator": -0.3}, lambda flown: flown.pitch_rate),
         ({"rudder": -0.1}, lambda flown: flown.yaw_rate),
     ):
-        airframe = Airframe(start())
-        for _ in range(RATE // 5):
-            airframe.step(airframe.trim._replace(**surfaces))
-        assert rate(airframe.flown) > 0.02, surfaces
+        assert rate(flown(RATE // 5, surfaces).flown) > 0.02, surfaces
 
 
 def test_rotation_is_that_of_the_books_equations():
-    airframe = Airframe(start())
-    for _ in range(RATE // 5):
-        airframe.step(airframe.trim._replace(aileron=0.1, rudder=0.05, elevator=-0.3))
+    airframe = flown(RATE // 5, {"aileron": 0.1, "rudder": 0.05, "elevator": -0.3})
     fdm = airframe._fdm
     p, q, r = (fdm[f"velocities/{axis}-rad_sec"] for axis in "pqr")
     alpha, beta = fdm["aero/alpha-rad"], fdm["aero/beta-rad"]
@@ -114,7 +115,7 @@ def test_rotation_is_that_of_the_books_equations():
 
 
 def test_motor_and_propeller_balance():
-    airframe = Airframe(start())
+    airframe = started()
     fdm, density = airframe._fdm, 515.378818 * airframe._fdm["atmosphere/rho-slugs_ft3"]
     turns = fdm["propulsion/speed-rad_sec"] / (2.0 * math.pi)
     advance = 22.0 / (turns * 0.508)
@@ -130,7 +131,7 @@ def test_motor_and_propeller_balance():
 
 
 def test_servos_lag_and_have_ends():
-    airframe = Airframe(start())
+    airframe = started()
     airframe.step(airframe.trim)
     airframe.step(Surfaces(0.0, 0.0, 0.0, 1.0))
     fdm = airframe._fdm
@@ -149,7 +150,7 @@ def test_turbulence_is_as_strong_as_drydens_and_follows_its_seed():
     scales = gust_scales(100.0, 15.4)
     winds = {}
     for seed in (1, 1, 2):
-        airframe = Airframe(start(gust_intensity=15.4, seed=seed, airspeed=25.0))
+        airframe = started(seed, gust_intensity=15.4, initial_speed=25.0)
         fdm, seen = airframe._fdm, []
         for _ in range(100 * RATE):  # where it is does not matter, but height and speed do
             fdm["fcs/throttle-demand-norm"] = 0.7
@@ -169,24 +170,19 @@ def test_turbulence_is_as_strong_as_drydens_and_follows_its_seed():
 
 def test_what_cannot_fly_is_refused():
     with pytest.raises(AirframeError, match="no steady flight at 60 m/s"):
-        Airframe(start(airspeed=60.0))
+        started(initial_speed=60.0)
     with pytest.raises(AirframeError, match="control is lost"):
-        stall(Airframe(start()))
-
-
-def stall(airframe):
-    for _ in range(5 * RATE):
-        airframe.step(Surfaces(0.0, -0.78, 0.0, 0.0))
+        flown(5 * RATE, {"elevator": -0.78, "throttle": 0.0})
 
 
 def test_without_jsbsim_one_line_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "jsbsim", None)
     with pytest.raises(ImportError) as refused:
-        Airframe(start())
+        started()
     assert 'pip install "uav_tracking_mpc[jsbsim]"' in str(refused.value)
 
 
 def test_it_says_nothing_on_the_terminal(capfd):
-    airframe = Airframe(start(gust_intensity=15.0))
+    airframe = started(gust_intensity=15.0)
     airframe.step(airframe.trim)
     assert capfd.readouterr() == ("", "")

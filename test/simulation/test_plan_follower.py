@@ -30,6 +30,8 @@ def follower():
 
 def test_segments_follow_each_other_and_the_last_is_as_long_as_the_one_before():
     follower = PlanFollower()
+    assert follower.inputs(0.0) is None  # waiting for the first plan is no failsafe
+    assert (follower.commanded, follower.holding, follower.failsafes) == (False, True, 0)
     follower.accept([[0.1, 0, 0], [0.2, 0, 0]], [1.0, 1.5], now=0.8)
     asked = [follower.inputs(time) for time in (0.8, 1.0, 1.49, 1.5, 1.99)]
     assert [inputs[0] for inputs in asked] == [0.1, 0.1, 0.1, 0.2, 0.2]
@@ -40,12 +42,6 @@ def test_segments_follow_each_other_and_the_last_is_as_long_as_the_one_before():
 def test_the_end_of_a_plan_is_counted_once(follower):
     assert [follower.inputs(time) is None for time in (1.4, 1.5, 1.6)] == [False, True, True]
     assert (follower.holding, follower.failsafes) == (True, 1)
-
-
-def test_waiting_for_the_first_plan_is_no_failsafe():
-    follower = PlanFollower()
-    assert follower.inputs(0.0) is None
-    assert (follower.commanded, follower.holding, follower.failsafes) == (False, True, 0)
 
 
 @pytest.mark.parametrize(

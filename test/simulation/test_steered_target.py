@@ -30,12 +30,12 @@ KINDS = ("stationary", "line", "circle", "waypoints", "stop_and_go", "zigzag")
 
 
 @pytest.mark.parametrize("kind", [*KINDS, "jump"])
-def test_left_alone_it_is_its_motion(kind):
+@pytest.mark.parametrize("time", [0.0, 33.3, 99.9])
+def test_left_alone_it_is_its_motion(kind, time):
     parameters = replace(LINE, motion=kind)
     target, motion = SteeredTarget(parameters), motion_of(parameters)
-    for time in (0.0, 0.1, 33.3, 60.0, 99.9):
-        np.testing.assert_array_equal(target.position(time), motion.position(time))
-        np.testing.assert_array_equal(target.velocity(time), motion.velocity(time))
+    np.testing.assert_array_equal(target.position(time), motion.position(time))
+    np.testing.assert_array_equal(target.velocity(time), motion.velocity(time))
 
 
 @pytest.mark.parametrize("after", KINDS)
@@ -43,13 +43,11 @@ def test_left_alone_it_is_its_motion(kind):
 def test_from_one_motion_to_another_it_never_jumps(before, after):
     first = replace(LINE, motion=before, waypoints=CORNERS, drive_time=2.0)
     target, speed = SteeredTarget(first), 7.0
-    fast = {"motion": after, "speed": speed, "radius": 12.0}
-    samples = [target.position(time) for time in np.arange(0.0, 13.0, 0.01)]
-    target.change(13.0, replace(first, **fast))
-    np.testing.assert_allclose(target.position(13.0), samples[-1], atol=0.0501)
-    samples += [target.position(time) for time in np.arange(13.0, 60.0, 0.01)]
+    samples = [target.position(time) for time in np.arange(12.0, 13.0, 0.05)]
+    target.change(13.0, replace(first, motion=after, speed=speed, radius=12.0))
+    samples += [target.position(time) for time in np.arange(13.0, 60.0, 0.05)]
     steps = np.linalg.norm(np.diff(samples, axis=0), axis=1)
-    assert steps.max() <= 0.01 * speed + 1e-9
+    assert steps.max() <= 0.05 * speed + 1e-9
     ahead = (target.position(50.0 + 1e-5) - target.position(50.0)) / 1e-5
     np.testing.assert_allclose(target.velocity(50.0), ahead, atol=1e-3)
 
@@ -61,18 +59,15 @@ def test_a_circle_goes_on_round_its_centre_when_its_speed_changes():
     target.change(20.0, replace(circle, speed=8.0))
     np.testing.assert_allclose(target.position(20.0), before, atol=1e-9)
     assert np.linalg.norm(target.velocity(20.0)) == pytest.approx(8.0)
-    for time in (21.0, 55.0):
-        away = target.position(time) - circle.position
-        assert np.linalg.norm(away) == pytest.approx(40.0)
+    assert np.linalg.norm(target.position(55.0) - circle.position) == pytest.approx(40.0)
 
 
 def test_waypoints_go_on_along_their_path_when_their_speed_changes():
     path = replace(LINE, motion="waypoints", waypoints=CORNERS)
     target = SteeredTarget(path)
     target.change(10.0, replace(path, speed=10.0))  # half way up the second chord, at 20 m of 40
-    np.testing.assert_allclose(target.position(12.0), [30.0, 40.0, 0.0], atol=1e-9)
-    np.testing.assert_allclose(target.position(17.0), [0.0, 0.0, 0.0], atol=1e-9)
-    np.testing.assert_allclose(target.position(20.0), [30.0, 0.0, 0.0], atol=1e-9)
+    driven = [target.position(time) for time in (12.0, 17.0, 20.0)]
+    np.testing.assert_allclose(driven, [[30, 40, 0], [0, 0, 0], [30, 0, 0]], atol=1e-9)
 
 
 def test_waypoints_there_and_back_keep_their_direction():
@@ -99,13 +94,11 @@ def test_it_goes_to_a_goal_and_stands_there(speed, flown):
     target.go_to(2.0, goal)
     assert np.linalg.norm(target.velocity(2.1)) == pytest.approx(flown)
     np.testing.assert_allclose(target.position(2.0 + 25.0 / flown), 0.5 * (start + goal))
-    for time in (2.0 + 50.0 / flown, 500.0):
+    target.go_to(600.0, goal)  # where it is already
+    for time in (2.0 + 50.0 / flown, 600.0):
         np.testing.assert_allclose(target.position(time), goal)
         np.testing.assert_array_equal(target.velocity(time), np.zeros(3))
-    assert target.parameters.motion == "stationary"
-    target.go_to(600.0, goal)  # where it is already
-    np.testing.assert_allclose(target.position(600.0), goal)
-    assert target.heading_for(600.0) is None
+    assert (target.parameters.motion, target.heading_for(600.0)) == ("stationary", None)
 
 
 def test_before_a_change_it_stands_where_that_was():
@@ -163,21 +156,21 @@ def fly(parameters, count=200, step=0.1):
     return heard
 
 
-def test_without_noise_it_is_the_truth_at_once():
-    parameters = TargetParameters(**MOVING)
+@pytest.mark.parametrize(("delay", "count"), [(0.0, 200), (0.35, 196)])
+def test_without_noise_it_is_the_truth_as_late_as_told(delay, count):
+    parameters = TargetParameters(delay=delay, **MOVING)
     heard = fly(parameters)
-    assert len(heard) == 200
+    assert len(heard) == count
     for now, measured, position in heard:
-        assert now == measured
+        assert delay - 1e-8 <= now - measured < delay + 0.1  # the next look after the delay
         np.testing.assert_array_equal(position, motion_of(parameters).position(measured))
 
 
 def test_noise_is_as_large_as_told_and_reproducible():
     parameters = TargetParameters(noise=3.0, seed=7)
-    positions = np.array([position for _, _, position in fly(parameters, 4000)])
-    np.testing.assert_allclose(positions.std(axis=0), 3.0, rtol=0.05)
-    again = np.array([position for _, _, position in fly(parameters, 4000)])
-    np.testing.assert_array_equal(positions, again)
+    flights = [[position for _, _, position in fly(parameters, 4000)] for _ in range(2)]
+    np.testing.assert_allclose(np.std(flights[0], axis=0), 3.0, rtol=0.05)
+    np.testing.assert_array_equal(*flights)
 
 
 def test_dropouts_are_as_frequent_as_told_and_leave_the_noise_of_the_others():
@@ -187,16 +180,6 @@ def test_dropouts_are_as_frequent_as_told_and_leave_the_noise_of_the_others():
     for time, position in some.items():
         np.testing.assert_array_equal(position, whole[time])
     assert not fly(TargetParameters(dropout=1.0))
-
-
-def test_a_delayed_measurement_bears_the_time_of_measuring():
-    parameters = TargetParameters(delay=0.35, **MOVING)
-    heard = fly(parameters)
-    assert heard[0][0] == pytest.approx(0.4)  # the first look after 0.35 s
-    for now, measured, position in heard:
-        assert 0.35 - 1e-8 <= now - measured <= 0.45
-        np.testing.assert_array_equal(position, motion_of(parameters).position(measured))
-    assert len(heard) == 196
 
 
 def test_after_the_clock_went_back_nothing_of_the_future_is_delivered():

@@ -23,8 +23,7 @@
 ``telemetry_messages``   telemetry from the state of the core, and which messages are due
 ``vehicle_protocol``     what is answered to messages: commands, parameters, time
 ``deliveries``           what may happen to a stream of messages or of bytes on its way
-``wire_faults``          the faults of the wire, by name
-``radio``                the wire, on which faults act
+``wire_faults``          the wire, and its faults by name
 ``simulated_autopilot``  an autopilot and its wire: in real time in a thread, or stepped
 =======================  =========================================================================
 """

@@ -49,6 +49,8 @@ import dataclasses
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate, heading_from_yaw
 from uav_tracking_mpc.estimation.measurement import Measurement
@@ -124,6 +126,7 @@ STALL = 0.25  # rad, beyond which no angle of attack is told
 WIND_MEMORY = 5.0  # s, over which the estimator averages the wind
 RUN_ACCELERATION = 4.0  # m/s^2 along the runway
 ROTATION = 1.2  # -, of the least airspeed: where it leaves the ground
+BODY_RATES = ("roll_rate", "pitch_rate", "yaw_rate")
 
 
 class FlightState(NamedTuple):
@@ -166,6 +169,16 @@ class FlightState(NamedTuple):
     yaw_rate: float = 0.0
 
     @property
+    def place(self) -> tuple[float, float, float]:
+        """Position in ``map`` in [m]."""
+        return self.east, self.north, self.up
+
+    @property
+    def velocity(self) -> tuple[float, float, float]:
+        """Ground velocity in ``map`` in [m/s]."""
+        return self.east_rate, self.north_rate, self.up_rate
+
+    @property
     def groundspeed(self) -> float:
         """Horizontal speed over ground in [m/s]."""
         return math.hypot(self.east_rate, self.north_rate)
@@ -201,8 +214,7 @@ class Airframe:
         self._run = 0.0  # speed along the runway in m/s
         self._east, self._north, _ = simulator.initial_position
         self._heading = simulator.initial_heading
-        east, north, up = simulator.wind
-        self.wind = (float(east), float(north), float(up))
+        self.wind = np.array(simulator.wind, dtype=float)
         slowest = max(simulator.speed_min, configuration.controller.airspeed_min)
         self._rotation = min(ROTATION * max(slowest, 1.0), simulator.speed_max)
         if not on_runway:
@@ -222,35 +234,23 @@ class Airframe:
         """State as telemetry tells it: with noise, biases and delay of the sensors."""
         if self._measured is None:
             assert self.plant is not None, "on the ground there are no errors"
-            self._measured = self._seen(self.plant.measured(), None, 0.0)._replace(
-                roll_rate=self.state.roll_rate,
-                pitch_rate=self.state.pitch_rate,
-                yaw_rate=self.state.yaw_rate,
-            )
+            rates = {name: getattr(self.state, name) for name in BODY_RATES}
+            self._measured = self._seen(self.plant.measured(), None, 0.0)._replace(**rates)
         return self._measured
 
-    def stand(self, duration: float) -> None:
+    def stand(self, duration: float, running: bool) -> None:
         """Let time go on on the ground.
 
         Args:
             duration: How long in [s].
+            running: Whether it runs along the runway under full power, until it flies.
         """
         self.time += duration
-        self._run = 0.0
-        self.state = self._measured = self._standing()
-
-    def run(self, duration: float) -> None:
-        """Run along the runway under full power; it flies where its airspeed is enough.
-
-        Args:
-            duration: How long in [s].
-        """
-        self.time += duration
-        self._run += RUN_ACCELERATION * duration
+        self._run = self._run + RUN_ACCELERATION * duration if running else 0.0
         self._east += self._run * duration * math.cos(self._heading)
         self._north += self._run * duration * math.sin(self._heading)
         self.state = self._measured = self._standing()
-        if self.state.airspeed >= self._rotation:
+        if running and self.state.airspeed >= self._rotation:
             simulator = dataclasses.replace(
                 self._configuration.simulator,
                 initial_position=(self._east, self._north, 0.1),
@@ -274,20 +274,11 @@ class Airframe:
         self.time += duration
         self.state = self._seen(self.plant.truth, self.state, duration)
         self._measured = None
-        share = duration / WIND_MEMORY
-        east, north, up = self.wind
-        blows_east, blows_north, blows_up = self.plant.wind.tolist()
-        self.wind = (
-            east + share * (blows_east - east),
-            north + share * (blows_north - north),
-            up + share * (blows_up - up),
-        )
+        self.wind = self.wind + duration / WIND_MEMORY * (self.plant.wind - self.wind)
         if self.state.up <= 0.0:
-            self._east, self._north, self._heading = (
-                self.state.east, self.state.north, self.state.heading
-            )  # fmt: skip
-            self.plant = None
-            self.stand(0.0)
+            _, self._east, self._north, *_ = self.state
+            self._heading, self.plant = self.state.heading, None
+            self.stand(0.0, running=False)
 
     def incidence(self, airspeed: float, roll: float) -> float:
         """By how much the nose is above the path in [rad].
@@ -300,55 +291,31 @@ class Airframe:
         return min(max((lift - LIFT_AT_ZERO) / LIFT_SLOPE, -STALL), STALL) * math.cos(roll)
 
     def _standing(self) -> FlightState:
-        east, north, _ = self.wind
         along, across = math.cos(self._heading), math.sin(self._heading)
-        headwind = -(east * along + north * across)
-        return FlightState(
-            time=self.time,
-            east=self._east,
-            north=self._north,
-            up=0.0,
-            east_rate=self._run * along,
-            north_rate=self._run * across,
-            up_rate=0.0,
-            airspeed=max(self._run + headwind, 0.0),
-            heading=self._heading,
-            path_angle=0.0,
-            turn_rate=0.0,
-            roll=0.0,
-            pitch=0.0,
-        )
+        tailwind = float(self.wind[0] * along + self.wind[1] * across)
+        place, velocity = (self._east, self._north, 0.0), (self._run * along, self._run * across)
+        airspeed, level = max(self._run - tailwind, 0.0), (0.0, 0.0, 0.0, 0.0)
+        return FlightState(self.time, *place, *velocity, 0.0, airspeed, self._heading, *level)
 
     def _seen(
         self, measured: Measurement, before: FlightState | None, duration: float
     ) -> FlightState:
         """State of a measurement, with the body's rates from the attitude before."""
+        airspeed, turn_rate = measured.airspeed or 0.0, measured.turn_rate
+        roll = bank_from_turn_rate(turn_rate, airspeed)
+        pitch = measured.path_angle + self.incidence(airspeed, roll)
         east, north, up = measured.position.tolist()
         east_rate, north_rate, up_rate = measured.ground_velocity.tolist()
-        airspeed = 0.0 if measured.airspeed is None else measured.airspeed
-        roll = bank_from_turn_rate(measured.turn_rate, airspeed)
-        pitch = measured.path_angle + self.incidence(airspeed, roll)
-        state = FlightState(
-            time=self._began + measured.stamp,
-            east=east,
-            north=north,
-            up=up,
-            east_rate=east_rate,
-            north_rate=north_rate,
-            up_rate=up_rate,
-            airspeed=airspeed,
-            heading=measured.heading,
-            path_angle=measured.path_angle,
-            turn_rate=measured.turn_rate,
-            roll=roll,
-            pitch=pitch,
-        )
+        place, velocity = (east, north, up), (east_rate, north_rate, up_rate)
+        direction = measured.heading, measured.path_angle
+        time = self._began + measured.stamp
+        state = FlightState(time, *place, *velocity, airspeed, *direction, turn_rate, roll, pitch)
         if before is None or duration <= 0.0:
             return state
         # Euler angles' rates to the body's axes, forward, right, down.
         roll_rate = (roll - before.roll) / duration
         pitch_rate = (pitch - before.pitch) / duration
-        yaw_rate = -measured.turn_rate
+        yaw_rate = -turn_rate
         sine, cosine = math.sin(roll), math.cos(roll)
         return state._replace(
             roll_rate=roll_rate - yaw_rate * math.sin(pitch),

@@ -25,7 +25,6 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar
 
-from uav_tracking_mpc.autopilot.airframe import Engine, load_factor
 from uav_tracking_mpc.autopilot.autopilot_core import (
     AttitudeTarget,
     AutopilotCore,
@@ -34,11 +33,10 @@ from uav_tracking_mpc.autopilot.autopilot_core import (
     Order,
     Result,
     Severity,
+    Traits,
     VehicleNumbers,
-    WireTraits,
 )
-from uav_tracking_mpc.autopilot.flight_loops import TICK, Demand, Loiter, Response
-from uav_tracking_mpc.dynamics.energy_hold import HoldConstants
+from uav_tracking_mpc.autopilot.flight_loops import Demand, Loiter, Response
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 
 LOITER_RADIUS = 60  # m, WP_LOITER_RAD where the aircraft is slow enough for it
@@ -52,8 +50,6 @@ STREAM_RATES = {
 
 
 STALE_ALTITUDE = 0.1  # s for which a new guided point leaves TECS with the altitude of now
-AT_ONCE = 1000.0  # m/s or m/s^2: what a rate of 0 stands for, P/GCS_MAVLink_Plane.cpp
-TECS_PERIOD = 0.1  # s, of the 10 Hz at which guided altitudes are led on
 ATTITUDE_BIT, THROTTLE_BIT = 0b10000000, 0b01000000  # of type_mask
 AXIS_BITS = {"roll": 0b001, "pitch": 0b010, "yaw": 0b100}  # bits of type_mask
 
@@ -64,17 +60,14 @@ class Guided:
     Attributes:
         radius: Of the loiter in [m]; 0 for WP_LOITER_RAD.
         moved: When the guided point was last set in [s].
-        altitude: Height in ``map`` [m] and rate [m/s] that 43001 asks for; None without one.
-        speed: Calibrated airspeed [m/s] and acceleration [m/s^2] of 43000; None without one.
-        changed_speed: Calibrated airspeed of DO_CHANGE_SPEED in [m/s]; None without one.
+        up: Height in ``map`` in [m] that GUIDED_CHANGE_ALTITUDE asks for; None without one.
+        speed: Calibrated airspeed of GUIDED_CHANGE_SPEED in [m/s]; None without one.
     """
 
     def __init__(self) -> None:
-        self.radius = 0.0
-        self.moved = -math.inf
-        self.altitude: tuple[float, float] | None = None
-        self.speed: tuple[float, float] | None = None
-        self.changed_speed: float | None = None
+        self.radius, self.moved = 0.0, -math.inf
+        self.up: float | None = None
+        self.speed: float | None = None
         self._forced: dict[str, tuple[float, float]] = {}  # value and since when, by axis
 
     def force(self, target: AttitudeTarget, now: float) -> None:
@@ -106,40 +99,9 @@ class Guided:
         value, since = self._forced.get(axis, (0.0, -math.inf))
         return value if now - since < memory else None
 
-    def altitude_now(self, up: float, point: float, now: float) -> float:
-        """Height in ``map`` in [m] that TECS is told; ``ModeGuided::update_target_altitude``.
-
-        Args:
-            up: Of the aircraft in [m].
-            point: Of the guided point in [m].
-            now: In [s].
-        """
-        if now - self.moved < STALE_ALTITUDE:
-            return up  # P/commands.cpp, set_guided_WP: until the next turn of 10 Hz
-        if self.altitude is None:
-            return point
-        wanted, rate = self.altitude
-        # The rate leads on from where it is now, not from the last target: it hardly climbs.
-        step = (rate or AT_ONCE) * TECS_PERIOD
-        return min(max(wanted, up - step), up + step)
-
-    def speed_now(self, before: float, cruise: float) -> float:
-        """Calibrated airspeed in [m/s] that is asked for; P/navigation.cpp, calc_airspeed_errors.
-
-        Args:
-            before: That of a tick ago in [m/s].
-            cruise: AIRSPEED_CRUISE in [m/s].
-        """
-        if self.speed is None:
-            return cruise if self.changed_speed is None else self.changed_speed
-        wanted, rate = self.speed
-        step = (rate or AT_ONCE) * TICK
-        return min(max(wanted, before - step), before + step)
-
 
 LEAST_LOAD_LIMIT = math.radians(25.0)  # rad, P/Attitude.cpp, apply_load_factor_roll_limits
 PITCH_LAG = 0.5  # s, PTCH2SRV_TCONST
-CLIMB_LAG = 1.0  # s, in which the climb rate follows that of TECS
 SPEED_TYPE_AIRSPEED = 0  # code of DO_CHANGE_SPEED
 REPOSITION_CHANGES_MODE = 1  # flag MAV_DO_REPOSITION_FLAGS_CHANGE_MODE
 FORCED_ARMING = 2989.0  # code of MAV_CMD_COMPONENT_ARM_DISARM, P/AP_Arming.cpp
@@ -157,7 +119,26 @@ class ArduPlane(AutopilotCore):
         "LOITER": 12, "TAKEOFF": 13, "GUIDED": 15,
     }  # fmt: skip
     loiter_mode, ground_mode, take_off_mode = "LOITER", "FBWA", "TAKEOFF"
-    traits = WireTraits(
+    traits = Traits(
+        # P/GCS_MAVLink_Plane.cpp, ``GCS_MAVLINK_Plane::base_mode``
+        mode_flags={
+            **dict.fromkeys(modes, BaseMode.MANUAL_INPUT_ENABLED),
+            **dict.fromkeys(
+                ("CIRCLE", "RTL", "LOITER", "TAKEOFF", "GUIDED"),
+                BaseMode.MANUAL_INPUT_ENABLED | BaseMode.GUIDED_ENABLED,
+            ),
+        },
+        meanings={
+            "slowest": "AIRSPEED_MIN",
+            "fastest": "AIRSPEED_MAX",
+            "climb_max": "TECS_CLMB_MAX",
+            "climb_held": "TECS_CLMB_MAX",
+            "sink_held": "TECS_SINK_MAX",
+            "sink_idle": "TECS_SINK_MIN",
+            "load_energy": "TECS_RLL2THR",
+            "height_time": "TECS_TIME_CONST",
+            "airspeed_time": "TECS_TIME_CONST",
+        },
         maker=mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA,
         version=(4, 6, 0),
         # MISSION_FLOAT, PARAM_FLOAT, MISSION_INT, COMMAND_INT, SET_ATTITUDE_TARGET,
@@ -174,7 +155,6 @@ class ArduPlane(AutopilotCore):
         set_mode_acknowledged=mavlink.MAVLINK_MSG_ID_SET_MODE,
     )
     _guided: Guided
-    _speed: float  # calibrated, that TECS was last told, in m/s
 
     @classmethod
     def defaults(cls, own: VehicleNumbers) -> dict[str, float]:
@@ -194,15 +174,12 @@ class ArduPlane(AutopilotCore):
             "FS_GCS_ENABL": 0,
             "FS_LONG_ACTN": 0,
             "FS_LONG_TIMEOUT": 5.0,
-            "FS_SHORT_ACTN": 0,
-            "FS_SHORT_TIMEOUT": 1.5,
             "GUIDED_TIMEOUT": 3.0,
             "LEVEL_ROLL_LIMIT": 5,
             "NAVL1_DAMPING": 0.75,
             "NAVL1_PERIOD": 17.0,
             "PTCH_LIM_MAX_DEG": 20.0,
             "PTCH_LIM_MIN_DEG": -25.0,
-            "PTCH_TRIM_DEG": 0.0,
             "RLL2SRV_RMAX": round(own.roll_rate),
             "RLL2SRV_TCONST": 0.5,
             "ROLL_LIMIT_DEG": own.bank_max,
@@ -211,16 +188,12 @@ class ArduPlane(AutopilotCore):
             "SCHED_LOOP_RATE": 100,
             "STALL_PREVENTION": 1,
             "STICK_MIXING": 1,
-            "SYSID_ENFORCE": 0,
             "SYSID_MYGCS": 255,
-            "SYSID_THISMAV": 1,
             "TECS_CLMB_MAX": own.climb_max,
             "TECS_RLL2THR": 10.0,
             "TECS_SINK_MAX": own.sink_max,
             "TECS_SINK_MIN": own.sink_idle,
             "TECS_TIME_CONST": 5.0,
-            "THR_FAILSAFE": 1,
-            "THR_MAX": 100,
             "TKOFF_ALT": 50,
             "TKOFF_DIST": 200,
             "TKOFF_LVL_ALT": 10,
@@ -229,22 +202,9 @@ class ArduPlane(AutopilotCore):
         }
 
     @property
-    def mode_flags(self) -> int:
-        """P/GCS_MAVLink_Plane.cpp, ``GCS_MAVLINK_Plane::base_mode``."""
-        guided = self.mode in ("CIRCLE", "RTL", "LOITER", "TAKEOFF", "GUIDED")
-        return int(BaseMode.MANUAL_INPUT_ENABLED | guided * BaseMode.GUIDED_ENABLED)
-
-    @property
-    def engine(self) -> Engine:
-        """See :meth:`AutopilotCore.engine`."""
-        known = self.parameters
-        return Engine(
-            cruise=self._configuration.controller.airspeed,
-            trim=min(max(0.01 * known["TRIM_THROTTLE"], 0.05), 0.95),
-            climb_max=max(known["TECS_CLMB_MAX"], 0.1),
-            sink_idle=max(known["TECS_SINK_MIN"], 0.1),
-            load_energy=known["TECS_RLL2THR"],
-        )
+    def trim(self) -> float:
+        """See :attr:`AutopilotCore.trim`."""
+        return 0.01 * self.parameters["TRIM_THROTTLE"]
 
     @property
     def roll_response(self) -> Response:
@@ -271,22 +231,16 @@ class ArduPlane(AutopilotCore):
         """0.8 of the main loop's rate at most: GCS_Common.cpp, ``cap_message_interval``."""
         return 1.0 / (0.8 * max(self.parameters["SCHED_LOOP_RATE"], 1.0))
 
-    def mode_order(self, base_mode: int, custom_mode: int) -> Order:
-        """See :meth:`AutopilotCore.mode_order`."""
-        return Order(Cmd.DO_SET_MODE, float(base_mode), float(custom_mode))
-
     def enter(self, mode: str) -> None:
         """See :meth:`AutopilotCore.enter`; the modes' own ``_enter`` in P/mode_*.cpp."""
         known = self.parameters
         self._guided = Guided()
-        self._speed = known["AIRSPEED_CRUISE"]
         radius = known["WP_LOITER_RAD"]
         self.loiter = self.loiter_here(radius)
         if mode == "RTL":  # P/mode_rtl.cpp, do_RTL: home, at RTL_ALTITUDE above it
             height = known["RTL_ALTITUDE"]
-            around = known["RTL_RADIUS"] or radius
             up = self.state.up if height < 0.0 else height
-            self.loiter = Loiter(0.0, 0.0, up, abs(around), around >= 0.0)
+            self.loiter = Loiter(0.0, 0.0, up, known["RTL_RADIUS"] or radius)
         elif mode == "TAKEOFF":  # P/mode_takeoff.cpp: straight on, then a loiter
             distance, heading = known["TKOFF_DIST"], self.state.heading
             self.loiter = self.loiter._replace(
@@ -320,10 +274,7 @@ class ArduPlane(AutopilotCore):
         known, loops = self.parameters, self.loops
         if self.mode in ("MANUAL", "STABILIZE", "FBWA"):
             return loops.wings_level(PITCH_LAG, self.engine)
-        up = self.loiter.up
-        if self.mode == "GUIDED":
-            up = self._guided.altitude_now(self.state.up, up, self.time)
-        climb, acceleration = self._tecs(up)
+        climb, acceleration = self._tecs()
         if self.mode in ("FBWB", "CRUISE"):
             return Demand(0.0, climb, acceleration)
         if self.mode == "CIRCLE":  # P/mode_circle.cpp: a third of the roll limit
@@ -346,25 +297,14 @@ class ArduPlane(AutopilotCore):
     def _forced(self, axis: str) -> float | None:
         return self._guided.value(axis, self.time, self.parameters["GUIDED_TIMEOUT"])
 
-    def _tecs(self, up: float) -> tuple[float, float]:
-        known = self.parameters
-        lowest, highest = known["AIRSPEED_MIN"], known["AIRSPEED_MAX"]
-        wanted = self._guided.speed_now(self._speed, known["AIRSPEED_CRUISE"])
-        self._speed = min(max(wanted, lowest), highest)
-        # AP_TECS::_update_speed_demand: the least airspeed grows with the load factor
-        if known["STALL_PREVENTION"]:
-            lowest *= math.sqrt(load_factor(self.loops.roll_wanted))
-        held = min(max(self._speed, lowest), highest) * self.density_factor
-        time = max(known["TECS_TIME_CONST"], 0.5)
-        constants = HoldConstants(
-            height_time=time,
-            climb_time=CLIMB_LAG,
-            airspeed_time=time,
-            climb_max=max(known["TECS_CLMB_MAX"], 0.1),
-            sink_max=max(known["TECS_SINK_MAX"], 0.1),
-            sink_idle=max(known["TECS_SINK_MIN"], 0.1),
-        )
-        return self.loops.hold(up, held, constants)
+    def _tecs(self) -> tuple[float, float]:
+        """``ModeGuided::update_target_altitude``; AP_TECS, ``_update_speed_demand``."""
+        known, guided = self.parameters, self._guided
+        up = self.loiter.up if guided.up is None else guided.up
+        if self.time - guided.moved < STALE_ALTITUDE:
+            up = self.state.up  # P/commands.cpp, set_guided_WP: until the next turn of 10 Hz
+        speed = known["AIRSPEED_CRUISE"] if guided.speed is None else guided.speed
+        return self.hold(up, speed, loaded=bool(known["STALL_PREVENTION"]))
 
     def attitude_target(self, target: AttitudeTarget) -> None:
         """See :meth:`AutopilotCore.attitude_target`: outside of GUIDED ignored without a word."""
@@ -375,7 +315,7 @@ class ArduPlane(AutopilotCore):
         """GCS_Common.cpp, ``_set_mode_common``."""
         if not int(order.param1) & BaseMode.CUSTOM_MODE_ENABLED:
             return Result.DENIED
-        name = {number: name for name, number in self.modes.items()}.get(int(order.param2))
+        name = self.mode_numbered(int(order.param2))
         if name is None:
             self.say(Severity.NOTICE, f"Mode {int(order.param2)} cannot be flown here")
             return Result.FAILED
@@ -402,7 +342,7 @@ class ArduPlane(AutopilotCore):
         radius = self._guided.radius
         if radius <= 1.0:
             radius = abs(self.parameters["WP_LOITER_RAD"])
-        self.loiter = Loiter(east, north, up, radius, clockwise)
+        self.loiter = Loiter(east, north, up, radius if clockwise else -radius)
         self._guided.moved = self.time
         return Result.ACCEPTED
 
@@ -412,9 +352,10 @@ class ArduPlane(AutopilotCore):
             return Result.FAILED
         if int(order.param1) != SPEED_TYPE_AIRSPEED:
             return Result.DENIED
-        if not self._may_fly(order.param2):
+        known = self.parameters
+        if not known["AIRSPEED_MIN"] <= order.param2 <= known["AIRSPEED_MAX"]:
             return Result.FAILED
-        self._guided.speed = (order.param2, abs(order.param3))
+        self._guided.speed = order.param2
         return Result.ACCEPTED
 
     def _guided_change_altitude(self, order: Order) -> int:
@@ -424,28 +365,7 @@ class ArduPlane(AutopilotCore):
         up = self.altitude_in_map(order.z, order.frame)
         if up is None or order.z in (-1.0, 0.0) or not math.isfinite(up):
             return Result.DENIED
-        self._guided.altitude = (up, abs(order.param3))
-        return Result.ACCEPTED
-
-    def _change_speed(self, order: Order) -> int:
-        """``handle_command_DO_CHANGE_SPEED``, in guided modes alone."""
-        if self.mode != "GUIDED" or int(order.param1) != SPEED_TYPE_AIRSPEED:
-            return Result.FAILED
-        if not self._may_fly(order.param2):
-            return Result.FAILED
-        self._guided.changed_speed = order.param2
-        return Result.ACCEPTED
-
-    def _may_fly(self, speed: float) -> bool:
-        """Whether a calibrated airspeed in [m/s] is one that may be asked for."""
-        return self.parameters["AIRSPEED_MIN"] <= speed <= self.parameters["AIRSPEED_MAX"]
-
-    def _change_altitude(self, order: Order) -> int:
-        """``handle_command_int_DO_CHANGE_ALTITUDE``: of the point, which 43001 comes before."""
-        up = self.altitude_in_map(order.param1, int(order.param2))
-        if up is None:
-            return Result.DENIED
-        self.loiter = self.loiter._replace(up=up)
+        self._guided.up = up
         return Result.ACCEPTED
 
     def _arm(self, order: Order) -> int:
@@ -467,8 +387,6 @@ class ArduPlane(AutopilotCore):
     answers: ClassVar = {
         Cmd.DO_SET_MODE: _set_mode,
         Cmd.DO_REPOSITION: _reposition,
-        Cmd.DO_CHANGE_SPEED: _change_speed,
-        Cmd.DO_CHANGE_ALTITUDE: _change_altitude,
         Cmd.GUIDED_CHANGE_SPEED: _guided_change_speed,
         Cmd.GUIDED_CHANGE_ALTITUDE: _guided_change_altitude,
         Cmd.COMPONENT_ARM_DISARM: _arm,

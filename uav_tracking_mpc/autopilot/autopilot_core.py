@@ -25,9 +25,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, NamedTuple
 
-from uav_tracking_mpc.autopilot.airframe import Airframe, Engine, FlightState
+from uav_tracking_mpc.autopilot.airframe import Airframe, Engine, FlightState, load_factor
 from uav_tracking_mpc.autopilot.flight_loops import Demand, FlightLoops, Loiter, Response
 from uav_tracking_mpc.dynamics.air import true_over_equivalent
+from uav_tracking_mpc.dynamics.energy_hold import HoldConstants
 from uav_tracking_mpc.dynamics.frames import turn_rate_from_bank
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.links.mavlink.dialect import values_of
@@ -40,7 +41,7 @@ BaseMode = values_of("MAV_MODE_FLAG")
 LARGEST = 2**31 - 1  # code, of the integers that PARAM_VALUE can hold
 
 
-class OnboardParameters:
+class OnboardParameters(dict[str, float]):
     """Values by name of at most 16 letters, in a fixed order; each keeps the type of its default.
 
     Args:
@@ -48,19 +49,7 @@ class OnboardParameters:
     """
 
     def __init__(self, defaults: Mapping[str, float]) -> None:
-        self._defaults = dict(defaults)
-        self._values = dict(sorted(defaults.items()))
-
-    @property
-    def names(self) -> list[str]:
-        """All names, in the order of their index."""
-        return list(self._values)
-
-    def __contains__(self, name: str) -> bool:
-        return name in self._values
-
-    def __getitem__(self, name: str) -> float:
-        return self._values[name]
+        super().__init__(sorted(defaults.items()))
 
     def integer(self, name: str) -> bool:
         """Whether a parameter is an integer.
@@ -68,7 +57,7 @@ class OnboardParameters:
         Args:
             name: One that exists.
         """
-        return isinstance(self._defaults[name], int)
+        return isinstance(self[name], int)
 
     def set(self, name: str, value: float) -> bool:
         """Change a value.
@@ -80,19 +69,23 @@ class OnboardParameters:
         Returns:
             Whether there is such a parameter and the value is finite.
         """
-        if name not in self._values or not math.isfinite(value):
+        if name not in self or not math.isfinite(value):
             return False
-        if self.integer(name):
-            value = min(max(round(value), -LARGEST - 1), LARGEST)
-        self._values[name] = value
+        integer = self.integer(name)
+        self[name] = min(max(round(value), -LARGEST - 1), LARGEST) if integer else float(value)
         return True
 
 
+CLIMB_LAG = 1.0  # s, in which the climb rate follows that of the energy control
 LOITER_BANK = math.radians(30.0)  # rad, with which a loiter is flown in still air, at most
 
 
-class VehicleNumbers(NamedTuple):
-    """What an operator would have typed in.
+class VehicleNumbers:
+    """What an operator would have typed in for an aircraft.
+
+    Args:
+        configuration: What the controller is told of it, and its plant's limits.
+        density_factor: True over equivalent airspeed at its start [-].
 
     Attributes:
         cruise: Calibrated airspeed in [m/s].
@@ -106,39 +99,19 @@ class VehicleNumbers(NamedTuple):
         radius: Of a loiter that leaves room for wind, in [m], in tens.
     """
 
-    cruise: float
-    slowest: float
-    fastest: float
-    bank_max: float
-    climb_max: float
-    sink_max: float
-    sink_idle: float
-    roll_rate: float
-    radius: int
-
-
-def vehicle_numbers(configuration: Configuration, density_factor: float) -> VehicleNumbers:
-    """Numbers of an aircraft.
-
-    Args:
-        configuration: What the controller is told of it, and its plant's limits.
-        density_factor: True over equivalent airspeed at its start [-].
-    """
-    envelope, plant = configuration.controller, configuration.simulator
-    cruise = envelope.airspeed
-    sink = cruise * math.sin(-envelope.path_angle_min)
-    turn = cruise / turn_rate_from_bank(-LOITER_BANK, cruise)
-    return VehicleNumbers(
-        cruise=round(cruise / density_factor, 2),
-        slowest=max(envelope.airspeed_min, plant.speed_min) / density_factor,
-        fastest=min(envelope.airspeed_max, plant.speed_max) / density_factor,
-        bank_max=round(math.degrees(min(envelope.bank_max, plant.bank_max)), 2),
-        climb_max=round(cruise * math.sin(envelope.path_angle_max), 2),
-        sink_max=round(sink, 2),
-        sink_idle=round(min(2.0, 0.5 * sink), 2),
-        roll_rate=round(math.degrees(min(envelope.roll_rate_max, 4.0))),
-        radius=10 * math.ceil(0.1 * turn),
-    )
+    def __init__(self, configuration: Configuration, density_factor: float) -> None:
+        envelope, plant = configuration.controller, configuration.simulator
+        cruise = envelope.airspeed
+        sink = cruise * math.sin(-envelope.path_angle_min)
+        turn = cruise / turn_rate_from_bank(-LOITER_BANK, cruise)
+        self.cruise = round(cruise / density_factor, 2)
+        self.slowest = max(envelope.airspeed_min, plant.speed_min) / density_factor
+        self.fastest = min(envelope.airspeed_max, plant.speed_max) / density_factor
+        self.bank_max = round(math.degrees(min(envelope.bank_max, plant.bank_max)), 2)
+        self.climb_max = round(cruise * math.sin(envelope.path_angle_max), 2)
+        self.sink_max, self.sink_idle = round(sink, 2), round(min(2.0, 0.5 * sink), 2)
+        self.roll_rate = round(math.degrees(min(envelope.roll_rate_max, 4.0)))
+        self.radius = 10 * math.ceil(0.1 * turn)
 
 
 class Order(NamedTuple):
@@ -183,10 +156,12 @@ class AttitudeTarget(NamedTuple):
     thrust: float
 
 
-class WireTraits(NamedTuple):
+class Traits(NamedTuple):
     """What one autopilot does and another does not.
 
     Attributes:
+        mode_flags: Of MAV_MODE_FLAG, by mode, those that say how it is flown.
+        meanings: Names of its parameters, by what they are for.
         maker: MAV_AUTOPILOT.
         version: Of the firmware that is imitated: major, minor, patch.
         capabilities: MAV_PROTOCOL_CAPABILITY.
@@ -201,6 +176,8 @@ class WireTraits(NamedTuple):
         set_mode_acknowledged: The command that the answer to SET_MODE names.
     """
 
+    mode_flags: Mapping[str, int]
+    meanings: Mapping[str, str]
     maker: int
     version: tuple[int, int, int]
     capabilities: int
@@ -229,7 +206,7 @@ class AutopilotCore(ABC):
         loiter_mode: In which it begins in the air.
         ground_mode: In which it stands on the ground.
         take_off_mode: In which it takes off once it is armed.
-        traits: How it speaks.
+        traits: How it speaks, and which parameters it goes by.
         answers: Carry out commands, by their numbers; each gives a MAV_RESULT.
         mode_commands: Modes that commands ask for, by their numbers.
         airframe: What flies.
@@ -249,7 +226,7 @@ class AutopilotCore(ABC):
     loiter_mode: ClassVar[str]
     ground_mode: ClassVar[str]
     take_off_mode: ClassVar[str]
-    traits: ClassVar[WireTraits]
+    traits: ClassVar[Traits]
     answers: ClassVar[Mapping[int, Callable[[Any, Order], int]]]
     mode_commands: ClassVar[Mapping[int, str]]
     loiter: Loiter
@@ -265,7 +242,7 @@ class AutopilotCore(ABC):
         self._boot()
 
     def _boot(self) -> None:
-        own = vehicle_numbers(self._configuration, self.density_factor)
+        own = VehicleNumbers(self._configuration, self.density_factor)
         self.parameters = OnboardParameters(self.defaults(own))
         self.failsafe = False
         self.ground_heard: float | None = None
@@ -311,7 +288,7 @@ class AutopilotCore(ABC):
     @property
     def base_mode(self) -> int:
         """As HEARTBEAT has it."""
-        mode = BaseMode.CUSTOM_MODE_ENABLED | self.mode_flags
+        mode = BaseMode.CUSTOM_MODE_ENABLED | self.traits.mode_flags[self.mode]
         if self.mode != "MANUAL":
             mode |= BaseMode.STABILIZE_ENABLED
         return int(mode | BaseMode.SAFETY_ARMED if self.armed else mode)
@@ -375,7 +352,7 @@ class AutopilotCore(ABC):
             return None
         # The earth falls away below the plane of map: 1.4 m in 4 km.
         state = self.state
-        latitude, longitude, _ = self.origin.place([state.east, state.north, state.up])
+        latitude, longitude, _ = self.origin.place(state.place)
         return float(self.origin.position(latitude, longitude, altitude)[2])
 
     def loiter_here(self, radius: float) -> Loiter:
@@ -384,8 +361,56 @@ class AutopilotCore(ABC):
         Args:
             radius: In [m], negative for counter-clockwise.
         """
-        state = self.state
-        return Loiter(state.east, state.north, state.up, abs(radius), radius >= 0.0)
+        return Loiter(self.state.east, self.state.north, self.state.up, radius)
+
+    def known(self, meaning: str, least: float = -math.inf) -> float:
+        """A parameter by what it is for, in its own unit [SI or deg].
+
+        Args:
+            meaning: One of those of the traits.
+            least: Below which it does not count, likewise.
+        """
+        return max(self.parameters[self.traits.meanings[meaning]], least)
+
+    @property
+    def engine(self) -> Engine:
+        """By the parameters."""
+        return Engine(
+            cruise=self._configuration.controller.airspeed,
+            trim=min(max(self.trim, 0.05), 0.95),
+            climb_max=self.known("climb_max", 0.1),
+            sink_idle=self.known("sink_idle", 0.1),
+            load_energy=self.known("load_energy"),
+        )
+
+    def hold(self, up: float, airspeed: float, loaded: bool = True) -> tuple[float, float]:
+        """u_chi in [rad/s] and u_v in [m/s^2] of its energy control.
+
+        Args:
+            up: Altitude to hold in ``map`` in [m].
+            airspeed: To hold, calibrated, in [m/s], as far as it is one that may be flown.
+            loaded: Whether the least airspeed grows with the load factor.
+        """
+        load = load_factor(self.loops.roll_wanted) if loaded else 1.0
+        lowest = self.known("slowest") * math.sqrt(load)
+        held = min(max(airspeed, lowest), self.known("fastest")) * self.density_factor
+        constants = HoldConstants(
+            height_time=self.known("height_time", 0.5),
+            climb_time=CLIMB_LAG,
+            airspeed_time=self.known("airspeed_time", 0.5),
+            climb_max=self.known("climb_held", 0.1),
+            sink_max=self.known("sink_held", 0.1),
+            sink_idle=self.known("sink_idle", 0.1),
+        )
+        return self.loops.hold(up, held, constants)
+
+    def mode_numbered(self, number: int) -> str | None:
+        """Name of a mode; None for one that cannot be flown.
+
+        Args:
+            number: Its custom_mode.
+        """
+        return next((name for name, own in self.modes.items() if own == number), None)
 
     @classmethod
     @abstractmethod
@@ -398,13 +423,8 @@ class AutopilotCore(ABC):
 
     @property
     @abstractmethod
-    def mode_flags(self) -> int:
-        """Of MAV_MODE_FLAG, those that say how the present mode is flown."""
-
-    @property
-    @abstractmethod
-    def engine(self) -> Engine:
-        """By the parameters."""
+    def trim(self) -> float:
+        """Throttle of level flight at cruise here, from 0 to 1 [-]."""
 
     @property
     @abstractmethod
@@ -416,7 +436,6 @@ class AutopilotCore(ABC):
     def least_interval(self) -> float:
         """Between two messages of one kind in [s]."""
 
-    @abstractmethod
     def mode_order(self, base_mode: int, custom_mode: int) -> Order:
         """The command that a SET_MODE message stands for.
 
@@ -424,6 +443,7 @@ class AutopilotCore(ABC):
             base_mode: MAV_MODE_FLAG.
             custom_mode: As HEARTBEAT has it.
         """
+        return Order(Cmd.DO_SET_MODE, float(base_mode), float(custom_mode))
 
     @abstractmethod
     def enter(self, mode: str) -> None:

@@ -32,7 +32,7 @@ from uav_tracking_mpc.limits.envelope import Envelope
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 
 LEAST_RADIUS, GREATEST_RADIUS = 1.0, 1e6  # m
-LEAST_PERIOD = 1.0  # s, of the L1 law
+LEAST_PERIOD, LEAST_DAMPING = 1.0, 0.1  # s, -, of the L1 law
 
 
 class Loiter(NamedTuple):
@@ -42,15 +42,13 @@ class Loiter(NamedTuple):
         east: Of its centre in ``map`` in [m].
         north: Of its centre in ``map`` in [m].
         up: Height in ``map`` in [m].
-        radius: In [m], positive.
-        clockwise: Its direction, seen from above.
+        radius: In [m], negative for counter-clockwise, seen from above.
     """
 
     east: float
     north: float
     up: float
     radius: float
-    clockwise: bool
 
 
 DRIFT_TIME = 5.0  # s, in which the path angle comes back to that of the pitch
@@ -101,6 +99,8 @@ class FlightLoops:
         self._airframe = airframe
         self._steepest = simulator.pitch_rate_max
         self._plant_lag, self._path_lag, _ = simulator.rate_lag
+        if simulator.roll_frequency:  # the turn swings in instead: the lag that it is alike
+            self._plant_lag = 2.0 * simulator.roll_damping / simulator.roll_frequency
         self._path, self._pitched_at = 0.0, -math.inf  # what by_pitch holds, and since when not
         self._envelope = Envelope()  # that of a law, which only its climb and its clipping use
         self.throttle = 0.0
@@ -114,10 +114,7 @@ class FlightLoops:
         """
         self.throttle = float(running)
         self._bank = self.roll_wanted = 0.0
-        if running:
-            self._airframe.run(TICK)
-        else:
-            self._airframe.stand(TICK)
+        self._airframe.stand(TICK, running)
 
     def fly(self, demand: Demand, response: Response, engine: Engine) -> None:
         """Go on by one tick in the air.
@@ -211,8 +208,8 @@ class FlightLoops:
             damping: NAVL1_DAMPING [-].
         """
         state = self._airframe.state
-        direction = CLOCKWISE if loiter.clockwise else COUNTER_CLOCKWISE
-        radius = min(max(loiter.radius, LEAST_RADIUS), GREATEST_RADIUS)
+        direction = CLOCKWISE if loiter.radius >= 0.0 else COUNTER_CLOCKWISE
+        radius = min(max(abs(loiter.radius), LEAST_RADIUS), GREATEST_RADIUS)
         orbit = Orbit(radius, 0.0, max(state.airspeed, 1.0), direction)
         course = math.atan2(state.north_rate, state.east_rate)
         over_ground = [state.east, state.north, 0.0, course, 0.0, state.groundspeed]
@@ -223,5 +220,7 @@ class FlightLoops:
             drift_rate=np.zeros(3),
             rates=np.zeros(3),
         )
-        law = L1Loiter(orbit, self._envelope, max(period, LEAST_PERIOD), abs(damping))
+        law = L1Loiter(
+            orbit, self._envelope, max(period, LEAST_PERIOD), max(abs(damping), LEAST_DAMPING)
+        )
         return float(bank_from_turn_rate(law.lateral_acceleration(situation), 1.0))  # v psi'

@@ -25,7 +25,7 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar
 
-from uav_tracking_mpc.autopilot.airframe import STEEPEST, Engine, load_factor
+from uav_tracking_mpc.autopilot.airframe import STEEPEST
 from uav_tracking_mpc.autopilot.autopilot_core import (
     AttitudeTarget,
     AutopilotCore,
@@ -34,11 +34,10 @@ from uav_tracking_mpc.autopilot.autopilot_core import (
     Order,
     Result,
     Severity,
+    Traits,
     VehicleNumbers,
-    WireTraits,
 )
-from uav_tracking_mpc.autopilot.flight_loops import Demand, Loiter, Response
-from uav_tracking_mpc.dynamics.energy_hold import HoldConstants
+from uav_tracking_mpc.autopilot.flight_loops import TICK, Demand, Loiter, Response
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.links.px4 import DEFAULTS
 
@@ -53,10 +52,8 @@ STREAM_RATES = {
 
 
 SLOWEST_STREAM = 0.5  # s between set-points, 2 Hz: documentation of the mode Offboard
-CLIMB_LAG = 1.0  # s, in which the climb rate follows that of TECS
 ATTITUDE_BIT, THROTTLE_BIT, RATE_BITS = 0b10000000, 0b01000000, 0b00000011  # of type_mask
 AUTO, MAIN_SHIFT, SUB_SHIFT = 4, 16, 24  # code and shifts by bits, px4_custom_mode.h
-SPEED_TYPE_AIRSPEED = 0  # code of DO_CHANGE_SPEED
 BY_STICKS = ("MANUAL", "STABILIZED", "ALTCTL", "POSCTL")
 
 
@@ -78,7 +75,23 @@ class Px4(AutopilotCore):
         "STABILIZED": 7 << MAIN_SHIFT,
     }
     loiter_mode, ground_mode, take_off_mode = "LOITER", "LOITER", "TAKEOFF"
-    traits = WireTraits(
+    traits = Traits(
+        mode_flags={  # streams/HEARTBEAT.hpp, ``get_px4_mode``
+            **dict.fromkeys(modes, BaseMode.AUTO_ENABLED | BaseMode.GUIDED_ENABLED),
+            **dict.fromkeys(BY_STICKS, BaseMode.MANUAL_INPUT_ENABLED),
+            "OFFBOARD": 0,
+        },
+        meanings={
+            "slowest": "FW_AIRSPD_MIN",
+            "fastest": "FW_AIRSPD_MAX",
+            "climb_max": "FW_T_CLMB_MAX",
+            "climb_held": "FW_T_CLMB_R_SP",
+            "sink_held": "FW_T_SINK_R_SP",
+            "sink_idle": "FW_T_SINK_MIN",
+            "load_energy": "FW_T_RLL2THR",
+            "height_time": "FW_T_ALT_TC",
+            "airspeed_time": "FW_T_TAS_TC",
+        },
         maker=mavlink.MAV_AUTOPILOT_PX4,
         version=(1, 16, 0),
         # MISSION_FLOAT, MISSION_INT, COMMAND_INT, PARAM_ENCODE_BYTEWISE, SET_ATTITUDE_TARGET,
@@ -94,10 +107,10 @@ class Px4(AutopilotCore):
         bytewise=True,
         set_mode_acknowledged=Cmd.DO_SET_MODE,  # into which it is turned
     )
+    least_interval = TICK  # streams are as quick as their data
     _intended: str  # user_mode_intention: goes on where a failsafe is over
     _target: AttitudeTarget | None = None
     _last, _before = -math.inf, -math.inf  # when the two newest set-points came, in s
-    _speed: float | None = None  # calibrated, of DO_CHANGE_SPEED, in m/s
 
     @classmethod
     def defaults(cls, own: VehicleNumbers) -> dict[str, float]:
@@ -105,23 +118,16 @@ class Px4(AutopilotCore):
         return {
             **DEFAULTS,
             "COM_DL_LOSS_T": 10,
-            "COM_FAIL_ACT_T": 5.0,
             # Hold: as it is to be set; PX4's own default 0 is refused by the link
             "COM_OBL_RC_ACT": 5,
             "COM_OF_LOSS_T": 1.0,
             "COM_RCL_EXCEPT": 0,
-            "COM_RC_IN_MODE": 3,
-            "COM_RC_LOSS_T": 0.5,
-            "COM_RC_OVERRIDE": 1,
             "FW_AIRSPD_MAX": round(own.fastest, 2),
             "FW_AIRSPD_MIN": round(own.slowest, 2),
-            "FW_AIRSPD_STALL": round(0.7 * own.slowest, 2),
             "FW_AIRSPD_TRIM": own.cruise,
-            "FW_PSP_OFF": 0.0,
             "FW_R_LIM": own.bank_max,
             "FW_R_RMAX": float(own.roll_rate),
             "FW_R_TC": 0.4,
-            "FW_THR_IDLE": 0.0,
             "FW_T_ALT_TC": 5.0,
             "FW_T_CLMB_MAX": own.climb_max,
             "FW_T_CLMB_R_SP": min(3.0, own.climb_max),
@@ -130,13 +136,10 @@ class Px4(AutopilotCore):
             "FW_T_SINK_R_SP": min(2.0, own.sink_max),
             "FW_T_TAS_TC": 5.0,
             "FW_USE_AIRSPD": 1,
-            "FW_Y_RMAX": 50.0,
             "GF_ACTION": 2,
             "GF_MAX_HOR_DIST": 0.0,
             "GF_MAX_VER_DIST": 0.0,
-            "MAV_COMP_ID": 1,
             "MAV_FWDEXTSP": 1,
-            "MAV_SYS_ID": 1,
             "MAV_TYPE": 1,
             "MIS_TAKEOFF_ALT": 30.0,
             "NAV_DLL_ACT": 0,
@@ -146,10 +149,6 @@ class Px4(AutopilotCore):
             "NPFG_PERIOD": 10.0,
             "RTL_LOITER_RAD": float(max(LOITER_RADIUS, own.radius)),
             "RTL_RETURN_ALT": 60.0,
-            "RTL_TYPE": 0,
-            "SYS_HAS_NUM_ASPD": 1,
-            "WEIGHT_BASE": -1.0,
-            "WEIGHT_GROSS": -1.0,
         }
 
     def restart(self) -> None:
@@ -158,29 +157,14 @@ class Px4(AutopilotCore):
         super().restart()
 
     @property
-    def mode_flags(self) -> int:
-        """streams/HEARTBEAT.hpp, ``get_px4_mode``."""
-        if self.mode in BY_STICKS:
-            return int(BaseMode.MANUAL_INPUT_ENABLED)
-        by_itself = BaseMode.AUTO_ENABLED | BaseMode.GUIDED_ENABLED
-        return 0 if self.mode == "OFFBOARD" else int(by_itself)
-
-    @property
     def intended_custom_mode(self) -> int:
         """See :attr:`AutopilotCore.intended_custom_mode`."""
         return self.modes[self._intended]
 
     @property
-    def engine(self) -> Engine:
+    def trim(self) -> float:
         """PerformanceModel.cpp, ``getTrimThrottle``: in thinner air it takes more of it."""
-        known = self.parameters
-        return Engine(
-            cruise=self._configuration.controller.airspeed,
-            trim=min(max(known["FW_THR_TRIM"] * self.density_factor, 0.05), 0.95),
-            climb_max=max(known["FW_T_CLMB_MAX"], 0.1),
-            sink_idle=max(known["FW_T_SINK_MIN"], 0.1),
-            load_energy=known["FW_T_RLL2THR"],
-        )
+        return self.parameters["FW_THR_TRIM"] * self.density_factor
 
     @property
     def roll_response(self) -> Response:
@@ -192,11 +176,6 @@ class Px4(AutopilotCore):
         # fw_yaw_controller.cpp: a turn is made of no more bank than that.
         limit = STEEPEST if self.mode == "OFFBOARD" else math.radians(known["FW_R_LIM"])
         return Response(limit, max(known["FW_R_TC"], 0.1), math.radians(known["FW_R_RMAX"]))
-
-    @property
-    def least_interval(self) -> float:
-        """Streams are as quick as their data, here as the simulation."""
-        return 0.01
 
     def mode_order(self, base_mode: int, custom_mode: int) -> Order:
         """See :meth:`AutopilotCore.mode_order`: the packed number is taken apart."""
@@ -226,14 +205,13 @@ class Px4(AutopilotCore):
     def enter(self, mode: str) -> None:
         """See :meth:`AutopilotCore.enter`."""
         known = self.parameters
-        self._target = self._speed = None
+        self._target = None
         self.loiter = self.loiter_here(known["NAV_LOITER_RAD"])
         if not self.failsafe:
             self._intended = mode
         if mode == "RTL":  # rtl.cpp: home, at RTL_RETURN_ALT above it where it is lower
             up = max(self.state.up, known["RTL_RETURN_ALT"])
-            radius = known["RTL_LOITER_RAD"]
-            self.loiter = Loiter(0.0, 0.0, up, abs(radius), radius >= 0.0)
+            self.loiter = Loiter(0.0, 0.0, up, known["RTL_LOITER_RAD"])
         elif mode == "TAKEOFF":
             up = max(known["MIS_TAKEOFF_ALT"], self.state.up)
             self.loiter = self.loiter._replace(up=up)
@@ -277,7 +255,8 @@ class Px4(AutopilotCore):
             steepest = math.radians(known["FW_P_RMAX_POS"])
             climb = min(max(loops.by_pitch(target.pitch, lag), -steepest), steepest)
             return Demand(target.roll, climb, loops.by_throttle(target.thrust, self.engine))
-        climb, acceleration = self._tecs()
+        # lib/tecs/TECS.cpp; PerformanceModel.cpp, ``getMinimumCalibratedAirspeed``
+        climb, acceleration = self.hold(self.loiter.up, known["FW_AIRSPD_TRIM"])
         if self.mode in (*BY_STICKS, "OFFBOARD"):
             return Demand(0.0, climb, acceleration)
         roll = loops.bank_to(self.loiter, known["NPFG_PERIOD"], known["NPFG_DAMPING"])
@@ -285,22 +264,6 @@ class Px4(AutopilotCore):
             roll = 0.0  # straight on along the runway
             self.loiter = self.loiter_here(known["NAV_LOITER_RAD"])._replace(up=self.loiter.up)
         return Demand(roll, climb, acceleration)
-
-    def _tecs(self) -> tuple[float, float]:
-        """lib/tecs/TECS.cpp; PerformanceModel.cpp, ``getMinimumCalibratedAirspeed``."""
-        known = self.parameters
-        slowest = known["FW_AIRSPD_MIN"] * math.sqrt(load_factor(self.loops.roll_wanted))
-        wanted = known["FW_AIRSPD_TRIM"] if self._speed is None else self._speed
-        held = min(max(wanted, slowest), known["FW_AIRSPD_MAX"]) * self.density_factor
-        constants = HoldConstants(
-            height_time=max(known["FW_T_ALT_TC"], 0.5),
-            climb_time=CLIMB_LAG,
-            airspeed_time=max(known["FW_T_TAS_TC"], 0.5),
-            climb_max=max(min(known["FW_T_CLMB_R_SP"], known["FW_T_CLMB_MAX"]), 0.1),
-            sink_max=max(min(known["FW_T_SINK_R_SP"], known["FW_T_SINK_MAX"]), 0.1),
-            sink_idle=max(known["FW_T_SINK_MIN"], 0.1),
-        )
-        return self.loops.hold(self.loiter.up, held, constants)
 
     def attitude_target(self, target: AttitudeTarget) -> None:
         """See :meth:`AutopilotCore.attitude_target`.
@@ -321,7 +284,7 @@ class Px4(AutopilotCore):
         if not int(order.param1) & BaseMode.CUSTOM_MODE_ENABLED:
             return Result.TEMPORARILY_REJECTED
         number = main << MAIN_SHIFT | (sub << SUB_SHIFT if main == AUTO else 0)
-        name = {number: name for name, number in self.modes.items()}.get(number)
+        name = self.mode_numbered(number)
         if name is None:  # an unknown main mode changes nothing, and is acknowledged
             return Result.TEMPORARILY_REJECTED if main == AUTO else Result.ACCEPTED
         return self.changed(self.set_mode(name))
@@ -331,7 +294,7 @@ class Px4(AutopilotCore):
         if order.param2 != 1.0:
             return Result.UNSUPPORTED
         state = self.state
-        here = self.origin.place([state.east, state.north, state.up])
+        here = self.origin.place(state.place)
         latitude = math.radians(order.x) if math.isfinite(order.x) else here[0]
         longitude = math.radians(order.y) if math.isfinite(order.y) else here[1]
         altitude = order.z if math.isfinite(order.z) else here[2]
@@ -342,13 +305,7 @@ class Px4(AutopilotCore):
         radius = order.param3
         if not math.isfinite(radius) or radius == 0.0:
             radius = self.parameters["NAV_LOITER_RAD"]
-        self.loiter = Loiter(east, north, up, abs(radius), radius > 0.0)
-        return Result.ACCEPTED
-
-    def _change_speed(self, order: Order) -> int:
-        """FixedWingModeManager, ``vehicle_command_poll``: not in OFFBOARD."""
-        if self.mode != "OFFBOARD" and int(order.param1) == SPEED_TYPE_AIRSPEED:
-            self._speed = order.param2 if order.param2 > 0.0 else None
+        self.loiter = Loiter(east, north, up, radius)
         return Result.ACCEPTED
 
     def _arm(self, order: Order) -> int:
@@ -364,7 +321,6 @@ class Px4(AutopilotCore):
     answers: ClassVar = {  # Commander.cpp, handle_command
         Cmd.DO_SET_MODE: _set_mode,
         Cmd.DO_REPOSITION: _reposition,
-        Cmd.DO_CHANGE_SPEED: _change_speed,
         Cmd.COMPONENT_ARM_DISARM: _arm,
     }
     mode_commands: ClassVar = {

@@ -38,13 +38,12 @@ from uav_tracking_mpc.autopilot.autopilot_core import AutopilotCore
 from uav_tracking_mpc.autopilot.deliveries import StreamRule
 from uav_tracking_mpc.autopilot.flight_loops import TICK
 from uav_tracking_mpc.autopilot.px4 import Px4
-from uav_tracking_mpc.autopilot.radio import Radio
 from uav_tracking_mpc.autopilot.telemetry_messages import MessageRates, position_message
 from uav_tracking_mpc.autopilot.vehicle_protocol import COMPONENT, VehicleProtocol
-from uav_tracking_mpc.autopilot.wire_faults import AutopilotFault, wire_fault
+from uav_tracking_mpc.autopilot.wire_faults import AutopilotFault, Radio, wire_fault
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.links import LinkError
-from uav_tracking_mpc.links.mavlink.connection import Connection, Wire
+from uav_tracking_mpc.links.mavlink.connection import Connection, Wire, open_wire, place_of
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import Configuration
@@ -78,20 +77,18 @@ class GroundVehicle:
         Args:
             now: Since the start in [s].
         """
-        tellers = {"HEARTBEAT": self._heartbeat, "GLOBAL_POSITION_INT": self._position}
-        return [bytes(tellers[name](now).pack(self._voice)) for name in self._rates.due(now)]
+        return [bytes(self._message(name, now).pack(self._voice)) for name in self._rates.due(now)]
 
-    def _heartbeat(self, now: float) -> Any:
-        return mavlink.MAVLink_heartbeat_message(
-            mavlink.MAV_TYPE_GROUND_ROVER,
-            mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA,
-            MODE_GUIDED_ARMED,
-            15,
-            mavlink.MAV_STATE_ACTIVE,
-            3,
-        )
-
-    def _position(self, now: float) -> Any:
+    def _message(self, name: str, now: float) -> Any:
+        if name == "HEARTBEAT":
+            return mavlink.MAVLink_heartbeat_message(
+                mavlink.MAV_TYPE_GROUND_ROVER,
+                mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA,
+                MODE_GUIDED_ARMED,
+                15,
+                mavlink.MAV_STATE_ACTIVE,
+                3,
+            )
         position, velocity = self._motion.position(now), self._motion.velocity(now).tolist()
         yaw = math.atan2(*velocity[:2])
         return position_message(self._origin, round(now * 1e3), position, velocity, yaw)
@@ -107,7 +104,7 @@ class WiredAutopilot:
     Args:
         dialect: ``ardupilot`` or ``px4``.
         configuration: Plant, air, start and what the aircraft can fly.
-        radio: Makes its wire.
+        connected: Makes its end of the wire, which suffers from the faults that it is given.
         origin: Latitude [deg], longitude [deg] and altitude above sea level [m] of the origin of
             ``map``, which is its home.
         system: Its MAVLink system.
@@ -117,7 +114,8 @@ class WiredAutopilot:
 
     Attributes:
         protocol: What speaks for it.
-        radio: Its wire, which faults strike.
+        radio: Its end of the wire.
+        faults: That act on the wire.
 
     Raises:
         ParameterError: There is no such dialect, or no such place on the earth.
@@ -128,7 +126,7 @@ class WiredAutopilot:
         self,
         dialect: str,
         configuration: Configuration,
-        radio: Callable[[], Radio],
+        connected: Callable[[list[StreamRule]], Connection],
         origin: Sequence[float] = ORIGIN,
         system: int = 1,
         on_runway: bool = False,
@@ -146,7 +144,8 @@ class WiredAutopilot:
         self._target = (
             GroundVehicle(configuration.target, frame, target_system) if target_system else None
         )
-        self.radio = radio()
+        self.faults: list[StreamRule] = []
+        self.radio = connected(self.faults)
         self.radio.speak_as(system)
         self._lock = threading.Lock()
 
@@ -197,7 +196,7 @@ class WiredAutopilot:
         fault = wire_fault(name, seed)
         if isinstance(fault, AutopilotFault):
             fault.begin(self)
-        self.radio.strike(fault)
+        self.faults.append(fault)
         return fault
 
     def end_fault(self, fault: StreamRule) -> None:
@@ -206,7 +205,7 @@ class WiredAutopilot:
         Args:
             fault: As it was begun.
         """
-        self.radio.release(fault)
+        self.faults.remove(fault)
         if isinstance(fault, AutopilotFault):
             fault.end(self)
 
@@ -280,8 +279,13 @@ class SimulatedAutopilot(WiredAutopilot):
         key: str = "",
         target_system: int = 0,
     ) -> None:
-        wire = lambda: Radio(connection, COMPONENT, key)  # noqa: E731
-        super().__init__(dialect, configuration, wire, origin, system, on_runway, target_system)
+        def connected(faults: list[StreamRule]) -> Connection:
+            wire = lambda: Radio(open_wire(*place_of(connection)), faults)  # noqa: E731
+            return Connection(connection, COMPONENT, key, wire)
+
+        super().__init__(
+            dialect, configuration, connected, origin, system, on_runway, target_system
+        )
         self._ending = threading.Event()
         self._thread: threading.Thread | None = None
 
@@ -334,20 +338,24 @@ CAPACITY = 2000  # datagrams that wait; the oldest are dropped first, as a socke
 
 
 class _End(Wire):
-    """One end of the wire."""
+    """One end of the wire; where somebody waits at it, time goes on."""
 
-    def __init__(self) -> None:
+    def __init__(self, tick: Callable[[], None]) -> None:
+        super().__init__(None)
         self.incoming: deque[bytes] = deque(maxlen=CAPACITY)
-        self.other: _End | None = None
+        self.other, self._tick = self, tick
 
     def write(self, frame: bytes) -> None:
-        if self.other is not None:
-            self.other.incoming.append(bytes(frame))
+        self.other.incoming.append(bytes(frame))
 
     def recv(self, size: int) -> bytes | None:
         return self.incoming.popleft() if self.incoming else None
 
     def select(self, timeout: float) -> bool:
+        ticks = math.ceil(timeout / TICK)  # time moves on however short the wait
+        while not self.incoming and ticks > 0:
+            self._tick()
+            ticks -= 1
         return bool(self.incoming)
 
     def close(self) -> None:
@@ -358,32 +366,27 @@ class SteppedAutopilot(WiredAutopilot):
     """Goes on while a link that was made with :meth:`connection` waits.
 
     Args:
-        dialect: See :class:`WiredAutopilot`, as for the others.
+        dialect: See :class:`WiredAutopilot`.
         configuration: Of the mission.
-        origin: Latitude [deg], longitude [deg] and altitude [m] of the origin of ``map``.
-        on_runway: It stands on the ground.
 
     Attributes:
         time: Simulated, in [s].
 
     Raises:
-        ParameterError: There is no such dialect, or no such place on the earth.
+        ParameterError: There is no such dialect.
     """
 
-    def __init__(
-        self,
-        dialect: str,
-        configuration: Configuration,
-        origin: Sequence[float] = ORIGIN,
-        on_runway: bool = False,
-    ) -> None:
+    def __init__(self, dialect: str, configuration: Configuration) -> None:
         self.time = 0.0
-        self.ends = _End(), _End()
-        ours, theirs = self.ends
-        ours.other, theirs.other = theirs, ours
+        self._ours, theirs = _End(self.tick), _End(self.tick)
+        self._ours.other, theirs.other = theirs, self._ours
         super().__init__(
-            dialect, configuration, lambda: _SteppedRadio(self, 1, COMPONENT), origin, 1, on_runway
+            dialect, configuration, lambda faults: self._connected(Radio(theirs, faults, self.now))
         )
+
+    def now(self) -> float:
+        """Simulated time in [s]."""
+        return self.time
 
     def connection(self, address: str, component: int, key: str) -> Connection:
         """Our end of the wire.
@@ -393,40 +396,14 @@ class SteppedAutopilot(WiredAutopilot):
             component: MAVLink component that we are.
             key: Has no meaning here.
         """
-        return _SteppedConnection(self, 0, component)
+        return self._connected(self._ours, component)
 
     def tick(self) -> None:
         """Go on by one tick."""
         self.time += TICK
         self.go_on(self.time)
         while self.radio.wait(0.0):
-            self.listen(0.0, lambda: self.time)
+            self.listen(0.0, self.now)
 
-
-class _Stepped(Connection):
-    """One end of the wire, by simulated time."""
-
-    def __init__(self, autopilot: SteppedAutopilot, end: int, component: int) -> None:
-        self._autopilot, self._end = autopilot, autopilot.ends[end]
-        super().__init__(DATAGRAMS, component)
-
-    def now(self) -> float:
-        return self._autopilot.time
-
-    def _socket(self) -> Wire:
-        return self._end
-
-
-class _SteppedRadio(_Stepped, Radio):
-    """The autopilot's end."""
-
-
-class _SteppedConnection(_Stepped):
-    """Our end; waiting at it makes time go on."""
-
-    def wait(self, timeout: float) -> bool:
-        ticks = math.ceil(timeout / TICK)  # time moves on however short the wait
-        while not self._end.incoming and ticks > 0:
-            self._autopilot.tick()
-            ticks -= 1
-        return bool(self._end.incoming)
+    def _connected(self, wire: Wire, component: int = COMPONENT) -> Connection:
+        return Connection(DATAGRAMS, component, wire=lambda: wire, clock=self.now)

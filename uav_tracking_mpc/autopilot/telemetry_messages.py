@@ -25,6 +25,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
+from uav_tracking_mpc.autopilot.airframe import FlightState
 from uav_tracking_mpc.autopilot.autopilot_core import AutopilotCore
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.links.mavlink.dialect import CURRENT_MODE, mavlink
@@ -76,7 +77,7 @@ class MessageRates:
         return found
 
 
-Builder = Callable[[AutopilotCore], Any]
+Builder = Callable[[AutopilotCore, FlightState], Any]  # from the state as its sensors tell it
 
 ONLY_PLACE = 0xFFF8  # type_mask
 # bits of gyro, accelerometer, magnetometer, absolute and differential pressure, GPS, AHRS, logging.
@@ -84,31 +85,43 @@ SENSORS = 0b11111 | 1 << 5 | 1 << 21
 GOOD_FLAGS = 0b111111  # bits: attitude, velocities, horizontal positions, vertical position
 GOOD_RATIO = 0.1  # -, of an innovation to its gate
 GPS_FIX_3D, SATELLITES = 3, 12  # code of the fix, and how many
-GPS_ACCURACY = 900, 1500, 200  # mm, mm, mm/s: accuracy horizontal, vertical, of the velocity
+GPS_ACCURACY = {"h_acc": 900, "v_acc": 1500, "vel_acc": 200}  # mm, mm, mm/s
 UNKNOWN = 65535  # code of an unsigned field of 16 bits
 IN_AIR, ON_GROUND = 2, 1  # codes of MAV_LANDED_STATE
 
 
-def milliseconds(core: AutopilotCore) -> int:
-    """Time since boot of the state in [ms], as it fits 32 bits.
+def telemetry(core: AutopilotCore, name: str) -> Any:
+    """A message of an autopilot as it is now.
+
+    Args:
+        core: The autopilot.
+        name: Of the message.
+    """
+    return BUILDERS[name](core, core.airframe.measured)
+
+
+def milliseconds(core: AutopilotCore, state: FlightState) -> int:
+    """Time since boot of a state in [ms], as it fits 32 bits.
 
     Args:
         core: Of the vehicle.
+        state: Of the vehicle.
     """
-    return round((core.airframe.measured.time + core.clock_offset) * 1e3) % 2**32
+    return round((state.time + core.clock_offset) * 1e3) % 2**32
 
 
-def microseconds(core: AutopilotCore) -> int:
-    """Time since boot of the state in [us].
+def microseconds(core: AutopilotCore, state: FlightState) -> int:
+    """Time since boot of a state in [us].
 
     Args:
         core: Of the vehicle.
+        state: Of the vehicle.
     """
-    return max(round((core.airframe.measured.time + core.clock_offset) * 1e6), 0)
+    return max(round((state.time + core.clock_offset) * 1e6), 0)
 
 
-def on_the_wire(frame: LocalFrame, point: ArrayLike) -> tuple[int, int, float]:
-    """Latitude and longitude in [1e-7 deg] and altitude in [m] of a place.
+def on_the_wire(frame: LocalFrame, point: ArrayLike) -> tuple[int, int, int]:
+    """Latitude and longitude in [1e-7 deg] and altitude in [mm] of a place.
 
     Args:
         frame: Axes of ``map``.
@@ -116,7 +129,7 @@ def on_the_wire(frame: LocalFrame, point: ArrayLike) -> tuple[int, int, float]:
     """
     latitude, longitude, altitude = frame.place(point)
     degrees = math.degrees(latitude), math.degrees(longitude)
-    return round(degrees[0] * 1e7), round(degrees[1] * 1e7), altitude
+    return round(degrees[0] * 1e7), round(degrees[1] * 1e7), round(altitude * 1e3)
 
 
 def position_message(
@@ -131,8 +144,7 @@ def position_message(
         velocity: East, north and up in [m/s].
         yaw: Of its nose, clockwise from North, in [rad].
     """
-    latitude, longitude, altitude = on_the_wire(frame, position)
-    height = round(altitude * 1e3)
+    latitude, longitude, height = on_the_wire(frame, position)
     east, north, up = (round(100.0 * speed) for speed in velocity)
     heading = round(math.degrees(yaw) % 360.0 * 100.0) % 36000
     return mavlink.MAVLink_global_position_int_message(
@@ -141,121 +153,9 @@ def position_message(
     )  # fmt: skip
 
 
-def _attitude(core: AutopilotCore) -> Any:
-    state = core.airframe.measured
-    return mavlink.MAVLink_attitude_message(
-        milliseconds(core),
-        state.roll,
-        state.pitch,
-        state.yaw,
-        state.roll_rate,
-        state.pitch_rate,
-        state.yaw_rate,
-    )
-
-
-def _position(core: AutopilotCore) -> Any:
-    state = core.airframe.measured
-    place = state.east, state.north, state.up
-    velocity = state.east_rate, state.north_rate, state.up_rate
-    return position_message(core.origin, milliseconds(core), place, velocity, state.yaw)
-
-
-def _hud(core: AutopilotCore) -> Any:
-    state = core.airframe.measured
-    return mavlink.MAVLink_vfr_hud_message(
-        core.calibrated,
-        state.groundspeed,
-        round(math.degrees(state.yaw)) % 360,
-        round(100.0 * core.loops.throttle),
-        core.origin.altitude + state.up,
-        state.up_rate,
-    )
-
-
-def _destination(core: AutopilotCore) -> Any:
-    """P/GCS_MAVLink_Plane.cpp, ``send_position_target_global_int``: only the place counts."""
-    loiter = core.loiter
-    return mavlink.MAVLink_position_target_global_int_message(
-        milliseconds(core),
-        mavlink.MAV_FRAME_GLOBAL,
-        ONLY_PLACE,
-        *on_the_wire(core.origin, [loiter.east, loiter.north, loiter.up]),
-        *[0.0] * 8,
-    )
-
-
-def _gps(core: AutopilotCore) -> Any:
-    state = core.airframe.measured
-    latitude, longitude, altitude = on_the_wire(core.origin, [state.east, state.north, state.up])
-    course = math.degrees(math.atan2(state.east_rate, state.north_rate)) % 360.0
-    return mavlink.MAVLink_gps_raw_int_message(
-        microseconds(core),
-        GPS_FIX_3D,
-        latitude,
-        longitude,
-        round(altitude * 1e3),
-        80,
-        120,
-        min(round(state.groundspeed * 100.0), UNKNOWN),
-        round(course * 100.0) % 36000,
-        SATELLITES,
-        h_acc=GPS_ACCURACY[0],
-        v_acc=GPS_ACCURACY[1],
-        vel_acc=GPS_ACCURACY[2],
-    )
-
-
-def _home(core: AutopilotCore) -> Any:
-    latitude, longitude, altitude = on_the_wire(core.origin, [0.0, 0.0, 0.0])
-    zero = (0.0, 0.0, 0.0)
-    return mavlink.MAVLink_home_position_message(
-        latitude,
-        longitude,
-        round(altitude * 1e3),
-        *zero,
-        [1.0, 0.0, 0.0, 0.0],
-        *zero,
-        microseconds(core),
-    )
-
-
-def _version(core: AutopilotCore) -> Any:
-    major, minor, patch = core.traits.version
-    return mavlink.MAVLink_autopilot_version_message(
-        core.traits.capabilities,
-        major << 24 | minor << 16 | patch << 8 | mavlink.FIRMWARE_VERSION_TYPE_OFFICIAL,
-        0,
-        0,
-        0,
-        list(b"simulate"),
-        [0] * 8,
-        [0] * 8,
-        0,
-        0,
-        0,
-    )
-
-
-def _wind(core: AutopilotCore) -> Any:
-    """P/GCS_MAVLink_Plane.cpp, ``send_wind``: where it comes from, its length in space."""
-    east, north, up = core.airframe.wind
-    return mavlink.MAVLink_wind_message(
-        math.degrees(math.atan2(-east, -north)), math.hypot(east, north, up), -up
-    )
-
-
-def _wind_covariance(core: AutopilotCore) -> Any:
-    """PX4, ``streams/WIND_COV.hpp``: where it blows to, without a vertical part."""
-    east, north, _ = core.airframe.wind
-    altitude = core.origin.altitude + core.airframe.measured.up
-    return mavlink.MAVLink_wind_cov_message(
-        microseconds(core), north, east, 0.0, 0.02, 0.0, altitude, 0.0, 0.0
-    )
-
-
+NOTHING = (0.0, 0.0, 0.0)  # -, of a vector on the wire
 BUILDERS: dict[str, Builder] = {
-    "HEARTBEAT": lambda core: mavlink.MAVLink_heartbeat_message(
+    "HEARTBEAT": lambda core, state: mavlink.MAVLink_heartbeat_message(
         mavlink.MAV_TYPE_FIXED_WING,
         core.traits.maker,
         core.base_mode,
@@ -263,31 +163,95 @@ BUILDERS: dict[str, Builder] = {
         core.system_state,
         3,
     ),
-    "ATTITUDE": _attitude,
-    "AUTOPILOT_VERSION": _version,
+    "ATTITUDE": lambda core, state: mavlink.MAVLink_attitude_message(
+        milliseconds(core, state),
+        state.roll,
+        state.pitch,
+        state.yaw,
+        state.roll_rate,
+        state.pitch_rate,
+        state.yaw_rate,
+    ),
+    "AUTOPILOT_VERSION": lambda core, state: mavlink.MAVLink_autopilot_version_message(
+        core.traits.capabilities,
+        int.from_bytes(
+            bytes([*core.traits.version, mavlink.FIRMWARE_VERSION_TYPE_OFFICIAL]), "big"
+        ),
+        *(0, 0, 0),
+        list(b"simulate"),
+        *([0] * 8, [0] * 8),
+        *(0, 0, 0),
+    ),
     # streams/CURRENT_MODE.hpp: the mode, and that which the pilot wants
-    "CURRENT_MODE": lambda core: mavlink.mavlink_map[CURRENT_MODE](
+    "CURRENT_MODE": lambda core, state: mavlink.mavlink_map[CURRENT_MODE](
         0, core.custom_mode, core.intended_custom_mode
     ),
-    "EKF_STATUS_REPORT": lambda core: mavlink.MAVLink_ekf_status_report_message(
+    "EKF_STATUS_REPORT": lambda core, state: mavlink.MAVLink_ekf_status_report_message(
         GOOD_FLAGS, *[GOOD_RATIO] * 6
     ),
-    "ESTIMATOR_STATUS": lambda core: mavlink.MAVLink_estimator_status_message(
-        microseconds(core), GOOD_FLAGS, *[GOOD_RATIO] * 6, 0.5, 0.5
+    "ESTIMATOR_STATUS": lambda core, state: mavlink.MAVLink_estimator_status_message(
+        microseconds(core, state), GOOD_FLAGS, *[GOOD_RATIO] * 6, 0.5, 0.5
     ),
-    "EXTENDED_SYS_STATE": lambda core: mavlink.MAVLink_extended_sys_state_message(
+    "EXTENDED_SYS_STATE": lambda core, state: mavlink.MAVLink_extended_sys_state_message(
         mavlink.MAV_VTOL_STATE_UNDEFINED, IN_AIR if core.airframe.flying else ON_GROUND
     ),
-    "GLOBAL_POSITION_INT": _position,
-    "GPS_RAW_INT": _gps,
-    "HOME_POSITION": _home,
-    "POSITION_TARGET_GLOBAL_INT": _destination,
-    "SYS_STATUS": lambda core: mavlink.MAVLink_sys_status_message(
+    "GLOBAL_POSITION_INT": lambda core, state: position_message(
+        core.origin, milliseconds(core, state), state.place, state.velocity, state.yaw
+    ),
+    "GPS_RAW_INT": lambda core, state: mavlink.MAVLink_gps_raw_int_message(
+        microseconds(core, state),
+        GPS_FIX_3D,
+        *on_the_wire(core.origin, state.place),
+        *(80, 120),
+        min(round(state.groundspeed * 100.0), UNKNOWN),
+        round(math.degrees(math.atan2(state.east_rate, state.north_rate)) % 360.0 * 100.0) % 36000,
+        SATELLITES,
+        **GPS_ACCURACY,
+    ),
+    "HOME_POSITION": lambda core, state: mavlink.MAVLink_home_position_message(
+        *on_the_wire(core.origin, NOTHING),
+        *NOTHING,
+        [1.0, *NOTHING],
+        *NOTHING,
+        microseconds(core, state),
+    ),
+    # P/GCS_MAVLink_Plane.cpp, ``send_position_target_global_int``: only the place counts
+    "POSITION_TARGET_GLOBAL_INT": lambda core, state: (
+        mavlink.MAVLink_position_target_global_int_message(
+            milliseconds(core, state),
+            mavlink.MAV_FRAME_GLOBAL,
+            ONLY_PLACE,
+            *on_the_wire(core.origin, core.loiter[:3])[:2],
+            core.origin.place(core.loiter[:3])[2],
+            *[0.0] * 8,
+        )
+    ),
+    "SYS_STATUS": lambda core, state: mavlink.MAVLink_sys_status_message(
         SENSORS, SENSORS, SENSORS, 200, 16000, -1, 100, 0, 0, 0, 0, 0, 0
     ),
-    "VFR_HUD": _hud,
-    "WIND": _wind,
-    "WIND_COV": _wind_covariance,
+    "VFR_HUD": lambda core, state: mavlink.MAVLink_vfr_hud_message(
+        core.calibrated,
+        state.groundspeed,
+        round(math.degrees(state.yaw)) % 360,
+        round(100.0 * core.loops.throttle),
+        core.origin.altitude + state.up,
+        state.up_rate,
+    ),
+    # P/GCS_MAVLink_Plane.cpp, ``send_wind``: where it comes from, its length in space
+    "WIND": lambda core, state: mavlink.MAVLink_wind_message(
+        math.degrees(math.atan2(*-core.airframe.wind[:2])),
+        math.hypot(*core.airframe.wind),
+        -core.airframe.wind[2],
+    ),
+    # PX4, ``streams/WIND_COV.hpp``: where it blows to, without a vertical part
+    "WIND_COV": lambda core, state: mavlink.MAVLink_wind_cov_message(
+        microseconds(core, state),
+        core.airframe.wind[1],
+        core.airframe.wind[0],
+        *(0.0, 0.02, 0.0),
+        core.origin.altitude + state.up,
+        *(0.0, 0.0),
+    ),
 }
 IDS: dict[int, str] = {CURRENT_MODE: "CURRENT_MODE"} | {
     int(getattr(mavlink, f"MAVLINK_MSG_ID_{name}")): name

@@ -30,7 +30,7 @@ from uav_tracking_mpc.autopilot.autopilot_core import (
     Severity,
 )
 from uav_tracking_mpc.autopilot.flight_loops import TICK
-from uav_tracking_mpc.autopilot.telemetry_messages import BUILDERS, IDS, MessageRates
+from uav_tracking_mpc.autopilot.telemetry_messages import IDS, MessageRates, telemetry
 from uav_tracking_mpc.dynamics.frames import bank_from_quaternion
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 
@@ -82,7 +82,7 @@ class VehicleProtocol:
         while core.time + TICK <= until + 1e-9:
             core.step()
             for name in self.rates.due(core.time):
-                self._send(BUILDERS[name](core))
+                self._send(telemetry(core, name))
             self._tell_changes()
             if core.time >= self._next_sync:
                 self._next_sync = core.time + core.traits.sync_period
@@ -106,7 +106,7 @@ class VehicleProtocol:
         if self.core.mode != self._mode:
             self._mode = self.core.mode
             for name in self.core.traits.mode_messages:
-                self._send(BUILDERS[name](self.core))
+                self._send(telemetry(self.core, name))
         for severity, words in self.core.texts:
             self._send(mavlink.MAVLink_statustext_message(severity, words.encode("ascii")))
         self.core.texts.clear()
@@ -177,7 +177,7 @@ class VehicleProtocol:
         return self._tell(name)
 
     def _tell(self, name: str) -> int:
-        self._send(BUILDERS[name](self.core))
+        self._send(telemetry(self.core, name))
         return Result.ACCEPTED
 
     def _take_mode(self, message: Any, now: float) -> None:
@@ -196,7 +196,7 @@ class VehicleProtocol:
         self.core.attitude_target(AttitudeTarget(message.type_mask, roll, pitch, thrust))
 
     def _take_parameter_read(self, message: Any, now: float) -> None:
-        names = self.core.parameters.names
+        names = list(self.core.parameters)
         if message.param_index >= 0:
             name = names[message.param_index] if message.param_index < len(names) else ""
         else:
@@ -205,7 +205,7 @@ class VehicleProtocol:
             self._send_parameter(name)
 
     def _take_parameter_list(self, message: Any, now: float) -> None:
-        for name in self.core.parameters.names:
+        for name in self.core.parameters:
             self._send_parameter(name)
 
     def _take_parameter_set(self, message: Any, now: float) -> None:
@@ -228,7 +228,7 @@ class VehicleProtocol:
             kind = mavlink.MAV_PARAM_TYPE_INT32
             if self.core.traits.bytewise:
                 (value,) = struct.unpack("<f", struct.pack("<i", int(known[name])))
-        names = known.names
+        names = list(known)
         self._send(
             mavlink.MAVLink_param_value_message(
                 name.encode("ascii"), value, kind, len(names), names.index(name)

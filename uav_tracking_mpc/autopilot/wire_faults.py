@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Faults on the wire of the simulated autopilot, by name, each with a beginning and an end.
+"""The wire of the simulated autopilot, and faults on it, by name, each with a beginning and an end.
 
 They are for campaigns: :class:`~uav_tracking_mpc.autopilot.simulated_autopilot.SimulatedAutopilot`
 begins and ends them. All that is random in one comes from a seed. What may happen to any stream is
@@ -21,8 +21,11 @@ in :mod:`~uav_tracking_mpc.autopilot.deliveries`; here is what only a wire or it
 
 from __future__ import annotations
 
+import heapq
+import itertools
 import random
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from uav_tracking_mpc.autopilot.deliveries import (
@@ -38,7 +41,9 @@ from uav_tracking_mpc.autopilot.deliveries import (
     Stale,
     StreamRule,
     Truncated,
+    struck,
 )
+from uav_tracking_mpc.links.mavlink.connection import CHUNK, Wire
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.parameters.specification import ParameterError
 
@@ -178,3 +183,78 @@ def wire_fault(name: str, seed: int = 0) -> StreamRule:
     fault = WIRE_FAULTS[name]()
     fault.rng = random.Random(seed)
     return fault
+
+
+Queue = list[tuple[float, int, bytes]]  # when it arrives in s, order, bytes
+
+
+class Radio(Wire):
+    """A wire whose bytes may be lost, late, doubled or changed on their way.
+
+    What is sent comes as whole frames, what is received as pieces: of a datagram a frame, of a
+    stream whatever was there.
+
+    Args:
+        wire: What carries them.
+        faults: That act now, one after the other.
+        now: Time in [s].
+    """
+
+    def __init__(
+        self, wire: Wire, faults: list[StreamRule], now: Callable[[], float] = time.monotonic
+    ) -> None:
+        super().__init__(None)
+        self._wire, self._faults, self._now = wire, faults, now
+        self._order = itertools.count()
+        self._outward: Queue = []
+        self._inward: Queue = []
+        self._ended = False  # the other end has closed a stream
+
+    def write(self, frame: bytes) -> None:
+        """See :meth:`Wire.write`."""
+        if not self._faults and not self._outward:
+            self._wire.write(frame)
+            return
+        self._queue(self._outward, bytes(frame), outward=True)
+        self._flush()
+
+    def recv(self, size: int) -> bytes | None:
+        """See :meth:`Wire.recv`: one piece, for a cut one must not swallow the next."""
+        if self._inward and self._inward[0][0] <= self._now():
+            return heapq.heappop(self._inward)[2]
+        return b"" if self._ended else None
+
+    def select(self, timeout: float) -> bool:
+        """See :meth:`Wire.select`."""
+        deadline = self._now() + timeout
+        while True:
+            self._flush()
+            now = self._now()
+            if self._ended or (self._inward and self._inward[0][0] <= now):
+                return True
+            if now > deadline:
+                return False
+            next_due = min((queue[0][0] for queue in (self._inward, self._outward) if queue),
+                           default=deadline)  # fmt: skip
+            if self._wire.select(max(min(deadline, next_due) - now, 0.0)):
+                data = self._wire.recv(CHUNK)
+                if data:
+                    self._queue(self._inward, bytes(data), outward=False)
+                elif data == b"":
+                    self._ended = True
+            elif timeout <= 0.0:
+                return bool(self._inward and self._inward[0][0] <= self._now())
+
+    def close(self) -> None:
+        """See :meth:`Wire.close`."""
+        self._wire.close()
+
+    def _queue(self, queue: Queue, data: bytes, outward: bool) -> None:
+        now = self._now()
+        for delay, piece in struck(tuple(self._faults), outward, data, now):
+            heapq.heappush(queue, (now + delay, next(self._order), piece))
+
+    def _flush(self) -> None:
+        now = self._now()
+        while self._outward and self._outward[0][0] <= now:
+            self._wire.write(heapq.heappop(self._outward)[2])

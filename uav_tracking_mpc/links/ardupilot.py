@@ -69,6 +69,11 @@ NAMES = (
     "FS_LONG_ACTN", "FS_GCS_ENABL", "FENCE_ENABLE", "FENCE_ACTION", "FENCE_TYPE",
     "FENCE_ALT_MAX", "FENCE_ALT_MIN", "FENCE_RADIUS", "STICK_MIXING", "ALT_OFFSET",
 )  # fmt: skip
+# -, new name of each, and how much of its unit the old one had
+OLD_NAMES = {
+    "LIM_ROLL_CD": ("ROLL_LIMIT_DEG", 1e-2), "TRIM_ARSPD_CM": ("AIRSPEED_CRUISE", 1e-2),
+    "ARSPD_FBW_MIN": ("AIRSPEED_MIN", 1.0), "ARSPD_FBW_MAX": ("AIRSPEED_MAX", 1.0),
+}  # fmt: skip
 FENCE_ALTITUDE_MAX, FENCE_CIRCLE, FENCE_ALTITUDE_MIN = 1, 2, 8  # bits of FENCE_TYPE
 FENCE_RTL = (1.0, 8.0)  # codes of actions that take GUIDED away
 SHARE_OF_LOOP = 0.8  # -, of the main loop's rate, that telemetry can have
@@ -82,28 +87,23 @@ class ArduPlaneEnvelope(VehicleEnvelope):
         true_over_equivalent: True over equivalent airspeed where it flies [-].
     """
 
-    names = NAMES
+    names, cruise_name = NAMES, "AIRSPEED_CRUISE"
 
     def __init__(self, vehicle: Mapping[str, float], true_over_equivalent: float) -> None:
-        super().__init__(vehicle, true_over_equivalent)
-        cruise = self._first("AIRSPEED_CRUISE", "TRIM_ARSPD_CM")
-        self.cruise = None if math.isnan(cruise) else cruise * true_over_equivalent
-
-    def _first(self, *names: str) -> float:
-        """The first that there is of its names, nan for none; old ones may be in hundredths."""
-        found = next((name for name in names if name in self.vehicle), names[0])
-        (value,) = self.told(found)
-        return value * 1e-2 if found.endswith(("_CM", "_CD")) else value
+        renamed = {
+            new: vehicle[old] * share for old, (new, share) in OLD_NAMES.items() if old in vehicle
+        }
+        super().__init__({**renamed, **vehicle}, true_over_equivalent)
 
     def values(self, airspeed: float) -> dict[str, Any]:
         """See :meth:`VehicleEnvelope.values`."""
         bank = self.bank_max(airspeed)
-        least = self._first("AIRSPEED_MIN", "ARSPD_FBW_MIN")
-        most = self._first("AIRSPEED_MAX", "ARSPD_FBW_MAX")
+        least, most, lag, rate = self.told(
+            "AIRSPEED_MIN", "AIRSPEED_MAX", "RLL2SRV_TCONST", "RLL2SRV_RMAX"
+        )
         climb, sink, idle, constant = self.told(
             "TECS_CLMB_MAX", "TECS_SINK_MAX", "TECS_SINK_MIN", "TECS_TIME_CONST"
         )
-        lag, rate = self.told("RLL2SRV_TCONST", "RLL2SRV_RMAX")
         return known(
             {
                 "bank_max": math.nan if bank is None else bank - BANK_KEPT,
@@ -130,10 +130,8 @@ class ArduPlaneEnvelope(VehicleEnvelope):
         Args:
             airspeed: True, in [m/s].
         """
-        limit = self._first("ROLL_LIMIT_DEG", "LIM_ROLL_CD")
-        if math.isnan(limit):
-            return None
-        stall = self.vehicle.get("AIRSPEED_STALL") or self._first("AIRSPEED_MIN", "ARSPD_FBW_MIN")
+        limit, slowest = self.told("ROLL_LIMIT_DEG", "AIRSPEED_MIN")
+        stall = self.vehicle.get("AIRSPEED_STALL") or slowest
         prevented = self.vehicle.get("STALL_PREVENTION", 1.0)
         return self.turning(limit, airspeed, stall if prevented else math.nan)
 

@@ -39,7 +39,6 @@ does, by what is read here.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -102,17 +101,11 @@ class Px4Envelope(VehicleEnvelope):
         true_over_equivalent: True over equivalent airspeed where it flies [-].
     """
 
-    names = NAMES
-
-    def __init__(self, vehicle: Mapping[str, float], true_over_equivalent: float) -> None:
-        super().__init__(vehicle, true_over_equivalent)
-        self._all = {**DEFAULTS, **vehicle}
-        trim = vehicle.get("FW_AIRSPD_TRIM")
-        self.cruise = None if trim is None else trim * true_over_equivalent
+    names, cruise_name, defaults = NAMES, "FW_AIRSPD_TRIM", DEFAULTS
 
     def values(self, airspeed: float) -> dict[str, Any]:
         """See :meth:`VehicleEnvelope.values`."""
-        vehicle, bank = self._all, self.bank_max(airspeed)
+        vehicle, bank = self.assumed, self.bank_max(airspeed)
         least, most = (self.ratio * v for v in self.told("FW_AIRSPD_MIN", "FW_AIRSPD_MAX"))
         climb, sink, idle = (vehicle[f"FW_T_{n}"] for n in ("CLMB_MAX", "SINK_MAX", "SINK_MIN"))
         # Thrust less drag at the ends of the airspeed, the drag growing with its square.
@@ -143,16 +136,16 @@ class Px4Envelope(VehicleEnvelope):
             airspeed: True, in [m/s].
         """
         limit, slowest = self.told("FW_R_LIM", "FW_AIRSPD_MIN")
-        return None if math.isnan(limit) else self.turning(limit, airspeed, slowest)
+        return self.turning(limit, airspeed, slowest)
 
     @property
     def roll_slew(self) -> float:
         """How quickly the commanded bank changes at most in [rad/s]."""
-        return math.radians(min(self._all["FW_R_RMAX"], self._all["FW_PN_R_SLEW_MAX"]))
+        return math.radians(min(self.assumed["FW_R_RMAX"], self.assumed["FW_PN_R_SLEW_MAX"]))
 
     def energy_limits(self) -> EnergyLimits:
         """What the energy law is to know and to keep."""
-        vehicle = self._all
+        vehicle = self.assumed
         cruise = vehicle.get("FW_AIRSPD_TRIM", 15.0)
         slew = vehicle["FW_THR_SLEW_MAX"]
         return EnergyLimits(
@@ -187,7 +180,7 @@ class Px4Envelope(VehicleEnvelope):
         vehicle = self.vehicle
         kind, action = vehicle.get("MAV_TYPE", 1.0), vehicle.get("COM_OBL_RC_ACT", ENDS_WELL[0])
         slow, cruise, fast, loss = self.told(*NEEDED[1:], "COM_OF_LOSS_T")
-        low, trim, high = (self._all[f"FW_THR_{end}"] for end in ("MIN", "TRIM", "MAX"))
+        low, trim, high = (self.assumed[f"FW_THR_{end}"] for end in ("MIN", "TRIM", "MAX"))
         return [f"{name} cannot be read" for name in NEEDED if name not in vehicle] + applying(
             (
                 kind not in FIXED_WING,
@@ -282,7 +275,6 @@ OFFBOARD, HOLD = (6, 0), (4, 3)
 NO_RATES = 0b111  # type_mask; rates are ignored; attitude and thrust are not
 CUSTOM_MODE = 1.0  # code: param1 of DO_SET_MODE
 INERT_TIME = 1.2  # s of inert set-points before OFFBOARD is asked for; PX4 wants more than 1 s
-SAME_RATIO = 1e-3  # -, relative difference of true and equivalent airspeed: 20 m of altitude
 FENCE_PERIOD = 0.5  # s between looks at the fence
 STALE = 1.0  # s that the newest measurement may be old
 
@@ -316,7 +308,6 @@ class Px4Link(MavlinkLink):
     def _forget(self) -> None:
         super()._forget()
         self._law: EnergyLaw | None = None
-        self._known: Px4Envelope | None = None
         self._bank, self._banked_at = 0.0, -math.inf
         self._inert_since: float | None = None
 
@@ -330,10 +321,8 @@ class Px4Link(MavlinkLink):
         return main_and_sub(custom_mode)[0] == OFFBOARD[0]
 
     def envelope(self) -> Px4Envelope:
-        """See :meth:`MavlinkLink.envelope`: made anew where the air is another."""
-        if self._known is None or abs(self.ratio - self._known.ratio) > SAME_RATIO:
-            self._known = Px4Envelope(self.vehicle, self.ratio)
-        return self._known
+        """See :meth:`MavlinkLink.envelope`."""
+        return Px4Envelope(self.vehicle, self.ratio)
 
     def ask_for_command(self, now: float) -> None:
         """See :meth:`MavlinkLink.ask_for_command`: once set-points have come for long enough."""

@@ -17,12 +17,9 @@
 ===================  ==============================================================
 ``closed_loop``      a plant and the controller, step by step
 ``flight_log``       what a flight leaves behind
-``plants``           what can be flown
+``plants``           what can be flown, its inner loops and its sensors
 ``plan_follower``    the part of an autopilot that flies plans
 ``flight_dynamics``  six degrees of freedom: JSBSim with an airframe of ours
-``flight_control``   its inner loops: bank, path angle, airspeed
-``inner_loop``       dead time and lag between a command and the rate that is flown
-``vehicle_sensors``  how the aircraft is measured: noise
 ``wind``             mean wind and Dryden gusts
 ``motions``          how the target moves
 ``steered_target``   the target that is steered in flight, and how it is measured

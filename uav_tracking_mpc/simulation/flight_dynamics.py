@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 from scipy.optimize import root
 
 from uav_tracking_mpc.settings.configuration import configuration_folder
+from uav_tracking_mpc.settings.simulator import SimulatorParameters
 
 RATE = 200  # Hz, of the equations of motion, the servos and the inner loops
 LATITUDE = 0.25 * math.pi  # rad, where gravity is within 0.01 % of the standard
@@ -94,33 +95,12 @@ class Flown(NamedTuple):
     lift: float
 
 
-class Start(NamedTuple):
-    """How the aircraft is put into the air.
-
-    Attributes:
-        position: In ``map``, three, in [m].
-        heading: Counter-clockwise from East in [rad].
-        path_angle: In [rad].
-        airspeed: In [m/s].
-        wind: Mean velocity of the air in ``map``, three, in [m/s].
-        gust_intensity: W20 in [m/s].
-        seed: Of the turbulence.
-    """
-
-    position: Sequence[float]
-    heading: float
-    path_angle: float
-    airspeed: float
-    wind: Sequence[float] = (0.0, 0.0, 0.0)
-    gust_intensity: float = 0.0
-    seed: int = 0
-
-
 class Airframe:
     """One aircraft in the air, trimmed where it starts.
 
     Args:
-        start: Where and how.
+        start: Position, heading, path angle, airspeed and air at the start.
+        seed: Of the turbulence.
 
     Attributes:
         trim: Surfaces of the steady flight in which it starts.
@@ -131,7 +111,7 @@ class Airframe:
         ImportError: JSBSim is not installed.
     """
 
-    def __init__(self, start: Start) -> None:
+    def __init__(self, start: SimulatorParameters, seed: int = 0) -> None:
         self._fdm = _executive()
         self._fdm["ic/terrain-elevation-ft"] = 0.0
         self._climbing_air = start.wind[2]
@@ -140,8 +120,8 @@ class Airframe:
         self._origin = self._from_centre()
         sin, cos = math.sin(LATITUDE), math.cos(LATITUDE)
         self._axes = np.array([[0.0, 1.0, 0.0], [-sin, 0.0, cos], [cos, 0.0, sin]])
-        self._put(np.array(start.position, dtype=float))
-        self.trim = self._trimmed(start)
+        self._put(np.array(start.initial_position, dtype=float))
+        self.trim = self._trimmed(start, seed)
         self.steps = 0
 
     def step(self, surfaces: Surfaces) -> None:
@@ -248,20 +228,21 @@ class Airframe:
             guess += [north / radius, east / radius / math.cos(guess[0]), up]
         self._place(*guess.tolist())
 
-    def _trimmed(self, start: Start) -> Surfaces:
+    def _trimmed(self, start: SimulatorParameters, seed: int) -> Surfaces:
         """Find angle of attack, bank and surfaces of straight flight, where nothing accelerates."""
-        fdm, wind = self._fdm, start.wind
-        level = start.airspeed * math.cos(start.path_angle)
-        east = level * math.cos(start.heading) + wind[0]
-        north = level * math.sin(start.heading) + wind[1]
-        climb = start.airspeed * math.sin(start.path_angle)
+        fdm, wind, airspeed = self._fdm, start.wind, start.initial_speed
+        heading, path_angle = start.initial_heading, start.initial_path_angle
+        level = airspeed * math.cos(path_angle)
+        east = level * math.cos(heading) + wind[0]
+        north = level * math.sin(heading) + wind[1]
+        climb = airspeed * math.sin(path_angle)
 
         def begin(alpha: float, bank: float, surfaces: Surfaces, rising: float = 0.0) -> None:
             self._command(surfaces)
             fdm["ic/vw-mag-fps"] = math.hypot(*wind[:2]) / FOOT
             fdm["ic/vw-dir-deg"] = math.degrees(math.atan2(wind[0], wind[1])) % 360.0
-            fdm["ic/phi-rad"], fdm["ic/theta-rad"] = bank, start.path_angle + alpha
-            fdm["ic/psi-true-rad"] = (0.5 * math.pi - start.heading) % (2.0 * math.pi)
+            fdm["ic/phi-rad"], fdm["ic/theta-rad"] = bank, path_angle + alpha
+            fdm["ic/psi-true-rad"] = (0.5 * math.pi - heading) % (2.0 * math.pi)
             fdm["ic/vn-fps"], fdm["ic/ve-fps"] = north / FOOT, east / FOOT
             fdm["ic/vd-fps"] = -(climb + rising) / FOOT
             fdm.set_trim_status(True)  # servos stand where they are told to
@@ -278,10 +259,10 @@ class Airframe:
         surfaces = Surfaces(*parts)
         if not solved.success or not 0.0 <= surfaces.throttle <= 1.0 or abs(alpha) > ALPHA_LOST:
             raise AirframeError(
-                f"there is no steady flight at {start.airspeed:g} m/s and a path angle of "
-                f"{start.path_angle:g} rad"
+                f"there is no steady flight at {airspeed:g} m/s and a path angle of "
+                f"{path_angle:g} rad"
             )
-        fdm["simulation/randomseed"] = start.seed
+        fdm["simulation/randomseed"] = seed
         begin(alpha, bank, surfaces, rising=wind[2])
         fdm["atmosphere/wind-down-fps"] = -wind[2] / FOOT  # the start knows level wind alone
         fdm.suspend_integration()

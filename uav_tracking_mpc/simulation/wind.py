@@ -127,15 +127,12 @@ class Wind:
         heading: float,
         height: float,
     ) -> None:
-        self._mean = np.array(mean, dtype=float)
-        self._intensity = intensity
         self._random = np.random.default_rng(seed)
         u, v1, v2, w1, w2 = self._random.standard_normal(5).tolist()
         self._filters = GustFilter(u, 0.0), GustFilter(v1, v2), GustFilter(w1, w2)
         self._left = GUST_STEP  # of the present gust
-        self._velocity = self._mean
-        if intensity > 0.0:
-            self._turn_to_map(heading, gust_scales(height, intensity))
+        self._mean, self._velocity, self._intensity = np.zeros(3), np.zeros(3), 0.0
+        self.change(mean, intensity, heading, height)
 
     def change(self, mean: ArrayLike, intensity: float, heading: float, height: float) -> None:
         """Blow otherwise from now on; the gust of now grows or shrinks with its strength.

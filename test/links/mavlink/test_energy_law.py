@@ -15,6 +15,7 @@
 """Path angle and airspeed follow the inputs like the controller's model; limits always hold."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -32,7 +33,8 @@ from uav_tracking_mpc.links.mavlink.energy_law import (
     FlownPath,
 )
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.simulation import flight_control, flight_dynamics
+from uav_tracking_mpc.simulation import flight_dynamics
+from uav_tracking_mpc.simulation.plants import jsbsim
 
 CRUISE = 22.0
 LIMITS = EnergyLimits(CRUISE, 14.0, 32.0)
@@ -123,11 +125,15 @@ class Attitude:
     """
 
     def __init__(self):
-        start = flight_dynamics.Start((0.0, 0.0, 150.0), 0.0, 0.0, CRUISE)
-        self.airframe, self.time = flight_dynamics.Airframe(start), 0.0
+        parameters = replace(
+            load_configuration("jsbsim_uav").simulator,
+            initial_position=(0.0, 0.0, 150.0),
+            initial_path_angle=0.0,
+            initial_speed=CRUISE,
+        )
+        self.airframe, self.time = flight_dynamics.Airframe(parameters), 0.0
         flown, trim = self.airframe.flown, self.airframe.trim
-        parameters = load_configuration("jsbsim_uav").simulator
-        self.loops = flight_control.FlightControl(parameters, trim, flown)
+        self.loops = jsbsim.FlightControl(parameters, trim, flown)
         self.pitch, self.thrust, self._elevator = flown.pitch, trim.throttle, trim.elevator
 
     @property
@@ -146,9 +152,9 @@ class Attitude:
         wanted = rise * math.cos(flown.bank)
         wanted += yaw_rate * math.sin(flown.bank) * math.cos(flown.pitch)
         error = wanted - flown.pitch_rate
-        forward = flight_control.PITCH_FORWARD * CRUISE / flown.airspeed * wanted
-        elevator = self._elevator - forward - weaker * flight_control.PITCH_GAIN * error
-        self._elevator -= weaker * flight_control.PITCH_INTEGRAL * error * STEP
+        forward = jsbsim.PITCH_FORWARD * CRUISE / flown.airspeed * wanted
+        elevator = self._elevator - forward - weaker * jsbsim.PITCH_GAIN * error
+        self._elevator -= weaker * jsbsim.PITCH_INTEGRAL * error * STEP
         self.airframe.step(flight_dynamics.Surfaces(aileron, elevator, rudder, thrust))
         self.time += STEP
 
@@ -173,17 +179,20 @@ def test_a_trim_and_an_engine_that_are_not_as_told_are_learnt(plant):
     assert np.abs(airspeed[-1000:] - CRUISE).max() < 0.05
 
 
+def settled(flown):
+    """The law after 4 s of what is flown."""
+    law = EnergyLaw(LIMITS)
+    law.begin(flown, 0.1, LIMITS.trim)
+    for tick in range(1, 100):
+        law.step(0.0, 0.0, flown._replace(time=0.04 * tick))
+    return law
+
+
 def test_thin_air_takes_more_thrust():
     """PerformanceModel::getTrimThrottle: the root of the density at sea level over that there."""
-    thrust = []
-    for ratio in (1.0, 1.1):
-        law, flown = EnergyLaw(LIMITS), LEVEL._replace(airspeed=ratio * CRUISE)
-        flown = flown._replace(true_over_equivalent=ratio)
-        law.begin(flown, 0.1, LIMITS.trim)
-        for tick in range(1, 40):
-            law.step(0.0, 0.0, flown._replace(time=0.1 * tick))
-        thrust.append(law.thrust)
-    assert thrust[1] == pytest.approx(1.1 * thrust[0], rel=1e-6)
+    thin = LEVEL._replace(airspeed=1.1 * CRUISE, true_over_equivalent=1.1)
+    thrusts = [settled(flown).thrust for flown in (LEVEL, thin)]
+    assert thrusts[1] == pytest.approx(1.1 * thrusts[0], rel=1e-6)
 
 
 @pytest.mark.parametrize(("airspeed", "trim"), [(14.0, 0.4), (18.0, 0.5), (22.0, 0.6), (32.0, 0.9)])
@@ -196,11 +205,7 @@ def test_trim_by_airspeed_is_interpolated(airspeed, trim):
 
 
 def test_below_the_least_airspeed_the_nose_goes_down_and_the_thrust_up():
-    slow = LEVEL._replace(airspeed=12.0)
-    law = EnergyLaw(LIMITS)
-    law.begin(slow, 0.1, 0.6)
-    for tick in range(1, 30):
-        law.step(0.0, 0.0, slow._replace(time=0.04 * tick))
+    law = settled(LEVEL._replace(airspeed=12.0))
     assert law.thrust == LIMITS.thrust_max
     assert law.pitch < 0.1 - 0.05
 
@@ -225,10 +230,8 @@ def test_after_a_pause_it_begins_anew():
     law = EnergyLaw(LIMITS)
     law.begin(LEVEL, 0.1, 0.6)
     law.step(0.0, 0.0, LEVEL._replace(time=0.04))
-    away = FlownPath(5.0, 0.12, 25.0, 0.0)
-    law.step(0.0, 0.0, away)
-    assert law.path_angle == pytest.approx(0.12)
-    assert law.airspeed == pytest.approx(25.0)
+    law.step(0.0, 0.0, FlownPath(5.0, 0.12, 25.0, 0.0))
+    assert (law.path_angle, law.airspeed) == pytest.approx((0.12, 25.0))
 
 
 ANY = st.floats(width=32) | st.floats(-1.0, 1.0)
@@ -245,8 +248,7 @@ FLOWN = st.tuples(
 def test_limits_and_slew_hold_whatever_comes_in(steps):
     law = EnergyLaw(LIMITS)
     law.begin(LEVEL, 0.1, 0.6)
-    time, given_before = 0.0, (law.pitch, law.thrust)
-    given_all = [given_before]
+    time, given_all = 0.0, [(law.pitch, law.thrust)]
     for u_chi, u_v, (duration, *flown) in steps:
         time += duration
         given_all.append(law.step(u_chi, u_v, FlownPath(time, *flown)))

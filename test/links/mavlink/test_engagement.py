@@ -42,17 +42,11 @@ class Vehicle:
         return self
 
 
-def test_nothing_flies_unless_somebody_engages():
+def test_nothing_flies_unless_somebody_engages_and_the_mode_is_there():
     vehicle = Vehicle()
-    for mode in ("LOITER", "OURS", "LOITER", "OURS"):
-        assert vehicle.tells(mode) is State.IDLE
-
-
-def test_it_is_engaged_once_the_mode_is_there():
-    vehicle = Vehicle()
-    vehicle.engagement.ask(0.0)
-    assert vehicle.tells("LOITER") is State.ASKING
-    assert vehicle.tells("OURS") is State.ENGAGED
+    assert {vehicle.tells(mode) for mode in ("LOITER", "OURS", "LOITER", "OURS")} == {State.IDLE}
+    vehicle.engagement.ask(vehicle.time)
+    assert [vehicle.tells(mode) for mode in ("LOITER", "OURS")] == [State.ASKING, State.ENGAGED]
 
 
 def test_asking_ends():

@@ -61,8 +61,10 @@ def test_what_is_not_answered_is_repeated_then_given_up():
     assert events.take() == [(Level.WARNING, "the autopilot refused the mode: not answered")]
 
 
-def test_a_refusal_is_told_by_its_name():
+def test_a_refusal_of_it_and_of_no_other_is_told_by_its_name():
     _, events, requests = asked()
+    requests.see(acknowledgement(mavlink.MAV_RESULT_DENIED, mavlink.MAV_CMD_DO_REPOSITION), 0.1)
+    assert (requests.refused, events.take()) == (0, [])
     requests.see(acknowledgement(mavlink.MAV_RESULT_TEMPORARILY_REJECTED), 0.1)
     assert requests.refused == 1
     assert "TEMPORARILY_REJECTED" in events.take()[0].words
@@ -73,13 +75,6 @@ def test_progress_puts_the_end_off():
     requests.see(acknowledgement(mavlink.MAV_RESULT_IN_PROGRESS), 0.1)
     requests.tend(0.1 + 0.9 * PROGRESS)
     assert len(wire.sent) == 1
-
-
-def test_answers_to_others_are_left_aside():
-    _, events, requests = asked()
-    requests.see(acknowledgement(mavlink.MAV_RESULT_DENIED, mavlink.MAV_CMD_DO_REPOSITION), 0.1)
-    assert requests.refused == 0
-    assert events.take() == []
 
 
 def test_a_place_keeps_its_digits_and_a_quiet_one_is_told_only_if_refused():

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Messages to measurements: units, frames, times, and what is dropped."""
+"""Messages to measurements by our clock: units, frames, times, restarts, and what is dropped."""
 
 import math
 
@@ -22,9 +22,8 @@ import pytest
 from uav_tracking_mpc.dynamics.air import true_over_equivalent
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.estimation.measurement import SILENT, Axis
-from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
-from uav_tracking_mpc.links.mavlink.telemetry import AGE, Accuracies, Telemetry
+from uav_tracking_mpc.links.mavlink.telemetry import AGE, Accuracies, AutopilotClock, Telemetry
 
 HOME = LocalFrame(math.radians(47.3977), math.radians(8.5456), 488.0)
 
@@ -129,14 +128,10 @@ def test_another_origin_may_be_stated():
     np.testing.assert_allclose(seen.position, (0.0, 0.0, 50.0), atol=0.02)
 
 
-def test_without_air_data_there_is_no_airspeed():
-    seen = flown(telemetry(), home(), attitude(101.0), position(101.0, (0, 0, 100), (20, 0, 2)))
-    assert seen.airspeed is None
-
-
-def test_old_air_data_does_not_count():
+def test_without_air_data_or_with_old_ones_there_is_no_airspeed():
     heard = telemetry()
-    flown(heard, home(), hud(20.0), arrival=1.0)
+    assert flown(heard, home(), attitude(101.0), position(101.0, (0, 0, 100))).airspeed is None
+    flown(heard, hud(20.0), arrival=1.0)
     seen = flown(heard, attitude(103.0), position(103.0, (0, 0, 100)), arrival=3.0)
     assert seen.airspeed is None
 
@@ -168,12 +163,13 @@ def test_a_repeated_or_overtaken_position_makes_no_measurement():
 
 def test_the_wind_is_where_it_blows_to():
     heard = telemetry()
-    heard.see(mavlink.MAVLink_wind_message(270.0, 8.0, 0.5), 1.0)  # from the West, and down
-    np.testing.assert_allclose(heard.wind, (8.0, 0.0, -0.5), atol=1e-9)
-    heard.see(mavlink.MAVLink_wind_cov_message(0, 3.0, -4.0, 0.0, 1, 1, 0, 0, 0), 2.0)
-    np.testing.assert_allclose(heard.wind, (-4.0, 3.0, 0.0))
-    heard.see(mavlink.MAVLink_wind_message(math.nan, 8.0, 0.5), 3.0)
-    np.testing.assert_allclose(heard.wind, (-4.0, 3.0, 0.0))
+    for message, wind in (
+        (mavlink.MAVLink_wind_message(270.0, 8.0, 0.5), (8.0, 0.0, -0.5)),  # from the West, down
+        (mavlink.MAVLink_wind_cov_message(0, 3.0, -4.0, 0.0, 1, 1, 0, 0, 0), (-4.0, 3.0, 0.0)),
+        (mavlink.MAVLink_wind_message(math.nan, 8.0, 0.5), (-4.0, 3.0, 0.0)),
+    ):
+        heard.see(message, 1.0)
+        np.testing.assert_allclose(heard.wind, wind, atol=1e-9)
 
 
 def estimator(level, vertical):
@@ -209,11 +205,87 @@ def test_what_makes_no_sense_is_unknown(wrong):
     assert told(receiver(0, 0, 0)) is SILENT
 
 
-def test_test_ratios_are_no_variances():
-    assert told(mavlink.MAVLink_ekf_status_report_message(831, 0.1, 0.1, 0.1, 0.1, 0.1)) is SILENT
-
-
-def test_what_is_old_counts_no_more():
+def test_what_is_old_and_what_is_no_variance_do_not_count():
     messages = estimator(0.5, 0.8), receiver(900, 1500, 200)
     assert told(*messages, now=AGE) is not SILENT
     assert told(*messages, now=AGE + 0.1) is SILENT
+    ratios = mavlink.MAVLink_ekf_status_report_message(831, 0.1, 0.1, 0.1, 0.1, 0.1)
+    assert told(ratios) is SILENT
+
+
+OFFSET = 1234.5  # s, autopilot's time minus ours
+
+
+def exchange(clock, sent, there, back):
+    clock.see_answer(sent, sent + there + OFFSET, sent + there + back)
+
+
+@pytest.fixture
+def clock():
+    """After one quick answer."""
+    clock = AutopilotClock()
+    exchange(clock, 0.0, 0.01, 0.01)
+    return clock
+
+
+def test_until_the_first_answer_the_least_delay_counts():
+    clock = AutopilotClock()
+    with pytest.raises(ValueError, match="nothing is known"):
+        clock.ours(1.0)
+    for time, delay in ((1.0, 0.05), (1.02, 0.02), (1.04, 0.2)):
+        clock.see_stamp(time + OFFSET, time + delay)
+    assert clock.ours(2.0 + OFFSET) == pytest.approx(2.02)
+
+
+def test_the_quickest_round_trip_counts_and_its_half_bounds_the_error():
+    clock, random = AutopilotClock(), np.random.default_rng(1)
+    for sent in range(15):
+        exchange(clock, float(sent), *random.uniform(0.001, 0.3, 2))
+    exchange(clock, 20.0, 0.002, 0.004)
+    assert clock.delay == pytest.approx(0.003)
+    assert abs(clock.offset - OFFSET) <= clock.delay
+    assert clock.ours(30.0 + OFFSET) == pytest.approx(30.0, abs=clock.delay)
+    assert 0.01 < clock.jitter < 0.2
+
+
+def test_an_answer_from_nowhere_changes_nothing(clock):
+    before = clock.offset
+    # Before it was asked, after too long, not a number, of another boot.
+    for answered, arrival in ((OFFSET, 4.0), (OFFSET, 9.0), (math.nan, 5.1), (72.0, 5.01)):
+        clock.see_answer(5.0, 5.0 + answered, arrival)
+        assert clock.offset == before
+
+
+def test_a_clock_that_has_fallen_behind_is_believed_again():
+    clock, late = AutopilotClock(), 5.0  # s that the autopilot's clock stood still
+    for sent in range(5):
+        exchange(clock, float(sent), 0.01, 0.01)
+    for number in range(50):
+        clock.see_stamp(OFFSET - late + 10.0 + 0.02 * number, 10.0 + 0.02 * number)
+    for sent in (10.0, 10.5, 11.0):
+        clock.see_answer(sent, sent + 0.01 + OFFSET - late, sent + 0.02)
+    assert clock.ours(OFFSET - late + 12.0) == pytest.approx(12.0)
+    assert clock.restarts == 0
+
+
+def test_a_restart_is_seen_from_stamps_that_agree(clock):
+    clock.see_stamp(OFFSET + 0.9, 0.95)
+    for arrival in (1.0, 1.02, 1.04):
+        assert clock.restarts == 0
+        clock.see_stamp(arrival - 0.9, arrival)
+    assert clock.restarts == 1
+    assert clock.ours(0.14) == pytest.approx(1.04)
+
+
+@pytest.mark.parametrize(
+    ("stamps", "begin"),
+    [
+        ((0.5, OFFSET + 1.0, 0.5, OFFSET + 2.0), 0.0),
+        ((0.5, 70.0, 0.5, 300.0), 0.0),
+        (np.arange(OFFSET, OFFSET + 10.0, 0.1), 60.0),  # telemetry may be late
+    ],
+)
+def test_old_repeats_nonsense_and_what_waited_do_not_restart_it(clock, stamps, begin):
+    for number, stamp in enumerate(stamps):
+        clock.see_stamp(stamp, begin + number * (1.0 if begin == 0.0 else 1e-4))
+    assert clock.restarts == 0

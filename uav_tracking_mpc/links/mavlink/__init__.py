@@ -19,8 +19,7 @@
 ``listener``          everything that is heard of one autopilot, and of a vehicle to circle
 ``dialect``           pymavlink and its messages
 ``connection``        sockets and serial ports that never block; bytes to messages and back
-``autopilot_clock``   the autopilot's clock by ours
-``telemetry``         messages to measurements, and how accurate these are
+``telemetry``         messages to measurements by our clock, and how accurate these are
 ``requests``          commands until they are acknowledged; parameters, read
 ``engagement``        who flies: pilot and autopilot, or our commands
 ``findings``          what is looked at before a flight, and the autopilot's fence

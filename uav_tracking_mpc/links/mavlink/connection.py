@@ -28,6 +28,7 @@ import select
 import socket
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -220,15 +221,16 @@ SIGNING_EPOCH = 1420070400.0  # s, 2015-01-01: since then signatures count units
 class Connection:
     """Messages of everybody at the other end; one thread receives, any may send.
 
-    A subclass may bring another wire, and another clock.
-
     Args:
         address: In the forms of :data:`FORMS`; empty for :data:`USUAL`.
         component: MAVLink component that we are.
         key: File with the key that signs messages; empty for none.
+        wire: Makes the wire, where it is not that of the address.
+        clock: Our time in [s].
 
     Attributes:
         address: As above.
+        now: Our time in [s].
         closed: Whether it was closed on purpose.
         lost: Messages of the watched system that never came.
         bad: Frames that were no message: garbled, cut, or wrongly signed.
@@ -239,8 +241,15 @@ class Connection:
         LinkError: It cannot be opened.
     """
 
-    def __init__(self, address: str = "", component: int = 191, key: str = "") -> None:
-        self.address = address or USUAL
+    def __init__(
+        self,
+        address: str = "",
+        component: int = 191,
+        key: str = "",
+        wire: Callable[[], Wire] | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.address, self.now = address or USUAL, clock
         self.lost = self.bad = self.watched = 0
         self._component, self._key = component, _key(key)
         self._system = 255
@@ -248,7 +257,9 @@ class Connection:
         self._last: dict[tuple[int, int], int] = {}
         self._begin = self.now()
         self._wire: Any = None
-        self._kind, self._place = _parsed(self.address)
+        place = place_of(self.address)
+        self._kind, *_ = place
+        self._make = wire or (lambda: open_wire(*place))
         self.open()
 
     def open(self) -> None:
@@ -260,7 +271,7 @@ class Connection:
         self.close()
         self.closed = False
         try:
-            wire = self._opened()
+            wire = self._make()
         except Exception as error:  # of sockets, serial ports, names, numbers
             words = f"connection {self.address!r} cannot be opened"
             raise LinkError(f"{words}: {words_of(error)}") from error
@@ -274,13 +285,6 @@ class Connection:
         self._wire = wire
         if self.closed:  # by another thread meanwhile
             self._drop()
-
-    def _opened(self) -> Wire:
-        return self._socket()
-
-    def _socket(self) -> Wire:
-        """The wire itself."""
-        return open_wire(self._kind, *self._place)
 
     def close(self) -> None:
         """Let go of the wire."""
@@ -312,10 +316,6 @@ class Connection:
     def boot_time(self) -> int:
         """Since this end exists, in [ms]: what the autopilot is told as the time of a message."""
         return int((self.now() - self._begin) * 1e3) & 0xFFFFFFFF
-
-    def now(self) -> float:
-        """Our time in [s]."""
-        return time.monotonic()
 
     def wait(self, timeout: float) -> bool:
         """Whether there is something to read, or to be told of a lost wire.
@@ -404,16 +404,33 @@ class Connection:
             if (wire := self._wire) is not None:
                 wire.mav.send(message)
 
+    def relay(self, frame: bytes) -> None:
+        """Send what somebody else has said on this wire.
 
-def _parsed(address: str) -> tuple[str, tuple[str, int]]:
-    """Kind and place of an address."""
+        Args:
+            frame: Packed by its sender.
+        """
+        with self._sending:
+            if (wire := self._wire) is not None:
+                wire.write(frame)
+
+
+def place_of(address: str) -> tuple[str, str, int]:
+    """What :func:`open_wire` is told of an address.
+
+    Args:
+        address: In the forms of :data:`FORMS`.
+
+    Raises:
+        LinkRefusedError: It has another form.
+    """
     kind, _, place = address.partition(":")
     host, _, number = place.rpartition(":")
     if kind not in (*DATAGRAM, *STREAM, *SERIAL) or not host or not number.isdecimal():
         raise LinkRefusedError(f"connection is {address!r}, must be {FORMS}")
     if kind not in SERIAL and not 0 < int(number) < 65536:
         raise LinkRefusedError(f"connection is {address!r}: port {number} must be from 1 to 65535")
-    return kind, (host, int(number))
+    return kind, host, int(number)
 
 
 def _key(file: str) -> bytes:

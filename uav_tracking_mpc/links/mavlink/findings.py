@@ -133,16 +133,26 @@ class VehicleEnvelope(ABC):
 
     Attributes:
         names: Parameters that are asked for.
+        cruise_name: Of the parameter that is the cruise airspeed.
+        defaults: What the autopilot does where a parameter is not told.
         vehicle: As above.
+        assumed: The same, with the defaults of what was not told.
         ratio: True over equivalent airspeed [-].
-        cruise: Cruise airspeed, true, in [m/s]; None where it is not told.
     """
 
     names: ClassVar[tuple[str, ...]]
-    cruise: float | None
+    cruise_name: ClassVar[str]
+    defaults: ClassVar[Mapping[str, float]] = {}
 
     def __init__(self, vehicle: Mapping[str, float], true_over_equivalent: float) -> None:
         self.vehicle, self.ratio = vehicle, true_over_equivalent
+        self.assumed = {**self.defaults, **vehicle}
+
+    @property
+    def cruise(self) -> float | None:
+        """Cruise airspeed, true, in [m/s]; None where it is not told."""
+        equivalent = self.vehicle.get(self.cruise_name)
+        return None if equivalent is None else equivalent * self.ratio
 
     def told(self, *names: str) -> list[float]:
         """Parameters in their own units [SI or deg]; nan, with which no comparison holds, for none.
@@ -184,16 +194,18 @@ class VehicleEnvelope(ABC):
             telemetry_rate: Asked for, in [Hz].
         """
 
-    def turning(self, limit: float, airspeed: float, slowest: float) -> float:
-        """Bank in [rad] that a limit and the load factor leave.
+    def turning(self, limit: float, airspeed: float, slowest: float) -> float | None:
+        """Bank in [rad] that a limit and the load factor leave; None without a limit.
 
         The least airspeed grows with the root of the load factor; a small bank is always left.
 
         Args:
-            limit: In [deg].
+            limit: In [deg]; nan for none.
             airspeed: True, in [m/s].
             slowest: Least equivalent airspeed of level flight in [m/s]; 0 or nan for none.
         """
+        if math.isnan(limit):
+            return None
         if not slowest or math.isnan(slowest):
             return math.radians(limit)
         load = max((airspeed / self.ratio / slowest) ** 2, 1.0)

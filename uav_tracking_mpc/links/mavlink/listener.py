@@ -32,11 +32,10 @@ from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.links import LinkError, LinkRefusedError, Sighting
-from uav_tracking_mpc.links.mavlink.autopilot_clock import AutopilotClock
 from uav_tracking_mpc.links.mavlink.connection import Connection
 from uav_tracking_mpc.links.mavlink.dialect import mavlink, name_of
 from uav_tracking_mpc.links.mavlink.requests import Requests, long_command
-from uav_tracking_mpc.links.mavlink.telemetry import DEGREE_SCALE, Telemetry
+from uav_tracking_mpc.links.mavlink.telemetry import DEGREE_SCALE, AutopilotClock, Telemetry
 from uav_tracking_mpc.settings.link import LinkParameters
 
 HAS_VELOCITY = 0b10  # bit of FOLLOW_TARGET's est_capabilities

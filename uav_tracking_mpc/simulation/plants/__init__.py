@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What can be flown in simulation.
+"""What can be flown in simulation, and what its sensors make of it.
 
 ===============  ==========================================================================
 ``vehicle``      the vehicle (3) in moving air, behind an autopilot that lags, or that
@@ -28,21 +28,145 @@ the group ``uav_tracking_mpc.simulation.plants``, or as ``path.py:Class``.
 
 from __future__ import annotations
 
+import dataclasses
+import math
 from abc import ABC, abstractmethod
-from dataclasses import asdict
+from collections import deque
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from uav_tracking_mpc.dynamics.air import GRAVITY
+from uav_tracking_mpc.dynamics.frames import wrap_angle
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
-from uav_tracking_mpc.estimation.measurement import Measurement
+from uav_tracking_mpc.estimation.measurement import Measurement, SensorNoise
+from uav_tracking_mpc.estimation.told_noise import axes_noise, scalar_noise
 from uav_tracking_mpc.parameters.registry import ExtensionError, ExtensionPoint
 from uav_tracking_mpc.parameters.specification import ParameterError, refuse_fixed
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.settings.simulator import SimulatorParameters
 from uav_tracking_mpc.simulation.plan_follower import PlanFollower
-from uav_tracking_mpc.simulation.vehicle_sensors import ERRORS, VehicleSensors
+
+# Parameters that may change while it measures.
+ERRORS = (
+    *("position_noise", "velocity_noise", "attitude_noise", "airspeed_noise"),
+    *("velocity_bias", "heading_bias", "airspeed_bias", "turn_rate_bias", "position_bias"),
+    *("airspeed_fault", "position_fault", "velocity_gain"),
+)
+TIME_ROUNDING = 1e-9  # s, rounding by which a measurement may be too young
+
+
+class VehicleSensors:
+    """Adds noise and biases, and holds back; without any of them the truth is measured.
+
+    They tell how noisy they are as far as ``uav/odometry`` carries it, which knows no airspeed, and
+    keep quiet about biases, as real ones do.
+
+    Args:
+        parameters: Standard deviations, biases and delay.
+        seed: Of the noise.
+    """
+
+    def __init__(self, parameters: SimulatorParameters, seed: np.random.SeedSequence) -> None:
+        self._held: deque[Measurement] = deque()
+        self._left: tuple[float, float] | None = None  # airspeed [m/s], height [m] as it got stuck
+        self._place: NDArray[np.float64] | None = None  # at which the position is frozen
+        self._random = np.random.default_rng(seed)
+        self.change(parameters)
+
+    def change(self, parameters: SimulatorParameters) -> None:
+        """Measure with other noise and biases from now on; what is held back stays as it is.
+
+        Args:
+            parameters: Standard deviations, biases and delay.
+        """
+        attitude, airspeed = parameters.attitude_noise, parameters.airspeed_noise
+        places, velocities = [parameters.position_noise] * 3, [parameters.velocity_noise] * 3
+        self._deviations = np.array([*places, attitude, attitude, airspeed, *velocities])
+        heading, airspeed = parameters.heading_bias, parameters.airspeed_bias
+        self._biases = np.array(
+            [*parameters.position_bias, heading, 0.0, airspeed, *parameters.velocity_bias]
+        )
+        self._parameters, self._told = parameters, _told(parameters)
+        if parameters.airspeed_fault not in ("stuck", "blocked"):
+            self._left = None
+        if parameters.position_fault != "frozen":
+            self._place = None
+        faulty = parameters.airspeed_fault != "none", parameters.position_fault != "none"
+        errors = *self._deviations, *self._biases, parameters.turn_rate_bias
+        self._wrong = any(errors) or any(faulty) or parameters.velocity_gain != 1.0
+
+    def measure(self, truth: Measurement) -> Measurement:
+        """What is measured; every call draws anew.
+
+        Args:
+            truth: State of the aircraft, not older than the one before.
+
+        Returns:
+            The newest measurement that is as old as the delay; until there is one, the first.
+        """
+        measured = self._mistaken(truth) if self._wrong else truth
+        delay = self._parameters.state_delay
+        if delay == 0.0:
+            return measured
+        self._held.append(measured)
+        latest = truth.stamp - delay + TIME_ROUNDING
+        while len(self._held) > 1 and self._held[1].stamp <= latest:
+            self._held.popleft()
+        late, true = self._held[0], self._parameters.state_stamp_true
+        return late if true else dataclasses.replace(late, stamp=truth.stamp)
+
+    def _mistaken(self, truth: Measurement) -> Measurement:
+        errors = self._biases.copy()
+        if self._deviations.any():
+            errors += self._deviations * self._random.standard_normal(len(errors))
+        position, attitude, ground_velocity = errors.reshape(3, 3)
+        heading, path_angle, airspeed = attitude.tolist()
+        right_angle, known = 0.5 * math.pi, self._parameters
+        place = truth.position + position
+        if known.position_fault == "frozen":
+            self._place = place = place if self._place is None else self._place
+        elif known.position_fault == "silent":
+            place = np.full(3, math.nan)
+        return dataclasses.replace(
+            truth,
+            position=place,
+            ground_velocity=known.velocity_gain * truth.ground_velocity + ground_velocity,
+            heading=float(wrap_angle(truth.heading + heading)),
+            path_angle=min(max(truth.path_angle + path_angle, -right_angle), right_angle),
+            turn_rate=truth.turn_rate + known.turn_rate_bias,
+            airspeed=self._airspeed(truth, airspeed),
+            noise=self._told,
+        )
+
+    def _airspeed(self, truth: Measurement, error: float) -> float | None:
+        """Reading of the airspeed sensor, as its fault lets it through."""
+        fault = self._parameters.airspeed_fault
+        if truth.airspeed is None or fault == "silent":
+            return None
+        height, reading = float(truth.position[2]), max(truth.airspeed + error, 0.0)
+        if fault == "none":
+            return reading
+        if self._left is None:
+            self._left = reading, height
+        airspeed, sealed = self._left
+        if fault == "stuck":
+            return airspeed
+        # The static pressure falls by rho g per metre, that in the blocked tube does not.
+        return math.sqrt(max(airspeed**2 + 2.0 * GRAVITY * (height - sealed), 0.0))
+
+
+def _told(parameters: SimulatorParameters) -> SensorNoise:
+    """Noise as the sensors tell it; what is beyond all measure is not told."""
+    attitude = parameters.attitude_noise**2
+    return SensorNoise(
+        axes_noise("position", [parameters.position_noise**2] * 3),
+        axes_noise("velocity", [parameters.velocity_noise**2] * 3),
+        scalar_noise("heading", attitude),
+        scalar_noise("path_angle", attitude),
+    )
+
 
 PACE = ("speed", "command_delay")  # of the parameters, what is not about the plant
 AIR = ("wind", "gust_intensity")  # of the parameters, what a plant makes its air of
@@ -119,7 +243,7 @@ class Plant(ABC):
             ParameterError: One differs that is fixed, or that this plant cannot change.
         """
         refuse_fixed(self.parameters, parameters, "while the simulator runs")
-        for name, value in asdict(parameters).items():
+        for name, value in dataclasses.asdict(parameters).items():
             before = getattr(self.parameters, name)
             if value != before and name not in (*ERRORS, *PACE, *self.changeable):
                 raise ParameterError(

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Every motion passes the check, and the check finds what an author gets wrong."""
+"""Every motion passes the check and moves as it says; the check finds what an author gets wrong."""
 
 import numpy as np
 import pytest
@@ -92,3 +92,42 @@ class Shared(Line):
 def test_what_is_wrong_is_said(motion, words):
     with np.errstate(all="ignore"), pytest.raises(ConformanceError, match=words):
         check_motion(motion)
+
+
+CORNERS = (0.0, 0.0, 0.0, 30.0, 0.0, 0.0, 30.0, 40.0, 0.0)
+JUMP = {"motion": "jump", "jump_time": 10.0, "jump_offset": (-100.0, 50.0, 5.0)}
+STOP_AND_GO = {"motion": "stop_and_go", "drive_time": 4.0, "stand_time": 3.0}
+WAYPOINTS = {"motion": "waypoints", "waypoints": CORNERS}
+WEAVING = {"motion": "weaving", "weave_speed": 3.0, "weave_period": 8.0}
+ROUND = {"motion": "circle", "speed": np.pi, "radius": 1.0, "heading": np.pi / 2}
+
+
+@pytest.mark.parametrize(
+    ("motion", "time", "position", "velocity"),
+    [
+        ({"motion": "stationary"}, 9.0, [1, 2, 3], [0, 0, 0]),
+        ({"motion": "line", "heading": np.pi / 2}, 4.0, [1, 22, 3], [0, 5, 0]),
+        (JUMP, 10.0 - 1e-9, [51, 2, 3], [5, 0, 0]),
+        (JUMP, 10.0, [-49, 52, 8], [5, 0, 0]),
+        (JUMP, 11.0, [-44, 52, 8], [5, 0, 0]),
+        (STOP_AND_GO, 0.0, [1, 2, 3], [5, 0, 0]),
+        (STOP_AND_GO, 4.0, [21, 2, 3], [0, 0, 0]),
+        (STOP_AND_GO, 7.0, [21, 2, 3], [5, 0, 0]),
+        (STOP_AND_GO, 8.0, [26, 2, 3], [5, 0, 0]),
+        (STOP_AND_GO, 18.0, [61, 2, 3], [0, 0, 0]),
+        (WEAVING, 2.0, None, [5, 3, 0]),
+        (WEAVING, 8.0, [41, 2, 3], [5, 0, 0]),
+        (ROUND, 0.0, [1, 3, 3], [-np.pi, 0, 0]),
+        (ROUND, 0.5, [0, 2, 3], [0, -np.pi, 0]),  # counter-clockwise
+        (WAYPOINTS, 0.0, [0, 0, 0], [5, 0, 0]),
+        (WAYPOINTS, 6.0, [30, 0, 0], [0, 5, 0]),  # at a corner the velocity is that after it
+        (WAYPOINTS, 13.9, None, [0, 5, 0]),
+        (WAYPOINTS, 14.0, [30, 40, 0], [-3, -4, 0]),
+        (WAYPOINTS, 24.0, [0, 0, 0], [5, 0, 0]),
+    ],
+)
+def test_each_moves_as_it_says(motion, time, position, velocity):
+    target = motion_of(TargetParameters(**{"position": (1.0, 2.0, 3.0), "speed": 5.0, **motion}))
+    if position is not None:
+        np.testing.assert_allclose(target.position(time), position, atol=1e-6)
+    np.testing.assert_allclose(target.velocity(time), velocity, atol=1e-12)
