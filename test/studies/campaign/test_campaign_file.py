@@ -336,5 +336,5 @@ def test_flights_that_cannot_be_flown_are_found_before_any_flies(tmp_path):
     )  # each value may be, but not below speed_min
     with pytest.raises(ParameterError, match=r"flight \d+: .*'initial_speed'"):
         check_flights(campaign, range(campaign.total))
-    with pytest.raises(ParameterError, match="'settled_after' is 9 s, flight 0 ends after 8 s"):
+    with pytest.raises(ParameterError, match="'settled_after' is 9 s, flight 0 ends after 6 s"):
         check_flights(short_campaign(tmp_path, settled_after=9.0), range(6))

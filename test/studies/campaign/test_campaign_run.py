@@ -72,7 +72,7 @@ def test_values_are_what_is_flown(tmp_path):
     told = [flight.values["told.response"] * lag for lag in configuration.simulator.rate_lag]
     assert list(configuration.controller.rate_lag) == told
     assert configuration.controller.law == "l1"
-    assert configuration.mission.duration == 8.0
+    assert configuration.mission.duration == 6.0
 
 
 def test_a_key_is_drawn_from_a_stream_of_its_own(tmp_path):

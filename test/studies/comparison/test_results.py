@@ -93,10 +93,11 @@ def test_what_is_no_number_is_null_and_solve_times_are_those_of_the_controller()
 
 def test_a_scenario_has_a_title_whoever_wrote_it():
     flown = compared()
-    assert flown.title == "Wind with gusts"
-    assert "turbulence" in flown.description
+    title, description = flown.about
+    assert title == "Wind with gusts"
+    assert "turbulence" in description
     nameless = replace(flown, configuration=replace(flown.configuration, scenario=None))
-    assert (nameless.title, nameless.description) == ("gusts", "")
+    assert nameless.about == ("gusts", "")
 
 
 def test_rows_hold_each_flight_and_the_verdict_on_the_controller():

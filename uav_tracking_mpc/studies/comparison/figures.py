@@ -27,7 +27,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.markers import CARETLEFT, CARETRIGHT
-from numpy.typing import NDArray
 
 from uav_tracking_mpc.report.figure_style import BLACK, GREEN, GREY, LIGHT_GREY, colours, drawing
 from uav_tracking_mpc.report.metrics import COLUMNS, flown_bank
@@ -69,7 +68,7 @@ def scenario_figure(scenario: Scenario) -> Figure:
         figure.subplots_adjust(
             left=0.07, right=0.985, bottom=0.11, top=0.85, wspace=0.2, hspace=0.3
         )
-        figure.suptitle(scenario.title, x=0.07, ha="left", fontsize=11)
+        figure.suptitle(scenario.about[0], x=0.07, ha="left", fontsize=11)
         figure.legend(
             handles=[Line2D([], [], color=colour[law], label=law) for law in scenario.logs],
             loc="upper right",
@@ -103,30 +102,25 @@ def _draw_top_view(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> No
     moving = motion_of(scenario.configuration.target).velocity(0.0)
     wind = np.array(scenario.configuration.simulator.wind)
     gusts = " and gusts" if scenario.configuration.simulator.gust_intensity > 0.0 else ""
-    _draw_arrow(axes, 0.94, wind, f"wind {np.hypot(*wind[:2]):g} m/s{gusts}", GREY)
     turns = log.target_velocity is not None and np.ptp(log.target_velocity, axis=0).any()
-    words = f"target {np.hypot(*moving[:2]):g} m/s{' at the start' if turns else ''}"
-    _draw_arrow(axes, 0.86, moving, words, BLACK)
-
-
-def _draw_arrow(
-    axes: Axes, height: float, velocity: NDArray[np.float64], words: str, colour: str
-) -> None:
-    """A velocity in the upper left corner, if there is one."""
-    speed = float(np.hypot(*velocity[:2]))
-    if speed == 0.0:
-        return
-    # Length by speed, in axes that are nearly square.
-    east, north = 0.005 * velocity[:2]
-    axes.annotate(
-        "", xy=(0.075 + east, height + north), xytext=(0.075 - east, height - north),
-        xycoords="axes fraction", textcoords="axes fraction", zorder=5,
-        arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.8, "shrinkA": 0, "shrinkB": 0},
-    )  # fmt: skip
-    axes.text(
-        0.14, height, words, transform=axes.transAxes, color=colour, fontsize=8, va="center",
-        zorder=5, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
-    )  # fmt: skip
+    later = " at the start" if turns else ""
+    for height, velocity, words, paint in (
+        (0.94, wind, f"wind {np.hypot(*wind[:2]):g} m/s{gusts}", GREY),
+        (0.86, moving, f"target {np.hypot(*moving[:2]):g} m/s{later}", BLACK),
+    ):
+        if not np.any(velocity[:2]):
+            continue
+        # In the upper left corner; length by speed, in axes that are nearly square.
+        east, north = 0.005 * velocity[:2]
+        axes.annotate(
+            "", xy=(0.075 + east, height + north), xytext=(0.075 - east, height - north),
+            xycoords="axes fraction", textcoords="axes fraction", zorder=5,
+            arrowprops={"arrowstyle": "-|>", "color": paint, "lw": 1.8, "shrinkA": 0, "shrinkB": 0},
+        )  # fmt: skip
+        axes.text(
+            0.14, height, words, transform=axes.transAxes, color=paint, fontsize=8, va="center",
+            zorder=5, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
+        )  # fmt: skip
 
 
 def _draw_error(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> None:
@@ -238,7 +232,7 @@ def comparison(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS, left: str 
     if kind.flown == SCENARIOS.flown:
         overview = "summary"
         figures = {each.name: partial(scenario_figure, each) for each in scenarios}
-        about = {each.name: (each.title, each.description) for each in scenarios}
+        about = {each.name: each.about for each in scenarios}
     else:
         tables = {place: own_table(scenarios, kind), f"{place}_laws": others_table(scenarios, kind)}
     return Study(

@@ -163,16 +163,10 @@ class Scenario:
         }
 
     @property
-    def title(self) -> str:
-        """What people call it."""
+    def about(self) -> tuple[str, str]:
+        """What people call it, and what happens in it."""
         about = self.configuration.scenario
-        return about.title if about is not None and about.title else self.name
-
-    @property
-    def description(self) -> str:
-        """What happens in it."""
-        about = self.configuration.scenario
-        return "" if about is None else about.description
+        return (self.name, "") if about is None else (about.title or self.name, about.description)
 
     @property
     def asked(self) -> Demand | None:
