@@ -26,7 +26,7 @@ SHORT = {
     "laws": ["l1"],
     "settled_after": 4.0,
     "draw": {
-        "mission.duration": 8.0,
+        "mission.duration": 6.0,
         "start.distance": {"uniform": [290.0, 320.0]},
         "wind.speed": {"uniform": [0.0, 8.0]},
         "wind.direction_deg": {"uniform": [-180.0, 180.0]},

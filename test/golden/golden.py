@@ -44,8 +44,12 @@ from uav_tracking_mpc.report.metrics import metrics
 from uav_tracking_mpc.settings.configuration import scenario_names
 from uav_tracking_mpc.settings.tracking import PREDICTIVE
 from uav_tracking_mpc.simulation.closed_loop import ClosedLoop
-from uav_tracking_mpc.studies.comparison.scenarios import MISMATCHES, law_names, mismatched
-from uav_tracking_mpc.studies.comparison.sensor_faults import SENSOR_FAULTS
+from uav_tracking_mpc.studies.comparison.scenarios import (
+    MISMATCHES,
+    SENSOR_FAULTS,
+    law_names,
+    mismatched,
+)
 from uav_tracking_mpc.studies.executors import parallel_map
 
 FOLDER = Path(__file__).parent / "records"

@@ -12,31 +12,23 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-
 import math
 import os
 
 import pytest
 
-from uav_tracking_mpc.studies.executors import StoppedError, parallel_map
+from uav_tracking_mpc.studies.executors import parallel_map
 
 
 @pytest.mark.parametrize("workers", [1, 2])
-def test_results_are_in_order(workers):
-    pieces = list(range(30))
+def test_results_are_in_order_and_one_worker_stays_in_this_process(workers):
+    """``/proc/self`` is a link to the process that looks at it."""
+    pieces = range(30)
     found = parallel_map(math.factorial, pieces, workers, show=False)
     assert found == [math.factorial(piece) for piece in pieces]
-
-
-def test_one_worker_stays_in_this_process():
-    """``/proc/self`` is a link to the process that looks at it."""
-    own = f"/proc/{os.getpid()}"
-    assert parallel_map(os.path.realpath, ["/proc/self"] * 2, workers=1, show=False) == [own] * 2
-    assert own not in parallel_map(os.path.realpath, ["/proc/self"] * 2, workers=2, show=False)
-
-
-def test_nothing_to_do():
-    assert parallel_map(math.factorial, [], show=False) == []
+    assert parallel_map(math.factorial, [], workers, show=False) == []
+    processes = parallel_map(os.path.realpath, ["/proc/self"] * 2, workers, show=False)
+    assert (f"/proc/{os.getpid()}" in processes) is (workers == 1)
 
 
 def test_what_a_piece_raises_reaches_the_caller():
@@ -50,15 +42,11 @@ def interrupted_at_three(piece):
     return piece
 
 
-def test_what_was_done_before_an_interruption_is_kept():
-    with pytest.raises(StoppedError) as stopped:
-        parallel_map(interrupted_at_three, range(6), 1, show=False)
-    assert stopped.value.done == [0, 1, 2]
-    assert isinstance(stopped.value, KeyboardInterrupt)  # to whoever does not keep it
-
-
-def test_the_bar_goes_to_stderr(capsys):
-    parallel_map(math.factorial, [1, 2], workers=1, label="numbers")
+def test_what_was_done_before_an_interruption_is_kept_and_the_bar_goes_to_stderr(capsys):
+    done = []
+    with pytest.raises(KeyboardInterrupt):
+        parallel_map(interrupted_at_three, range(6), 1, "numbers", done=done)
+    assert done == [0, 1, 2]
     found = capsys.readouterr()
     assert found.out == ""
     assert "numbers" in found.err

@@ -78,8 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
         from uav_tracking_mpc.studies.margins.weight_search import search_weights
 
         return publish(search_weights(arguments.config, arguments.overrides), arguments)
-    from uav_tracking_mpc.studies.margins.margin_figure import margins
-    from uav_tracking_mpc.studies.margins.margin_study import margin_study
+    from uav_tracking_mpc.studies.margins.margin_study import margin_study, margins
 
     configuration = chosen_configuration(arguments, arguments.scenario)
     in_drift = configuration.controller.terminal_constraint == ARTIFICIAL_ORBIT

@@ -25,7 +25,10 @@ from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
 from functools import partial
-from typing import Any, TypeVar
+from typing import TypeVar
+
+from rich.console import Console
+from rich.progress import track
 
 S = TypeVar("S")
 P = TypeVar("P")
@@ -39,21 +42,6 @@ WORKERS_WITHIN = 60  # s, for a cluster that has just been started
 
 class WorkerError(RuntimeError):
     """Workers were lost or never there, so that not all was done."""
-
-
-class StoppedError(KeyboardInterrupt):
-    """The user interrupted the work.
-
-    Args:
-        done: Results that came before, in the order of the pieces.
-
-    Attributes:
-        done: The same.
-    """
-
-    def __init__(self, done: list[Any]) -> None:
-        super().__init__()
-        self.done = done
 
 
 class LocalExecutor:
@@ -142,6 +130,7 @@ def parallel_map(
     workers: int | None = None,
     label: str = "",
     show: bool = True,
+    done: list[R] | None = None,
 ) -> list[R]:
     """Apply a function to every piece in processes of this machine.
 
@@ -151,27 +140,33 @@ def parallel_map(
         workers: Processes; one for each core by default; 1 stays in this process.
         label: What the progress bar on stderr says.
         show: Whether to show it.
+        done: Takes the results as they come: it holds those that came before an interruption.
 
     Returns:
         Results in the order of the pieces.
 
     Raises:
-        StoppedError: The user interrupted; it holds the results that came before.
         WorkerError: A worker was lost.
     """
-    from rich.console import Console
-    from rich.progress import track
-
-    console, done = Console(stderr=True), []
+    done = [] if done is None else done
     with closing(LocalExecutor(workers).map(function, pieces)) as results:
-        try:
-            for result in track(
-                results, label, total=len(pieces), console=console, disable=not show
-            ):
-                done.append(result)
-        except KeyboardInterrupt as error:
-            raise StoppedError(done) from error
+        for result in tracked(results, label, len(pieces), show):
+            done.append(result)
     return done
+
+
+def tracked(
+    results: Iterable[R], label: str, total: int | None = None, show: bool = True
+) -> Iterable[R]:
+    """Results as they come, with a progress bar on stderr.
+
+    Args:
+        results: To go through.
+        label: What the bar says.
+        total: How many there are; needed of what has no length.
+        show: Whether to show it.
+    """
+    return track(results, label, total, console=Console(stderr=True), disable=not show)
 
 
 class DaskExecutor:

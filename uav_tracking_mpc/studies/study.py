@@ -23,7 +23,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from uav_tracking_mpc.report.atomic_write import write_atomically, write_json
-from uav_tracking_mpc.report.pages import Table, embedded
+from uav_tracking_mpc.report.pages import Table, embedded, render
+from uav_tracking_mpc.settings.tracking import PREDICTIVE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -45,7 +46,9 @@ class Study:
         written: Line that says where the files are, with ``{}`` for their folder; empty for none.
         figures: Functions that draw the PNG files, by the files' names without the ending.
         files: Contents of further files, by their names.
-        page: Makes the HTML page from the figures as addresses that hold them; None without one.
+        title: Of the HTML page, which holds words and figures; empty without one.
+        description: Below the title.
+        about: Heading and description of each figure on the page, by its name.
         tables: Tables for a page of the documentation, by the names of their places.
         good: Whether all is as it should be: the command's exit code is then 0.
         left: What the user's interruption left out, in words; empty if nothing. No page of the
@@ -58,7 +61,9 @@ class Study:
     written: str = ""
     figures: Mapping[str, Callable[[], Figure]] = field(default_factory=dict)
     files: Mapping[str, bytes] = field(default_factory=dict)
-    page: Callable[[Mapping[str, str]], str] | None = None
+    title: str = ""
+    description: str = ""
+    about: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     tables: Mapping[str, Table] = field(default_factory=dict)
     good: bool = True
     left: str = ""
@@ -99,5 +104,15 @@ class Study:
             name: embedded(save_figure(draw(), output / f"{name}.png"))
             for name, draw in self.figures.items()
         }
-        if self.page is not None:
-            write_atomically(output / f"{self.name}.html", self.page(pictures).encode())
+        if self.title:
+            page = render(
+                "uav_tracking_mpc.studies",
+                "study.html.j2",
+                {},
+                title=self.title,
+                description=self.description,
+                words=self.words,
+                own=PREDICTIVE,
+                pictures=[(*self.about[name], picture) for name, picture in pictures.items()],
+            )
+            write_atomically(output / f"{self.name}.html", page.encode())

@@ -12,7 +12,9 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""Laws and mismatches by name: what is told, what is flown; failing sensors flown in short."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -20,22 +22,20 @@ import pytest
 
 from uav_tracking_mpc.parameters.specification import ParameterError
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.simulation.closed_loop import simulate
+from uav_tracking_mpc.simulation.closed_loop import ClosedLoop, simulate
 from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.studies.comparison.results import compare, prepared
 from uav_tracking_mpc.studies.comparison.scenarios import (
-    LAG_SHARES,
+    BEGIN,
     MISMATCHES,
     mismatched,
     settled_after,
     variants,
 )
 
-SHORT = ["mission.duration=4"]
-
 
 def configuration(scenario, *overrides):
-    return load_configuration("small_uav", [*SHORT, *overrides], scenario)
+    return load_configuration("small_uav", ["mission.duration=4", *overrides], scenario)
 
 
 @pytest.mark.parametrize(
@@ -51,27 +51,20 @@ def test_the_nearest_direction_is_that_of_the_relative_motion_at_the_start(
     heading, wind, direction
 ):
     """From 600 m east: who moves north, seen from the target, goes counter-clockwise."""
-    flown = configuration(
-        "still", f"uav_simulator.initial_heading={heading}", f"uav_simulator.wind=[0, {wind}, 0]"
-    )
-    assert prepared(flown, "nmpc").controller.direction == direction
-
-
-def test_a_direction_that_is_asked_for_stays():
-    flown = configuration("still", "nmpc_controller.direction=counter_clockwise")
-    assert prepared(flown, "nmpc").controller.direction == "counter_clockwise"
+    start = f"uav_simulator.initial_heading={heading}", f"uav_simulator.wind=[0, {wind}, 0]"
+    assert prepared(configuration("still", *start), "nmpc").controller.direction == direction
+    asked = configuration("still", *start, "nmpc_controller.direction=counter_clockwise")
+    assert prepared(asked, "nmpc").controller.direction == "counter_clockwise"
 
 
 def test_flights_do_not_depend_on_processes():
     scenarios = {name: configuration(name) for name in ("gusts", "noisy_target")}
     laws = ["l1", "vector_field"]
-    alone = compare(scenarios, laws, workers=1, show=False)
-    together = compare(scenarios, laws, workers=2, show=False)
+    alone, together = (compare(scenarios, laws, workers, show=False) for workers in (1, 2))
     assert len(alone) == len(together) == 2
-    for scenario in (0, 1):
+    for one, other in zip(alone, together, strict=True):
         for law in laws:
-            one, other = alone[scenario].logs[law], together[scenario].logs[law]
-            np.testing.assert_array_equal(one.vehicle, other.vehicle)
+            np.testing.assert_array_equal(one.logs[law].vehicle, other.logs[law].vehicle)
     assert not np.array_equal(alone[0].logs["l1"].vehicle, alone[0].logs["vector_field"].vehicle)
 
 
@@ -83,11 +76,12 @@ def test_all_laws_meet_the_same_start():
 
 
 BASE = load_configuration("small_uav", scenario="crosswind")
+SHARES = [name for name in MISMATCHES if name.startswith("lag_")]
 
 
-@pytest.mark.parametrize("share", LAG_SHARES)
-def test_the_controller_is_told_so_many_times_the_lag_and_the_aircraft_stays(share):
-    flown = mismatched("small_uav", f"lag_{share:g}")
+@pytest.mark.parametrize("name", SHARES)
+def test_the_controller_is_told_so_many_times_the_lag_and_the_aircraft_stays(name):
+    flown, share = mismatched("small_uav", name), float(name.removeprefix("lag_"))
     assert flown.simulator == BASE.simulator
     for channel in ("rate_lag", "dead_time"):
         true, told = getattr(flown.simulator, channel), getattr(flown.controller, channel)
@@ -108,29 +102,47 @@ def test_what_else_is_wrong_the_controller_is_not_told(name):
     before = BASE.simulator, BASE.target, BASE.changes
     assert (flown.simulator, flown.target, flown.changes) != before
     assert flown.mission.duration == 300.0
+    several = variants(flown, name)
+    for flight in several:
+        times = [time for time, _ in flight.changes]
+        assert times == sorted(times)
+    if name.startswith("position") and len(several) > 1:
+        assert several[0].changes != several[1].changes
 
 
-def test_numbers_of_the_names():
-    late = mismatched("small_uav", "late_0.3").simulator
-    assert (late.state_delay, late.state_stamp_true) == (0.3, False)
-    assert mismatched("small_uav", "stamped_0.3").simulator.state_stamp_true
-    noise = mismatched("small_uav", "noise_2").target
-    assert (noise.noise, noise.rate) == (2.0, 5.0)
-    turn_rate = mismatched("small_uav", "turn_rate_bias_2").simulator.turn_rate_bias
-    assert turn_rate == pytest.approx(math.radians(2.0))
-    gale = mismatched("small_uav", "tight_gale")
-    drift = gale.simulator.wind[0] - motion_of(gale.target).velocity(0.0)[0]
-    assert (drift, gale.controller.range) == (-17.0, 180.0)
+@pytest.mark.parametrize(
+    ("name", "section", "values"),
+    [
+        ("late_0.3", "simulator", {"state_delay": 0.3, "state_stamp_true": False}),
+        ("stamped_0.3", "simulator", {"state_delay": 0.3, "state_stamp_true": True}),
+        ("noise_2", "target", {"noise": 2.0, "rate": 5.0}),
+        ("turn_rate_bias_2", "simulator", {"turn_rate_bias": math.radians(2.0)}),
+        ("tight_gale", "simulator", {"wind": (-12.0, 0.0, 0.0)}),
+        ("tight_gale", "controller", {"range": 180.0}),
+        # The roll is told as the lag of the same time.
+        ("second_order_roll", "simulator", {"roll_frequency": 3.0, "roll_damping": 0.6}),
+        ("second_order_roll", "controller", {"rate_lag": pytest.approx((0.4, 0.13, 0.16))}),
+    ],
+)
+def test_numbers_of_the_names(name, section, values):
+    flown = getattr(mismatched("small_uav", name), section)
+    assert {each: getattr(flown, each) for each in values} == values
+
+
+def test_a_zigzag_turns_after_20_s():
     zigzag = motion_of(mismatched("small_uav", "zigzag").target)
     assert list(zigzag.velocity(19.0)) == pytest.approx([5.0, 0.0, 0.0])
     assert list(zigzag.velocity(21.0)) == pytest.approx([0.0, 5.0, 0.0])
 
 
-def test_a_shorter_flight_counts_from_an_earlier_time_on():
-    assert settled_after(mismatched("small_uav", "zigzag")) == 90.0
-    short = mismatched("small_uav", "zigzag", ("mission.duration=20",))
-    assert settled_after(short) == pytest.approx(6.0)
-    assert settled_after(mismatched("small_uav", "zigzag", ("mission.duration=600",))) == 90.0
+@pytest.mark.parametrize(
+    ("duration", "counts", "begin"), [(300, 90.0, 120.0), (20, 6.0, 8.0), (600, 90.0, 120.0)]
+)
+def test_a_shorter_flight_counts_and_changes_earlier(duration, counts, begin):
+    flown = mismatched("small_uav", "delay_200", (f"mission.duration={duration}",))
+    assert settled_after(flown) == pytest.approx(counts)
+    assert flown.changes == ((pytest.approx(begin), "uav_simulator.command_delay=0.2"),)
+    assert flown.simulator.command_delay == 0.0
 
 
 def test_no_other_name_is_a_mismatch():
@@ -144,20 +156,6 @@ def test_in_gusts_the_response_is_told_wrong_likewise():
     assert gusty.simulator == mismatched("small_uav", "gust_moderate").simulator
 
 
-def test_commands_are_delayed_later_in_a_shorter_flight_earlier():
-    flown = mismatched("small_uav", "delay_200")
-    assert flown.changes == ((120.0, "uav_simulator.command_delay=0.2"),)
-    assert flown.simulator.command_delay == 0.0
-    ((begin, _),) = mismatched("small_uav", "delay_200", ("mission.duration=30",)).changes
-    assert begin == pytest.approx(12.0)
-
-
-def test_the_roll_is_told_as_the_lag_of_the_same_time():
-    flown = mismatched("small_uav", "second_order_roll")
-    assert (flown.simulator.roll_frequency, flown.simulator.roll_damping) == (3.0, 0.6)
-    assert flown.controller.rate_lag[0] == pytest.approx(0.4)
-
-
 def test_where_there_is_chance_five_seeds_fly_and_of_weaving_three_periods():
     def of(name):
         return variants(mismatched("small_uav", name), name)
@@ -166,3 +164,43 @@ def test_where_there_is_chance_five_seeds_fly_and_of_weaving_three_periods():
     assert [each.target.weave_period for each in of("weaving_target")] == [4.0, 8.0, 12.0]
     (late,) = of("delay_100")
     assert late.changes
+    assert variants(BASE, "crosswind") == [BASE]
+
+
+SOONER = 95.0  # s
+SAID = {
+    "airspeed_plus_3": [("airspeed", "stuck")],
+    "airspeed_zero": [("airspeed", "jumped")],
+    "heading_30": [("heading", "jumped")],
+    "velocity_flip": [("ground velocity", "off"), ("ground velocity", "used")],
+    "position_frozen": [("position", "stuck"), ("position", "used")],
+    "position_silent": [("position", "silent"), ("position", "used")],
+    "wind_turns": [],
+    "airspeed_at_26": None,  # from the start on, off or stuck
+}
+
+
+@pytest.mark.parametrize("name", SAID)
+def test_a_failing_sensor_is_named_and_the_orbit_is_held(name):
+    """Faults begin sooner, from a start near the orbit; a wind that turns blames no sensor."""
+    near = (
+        "uav_simulator.initial_position=[300.0, 0.0, 120.0]",
+        "uav_simulator.initial_heading=1.5707963267948966",
+    )
+    case = prepared(variants(mismatched("small_uav", name, near), name)[0], "nmpc")
+    changes = tuple((time - SOONER, change) for time, change in case.changes)
+    loop = ClosedLoop(dataclasses.replace(case, changes=changes))
+    until = BEGIN - SOONER + (70.0 if name == "wind_turns" else 25.0)
+    airspeeds = []
+    while loop.time < until:
+        airspeeds.append(loop.tick().truth.airspeed)
+    log = loop.log(until)
+    said = [(news.sensor, news.state) for news in log.sensors]
+    assert said == SAID[name] or (SAID[name] is None and said[0] in OFF_OR_STUCK)
+    assert np.abs(log.error[log.time > until - 15.0, 0]).max() < 0.3
+    assert min(airspeeds) > 20.0
+    off = 0.5 if name == "airspeed_at_26" else 1.5
+    assert np.abs(np.array(airspeeds[-200:]) - 22.0).max() < off
+
+
+OFF_OR_STUCK = [("airspeed", "off"), ("airspeed", "stuck")]

@@ -28,7 +28,6 @@ from uav_tracking_mpc.report.figure_style import png
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.studies.margins import margin_study as module
-from uav_tracking_mpc.studies.margins.margin_figure import margin_figure
 from uav_tracking_mpc.studies.margins.margin_study import (
     FlownLoop,
     as_json,
@@ -36,9 +35,9 @@ from uav_tracking_mpc.studies.margins.margin_study import (
     flown_loops,
     in_still_air,
     margin_study,
-    margin_table,
     sensitivities,
 )
+from uav_tracking_mpc.studies.margins.margin_study import margins as study_of
 
 
 @pytest.fixture(autouse=True)
@@ -79,8 +78,9 @@ def test_still_air_takes_away_what_is_no_error_of_the_aircraft(configuration):
 
 
 @pytest.mark.parametrize(("estimators", "error", "share"), [(False, 0.01, 0.02), (True, 0.1, 0.1)])
-def test_model_and_flight_agree(configuration, near, estimators, error, share):
+def test_model_and_flight_agree(configuration, near, estimators, error, share, monkeypatch):
     """Estimators of air and response, which the model does not know, hardly show on the orbit."""
+    monkeypatch.setattr(module, "OBSERVED", 20.0)
     controller = replace(
         configuration.controller, air_estimation=estimators, response_estimation=estimators
     )
@@ -120,19 +120,20 @@ def left_of_an_answer(configuration, axis, **simulator):
     return answer[log.command_time > 40.0].max() / answer[first].max()
 
 
-@pytest.mark.parametrize(("share", "stable"), [(0.85, True), (1.15, False)])
-def test_a_flight_bears_the_delay_that_is_told_and_no_more(configuration, margins, share, stable):
-    dead_time = list(configuration.simulator.dead_time)
-    dead_time[1] += share * margins.channels["path"].delay_s
-    left = left_of_an_answer(configuration, 1, dead_time=tuple(dead_time))
-    assert left < 0.5 if stable else left > 1.5
-
-
-@pytest.mark.parametrize(("share", "stable"), [(0.85, True), (1.15, False)])
-def test_a_flight_bears_the_gain_that_is_told_and_no_more(configuration, margins, share, stable):
-    gain = 10.0 ** (share * margins.channels["turn"].gain_increase_db / 20.0)
-    left = left_of_an_answer(configuration, 0, command_gain=(gain, 1.0, 1.0))
-    assert left < 0.01 if stable else left > 0.5
+@pytest.mark.parametrize(
+    ("axis", "share", "least", "most"),
+    [(1, 0.85, 0.0, 0.5), (1, 1.15, 1.5, np.inf), (0, 0.85, 0.0, 0.01), (0, 1.15, 0.5, np.inf)],
+)
+def test_a_flight_bears_the_delay_and_gain_that_are_told_and_no_more(
+    configuration, margins, axis, share, least, most
+):
+    dead_time, gain = np.array(configuration.simulator.dead_time), np.ones(3)
+    if axis == 1:
+        dead_time[1] += share * margins.channels["path"].delay_s
+    else:
+        gain[0] = 10.0 ** (share * margins.channels["turn"].gain_increase_db / 20.0)
+    changes = {"dead_time": tuple(dead_time), "command_gain": tuple(gain)}
+    assert least <= left_of_an_answer(configuration, axis, **changes) <= most
 
 
 def modelled(settled=True):
@@ -165,26 +166,20 @@ def test_the_contract(study):
     assert content["shortfalls"] == []
 
 
-def test_the_drift_is_that_of_wind_and_target(study):
+def test_the_worst_of_the_orbit_in_the_drift_of_wind_and_target(study):
     np.testing.assert_allclose(study.drift, [-5.0, 8.0, 0.0])
-    assert len(study.in_wind) == 4
-
-
-def test_the_worst_of_the_orbit(study):
     disks = [each.disk for each in study.in_wind]
+    assert len(disks) == 4
     assert study.worst.disk == min(disks)
     worst = as_json(study)["wind"]["worst_phase_deg"]
     assert worst == pytest.approx(math.degrees(study.azimuths[int(np.argmin(disks))]))
 
 
-def test_the_table_has_a_row_for_each(study):
-    text = margin_table(study).as_markdown()
-    assert text.count("| turn |") == 3
-    assert text.count("| all |") == 3
-
-
-def test_the_figure_is_drawn(study):
-    figure = margin_figure(study)
+def test_the_table_has_a_row_for_each_and_the_figure_is_drawn(study):
+    found = study_of(study)
+    text = found.tables["margins"].as_markdown()
+    assert text.count("| turn |") == text.count("| all |") == 3
+    figure = found.figures["margins"]()
     chart, around = figure.axes
     assert len(chart.lines) >= 7
     assert len(around.lines) >= 7
@@ -195,10 +190,9 @@ def test_answers_that_do_not_die_away_have_no_margin(monkeypatch):
     monkeypatch.setattr(module, "flown_loops", modelled(settled=False))
     found = margin_study(load_configuration("small_uav"))
     assert found.flown is UNSTABLE
-    assert found.worst is None  # in still air
     content = as_json(found)
-    assert content["wind"] is None
+    assert content["wind"] is None  # in still air
     assert content["channels"]["turn"]["gain_db"] == 0.0
     assert content["channels"]["turn"]["crossover_rad_s"] is None
     assert len(content["shortfalls"]) == 6
-    margin_figure(found)
+    assert png(study_of(found).figures["margins"]())

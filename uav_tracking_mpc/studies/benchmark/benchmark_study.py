@@ -26,12 +26,13 @@ import dataclasses
 import math
 import platform
 import time
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import islice
-from typing import Any, NamedTuple
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -151,11 +152,7 @@ def cases() -> list[Case]:
     return [*paper, flight_case()]
 
 
-class Solve(NamedTuple):
-    """A solve and its time in [s], of the solver alone."""
-
-    solution: Solution
-    duration: float
+Solve = tuple[Solution, float]  # a solve and its time in [s], of the solver alone
 
 
 @dataclass
@@ -272,10 +269,10 @@ def _timed(
     solution = solver.solve(state, start.parameters, elapsed, guess)
     duration = time.perf_counter() - begin
     inside = getattr(solver, "timed_inside", False)  # in another process
-    return Solve(solution, solution.solve_time if inside else duration)
+    return solution, solution.solve_time if inside else duration
 
 
-def summary(records: Mapping[str, Record]) -> dict[str, dict[str, float | int | None]]:
+def summary(records: Mapping[str, Record]) -> dict[str, dict[str, Any]]:
     """Figures of every solver on a case; times in microseconds.
 
     The best cost of a state is the lowest that any solver found; only states that all solvers
@@ -295,20 +292,20 @@ def summary(records: Mapping[str, Record]) -> dict[str, dict[str, float | int | 
     }
 
 
-def _figures(record: Record) -> dict[str, float | int | None]:
-    warm, cold = (
-        microseconds(np.array([duration for _, duration in solves]))
-        for solves in (record.warm, record.cold)
+def _figures(record: Record) -> dict[str, Any]:
+    warm, warm_times = zip(*record.warm, strict=True)
+    transient, turns, cold = (
+        microseconds(np.array(times))
+        for times in (warm_times, record.alternating, [duration for _, duration in record.cold])
     )
-    turns = microseconds(np.array(record.alternating))
     return {
-        "transient_median_us": warm["median_us"],
-        "p99_us": warm["p99_us"],
-        "max_us": warm["max_us"],
+        "transient_median_us": transient["median_us"],
+        "p99_us": transient["p99_us"],
+        "max_us": transient["max_us"],
         "alternating_median_us": turns["median_us"],
         "alternating_p99_us": turns["p99_us"],
-        "iterations_median": float(np.median([plan.iterations for plan, _ in record.warm])),
-        "warm_converged_share": _share([plan.converged for plan, _ in record.warm]),
+        "iterations_median": float(np.median([plan.iterations for plan in warm])),
+        "warm_converged_share": _share([plan.converged for plan in warm]),
         "kkt_median": float(np.median(record.residuals)),
         "kkt_p99": float(np.percentile(record.residuals, 99.0)),
         "closed_loop_cost": record.loop_cost,
@@ -320,21 +317,6 @@ def _figures(record: Record) -> dict[str, float | int | None]:
 
 def _share(hits: Any) -> float | None:
     return float(np.mean(hits)) if len(hits) else None
-
-
-def horizon_sweep(
-    horizons: list[int], make_case: Callable[[int], Case], progress: Progress = lambda _: None
-) -> dict[str, list[float]]:
-    """Median transient time in [us] of every solver at every horizon."""
-    medians: dict[str, list[float]] = {}
-    for horizon in horizons:
-        progress(f"horizon {horizon}")
-        case = make_case(horizon)
-        records = measure(case, all_solvers(case), repetitions=1, cold=0, peers_cold=0, seed=0)
-        for name, record in records.items():
-            median = float(np.median([duration for _, duration in record.warm]) * 1e6)
-            medians.setdefault(name, []).append(median)
-    return medians
 
 
 def missions_per_second(case: Case, steps: int, count: int = 200) -> float:
@@ -407,20 +389,25 @@ def benchmark(
                 )
             figures = summary({name: records[name] for name in (*own, *more)})
             results["cases"][case.name] = figures
-            results["ratios"][case.name] = _ratios(figures, "transient_median_us")
-            results["ratios_alternating"][case.name] = _ratios(figures, "alternating_median_us")
+            for ratios, key in (("ratios", "transient"), ("ratios_alternating", "alternating")):
+                medians = {name: row[f"{key}_median_us"] for name, row in figures.items()}
+                ours = medians.pop(OURS)
+                results[ratios][case.name] = {name: time / ours for name, time in medians.items()}
         status.update("missions")
         results["missions_per_second"] = missions_per_second(paper_case(10), MISSION_STEPS)
         if not quick:
             results["horizons"] = HORIZONS
-            results["horizon_median_us"] = horizon_sweep(HORIZONS, paper_case, status.update)
+            found = results["horizon_median_us"] = defaultdict(list)
+            for horizon in HORIZONS:
+                status.update(f"horizon {horizon}")
+                case = paper_case(horizon)
+                swept = measure(
+                    case, all_solvers(case), repetitions=1, cold=0, peers_cold=0, seed=seed
+                )
+                for name, row in summary(swept).items():
+                    found[name].append(row["transient_median_us"])
     results["duration_s"] = time.perf_counter() - begin
     return results
-
-
-def _ratios(figures: dict[str, dict[str, Any]], key: str) -> dict[str, float]:
-    """Figure of every other solver over ours."""
-    return {name: row[key] / figures[OURS][key] for name, row in figures.items() if name != OURS}
 
 
 LEAST_CONVERGED = 0.99  # -, share of the cold starts

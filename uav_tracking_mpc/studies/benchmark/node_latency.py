@@ -22,7 +22,7 @@ import tempfile
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from rich.console import Console
@@ -44,14 +44,9 @@ CONTROLLER, PAGE, READER = "nmpc_controller", "page", "page_reader"
 Progress = Callable[[str], None]
 
 
-class _Span(NamedTuple):
-    """A time that passed, by the clock of the round trips in [s], and what a process used in it."""
-
-    begin: float
-    end: float
-    cpu: float  # share of a core
-    memory: float  # MB at the end
-    growth: float  # MB
+# A time that passed: ``begin`` and ``end`` by the clock of the round trips in [s], and what a
+# process used in it: ``cpu``, the share of a core, ``memory`` at the end and ``growth`` in [MB].
+_Span = dict[str, float]
 
 
 class _TimedNodes:
@@ -106,11 +101,16 @@ class _TimedNodes:
         before, begin = self._used(process), time.perf_counter()
         self.wait(duration)
         end, after = time.perf_counter(), self._used(process)
-        share = (after.cpu - before.cpu) / (end - begin)
-        return _Span(begin, end, share, after.rss / 2**20, (after.rss - before.rss) / 2**20)
+        return {
+            "begin": begin,
+            "end": end,
+            "cpu": (after.cpu - before.cpu) / (end - begin),
+            "memory": after.rss / 2**20,
+            "growth": (after.rss - before.rss) / 2**20,
+        }
 
-    def watched_span(self, duration: float) -> tuple[_Span, float]:
-        """Let time pass with a page open; with how many messages a second its client read."""
+    def watched_span(self, duration: float) -> _Span:
+        """Let time pass with a page open; also how many ``messages`` a second its client read."""
         address, count = self._folder / "address", self._folder / "messages"
         for name, file, arguments, words in (
             (PAGE, address, [PAGE, str(address)], "the page is not there"),
@@ -122,25 +122,25 @@ class _TimedNodes:
         self.wait(SETTLING)
         read = int(count.read_text(encoding="utf-8"))
         span = self.span(duration, PAGE)
-        rate = (int(count.read_text(encoding="utf-8")) - read) / (span.end - span.begin)
+        messages = int(count.read_text(encoding="utf-8")) - read
         for name in (READER, PAGE):
             self._supervisor.processes.pop(name).stop(signal.SIGTERM)
-        return span, rate
+        return {**span, "messages": messages / (span["end"] - span["begin"])}
 
-    def end(self) -> list[dict[str, list[float]]]:
+    def end(self) -> list[dict[str, list[list[float]]]]:
         """End the nodes; what each simulator wrote."""
         self._supervisor.end()
         return [json.loads(result.read_text(encoding="utf-8")) for result in self._results]
 
 
-def _summary(times: Sequence[float]) -> dict[str, Any]:
-    """Median, p99, max in [us] and count."""
-    if not len(times):
+def _summary(trips: Sequence[Sequence[float]]) -> dict[str, Any]:
+    """Median, p99, max in [us] and count of round trips."""
+    if not trips:
         raise LaunchError("no state was answered")
-    micros = microseconds(np.array(times))
+    micros = microseconds(np.array([duration for _, duration in trips]))
     return {
         **{name.removesuffix("_us"): each for name, each in micros.items()},
-        "count": len(times),
+        "count": len(trips),
     }
 
 
@@ -183,14 +183,15 @@ def node_latency(configuration: Configuration, duration: float, progress: Progre
         "state_to_command_us": controller,
         "echo_us": echo,
         "ratio": ratio,
-        "controller_cpu_share": span.cpu,
+        "controller_cpu_share": span["cpu"],
     }
     words = [
         f"{configuration.name}, three nodes, {rate:g} commands a second, published state to "
         "received command:",
         _line("controller", controller),
         _line("echo", echo),
-        f"  ratio {ratio:.2f}; the controller's process takes {100.0 * span.cpu:.0f} % of a core",
+        f"  ratio {ratio:.2f}; the controller's process takes {100.0 * span['cpu']:.0f} % of a "
+        "core",
     ]
     return Study("nodes", content, words, "saved in {}")
 
@@ -225,28 +226,27 @@ def watched_latency(
         LaunchError: A process died, nothing flew, or there is no page.
     """
     flights = [_watched(configuration, count, duration, progress, turns) for count in aircraft]
-    words = [line for flight in flights for line in _watched_words(flight)]
-    return Study("nodes", {"view": flights}, words, "saved in {}")
-
-
-def _watched_words(flight: dict[str, Any]) -> list[str]:
-    return [
-        f"{flight['aircraft']} aircraft, published state to received command:",
-        _line("without page", flight["without_us"]),
-        _line("with page", flight["with_us"]),
-        f"  ratio of medians {flight['median_ratio']:.3f}, of p99 {flight['p99_ratio']:.3f}",
-        f"  the page's process takes {100.0 * flight['page_cpu_share']:.0f} % of a core and "
-        f"{flight['page_memory_mb']:.0f} MB, {flight['page_growth_mb']:.1f} MB more than "
-        f"{flight['turn_s']:g} s before; its client read {flight['messages_hz']:.0f} messages "
-        "a second",
+    words = [
+        line
+        for flight in flights
+        for line in (
+            f"{flight['aircraft']} aircraft, published state to received command:",
+            _line("without page", flight["without_us"]),
+            _line("with page", flight["with_us"]),
+            f"  ratio of medians {flight['median_ratio']:.3f}, of p99 {flight['p99_ratio']:.3f}",
+            f"  the page's process takes {100.0 * flight['page_cpu_share']:.0f} % of a core and "
+            f"{flight['page_memory_mb']:.0f} MB, {flight['page_growth_mb']:.1f} MB more than "
+            f"{flight['turn_s']:g} s before; its client read {flight['messages_hz']:.0f} messages "
+            "a second",
+        )
     ]
+    return Study("nodes", {"view": flights}, words, "saved in {}")
 
 
 def _watched(
     configuration: Configuration, count: int, duration: float, progress: Progress, turns: int
 ) -> dict[str, Any]:
-    alone: list[_Span] = []
-    pages: list[tuple[_Span, float]] = []
+    spans: dict[str, list[_Span]] = {"without": [], "with": []}
     progress(f"{count} aircraft: warm-up")
     with tempfile.TemporaryDirectory() as folder, supervised(Console(stderr=True)) as supervisor:
         nodes = _TimedNodes(supervisor, folder, configuration, count)
@@ -254,12 +254,15 @@ def _watched(
         for turn in range(turns):
             progress(f"{count} aircraft: turn {turn + 1} of {turns}, without a page")
             nodes.wait(SETTLING)
-            alone.append(nodes.span(duration, controller))
+            spans["without"].append(nodes.span(duration, controller))
             progress(f"{count} aircraft: turn {turn + 1} of {turns}, with a page")
-            pages.append(nodes.watched_span(duration))
-        trips = nodes.end()
-    spans = [span for span, _ in pages]
-    without, watched = (_summary(_inside(trips, windows)) for windows in (alone, spans))
+            spans["with"].append(nodes.watched_span(duration))
+        flown = [trip for trips in nodes.end() for trip in trips["controller"]]
+    without, watched = (
+        _summary([t for t in flown if any(each["begin"] <= t[0] <= each["end"] for each in found)])
+        for found in spans.values()
+    )
+    pages = spans["with"]
     return {
         "aircraft": count,
         "turn_s": duration,
@@ -267,18 +270,8 @@ def _watched(
         "with_us": watched,
         "median_ratio": watched["median"] / without["median"],
         "p99_ratio": watched["p99"] / without["p99"],
-        "page_cpu_share": sum(span.cpu for span in spans) / turns,
-        "page_memory_mb": spans[-1].memory,
-        "page_growth_mb": spans[-1].growth,
-        "messages_hz": sum(rate for _, rate in pages) / turns,
+        "page_cpu_share": sum(page["cpu"] for page in pages) / turns,
+        "page_memory_mb": pages[-1]["memory"],
+        "page_growth_mb": pages[-1]["growth"],
+        "messages_hz": sum(page["messages"] for page in pages) / turns,
     }
-
-
-def _inside(trips: Sequence[dict[str, list[float]]], spans: Sequence[_Span]) -> list[float]:
-    """Round trips of all aircraft that began in one of the spans, in [s]."""
-    return [
-        duration
-        for trip in trips
-        for began, duration in zip(trip["controller_began"], trip["controller"], strict=True)
-        if any(span.begin <= began <= span.end for span in spans)
-    ]

@@ -111,9 +111,8 @@ def in_words(found: dict[str, Any]) -> list[str]:
 
 
 def _environment(cache: str) -> dict[str, str]:
-    environment = {**os.environ, "XDG_CACHE_HOME": cache}
-    environment.pop("ROS_DOMAIN_ID", None)
-    return environment
+    kept = {name: value for name, value in os.environ.items() if name != "ROS_DOMAIN_ID"}
+    return {**kept, "XDG_CACHE_HOME": cache}
 
 
 def _until_first_plan(command: Sequence[str], cache: str) -> float:
@@ -129,12 +128,11 @@ def _until_first_plan(command: Sequence[str], cache: str) -> float:
     )
     assert process.stdout is not None
     try:
-        said = []
+        line = ""
         for line in process.stdout:
-            said.append(line.strip())
             if FIRST_PLAN in line:
                 return time.perf_counter() - begin
-        raise RuntimeError(f"{' '.join(command)} ended without a plan: {said[-1:]}")
+        raise RuntimeError(f"{' '.join(command)} ended without a plan: {line.strip()}")
     finally:
         process.send_signal(signal.SIGTERM)
         with contextlib.suppress(subprocess.TimeoutExpired):

@@ -69,12 +69,11 @@ class RoundTrips:
     """Times from a state's publication to the arrival of the command that answers it.
 
     Attributes:
-        times: In [s], as they came.
-        began: When each began, by ``time.perf_counter`` in [s].
+        times: When each began, by ``time.perf_counter``, and how long it took, in [s].
     """
 
     def __init__(self) -> None:
-        self.clear()
+        self.times: list[tuple[float, float]] = []
         self._sent = (0, 0.0)
 
     def send(self, stamp: int) -> None:
@@ -85,13 +84,7 @@ class RoundTrips:
         """Note that a command has come; one that answers an older state does not count."""
         sent, begin = self._sent
         if stamp == sent:
-            self.times.append(time.perf_counter() - begin)
-            self.began.append(begin)
-
-    def clear(self) -> None:
-        """Forget those that came so far."""
-        self.times: list[float] = []
-        self.began: list[float] = []
+            self.times.append((begin, time.perf_counter() - begin))
 
 
 RESULT = "round_trips"  # parameter: file that the times are written to
@@ -131,11 +124,11 @@ class TimedSimulator(UavSimulator):
     def _send_echo(self) -> None:
         self._echo_timer.cancel()
         stamp = self.get_clock().now().nanoseconds
-        messages = self._odometry, self._air_velocity
-        for message in messages:
-            set_stamp(message.header.stamp, stamp)
         self.echo.send(stamp)
-        for publisher, message in zip(self._echoes, messages, strict=True):
+        for publisher, message in zip(
+            self._echoes, (self._odometry, self._air_velocity), strict=True
+        ):
+            set_stamp(message.header.stamp, stamp)
             publisher.publish(message)
 
     def _on_command(self, data: bytes) -> None:
@@ -146,17 +139,13 @@ class TimedSimulator(UavSimulator):
             self._flown_from = stamp
         elif stamp - self._flown_from > WARM_UP * 1e9 and not self._result.exists():
             self._result.touch()
-            self.trips.clear()
-            self.echo.clear()
+            self.trips.times.clear()
+            self.echo.times.clear()
 
     def finish(self) -> None:
         """Write the times in [s]."""
         super().finish()
-        times = {
-            "controller": self.trips.times,
-            "controller_began": self.trips.began,
-            "echo": self.echo.times,
-        }
+        times = {"controller": self.trips.times, "echo": self.echo.times}
         self._result.write_text(json.dumps(times), encoding="utf-8")
 
 

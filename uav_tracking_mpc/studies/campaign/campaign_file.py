@@ -50,7 +50,7 @@ import dataclasses
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -79,9 +79,19 @@ from uav_tracking_mpc.simulation.flight_log import FlightLog
 from uav_tracking_mpc.studies.campaign.uncertain_inputs import check_value, read
 from uav_tracking_mpc.studies.comparison.measures import violations
 
-CONSTANT, CHOICE, SWEPT = "constant", "choice", "values"
-# Number of arguments; 0 for any but none.
-KINDS = {"uniform": 2, "log_uniform": 2, "normal": 2, CHOICE: 0, SWEPT: 0, "grid": 3}
+CONSTANT, CHOICE, SWEPT, GRID = "constant", "choice", "values", "grid"
+# What distributions of numbers take: whether they are right, and how they must be.
+NUMBERS: dict[str, tuple[Callable[..., bool], str]] = {
+    "uniform": (lambda least, most: least <= most, "least and greatest in order"),
+    "log_uniform": (
+        lambda least, most: 0.0 < least <= most, "positive, least and greatest in order"
+    ),
+    "normal": (lambda mean, spread: spread >= 0.0, "mean and a standard deviation of at least 0"),
+    GRID: (
+        lambda first, last, count: isinstance(count, int) and count > 0, "first, last and how many"
+    ),
+}  # fmt: skip
+KINDS = {"uniform": 2, "log_uniform": 2, "normal": 2, CHOICE: 0, SWEPT: 0, GRID: 3}  # arguments
 
 
 @dataclass(frozen=True)
@@ -118,31 +128,15 @@ class Distribution:
         if not arguments or (KINDS[kind] and len(arguments) != KINDS[kind]):
             count = KINDS[kind] or "at least one"
             raise ParameterError(f"'{key}': {kind} is {arguments!r}, must have {count} values")
-        if kind in (CHOICE, SWEPT):
-            return cls(kind, tuple(arguments))
-        return cls._of_numbers(key, kind, arguments)
-
-    @classmethod
-    def _of_numbers(cls, key: str, kind: str, arguments: list[Any]) -> Distribution:
-        if not all(
-            isinstance(x, (int, float)) and not isinstance(x, bool) and math.isfinite(x)
-            for x in arguments
-        ):
-            raise ParameterError(f"'{key}': {kind} is {arguments!r}, must be finite numbers")
-        first, second, *count = arguments
-        wanted = {
-            "uniform": (first <= second, "least and greatest in order"),
-            "log_uniform": (0.0 < first <= second, "positive, least and greatest in order"),
-            "normal": (second >= 0.0, "mean and a standard deviation of at least 0"),
-            "grid": (bool(count) and isinstance(count[0], int) and count[0] > 0,
-                     "first, last and how many"),
-        }  # fmt: skip
-        right, words = wanted[kind]
-        if not right:
-            raise ParameterError(f"'{key}': {kind} is {arguments!r}, must be {words}")
-        if kind == "grid":
-            return cls(SWEPT, tuple(np.linspace(first, second, count[0]).tolist()))
-        return cls(kind, (float(first), float(second)))
+        if kind in NUMBERS:
+            right, words = NUMBERS[kind]
+            if not all(_is_number(x) and math.isfinite(x) for x in arguments):
+                right, words = (lambda *_: False), "finite numbers"
+            if not right(*arguments):
+                raise ParameterError(f"'{key}': {kind} is {arguments!r}, must be {words}")
+        if kind == GRID:
+            return cls(SWEPT, tuple(np.linspace(*arguments).tolist()))
+        return cls(kind, tuple(map(float, arguments) if kind in NUMBERS else arguments))
 
     @property
     def swept(self) -> bool:
@@ -167,15 +161,15 @@ class Distribution:
         """
         if self.kind == CHOICE:
             return self.arguments[int(random.integers(len(self.arguments)))]
-        if self.kind in (CONSTANT, SWEPT):
-            return self.arguments[0]
-        first, second = self.arguments
+        first, second = (*self.arguments, None)[:2]
         if self.kind == "uniform":
             return first + (second - first) * float(random.random())
         if self.kind == "normal":
             return first + second * float(random.standard_normal())
-        ratio = math.log(second / first)
-        return min(first * math.exp(ratio * float(random.random())), second)
+        if self.kind == "log_uniform":
+            ratio = math.log(second / first)
+            return min(first * math.exp(ratio * float(random.random())), second)
+        return first
 
     def draw_within(self, random: np.random.Generator, neutral: Any, share: float) -> Any:
         """Draw a value and keep to a share of the way to it from what is without error.
@@ -193,6 +187,10 @@ class Distribution:
         if self.kind == CHOICE:
             return drawn if random.random() < share else neutral
         return neutral + share * (drawn - neutral)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 ONE, ALL, NO = "one", "all", "none"
@@ -355,19 +353,18 @@ class Campaign:
     @property
     def inputs(self) -> list[str]:
         """Keys in which flights may differ, each once."""
-        every = [self.draw, *self.errors.values()]
-        return list(dict.fromkeys(k for draws in every for k, each in draws.items() if each.varies))
+        return list(dict.fromkeys(key for key, each in self._draws if each.varies))
 
     @property
     def words(self) -> set[str]:
         """Inputs whose values are not all numbers."""
+        return {key for key, each in self._draws if not all(map(_is_number, each.ends))}
+
+    @property
+    def _draws(self) -> list[tuple[str, Distribution]]:
+        """All that is drawn, by key; a key may come again."""
         every = [self.draw, *self.errors.values()]
-        return {
-            key
-            for draws in every
-            for key, each in draws.items()
-            if any(isinstance(end, bool) or not isinstance(end, (int, float)) for end in each.ends)
-        }
+        return [found for draws in every for found in draws.items()]
 
     @property
     def identity(self) -> str:
@@ -378,13 +375,13 @@ class Campaign:
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-NUMBERS = {
+COUNTED = {
     "flights": Specification("flights", 100, "Draws of each combination", "", 1),
     "seed": Specification("seed", 0, "Of everything random", "", 0),
     "settled_after": Specification("settled_after", 0.0, "From when on statistics count", "s", 0.0),
 }
 KEYS = (
-    "title", "description", "config", "scenario", "laws", *NUMBERS, "draw", "errors", "groups",
+    "title", "description", "config", "scenario", "laws", *COUNTED, "draw", "errors", "groups",
     "failure",
 )  # fmt: skip
 
@@ -450,8 +447,8 @@ def _campaign(
 
 def _plain(key: str, value: Any) -> Any:
     """A value without parts, in the type that it must have."""
-    if key in NUMBERS:
-        return NUMBERS[key].check(value)
+    if key in COUNTED:
+        return COUNTED[key].check(value)
     if key != "laws":
         return str(value).strip()
     if isinstance(value, list) and value and all(isinstance(law, str) for law in value):

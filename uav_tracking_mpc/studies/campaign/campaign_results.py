@@ -39,7 +39,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from uav_tracking_mpc.report.figure_style import BLACK, colours, drawing
-from uav_tracking_mpc.report.pages import Table, render
+from uav_tracking_mpc.report.pages import Table
 from uav_tracking_mpc.studies.campaign.campaign_file import RAISED
 from uav_tracking_mpc.studies.campaign.campaign_run import (
     CampaignResults,
@@ -47,7 +47,7 @@ from uav_tracking_mpc.studies.campaign.campaign_run import (
     flight_name,
     planned,
 )
-from uav_tracking_mpc.studies.study import Study
+from uav_tracking_mpc.studies.study import Study, plain
 
 CONFIDENCE = 0.95  # -, confidence of each bound
 FEWEST = 3  # flights of either kind; with fewer everything looks telling
@@ -155,8 +155,7 @@ def quantiles(rows: Sequence[Row], column: str) -> list[float | None]:
     """
     values = [np.inf if row.get(column) is None else row[column] for row in rows]
     # The smallest value that enough flights do not exceed: it is one that was flown.
-    found = np.quantile(values, QUANTILES, method="inverted_cdf")
-    return [float(value) if np.isfinite(value) else None for value in found]
+    return list(plain(np.quantile(values, QUANTILES, method="inverted_cdf").tolist()))
 
 
 def worst_first(rows: Sequence[Row]) -> list[Row]:
@@ -194,7 +193,9 @@ def as_json(results: CampaignResults) -> dict[str, Any]:
           ``mistakes.<mistake>``, ``swept``, ``failed_have_in_common``, ``worst_have_in_common``
         - ``worst``: ``flight``, ``law``, ``reasons``, ``error``, ``worst_settled_m``, ``replay``
     """
-    campaign = results.campaign
+    campaign, parts = results.campaign, by(results.rows, "law")
+    folder = results.file.parent / "worst"
+    worst = worst_first(parts.get(results.laws[0], []))[:WORST]
     return {
         "campaign": campaign.name,
         "config": campaign.base.name,
@@ -203,13 +204,15 @@ def as_json(results: CampaignResults) -> dict[str, Any]:
         "flown": results.flown,
         "seconds": round(results.seconds, 3),
         "workers": results.workers,
-        "laws": {law: _law(results, rows) for law, rows in by(results.rows, "law").items()},
+        "laws": {law: _law(results, rows) for law, rows in parts.items()},
+        # Of the first law, each with the configuration with which it flies again.
         "worst": [
             {
                 **{key: row.get(key) for key in WORST_KEYS},
-                "replay": f"uav_tracking simulate --config {replay_file(results, row)}",
+                "replay": "uav_tracking simulate --config "
+                f"{folder / flight_name(row['flight'], row['law'])}.yaml",
             }
-            for row in worst_flights(results)
+            for row in worst
         ],
     }
 
@@ -217,18 +220,8 @@ def as_json(results: CampaignResults) -> dict[str, Any]:
 WORST_KEYS = ("flight", "law", "group", "mistake", "reasons", "error", "worst_settled_m")
 
 
-def worst_flights(results: CampaignResults) -> list[Row]:
-    """The worst ten of the first law."""
-    return worst_first([row for row in results.rows if row["law"] == results.laws[0]])[:WORST]
-
-
-def replay_file(results: CampaignResults, row: Row) -> Path:
-    """Configuration with which ``simulate`` flies a flight again."""
-    return results.file.parent / "worst" / f"{flight_name(row['flight'], row['law'])}.yaml"
-
-
 def _law(results: CampaignResults, rows: Sequence[Row]) -> dict[str, Any]:
-    sweeps = results.campaign.swept
+    sweeps, telling = results.campaign.swept, ["group", "mistake", *results.campaign.inputs]
     return {
         **failures(rows),
         "reasons": reasons(rows),
@@ -243,8 +236,8 @@ def _law(results: CampaignResults, rows: Sequence[Row]) -> dict[str, Any]:
             {**{key: part[0][key] for key in sweeps}, **failures(part)}
             for part in swept_parts(results, rows)
         ],
-        "failed_have_in_common": failed_traits(results, rows),
-        "worst_have_in_common": worst_traits(results, rows),
+        "failed_have_in_common": common_traits(rows, telling, lambda row: row["failed"]),
+        "worst_have_in_common": worst_traits(rows, telling),
     }
 
 
@@ -268,23 +261,14 @@ def swept_parts(results: CampaignResults, rows: Sequence[Row]) -> list[list[Row]
     return [list(rows[begin : begin + size]) for begin in range(0, len(rows), size)]
 
 
-def failed_traits(results: CampaignResults, rows: Sequence[Row]) -> list[Trait]:
-    """What the flights that failed have in common."""
-    return common_traits(rows, _telling(results), lambda row: row["failed"])
-
-
-def worst_traits(results: CampaignResults, rows: Sequence[Row]) -> list[Trait]:
+def worst_traits(rows: Sequence[Row], inputs: Sequence[str]) -> list[Trait]:
     """What the tenth with the greatest range RMS has in common."""
     flown = [row for row in rows if row["reasons"] != RAISED and row["range_rms_m"] is not None]
-    ranked = sorted((row["range_rms_m"] for row in flown), reverse=True)
-    if not ranked:
+    if not flown:
         return []
+    ranked = sorted((row["range_rms_m"] for row in flown), reverse=True)
     bound = ranked[int(WORST_SHARE * (len(ranked) - 1))]
-    return common_traits(flown, _telling(results), lambda row: row["range_rms_m"] >= bound)
-
-
-def _telling(results: CampaignResults) -> list[str]:
-    return ["group", "mistake", *results.campaign.inputs]
+    return common_traits(flown, inputs, lambda row: row["range_rms_m"] >= bound)
 
 
 BOUNDS = "95 % bounds [%]"
@@ -292,17 +276,28 @@ CAPTION = (
     "Bounds: Clopper and Pearson; each is passed in at most 5 % of campaigns, whatever the true "
     "probability is."
 )
+REPLAY = (
+    "The folder worst holds a configuration of each: uav_tracking simulate --config "
+    "worst/flight_….yaml flies it again, bit for bit."
+)
 
 
 def failure_table(results: CampaignResults) -> Table:
     """How often flights failed: all of a law, then its parts."""
     rows = []
     for law, flown in by(results.rows, "law").items():
-        rows.append([law, "all", *_failure_cells(flown)])
         parts = _parts(results, flown, "- ", lambda key, value: f"{key} = {value}")
-        rows += [["", name, *_failure_cells(part)] for name, part in parts.items()]
+        for name, part in {"all": flown, **parts}.items():
+            counts = failures(part)
+            lower, share, upper = (
+                f"{100.0 * counts[p]:.2f}" for p in ("lower", "probability", "upper")
+            )
+            words = ", ".join(f"{reason} {count}" for reason, count in reasons(part).items())
+            numbers = [str(counts["flights"]), str(counts["failures"]), share]
+            first = law if name == "all" else ""
+            rows.append([first, name, *numbers, f"{lower} to {upper}", words])
     headings = ("law", "group", "flights", "failed", "failed [%]", BOUNDS, "reasons")
-    return Table(headings, rows, numeric=headings[2:6], caption=CAPTION)
+    return Table(headings, rows, numeric=headings[2:6], title="Failures", caption=CAPTION)
 
 
 def _parts(
@@ -318,64 +313,57 @@ def _parts(
     return parts
 
 
-def _failure_cells(rows: Sequence[Row]) -> list[str]:
-    counts = failures(rows)
-    lower, share, upper = (f"{100.0 * counts[p]:.2f}" for p in ("lower", "probability", "upper"))
-    words = ", ".join(f"{name} {count}" for name, count in reasons(rows).items())
-    return [str(counts["flights"]), str(counts["failures"]), share, f"{lower} to {upper}", words]
-
-
-def quantile_table(results: CampaignResults) -> Table:
-    """Quantiles of what counts, by law."""
+def quantile_table(laws: Mapping[str, Any]) -> Table:
+    """Quantiles of what counts, by law, from the JSON."""
     names = ["median" if q == 0.5 else "worst" if q == 1.0 else f"{100 * q:g} %" for q in QUANTILES]
-    rows = []
-    for heading, column, decimals in FIGURES:
-        for place, (law, flown) in enumerate(by(results.rows, "law").items()):
-            cells = [
+    rows = [
+        [
+            heading if place == 0 else "",
+            law,
+            *(
                 "never" if value is None else f"{value:.{decimals}f}"
-                for value in quantiles(flown, column)
-            ]
-            first = heading if place == 0 else ""
-            rows.append([first, law, *cells])
-    return Table(("figure", "law", *names), rows, numeric=names)
+                for value in found["quantiles"][column].values()
+            ),
+        ]
+        for heading, column, decimals in FIGURES
+        for place, (law, found) in enumerate(laws.items())
+    ]
+    return Table(("figure", "law", *names), rows, numeric=names, title="Quantiles")
 
 
-def trait_table(results: CampaignResults) -> Table:
-    """What flights that failed have in common, and the tenth with the greatest range RMS."""
-    rows = []
-    for law, flown in by(results.rows, "law").items():
-        for words, traits in (
-            ("failed", failed_traits(results, flown)),
-            ("worst tenth", worst_traits(results, flown)),
-        ):
-            rows += [
-                [
-                    law,
-                    words,
-                    f"{trait['input']} {trait['rule']}".replace("+", " + "),
-                    *(f"{100.0 * trait[share]:.0f}" for share in ("share", "others")),
-                    f"{trait['p_value']:.1g}",
-                ]
-                for trait in traits
-            ]
+def trait_table(laws: Mapping[str, Any]) -> Table:
+    """What flights that failed have in common, and the tenth with the worst RMS, from the JSON."""
+    rows = [
+        [
+            law,
+            words,
+            f"{trait['input']} {trait['rule']}".replace("+", " + "),
+            *(f"{100.0 * trait[share]:.0f}" for share in ("share", "others")),
+            f"{trait['p_value']:.1g}",
+        ]
+        for law, found in laws.items()
+        for words, key in (("failed", "failed"), ("worst tenth", "worst"))
+        for trait in found[f"{key}_have_in_common"]
+    ]
     headings = ("law", "flights", "property", "share here [%]", "elsewhere [%]", "p")
-    return Table(headings, rows, numeric=headings[3:])
+    return Table(headings, rows, numeric=headings[3:], title="Common properties")
 
 
-def worst_table(results: CampaignResults) -> Table:
-    """The worst flights of the first law."""
+def worst_table(worst: Sequence[Mapping[str, Any]]) -> Table:
+    """The worst flights of the first law, from the JSON."""
     rows = [
         [
             str(row["flight"]),
             row["mistake"] if "+" not in row["mistake"] else row["group"],
-            "never" if row.get("worst_settled_m") is None else f"{row['worst_settled_m']:.1f}",
+            "never" if row["worst_settled_m"] is None else f"{row['worst_settled_m']:.1f}",
             row["error"] or row["reasons"] or "passed",
-            replay_file(results, row).name,
+            Path(row["replay"]).name,
         ]
-        for row in worst_flights(results)
+        for row in worst
     ]
     headings = ("flight", "errors", "worst error [m]", "outcome", "configuration")
-    return Table(headings, rows, numeric=(headings[0], headings[2]))
+    numeric = (headings[0], headings[2])
+    return Table(headings, rows, numeric, title="The worst flights", caption=REPLAY)
 
 
 def _short(value: float | str) -> str:
@@ -434,56 +422,43 @@ def _draw_parts(axes: Axes, results: CampaignResults, colour: dict[str, str]) ->
     axes.grid(axis="y", visible=False)
 
 
-TEMPLATE = "campaign.html.j2"
-
-
 def campaign_study(results: CampaignResults) -> Study:
     """The study: numbers, tables, picture, page, and the worst flights to be flown again.
 
     Args:
         results: Of the flights; the study belongs into the folder of their file.
     """
-    campaign = results.campaign
+    campaign, content = results.campaign, as_json(results)
     tables = {
-        "failures": ("Failures", failure_table(results)),
-        "quantiles": ("Quantiles", quantile_table(results)),
-        "traits": ("Common properties", trait_table(results)),
-        "worst": ("The worst flights", worst_table(results)),
+        "failures": failure_table(results),
+        "quantiles": quantile_table(content["laws"]),
+        "traits": trait_table(content["laws"]),
+        "worst": worst_table(content["worst"]),
     }
-    shown = {title: table for title, table in tables.values() if table.rows}
-    words: list[str | Table] = list(shown.values())
+    words: list[str | Table] = [table for table in tables.values() if table.rows]
     if results.flown:
         rate = 60.0 * results.flown / results.seconds / results.workers
         words.append(
             f"{results.flown} flights in {results.seconds:.0f} s: {rate:.0f} a minute and worker"
         )
-    files = {}
-    for row in worst_flights(results):
-        configuration = planned(campaign, row["flight"]).configuration(campaign.laws[0])
-        place = replay_file(results, row).relative_to(results.file.parent)
-        files[str(place)] = configuration.yaml().encode()
-
-    def page(pictures: Mapping[str, str]) -> str:
-        return render(
-            "uav_tracking_mpc.studies.campaign",
-            TEMPLATE,
-            {},
-            title=campaign.title or campaign.name,
-            description=campaign.description,
-            picture=pictures["campaign"],
-            tables=shown,
-        )
-
+    files = {
+        f"worst/{flight_name(row['flight'], row['law'])}.yaml": planned(campaign, row["flight"])
+        .configuration(campaign.laws[0])
+        .yaml()
+        .encode()
+        for row in content["worst"]
+    }
+    left = f"{results.left} flights are left; the same command goes on with them"
     return Study(
         name="campaign",
-        content=as_json(results),
+        content=content,
         words=words,
         written="report: {}/campaign.html",
+        title=campaign.title or campaign.name,
+        description=campaign.description,
         figures={"campaign": partial(campaign_figure, results)},
+        about={"campaign": ("Shares of flights beyond an error, and failure probabilities", "")},
         files=files,
-        page=page,
-        tables={name: table for name, (_, table) in tables.items()},
-        left=f"{results.left} flights are left; the same command goes on with them"
-        if results.left
-        else "",
+        tables=tables,
+        left=left if results.left else "",
     )

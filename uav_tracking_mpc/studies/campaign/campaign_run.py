@@ -22,21 +22,21 @@ for each batch, at the end as one Parquet file of all.
 
 from __future__ import annotations
 
+import bisect
 import io
 import math
 import shutil
 import threading
 import time
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from itertools import islice
+from itertools import accumulate
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
 
 from uav_tracking_mpc.control.guidance import formulation_of
 from uav_tracking_mpc.formulation.formulation import Formulation
@@ -46,11 +46,11 @@ from uav_tracking_mpc.settings.configuration import Configuration, Sections, con
 from uav_tracking_mpc.settings.tracking import PREDICTIVE, TrackingParameters
 from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.flight_log import FlightLog
-from uav_tracking_mpc.studies.campaign.campaign_file import ALL, ONE, RAISED, Campaign, Group
+from uav_tracking_mpc.studies.campaign.campaign_file import ALL, NO, RAISED, Campaign, Group
 from uav_tracking_mpc.studies.campaign.uncertain_inputs import read, write
 from uav_tracking_mpc.studies.comparison.measures import measures
 from uav_tracking_mpc.studies.comparison.scenarios import law_label, law_labels
-from uav_tracking_mpc.studies.executors import Executor, LocalExecutor
+from uav_tracking_mpc.studies.executors import Executor, tracked
 
 if TYPE_CHECKING:
     import pyarrow
@@ -118,7 +118,7 @@ def planned(campaign: Campaign, number: int) -> PlannedFlight:
     return PlannedFlight(number, group.name, "+".join(names), effective, sections)
 
 
-def check_flights(campaign: Campaign, numbers: Sequence[int]) -> None:
+def check_flights(campaign: Campaign, numbers: Iterable[int]) -> None:
     """Whether flights can be flown as they were drawn.
 
     Raises:
@@ -143,33 +143,28 @@ def _stream(campaign: Campaign, draw: int, key: str) -> np.random.Generator:
 
 def _group_of(campaign: Campaign, draw: int) -> tuple[Group, int]:
     """Group of a draw, and its rank in it: groups follow one another."""
-    begin, share = 0, 0.0
-    for group in campaign.groups:
-        share += group.share
-        end = round(share * campaign.flights)
-        if draw < end:
-            return group, draw - begin
-        begin = end
-    return campaign.groups[-1], draw - begin
+    shares = accumulate(group.share for group in campaign.groups)
+    begins = [0, *(round(share * campaign.flights) for share in shares)][:-1]
+    place = bisect.bisect_right(begins, draw) - 1
+    return campaign.groups[place], draw - begins[place]
 
 
 def _errors_of(campaign: Campaign, group: Group, rank: int) -> list[str]:
+    if group.errors == NO:
+        return []
     names = list(campaign.errors)
-    if group.errors == ONE:
-        return [names[rank % len(names)]]
-    return names if group.errors == ALL else []
+    return names if group.errors == ALL else [names[rank % len(names)]]
 
 
 Task = tuple[int, str]  # number of a flight, and the law
 Row = dict[str, Any]
 _of_thread = threading.local()  # a solver has one workspace: threads must not share it
 _compiling = threading.Lock()
-# Columns of numbers and of counts that a flight gives.
-FIGURES = (
-    "settled_s", "worst_settled_m", "range_rms_m", "range_mean_m", "worst_m", "altitude_rms_m",
-    "airspeed_rms_mps", "bank_rate_rms_dps",
+# Columns of measures that a flight gives.
+MEASURED = (
+    "range_rms_m", "range_mean_m", "worst_m", "altitude_rms_m", "airspeed_rms_mps",
+    "bank_rate_rms_dps",
 )  # fmt: skip
-COUNTS = ("envelope_violations", "solves_failed", "off_plan")
 
 
 def fly_batch(campaign: Campaign, tasks: Sequence[Task]) -> list[Row]:
@@ -195,13 +190,12 @@ def fly_one(campaign: Campaign, number: int, law: str) -> Row:
         _of_thread.kept = None  # it may be left half changed
         outcome = {"failed": True, "reasons": RAISED, "error": f"{type(error).__name__}: {error}"}
     words = campaign.words
-    inputs = {k: str(x) if k in words else float(x) for k, x in flight.values.items()}
     return {
         "flight": number,
         "law": law_label(law),
         "group": flight.group,
         "mistake": flight.error,
-        **inputs,
+        **{key: str(x) if key in words else float(x) for key, x in flight.values.items()},
         **outcome,
     }
 
@@ -214,16 +208,17 @@ def _outcome(campaign: Campaign, log: FlightLog, parameters: TrackingParameters)
     reasons = failure.failures(log, range_error, parameters)
     settled = failure.settled_at(log.time, range_error)
     worst = float(np.max(np.abs(range_error[log.time >= settled]))) if settled else math.nan
-    own = {
+    return {
+        "failed": bool(reasons),
+        "reasons": ",".join(reasons),
+        "error": "",
         "settled_s": settled,
         "worst_settled_m": worst if math.isfinite(worst) else None,
+        **{name: getattr(flown, name) for name in MEASURED},
+        "envelope_violations": flown.envelope_violations,
         "solves_failed": log.failures,
         "off_plan": log.commands.plan_reused + log.commands.failsafe,
     }
-    columns = {
-        name: own[name] if name in own else getattr(flown, name) for name in (*FIGURES, *COUNTS)
-    }
-    return {"failed": bool(reasons), "reasons": ",".join(reasons), "error": "", **columns}
 
 
 def shared_formulation(parameters: TrackingParameters) -> Formulation | None:
@@ -234,12 +229,9 @@ def shared_formulation(parameters: TrackingParameters) -> Formulation | None:
     kept: tuple[TrackingParameters, Formulation] | None = getattr(_of_thread, "kept", None)
     if kept is not None:
         before, formulation = kept
-        try:
+        with suppress(ParameterError):  # another problem, or a guidance law
             refuse_fixed(before, parameters)
             formulation.check(parameters)
-        except ParameterError:
-            pass  # another problem, or a guidance law
-        else:
             return formulation
     with _compiling:
         made = formulation_of(parameters)
@@ -261,6 +253,7 @@ class FlightStore:
 
     Attributes:
         file: Where all results are at the end.
+        rows: What it holds, by flight and law.
 
     Raises:
         ParameterError: The folder holds another campaign.
@@ -269,37 +262,29 @@ class FlightStore:
 
     def __init__(self, campaign: Campaign, folder: Path) -> None:
         self.file = folder / FILE
+        self.rows: dict[Task, Row] = {}
         self._campaign, self._parts = campaign, folder / "batches"
         self._schema = _schema(campaign)
         folder.mkdir(parents=True, exist_ok=True)
-        self._rows: dict[Task, Row] = {}
-        files = [*sorted(self._parts.glob("*.parquet")), *([self.file] * self.file.exists())]
-        for file in files:
-            self._read(file)
+        for file in [*sorted(self._parts.glob("*.parquet")), *([self.file] * self.file.exists())]:
+            self._add(self._read(file))
 
-    def _read(self, file: Path) -> None:
+    def _read(self, file: Path) -> list[Row]:
         from pyarrow import ArrowException, parquet
 
         try:
             table = parquet.ParquetFile(file).read()
         except ArrowException as error:
             raise ParameterError(f"{file} is no Parquet file of a campaign: {error}") from error
-        if table.schema.metadata is None or table.schema.metadata.get(IDENTITY) != self._identity:
+        if (table.schema.metadata or {}).get(IDENTITY) != self._schema.metadata[IDENTITY]:
             raise ParameterError(
                 f"{file} holds flights of another campaign or version: take another --output, or "
                 "remove them"
             )
-        for row in table.to_pylist():
-            self._rows[row["flight"], row["law"]] = row
+        return list(table.to_pylist())
 
-    @property
-    def _identity(self) -> bytes:
-        return self._campaign.identity.encode()
-
-    @property
-    def empty(self) -> bool:
-        """Whether it holds no flight."""
-        return not self._rows
+    def _add(self, rows: Sequence[Row]) -> None:
+        self.rows |= {(row["flight"], row["law"]): row for row in rows}
 
     def left(self) -> list[Task]:
         """Flights that have not been flown, with their laws, in order."""
@@ -307,17 +292,15 @@ class FlightStore:
             (number, law)
             for number in range(self._campaign.total)
             for law in self._campaign.laws
-            if (number, law_label(law)) not in self._rows
+            if (number, law_label(law)) not in self.rows
         ]
 
     def keep(self, rows: Sequence[Row]) -> None:
         """Keep a batch of at least one flight, at once and whole."""
         self._parts.mkdir(exist_ok=True)
-        first = rows[0]
-        write_atomically(
-            self._parts / f"{first['flight']:09d}_{first['law']}.parquet", self._content(rows)
-        )
-        self._rows.update({(row["flight"], row["law"]): row for row in rows})
+        name = f"{rows[0]['flight']:09d}_{rows[0]['law']}.parquet"
+        write_atomically(self._parts / name, self._content(rows))
+        self._add(rows)
 
     def finish(self) -> list[Row]:
         """Write one file of all and remove the batches, and what was worst of fewer flights.
@@ -326,7 +309,7 @@ class FlightStore:
             All rows, by number and law.
         """
         laws = law_labels(self._campaign.laws)
-        rows = sorted(self._rows.values(), key=lambda row: (row["flight"], laws.index(row["law"])))
+        rows = sorted(self.rows.values(), key=lambda row: (row["flight"], laws.index(row["law"])))
         if self._parts.exists() or not self.file.exists():
             write_atomically(self.file, self._content(rows))
             shutil.rmtree(self._parts, ignore_errors=True)
@@ -338,10 +321,8 @@ class FlightStore:
         import pyarrow
         from pyarrow import parquet
 
-        schema = self._schema.with_metadata({IDENTITY: self._identity})
-        table = pyarrow.Table.from_pylist(list(rows), schema=schema)
         buffer = io.BytesIO()
-        parquet.write_table(table, buffer)
+        parquet.write_table(pyarrow.Table.from_pylist(list(rows), schema=self._schema), buffer)
         return buffer.getvalue()
 
 
@@ -357,14 +338,10 @@ def _schema(campaign: Campaign) -> pyarrow.Schema:
         **{key: text if key in words else number for key in campaign.inputs},
         "failed": pyarrow.bool_(),
         **dict.fromkeys(("reasons", "error"), text),
-        **dict.fromkeys(FIGURES, number),
-        **dict.fromkeys(COUNTS, count),
+        **dict.fromkeys(("settled_s", "worst_settled_m", *MEASURED), number),
+        **dict.fromkeys(("envelope_violations", "solves_failed", "off_plan"), count),
     }
-    return pyarrow.schema(list(kinds.items()))
-
-
-CHECKED = 100  # flights at a time
-CHECKED_HERE = 2000  # flights, some seconds; more of them are checked where they will be flown
+    return pyarrow.schema(list(kinds.items()), {IDENTITY: campaign.identity.encode()})
 
 
 @dataclass(frozen=True)
@@ -419,47 +396,20 @@ def run_campaign(
     tasks = store.left()
     begin = time.perf_counter()
     if tasks:
-        columns = ("{task.description}", BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-        console = Console(stderr=True)
-        with Progress(*columns, console=console, transient=True, disable=not show) as bar:
-            _check(campaign, executor, bar)
-            if PREDICTIVE in campaign.laws:  # compile here, once, and not in every process
-                first = planned(campaign, tasks[0][0]).configuration(PREDICTIVE)
-                shared_formulation(first.controller)
-            try:
-                _fly(campaign, executor, store, tasks, bar)
-            except KeyboardInterrupt:
-                if store.empty:
-                    raise
+        check_flights(campaign, tracked(range(campaign.total), "checking flights", show=show))
+        if PREDICTIVE in campaign.laws:  # compile here, once, and not in every process
+            first = planned(campaign, tasks[0][0]).configuration(PREDICTIVE)
+            shared_formulation(first.controller)
+        # Small campaigns too have a batch for every worker.
+        size = max(1, min(executor.batch, len(tasks) // (4 * executor.workers)))
+        batches = [tasks[begin : begin + size] for begin in range(0, len(tasks), size)]
+        flown = executor.run(fly_batch, campaign, batches)
+        try:
+            for rows in tracked(flown, "flights", len(batches), show):
+                store.keep(rows)
+        except KeyboardInterrupt:
+            if not store.rows:
+                raise
     seconds, left = time.perf_counter() - begin, len(store.left())
-    flown = len(tasks) - left
-    return CampaignResults(
-        campaign, store.finish(), store.file, flown, left, seconds, executor.workers
-    )
-
-
-def _check(campaign: Campaign, executor: Executor, bar: Progress) -> None:
-    """Check all flights before the first is flown."""
-    starts = range(0, campaign.total, CHECKED)
-    batches = [range(begin, min(begin + CHECKED, campaign.total)) for begin in starts]
-    here = LocalExecutor(1) if campaign.total <= CHECKED_HERE else executor
-    task = bar.add_task("checking flights", total=len(batches))
-    for _ in here.run(check_flights, campaign, batches):  # raises where a flight is refused
-        bar.advance(task)
-    bar.remove_task(task)
-
-
-def _fly(
-    campaign: Campaign, executor: Executor, store: FlightStore, tasks: list[Task], bar: Progress
-) -> None:
-    # Small campaigns too have a batch for every worker.
-    size = max(1, min(executor.batch, len(tasks) // (4 * executor.workers)))
-    rest = iter(tasks)
-    batches = list(iter(lambda: list(islice(rest, size)), []))
-    total = campaign.total * len(campaign.laws)
-    task = bar.add_task("flights", total=total, completed=total - len(tasks))
-    failed = 0
-    for rows in executor.run(fly_batch, campaign, batches):
-        store.keep(rows)
-        failed += sum(row["failed"] for row in rows)
-        bar.update(task, advance=len(rows), description=f"flights, {failed} failed")
+    rows, flights = store.finish(), len(tasks) - left
+    return CampaignResults(campaign, rows, store.file, flights, left, seconds, executor.workers)

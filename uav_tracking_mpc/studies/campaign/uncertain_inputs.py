@@ -73,84 +73,90 @@ def _specifications(parameters: type) -> dict[str, Specification]:
     return {each.name: each for each in specifications(parameters)}
 
 
-def _share(reading: str, names: tuple[str, ...], into: str, words: str) -> Derived:
+def _share(names: tuple[str, ...], into: str, words: str) -> Derived:
     """A factor on what the aircraft has."""
 
     def write(sections: Sections, factor: float) -> None:
         for name in names:
-            values = _present(sections, reading, name)
+            values = _present(sections, _SIMULATOR, name)
             sections[into][name] = [factor * value for value in values]
 
     return Derived(words, lambda sections: 1.0, write)
 
 
-def _origin(sections: Sections, about: str) -> list[float]:
-    """Where a vector begins: at zero, or for a start at the target's."""
-    if not about:
-        return [0.0, 0.0, 0.0]
-    target = from_mapping(TargetParameters, sections[_TARGET])
-    return [float(value) for value in motion_of(target).position(0.0)]
+def _polar(name: str, part: int, words: str, about_target: bool = False) -> Derived:
+    """One of the cylindrical coordinates of a vector of the simulator: length, angle, height."""
 
+    def origin(sections: Sections) -> Any:
+        if not about_target:
+            return 0.0, 0.0, 0.0
+        target = from_mapping(TargetParameters, sections[_TARGET])
+        return motion_of(target).position(0.0).tolist()
 
-def _polar(name: str, part: str, words: str, about: str = "") -> Derived:
-    """One of the cylindrical coordinates of a vector of the simulator."""
-
-    def coordinates(sections: Sections) -> dict[str, float]:
-        x_0, y_0, z_0 = _origin(sections, about)
-        x, y, z = _present(sections, _SIMULATOR, name)
-        angle = math.degrees(math.atan2(y - y_0, x - x_0))
-        return {"length": math.hypot(x - x_0, y - y_0), "angle": angle, "height": z - z_0}
+    def coordinates(sections: Sections) -> list[float]:
+        vector = _present(sections, _SIMULATOR, name)
+        x, y, z = (end - begin for end, begin in zip(vector, origin(sections), strict=True))
+        return [math.hypot(x, y), math.degrees(math.atan2(y, x)), z]
 
     def write(sections: Sections, value: float) -> None:
-        length, angle, height = {**coordinates(sections), part: value}.values()
-        x_0, y_0, z_0 = _origin(sections, about)
+        length, angle, height = (
+            value if index == part else known for index, known in enumerate(coordinates(sections))
+        )
+        x, y, z = origin(sections)
         east, north = math.cos(math.radians(angle)), math.sin(math.radians(angle))
-        sections[_SIMULATOR][name] = [x_0 + length * east, y_0 + length * north, z_0 + height]
+        sections[_SIMULATOR][name] = [x + length * east, y + length * north, z + height]
 
     return Derived(words, lambda sections: coordinates(sections)[part], write)
 
 
-_TIMES = ("rate_lag", "dead_time")
+_LAG, _DEAD_TIME = ("rate_lag",), ("dead_time",)
 # In the order in which they are written: lengths before angles, the truth before what is told.
 DERIVED = {
-    "start.distance": _polar("initial_position", "length", "level, to the target [m]", _TARGET),
-    "start.azimuth_deg": _polar("initial_position", "angle", "seen from the target", _TARGET),
-    "start.height": _polar("initial_position", "height", "above the target [m]", _TARGET),
-    "wind.speed": _polar("wind", "length", "of the mean wind, level [m/s]"),
-    "wind.direction_deg": _polar("wind", "angle", "where it blows to, from East"),
-    "velocity_bias.speed": _polar("velocity_bias", "length", "level [m/s]"),
-    "velocity_bias.direction_deg": _polar("velocity_bias", "angle", "where to, from East"),
-    "true.lag": _share(_SIMULATOR, _TIMES[:1], _SIMULATOR, "factor on the aircraft's lags"),
-    "true.dead_time": _share(_SIMULATOR, _TIMES[1:], _SIMULATOR, "on its dead times"),
-    "true.response": _share(_SIMULATOR, _TIMES, _SIMULATOR, "on both"),
-    "told.lag": _share(_SIMULATOR, _TIMES[:1], _CONTROLLER, "told lags over the true ones"),
-    "told.dead_time": _share(_SIMULATOR, _TIMES[1:], _CONTROLLER, "told dead times over true"),
-    "told.response": _share(_SIMULATOR, _TIMES, _CONTROLLER, "both"),
+    "start.distance": _polar("initial_position", 0, "level, to the target [m]", True),
+    "start.azimuth_deg": _polar("initial_position", 1, "seen from the target", True),
+    "start.height": _polar("initial_position", 2, "above the target [m]", True),
+    "wind.speed": _polar("wind", 0, "of the mean wind, level [m/s]"),
+    "wind.direction_deg": _polar("wind", 1, "where it blows to, from East"),
+    "velocity_bias.speed": _polar("velocity_bias", 0, "level [m/s]"),
+    "velocity_bias.direction_deg": _polar("velocity_bias", 1, "where to, from East"),
+    "true.lag": _share(_LAG, _SIMULATOR, "factor on the aircraft's lags"),
+    "true.dead_time": _share(_DEAD_TIME, _SIMULATOR, "on its dead times"),
+    "true.response": _share(_LAG + _DEAD_TIME, _SIMULATOR, "on both"),
+    "told.lag": _share(_LAG, _CONTROLLER, "told lags over the true ones"),
+    "told.dead_time": _share(_DEAD_TIME, _CONTROLLER, "told dead times over true"),
+    "told.response": _share(_LAG + _DEAD_TIME, _CONTROLLER, "both"),
 }
 
 
 @dataclass(frozen=True)
 class _Place:
-    """Where the value of a key goes."""
+    """Where the value of a key goes that is a parameter, or a component of one."""
 
     section: str
     specification: Specification
     degrees: bool
     index: int | None
 
-    @property
-    def name(self) -> str:
-        return self.specification.name
+    def read(self, sections: Sections) -> Any:
+        value = _present(sections, self.section, self.specification.name)
+        if isinstance(self.specification.default, tuple):
+            value = value[self.index or 0]
+        return math.degrees(value) if self.degrees else value
 
-    @property
-    def vector(self) -> bool:
-        return isinstance(self.specification.default, tuple)
+    def write(self, sections: Sections, value: Any) -> None:
+        value = math.radians(value) if self.degrees else value
+        name, vector = self.specification.name, isinstance(self.specification.default, tuple)
+        if vector and not isinstance(value, (list, tuple)):
+            present = list(_present(sections, self.section, name))
+            where = range(len(present)) if self.index is None else [self.index]
+            value = [value if i in where else known for i, known in enumerate(present)]
+        sections[self.section][name] = value
 
 
-def _place_of(sections: Sections, key: str) -> _Place | None:
-    """The parameter that a key names; None for what :data:`DERIVED` lists."""
+def _input(sections: Sections, key: str) -> _Place | Derived:
+    """What a key names."""
     if key in DERIVED:
-        return None
+        return DERIVED[key]
     match = _KEY.match(key)
     if match is None or match["section"] not in SECTIONS:
         near = difflib.get_close_matches(key, DERIVED, 3) or list(DERIVED)
@@ -158,16 +164,14 @@ def _place_of(sections: Sections, key: str) -> _Place | None:
             f"'{key}' must be SECTION.PARAMETER with SECTION one of {', '.join(SECTIONS)}, or "
             f"such as {', '.join(near)}"
         )
-    specification = _specification(sections, match["section"], match["name"])
-    index = None if match["index"] is None else int(match["index"])
-    place = _Place(match["section"], specification, match["degrees"] is not None, index)
-    if place.degrees and not specification.unit.startswith("rad"):
-        raise ParameterError(f"'{key}': '{place.name}' is no angle, its unit is not rad")
-    if index is not None:
-        present = _present(sections, place.section, place.name)
-        if not place.vector or index >= len(present):
-            raise ParameterError(f"'{key}': '{place.name}' has no component {index}")
-    return place
+    section, name, index = match["section"], match["name"], match["index"]
+    known = _specification(sections, section, name)
+    if match["degrees"] and not known.unit.startswith("rad"):
+        raise ParameterError(f"'{key}': '{name}' is no angle, its unit is not rad")
+    vector = _present(sections, section, name) if isinstance(known.default, tuple) else ()
+    if index is not None and int(index) >= len(vector):
+        raise ParameterError(f"'{key}': '{name}' has no component {index}")
+    return _Place(section, known, bool(match["degrees"]), None if index is None else int(index))
 
 
 def check_value(sections: Sections, key: str, value: Any) -> None:
@@ -181,15 +185,15 @@ def check_value(sections: Sections, key: str, value: Any) -> None:
     Raises:
         ParameterError: There is no such parameter, or its range does not hold the value.
     """
-    place = _place_of(sections, key)
-    if place is None:
+    place = _input(sections, key)
+    if isinstance(place, Derived):
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise ParameterError(f"'{key}' is {value!r}, must be a number: {DERIVED[key].words}")
+            raise ParameterError(f"'{key}' is {value!r}, must be a number: {place.words}")
         return
     trial: Sections = {section: dict(values) for section, values in sections.items()}
-    write(trial, {key: value})
+    place.write(trial, value)
     try:
-        place.specification.check(trial[place.section][place.name])
+        place.specification.check(trial[place.section][place.specification.name])
     except ParameterError as error:
         raise ParameterError(f"'{key}' may become {value!r}: {error}") from error
 
@@ -204,13 +208,7 @@ def read(sections: Sections, key: str) -> Any:
     Raises:
         ParameterError: There is no such parameter.
     """
-    place = _place_of(sections, key)
-    if place is None:
-        return DERIVED[key].read(sections)
-    value = _present(sections, place.section, place.name)
-    if place.vector:
-        value = value[place.index or 0]
-    return math.degrees(value) if place.degrees else value
+    return _input(sections, key).read(sections)
 
 
 def write(sections: Sections, values: Mapping[str, Any]) -> None:
@@ -220,17 +218,6 @@ def write(sections: Sections, values: Mapping[str, Any]) -> None:
         sections: Of the configuration, changed in place.
         values: By key.
     """
-    for key, value in values.items():
-        place = _place_of(sections, key)
-        if place is None:
-            continue
-        if place.degrees:
-            value = math.radians(value)
-        if place.vector and not isinstance(value, (list, tuple)):
-            present = list(_present(sections, place.section, place.name))
-            where = range(len(present)) if place.index is None else [place.index]
-            value = [value if i in where else known for i, known in enumerate(present)]
-        sections[place.section][place.name] = value
-    for key, derived in DERIVED.items():
-        if key in values:
-            derived.write(sections, values[key])
+    order = [*(key for key in values if key not in DERIVED), *(k for k in DERIVED if k in values)]
+    for key in order:
+        _input(sections, key).write(sections, values[key])

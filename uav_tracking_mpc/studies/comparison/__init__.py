@@ -14,13 +14,11 @@
 
 """The predictive controller beside other laws, through scenarios and under mismatches.
 
-=================  =================================================================
-``scenarios``      laws, scenarios and mismatches by name
-``sensor_faults``  sensors that fail in flight: which, when and how
-``measures``       what counts of a flight
-``asked``          what is to be reached of it in scenarios and under mismatches
-``sensor_cases``   what is to be reached where a sensor fails
-``results``        every law flown through each: as one object, as JSON and as a table
-``figures``        the comparison as a study: pictures, and the page that holds them
-=================  =================================================================
+=============  =====================================================================
+``scenarios``  laws, scenarios and mismatches by name, sensors that fail among them
+``measures``   what counts of a flight
+``asked``      what is to be reached of it
+``results``    every law flown through each: as one object, as JSON and as a table
+``figures``    the comparison as a study: pictures, and the page that holds them
+=============  =====================================================================
 """

@@ -12,28 +12,27 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The comparison as a study: pictures of the scenarios, summaries, and the page of them."""
+"""The comparison as a study: a picture of each scenario, and one of all."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
+from itertools import cycle
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.markers import CARETLEFT
-from numpy.typing import NDArray
+from matplotlib.markers import CARETLEFT, CARETRIGHT
 
 from uav_tracking_mpc.report.figure_style import BLACK, GREEN, GREY, LIGHT_GREY, colours, drawing
 from uav_tracking_mpc.report.metrics import COLUMNS, flown_bank
-from uav_tracking_mpc.report.pages import render
 from uav_tracking_mpc.settings.tracking import PREDICTIVE
 from uav_tracking_mpc.simulation.motions import motion_of
-from uav_tracking_mpc.studies.comparison.asked import Asked, Target
-from uav_tracking_mpc.studies.comparison.measures import SETTLED, Measures
+from uav_tracking_mpc.studies.comparison.measures import SETTLED
 from uav_tracking_mpc.studies.comparison.results import (
     SCENARIOS,
     Kind,
@@ -69,7 +68,7 @@ def scenario_figure(scenario: Scenario) -> Figure:
         figure.subplots_adjust(
             left=0.07, right=0.985, bottom=0.11, top=0.85, wspace=0.2, hspace=0.3
         )
-        figure.suptitle(scenario.title, x=0.07, ha="left", fontsize=11)
+        figure.suptitle(scenario.about[0], x=0.07, ha="left", fontsize=11)
         figure.legend(
             handles=[Line2D([], [], color=colour[law], label=law) for law in scenario.logs],
             loc="upper right",
@@ -103,30 +102,25 @@ def _draw_top_view(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> No
     moving = motion_of(scenario.configuration.target).velocity(0.0)
     wind = np.array(scenario.configuration.simulator.wind)
     gusts = " and gusts" if scenario.configuration.simulator.gust_intensity > 0.0 else ""
-    _draw_arrow(axes, 0.94, wind, f"wind {np.hypot(*wind[:2]):g} m/s{gusts}", GREY)
     turns = log.target_velocity is not None and np.ptp(log.target_velocity, axis=0).any()
-    words = f"target {np.hypot(*moving[:2]):g} m/s{' at the start' if turns else ''}"
-    _draw_arrow(axes, 0.86, moving, words, BLACK)
-
-
-def _draw_arrow(
-    axes: Axes, height: float, velocity: NDArray[np.float64], words: str, colour: str
-) -> None:
-    """A velocity in the upper left corner, if there is one."""
-    speed = float(np.hypot(*velocity[:2]))
-    if speed == 0.0:
-        return
-    # Length by speed, in axes that are nearly square.
-    east, north = 0.005 * velocity[:2]
-    axes.annotate(
-        "", xy=(0.075 + east, height + north), xytext=(0.075 - east, height - north),
-        xycoords="axes fraction", textcoords="axes fraction", zorder=5,
-        arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.8, "shrinkA": 0, "shrinkB": 0},
-    )  # fmt: skip
-    axes.text(
-        0.14, height, words, transform=axes.transAxes, color=colour, fontsize=8, va="center",
-        zorder=5, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
-    )  # fmt: skip
+    later = " at the start" if turns else ""
+    for height, velocity, words, paint in (
+        (0.94, wind, f"wind {np.hypot(*wind[:2]):g} m/s{gusts}", GREY),
+        (0.86, moving, f"target {np.hypot(*moving[:2]):g} m/s{later}", BLACK),
+    ):
+        if not np.any(velocity[:2]):
+            continue
+        # In the upper left corner; length by speed, in axes that are nearly square.
+        east, north = 0.005 * velocity[:2]
+        axes.annotate(
+            "", xy=(0.075 + east, height + north), xytext=(0.075 - east, height - north),
+            xycoords="axes fraction", textcoords="axes fraction", zorder=5,
+            arrowprops={"arrowstyle": "-|>", "color": paint, "lw": 1.8, "shrinkA": 0, "shrinkB": 0},
+        )  # fmt: skip
+        axes.text(
+            0.14, height, words, transform=axes.transAxes, color=paint, fontsize=8, va="center",
+            zorder=5, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
+        )  # fmt: skip
 
 
 def _draw_error(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> None:
@@ -135,9 +129,9 @@ def _draw_error(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> None:
         axes.semilogy(log.time, error, color=colour[law], lw=1.0)
     axes.axhspan(FINEST, SETTLED, color=GREEN, alpha=0.08, lw=0.0)
     end = log.time[-1]
-    if isinstance(scenario.asked, Target):
-        axes.plot([2.0 / 3.0 * end, end], [scenario.asked.range_rms] * 2, color=BLACK, lw=1.2)
-        axes.plot(scenario.asked.settling, SETTLED, "v", color=BLACK, ms=5)
+    if "settling_s" in (asked := scenario.bounds):
+        axes.plot([2.0 / 3.0 * end, end], [asked["range_rms_m"]] * 2, color=BLACK, lw=1.2)
+        axes.plot(asked["settling_s"], SETTLED, "v", color=BLACK, ms=5)
     axes.set(
         ylabel="$|r - r_d|$ [m]",
         xlim=(0.0, end),
@@ -161,122 +155,47 @@ def _draw_bank(axes: Axes, scenario: Scenario, colour: dict[str, str]) -> None:
     )
 
 
-def summary_figure(scenarios: Sequence[Scenario]) -> Figure:
-    """Range RMS, settling and bank rate of every law in every scenario, and what is asked.
-
-    Args:
-        scenarios: What was flown.
-    """
-    height = 0.9 + 0.55 * max(len(scenarios), 2)  # [inch]
-    colour = colours(law for scenario in scenarios for law in scenario.logs)
-    with drawing(9.5, height) as figure:
-        panels = figure.subplots(1, 3, sharey=True)
-        panels[0].set_xscale("log")
-        for axes, (title, value) in zip(panels, PANELS, strict=True):
-            _draw_bars(axes, scenarios, value, colour)
-            axes.set_title(title)
-            axes.grid(axis="y", visible=False)
-        panels[0].set_xlim(left=FINEST)
-        panels[0].set_yticks(range(len(scenarios)), [scenario.name for scenario in scenarios])
-        panels[0].invert_yaxis()
-        for index, scenario in enumerate(scenarios):
-            if isinstance(scenario.asked, Target):
-                for axes, bound in zip(
-                    panels, (scenario.asked.range_rms, scenario.asked.settling), strict=False
-                ):
-                    axes.plot([bound] * 2, [index - 0.42, index + 0.42], color=BLACK, lw=1.8)
-        handles = [Line2D([], [], color=paint, lw=6, label=law) for law, paint in colour.items()]
-        if any(isinstance(scenario.asked, Target) for scenario in scenarios):
-            handles.append(Line2D([], [], color=BLACK, lw=1.8, label="asked of nmpc"))
-        figure.subplots_adjust(
-            left=0.13, right=0.985, bottom=0.35 / height, top=1.0 - 0.6 / height, wspace=0.08
-        )
-        figure.legend(handles=handles, loc="upper center", ncols=len(handles))
-    return figure
-
-
-PANELS: tuple[tuple[str, Callable[[Measures], float | None]], ...] = (
-    ("range RMS, last third [m]", lambda flight: flight.range_rms_m),
-    ("settled within 10 m [s]", lambda flight: flight.settling_s),
-    ("bank rate RMS, last third [deg/s]", lambda flight: flight.bank_rate_rms_dps),
-)
-
-
-def _draw_bars(
-    axes: Axes,
-    scenarios: Sequence[Scenario],
-    value: Callable[[Measures], float | None],
-    colour: dict[str, str],
-) -> None:
-    for index, scenario in enumerate(scenarios):
-        count = len(scenario.measures)
-        pitch = 0.78 / max(count, 3)
-        for place, (law, flight) in enumerate(scenario.measures.items()):
-            y, length = index + pitch * (place - 0.5 * (count - 1)), value(flight)
-            # A bar has no length where the logarithmic axis begins, and less before.
-            clipped = length is not None and axes.get_xscale() == "log" and length < FINEST
-            if length is None or clipped:
-                words = f"< {FINEST:g}" if clipped else "never"
-                axes.text(
-                    0.01, y, words, transform=axes.get_yaxis_transform(), va="center",
-                    color=colour[law], fontsize=7,
-                )  # fmt: skip
-            else:
-                axes.barh(y, length, height=0.88 * pitch, color=colour[law])
-        if index:
-            axes.axhline(index - 0.5, color=LIGHT_GREY, lw=0.6)
-
-
-LEAST = (1e-3, 0.1)  # m and deg/s, the least that is drawn
+# Title of the panel of each measure, and the least that is drawn; 0 on a linear axis.
+PANELS = {
+    "range_rms_m": ("range RMS [m]", FINEST),
+    "settling_s": ("settled within 10 m [s]", 0.0),
+    "bank_rate_rms_dps": ("bank rate RMS [deg/s]", 0.1),
+}
 MARKERS = ("o", "s", "D", "^", "v", "P", "X")
 
 
-def mismatch_figure(mismatches: Sequence[Scenario]) -> Figure:
-    """A row for each mismatch, a mark for each law, a bar where the predictive controller is asked.
+def overview_figure(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> Figure:
+    """A row for each scenario, a mark for each law, a bar where the predictive controller is asked.
 
     Args:
-        mismatches: What was flown.
+        scenarios: What was flown.
+        kind: What they are.
     """
-    height = 1.1 + 0.27 * max(len(mismatches), 2)  # [inch]
-    laws = list(dict.fromkeys(law for mismatch in mismatches for law in mismatch.measures))
-    colour = colours(laws)
-    marker = {law: MARKERS[index % len(MARKERS)] for index, law in enumerate(laws)}
-    # The predictive controller's marks lie above the others.
-    order = {law: 4 if law == PREDICTIVE else 3 for law in laws}
-    with drawing(9.5, height) as figure:
-        panels = figure.subplots(1, 2, sharey=True)
-        for index, mismatch in enumerate(mismatches):
-            for law, flight in mismatch.measures.items():
-                for axes, value, finest in zip(
-                    panels, (flight.range_rms_m, flight.bank_rate_rms_dps), LEAST, strict=True
-                ):
-                    axes.plot(
-                        max(value, finest), index, ls="", color=colour[law], ms=5.0,
-                        marker=marker[law] if value >= finest else CARETLEFT,
-                        mec="white", mew=0.4, zorder=order[law],
-                    )  # fmt: skip
-            asked = mismatch.asked
-            if not isinstance(asked, Asked) or PREDICTIVE not in mismatch.measures:
-                continue
-            bounds = asked.resolved(mismatch.known)
-            for axes, bound in zip(panels, (bounds.range_rms, bounds.bank_rate_rms), strict=True):
-                if math.isfinite(bound):
-                    axes.plot([bound] * 2, [index - 0.36, index + 0.36], color=BLACK, lw=1.6)
-        for axes, title, finest in zip(
-            panels, ("range RMS [m]", "bank rate RMS [deg/s]"), LEAST, strict=True
-        ):
-            axes.set(xscale="log", xlim=(0.8 * finest, None), title=title)
+    height = 1.1 + 0.27 * max(len(scenarios), 2)  # [inch]
+    colour = colours(law for each in scenarios for law in each.measures)
+    marks: dict[str, dict[str, Any]] = {
+        # The predictive controller's marks lie above the others.
+        law: {"color": paint, "marker": marker, "zorder": 4 if law == PREDICTIVE else 3}
+        for (law, paint), marker in zip(colour.items(), cycle(MARKERS), strict=False)
+    }
+    with drawing(SIZE[0], height) as figure:
+        panels = figure.subplots(1, len(kind.panels), sharey=True)
+        for axes, name in zip(panels, kind.panels, strict=True):
+            title, least = PANELS[name]
+            axes.set(title=title, xscale="log" if least else "linear")
             axes.grid(axis="y", color=LIGHT_GREY, lw=0.5)
-        panels[0].set_yticks(range(len(mismatches)), [mismatch.name for mismatch in mismatches])
-        panels[0].set_ylim(len(mismatches) - 0.5, -0.5)
-        handles = [
-            Line2D([], [], color=colour[law], marker=marker[law], ls="", label=law) for law in laws
-        ]
-        less = f"below {LEAST[0]:g} m or {LEAST[1]:g} deg/s"
-        handles.append(Line2D([], [], color=BLACK, marker=CARETLEFT, ls="", label=less))
-        handles.append(
-            Line2D([], [], color=BLACK, marker="|", ls="", ms=9, mew=1.6, label="asked of nmpc")
-        )
+            for index, each in enumerate(scenarios):
+                for law, flight in each.measures.items():
+                    _draw_mark(axes, index, getattr(flight, name), least, marks[law])
+                bound = each.bounds.get(name)
+                if bound is not None and math.isfinite(bound):
+                    axes.plot([bound] * 2, [index - 0.36, index + 0.36], color=BLACK, lw=1.6)
+            axes.set(xlim=(0.8 * least, None), ylim=(len(scenarios) - 0.5, -0.5))
+        panels[0].set_yticks(range(len(scenarios)), [each.name for each in scenarios])
+        marks["less than is drawn"] = {"color": BLACK, "marker": CARETLEFT}
+        marks["never"] = {"color": BLACK, "marker": CARETRIGHT}
+        marks["asked of nmpc"] = {"color": BLACK, "marker": "|", "ms": 9, "mew": 1.6}
+        handles = [Line2D([], [], ls="", label=name, **mark) for name, mark in marks.items()]
         figure.subplots_adjust(
             left=0.15, right=0.985, bottom=0.4 / height, top=1.0 - 0.65 / height, wspace=0.06
         )
@@ -284,12 +203,18 @@ def mismatch_figure(mismatches: Sequence[Scenario]) -> Figure:
     return figure
 
 
-TEMPLATE = "comparison.html.j2"
-SEEN = "Paths about the target, range error and bank"
-ALTERNATIVES = {
-    "summary": "Range RMS, settling time and bank rate of every law in every scenario",
-    "mismatches": "Range and bank rate RMS of every law under every mismatch",
-}
+def _draw_mark(
+    axes: Axes, index: int, value: float | None, least: float, mark: Mapping[str, Any]
+) -> None:
+    """A measure of a flight; at the edge that it lies beyond where the axis does not show it."""
+    edge = {"ls": "", "ms": 5.0, "mec": "white", "mew": 0.4, **mark}
+    if value is None:
+        edge |= {"marker": CARETRIGHT, "transform": axes.get_yaxis_transform()}
+        axes.plot(0.985, index, **edge)
+        return
+    if value < least:
+        edge["marker"] = CARETLEFT
+    axes.plot(max(value, least), index, **edge)
 
 
 def comparison(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS, left: str = "") -> Study:
@@ -301,47 +226,27 @@ def comparison(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS, left: str 
         left: What was not flown, in words.
     """
     table, content = comparison_table(scenarios, kind), as_json(scenarios, kind)
-    missed, news = misses(scenarios), news_of_sensors(scenarios)
     place = "comparison" if kind.name == SCENARIOS.name else kind.name  # in the documentation
+    overview = kind.name
+    figures, about, tables = {}, {}, {place: table}
     if kind.flown == SCENARIOS.flown:
-        figures = {"summary": partial(summary_figure, scenarios)}
-        figures |= {each.name: partial(scenario_figure, each) for each in scenarios}
-        tables = {place: table}
+        overview = "summary"
+        figures = {each.name: partial(scenario_figure, each) for each in scenarios}
+        about = {each.name: each.about for each in scenarios}
     else:
-        figures = {kind.name: partial(mismatch_figure, scenarios)}
         tables = {place: own_table(scenarios, kind), f"{place}_laws": others_table(scenarios, kind)}
-    about = {
-        each.name: {"title": each.title, "description": each.description} for each in scenarios
-    }
-
-    def page(pictures: Mapping[str, str]) -> str:
-        sections = [
-            {
-                "picture": picture,
-                "alternative": ALTERNATIVES.get(name.partition("_")[0], SEEN),
-                **about.get(name, {"title": "", "description": ""}),
-            }
-            for name, picture in pictures.items()
-        ]
-        return render(
-            "uav_tracking_mpc.studies.comparison",
-            TEMPLATE,
-            {},
-            title=f"{kind.title}: {content['config']}",
-            table=table,
-            own=PREDICTIVE,
-            misses=missed,
-            news=news,
-            sections=sections,
-        )
-
     return Study(
         name=kind.name,
         content=content,
-        words=[table, *news, *(f"missed, {line}" for line in missed)],
+        words=[
+            table,
+            *news_of_sensors(scenarios),
+            *(f"missed, {line}" for line in misses(scenarios)),
+        ],
         written=f"report: {{}}/{kind.name}.html",
-        figures=figures,
-        page=page,
+        figures={overview: partial(overview_figure, scenarios, kind), **figures},
+        title=f"{kind.title}: {content['config']}",
+        about={overview: (f"Every law, every {kind.flown}", ""), **about},
         tables=tables,
         left=left,
     )

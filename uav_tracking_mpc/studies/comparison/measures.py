@@ -119,22 +119,18 @@ def measures(
         shaken: Whether limits are judged as where gusts shake the aircraft.
     """
     range_error, _, altitude_error, _, airspeed_error = log.error.T
-    if settled_after is None:
-        settled_after = 2.0 / 3.0 * (log.time[-1] - log.time[0])
-    begin = float(log.time[0]) + settled_after
+    after = 2.0 / 3.0 * (log.time[-1] - log.time[0]) if settled_after is None else settled_after
+    begin = float(log.time[0]) + after
     late = log.time >= begin
     off = (np.abs(airspeed_error) > DEPARTED) & (log.time >= begin - STARTS_EARLIER)
-    departed = np.flatnonzero(off)
     steady = log.time >= min(begin + STEADY_LATER, float(log.time[-1]))
     bank = flown_bank(log)
     bank_rate = np.diff(bank) / np.diff(log.time)[1:]  # at the samples but two
     swing = bank - _middle(_orbit_bank(log))
-    tolerance = (SHAKEN, SHAKEN_BANK) if shaken else (TOLERANCE, 0.0)
-    beyond = violations(log, parameters, *tolerance)
+    beyond = violations(log, parameters, *((SHAKEN, SHAKEN_BANK) if shaken else (TOLERANCE, 0.0)))
     off_plan = None
     if log.nominal is not None:
-        counted = log.command_time >= log.time[0] + settled_after
-        off_plan = int(np.count_nonzero(counted & ~log.nominal))
+        off_plan = int(np.count_nonzero((log.command_time >= begin) & ~log.nominal))
     return Measures(
         range_rms_m=_rms(range_error[late]),
         range_mean_m=float(np.mean(range_error[late])),
@@ -153,12 +149,9 @@ def measures(
         airspeed_worst_mps=float(np.max(np.abs(airspeed_error[steady]))),
         airspeed_min_mps=float(np.min(log.vehicle[:, 5])),
         airspeed_max_mps=float(np.max(log.vehicle[:, 5])),
-        airspeed_departed_s=(float(log.time[departed[0]]) if len(departed) else None,),
+        airspeed_departed_s=(float(log.time[np.argmax(off)]) if off.any() else None,),
         sensors=(log.sensors,),
     )
-
-
-PER_FLIGHT = "airspeed_departed_s", "sensors"
 
 
 def worst(flights: Sequence[Measures]) -> Measures:
@@ -169,21 +162,19 @@ def worst(flights: Sequence[Measures]) -> Measures:
     """
     if len(flights) == 1:
         return flights[0]
-    figures: dict[str, Any] = {}
-    for field in dataclasses.fields(Measures):
-        values = [getattr(flight, field.name) for flight in flights]
-        if field.name == "violations":
-            names = dict.fromkeys(name for value in values for name in value)
-            figures["violations"] = {n: max(v.get(n, 0) for v in values) for n in names}
-        elif field.name in PER_FLIGHT:
-            figures[field.name] = sum(values, ())
-        elif field.name.endswith("_min_mps") or field.name.endswith("_min_m"):
-            figures[field.name] = min(values)
-        elif None in values:  # never settled, or not recorded
-            figures[field.name] = None
-        else:
-            figures[field.name] = max(values, key=abs)
-    return Measures(**figures)
+    names = [field.name for field in dataclasses.fields(Measures)]
+    return Measures(**{name: _worst(name, [getattr(f, name) for f in flights]) for name in names})
+
+
+def _worst(name: str, values: list[Any]) -> Any:
+    if name == "violations":
+        limits = dict.fromkeys(limit for value in values for limit in value)
+        return {limit: max(value.get(limit, 0) for value in values) for limit in limits}
+    if isinstance(values[0], tuple):  # of each flight
+        return sum(values, ())
+    if None in values:  # never settled, or not recorded
+        return None
+    return min(values) if "_min_" in name else max(values, key=abs)
 
 
 def violations(

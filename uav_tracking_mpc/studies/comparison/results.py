@@ -35,11 +35,10 @@ from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.simulation.plants.vehicle import VehiclePlant
-from uav_tracking_mpc.studies.comparison.asked import Asked, Target
+from uav_tracking_mpc.studies.comparison.asked import Asked, Demand, asked_of
 from uav_tracking_mpc.studies.comparison.measures import Measures, measures, worst
 from uav_tracking_mpc.studies.comparison.scenarios import SETTLED_AFTER, law_labels, variants
-from uav_tracking_mpc.studies.comparison.sensor_cases import asked_of
-from uav_tracking_mpc.studies.executors import StoppedError, parallel_map
+from uav_tracking_mpc.studies.executors import parallel_map
 from uav_tracking_mpc.studies.study import plain
 
 
@@ -54,6 +53,7 @@ class Kind:
         key: Of the flights in the JSON.
         asked: Of what is asked in the JSON.
         columns: Heading, name of the measure and number format of each column of the table.
+        panels: Measures that the figure of all of them shows.
         caption: Of the table.
     """
 
@@ -63,6 +63,7 @@ class Kind:
     key: str
     asked: str
     columns: tuple[tuple[str, str, str], ...]
+    panels: tuple[str, ...]
     caption: str
 
     def on(self, plant: str) -> Kind:
@@ -93,6 +94,7 @@ SCENARIOS = Kind(
         BANK_RATE_RMS,
         VIOLATIONS,
     ),
+    panels=("range_rms_m", "settling_s", "bank_rate_rms_dps"),
     caption="RMS over the last third of the flight; settling: time after which the range error "
     "stays below 10 m; violations: samples at which airspeed, path angle, bank, specific force, "
     "height or distance exceeds its limit by more than 1 %; asked: range RMS and settling time of "
@@ -113,6 +115,7 @@ MISTOLD = Kind(
         VIOLATIONS,
         ("off plan", "off_plan", "d"),
     ),
+    panels=("range_rms_m", "bank_rate_rms_dps"),
     caption="mean, worst: of the range error; swing: greatest difference of the bank from that of "
     "the orbit; off plan: commands that are neither an optimal plan nor the answer of the law; all "
     "but violations count from 90 s to the end. violations: samples of the whole flight at which "
@@ -160,27 +163,26 @@ class Scenario:
         }
 
     @property
-    def title(self) -> str:
-        """What people call it."""
+    def about(self) -> tuple[str, str]:
+        """What people call it, and what happens in it."""
         about = self.configuration.scenario
-        return about.title if about is not None and about.title else self.name
+        return (self.name, "") if about is None else (about.title or self.name, about.description)
 
     @property
-    def description(self) -> str:
-        """What happens in it."""
-        about = self.configuration.scenario
-        return "" if about is None else about.description
-
-    @property
-    def asked(self) -> Target | Asked | None:
+    def asked(self) -> Demand | None:
         """What the predictive controller is to reach, if that is set."""
         return asked_of(self.configuration, self.name)
 
     @property
+    def bounds(self) -> dict[str, Any]:
+        """The figures that are asked, by the names of the measures; none without its flight."""
+        asked = self.asked
+        return asked.as_json(self.known) if asked and PREDICTIVE in self.flights else {}
+
+    @property
     def missed(self) -> list[str]:
         """What it missed of that, in words."""
-        asked = self.asked
-        return [] if asked is None else asked.missed(self.configuration, self.known)
+        return self.asked.missed(self.configuration, self.known) if self.asked else []
 
     @property
     def known(self) -> dict[str, Measures]:
@@ -217,10 +219,10 @@ def compare(
     labels = law_labels(laws)
     several = {name: variants(each, name) for name, each in configurations.items()}
     tasks = [prepared(each, law) for all in several.values() for law in laws for each in all]
+    logs: list[FlightLog] = []
     try:
-        logs = parallel_map(simulate, tasks, workers, "flights", show)
-    except StoppedError as stopped:
-        logs = stopped.done
+        parallel_map(simulate, tasks, workers, "flights", show, logs)
+    except KeyboardInterrupt:
         if len(logs) < len(laws) * len(next(iter(several.values()))):
             raise
     left, found = iter(logs), list[Scenario]()
@@ -286,9 +288,7 @@ def as_json(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> dict[str, 
             for each in scenarios
         },
         kind.asked: {
-            each.name: {**each.asked.as_json(each.known), "missed": each.missed}
-            for each in flown
-            if each.asked is not None
+            each.name: {**each.bounds, "missed": each.missed} for each in flown if each.bounds
         },
         "solves": {each.name: _solves(each.logs[PREDICTIVE]) for each in flown},
     }
@@ -297,30 +297,31 @@ def as_json(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> dict[str, 
 
 def _solves(log: FlightLog) -> dict[str, Any]:
     """How many solves a flight took, how many of them did not converge, and how long."""
-    finite = int(np.count_nonzero(np.isfinite(log.solve_time)))
-    times = microseconds(log.solve_time) if finite else {}
-    return {"count": finite, "not_converged": log.failures, **times}
+    count = int(np.count_nonzero(np.isfinite(log.solve_time)))
+    times = microseconds(log.solve_time) if count else {}
+    return {"count": count, "not_converged": log.failures, **times}
 
 
 def comparison_table(scenarios: Sequence[Scenario], kind: Kind = SCENARIOS) -> Table:
-    """One row for every flight.
+    """One row for every flight, with the verdict on those of the predictive controller.
 
     Args:
         scenarios: What was flown.
         kind: What they are.
     """
-    judged = any(scenario.asked is not None for scenario in scenarios)
+    headings = [heading for heading, *_ in kind.columns]
+    last = ["asked", "verdict"] if any(each.asked is not None for each in scenarios) else []
     rows = [
         [
-            scenario.name if index == 0 else "",
+            each.name if index == 0 else "",
             law,
-            *_figures(flight, kind),
-            *((_verdict(scenario) if law == PREDICTIVE else ("", "")) if judged else ()),
+            *(_cell(flight, name, form) for _, name, form in kind.columns),
+            *(_verdict(each) if law == PREDICTIVE else ("", ""))[: len(last)],
         ]
-        for scenario in scenarios
-        for index, (law, flight) in enumerate(scenario.measures.items())
+        for each in scenarios
+        for index, (law, flight) in enumerate(each.measures.items())
     ]
-    return _table((kind.flown, "law"), rows, kind, judged)
+    return Table([kind.flown, "law", *headings, *last], rows, headings, caption=kind.caption)
 
 
 def own_table(scenarios: Sequence[Scenario], kind: Kind = MISTOLD) -> Table:
@@ -330,17 +331,11 @@ def own_table(scenarios: Sequence[Scenario], kind: Kind = MISTOLD) -> Table:
         scenarios: What was flown.
         kind: What they are.
     """
-    judged = any(scenario.asked is not None for scenario in scenarios)
-    rows = [
-        [
-            scenario.name,
-            *_figures(scenario.measures[PREDICTIVE], kind),
-            *(_verdict(scenario) if judged else ()),
-        ]
-        for scenario in scenarios
-        if PREDICTIVE in scenario.measures
-    ]
-    return _table((kind.flown,), rows, kind, judged)
+    table = comparison_table(scenarios, kind)
+    names = [each.name for each in scenarios if PREDICTIVE in each.measures]
+    own = [cells for _, law, *cells in table.rows if law == PREDICTIVE]
+    rows = [[name, *cells] for name, cells in zip(names, own, strict=True)]
+    return replace(table, headings=[kind.flown, *table.headings[2:]], rows=rows)
 
 
 def others_table(scenarios: Sequence[Scenario], kind: Kind = MISTOLD) -> Table:
@@ -350,28 +345,17 @@ def others_table(scenarios: Sequence[Scenario], kind: Kind = MISTOLD) -> Table:
         scenarios: What was flown, by the same laws.
         kind: What they are.
     """
-    laws = [law for law in scenarios[0].measures if law != PREDICTIVE]
-    shown = [
-        (f"{law} [{unit}]", law, name, form)
+    shown = {
+        f"{law} [{unit}]": (law, name, form)
         for unit, (_, name, form) in (("m", RANGE_RMS), ("deg/s", BANK_RATE_RMS))
-        for law in laws
-    ]
+        for law in scenarios[0].measures
+        if law != PREDICTIVE
+    }
     rows = [
-        [each.name, *(_cell(each.measures[law], name, form) for _, law, name, form in shown)]
+        [each.name, *(_cell(each.measures[law], *column) for law, *column in shown.values())]
         for each in scenarios
     ]
-    headings = [heading for heading, *_ in shown]
-    return Table(headings=(kind.flown, *headings), rows=rows, numeric=headings)
-
-
-def _table(first: Sequence[str], rows: Sequence[Sequence[str]], kind: Kind, judged: bool) -> Table:
-    headings = [heading for heading, *_ in kind.columns]
-    last = ("asked", "verdict") if judged else ()
-    return Table((*first, *headings, *last), rows, numeric=headings, caption=kind.caption)
-
-
-def _figures(flight: Measures, kind: Kind) -> list[str]:
-    return [_cell(flight, name, form) for _, name, form in kind.columns]
+    return Table([kind.flown, *shown], rows, numeric=[*shown])
 
 
 def _cell(flight: Measures, name: str, form: str) -> str:
@@ -394,13 +378,13 @@ def news_of_sensors(scenarios: Sequence[Scenario]) -> list[str]:
     """
     lines = []
     for scenario in scenarios:
-        flights = scenario.flights.get(PREDICTIVE, ())
-        for number, log in enumerate(flights, 1):
+        logs = scenario.flights.get(PREDICTIVE, ())
+        for number, log in enumerate(logs, 1):
             said = [f"{news.sensor} {news.state} after {news.time:.1f} s" for news in log.sensors]
-            more = [f"{len(said) - MOST_NEWS} more"] if len(said) > MOST_NEWS else []
-            which = f", flight {number}" if len(flights) > 1 else ""
-            if said:
-                lines.append(f"{scenario.name}{which}: {', '.join(said[:MOST_NEWS] + more)}")
+            if len(said) > MOST_NEWS:
+                said[MOST_NEWS:] = [f"{len(said) - MOST_NEWS} more"]
+            which = f", flight {number}" if len(logs) > 1 else ""
+            lines += [f"{scenario.name}{which}: {', '.join(said)}"] if said else []
     return lines
 
 

@@ -14,9 +14,8 @@
 
 """Stability margins of the closed loop about the orbit, and weights that keep them.
 
-=================  ==================================================================
-``margin_study``   margins of the loop as it flies and of its model; table and JSON
-``margin_figure``  a Nichols chart, the margins around the orbit, and the study of both
+=================  ============================================================================
+``margin_study``   margins of the loop as it flies and of its model; table, figure and JSON
 ``weight_search``  weights for performance that keep the margins
-=================  ==================================================================
+=================  ============================================================================
 """

@@ -37,6 +37,9 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE
@@ -52,12 +55,21 @@ from uav_tracking_mpc.margins.loop_margins import (
 )
 from uav_tracking_mpc.margins.margin_check import shortfalls
 from uav_tracking_mpc.margins.orbit_loop import OrbitLoop
+from uav_tracking_mpc.report.figure_style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    LIGHT_GREY,
+    VERMILLION,
+    drawing,
+)
 from uav_tracking_mpc.report.pages import Table
 from uav_tracking_mpc.settings.configuration import Configuration
 from uav_tracking_mpc.simulation.closed_loop import Disturbance, simulate
 from uav_tracking_mpc.simulation.motions import motion_of
 from uav_tracking_mpc.studies.executors import parallel_map
-from uav_tracking_mpc.studies.study import plain
+from uav_tracking_mpc.studies.study import Study, plain
 
 SETTLED = 60.0  # s after which a flight that begins on the orbit is steady
 OBSERVED = 60.0  # s in which the answer to an impulse dies away
@@ -215,11 +227,13 @@ class MarginStudy:
     @property
     def shortfalls(self) -> list[str]:
         """What is smaller than the configuration asks, in words."""
-        asked, worst = self.configuration.controller, self.worst
-        found = [f"still air, {words}" for words in shortfalls(self.flown, asked)]
-        if worst is not None:
-            found += [f"in wind, {words}" for words in shortfalls(worst, asked)]
-        return found
+        judged = {"still air": self.flown, "in wind": self.worst}
+        return [
+            f"{where}, {words}"
+            for where, margins in judged.items()
+            if margins is not None
+            for words in shortfalls(margins, self.configuration.controller)
+        ]
 
 
 def margin_study(
@@ -249,9 +263,8 @@ def margin_study(
     frequency = by_model.frequencies(FREQUENCIES)
     whole, half = flown_loops(configuration, frequency, SIZES, workers, show)
     response = by_model.response(frequency)
-    azimuths = np.linspace(0.0, 2.0 * math.pi, AZIMUTHS, endpoint=False)
-    if not np.any(drift):
-        azimuths = azimuths[:0]
+    count = AZIMUTHS if np.any(drift) else 0
+    azimuths = np.linspace(0.0, 2.0 * math.pi, count, endpoint=False)
     change = sensitivities(whole.loop) - sensitivities(half.loop)
     return MarginStudy(
         configuration=configuration,
@@ -273,8 +286,8 @@ def drift_of(configuration: Configuration) -> NDArray[np.float64]:
     Args:
         configuration: Of a flight.
     """
-    target = motion_of(configuration.target).velocity(0.0)
-    return np.array(configuration.simulator.wind) - target
+    wind = np.array(configuration.simulator.wind)
+    return np.asarray(wind - motion_of(configuration.target).velocity(0.0))
 
 
 def sensitivities(loop: NDArray[Any]) -> NDArray[Any]:
@@ -359,3 +372,101 @@ def _rows(margins: LoopMargins) -> list[list[str]]:
 
 def _number(value: float, digits: int) -> str:
     return f"{value:.{digits}f}" if math.isfinite(value) else "any"
+
+
+SIZE = (9.5, 4.4)  # [inch]
+COLOURS = dict(zip(CHANNELS, (BLUE, VERMILLION, GREEN), strict=True))
+DISKS = (0.5, 1.0)
+DELAYS, DELAY_TICKS = (0.1, 10.0), (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # [s]
+PHASES, GAINS = (-360.0, 0.0), (-40.0, 40.0)  # [deg], [dB] that are drawn
+
+
+def margin_figure(study: MarginStudy) -> Figure:
+    r"""A Nichols chart of each channel's return ratio, and the margins around the orbit.
+
+    A disk of size alpha about the critical point is left free by l where
+    :math:`|(1 - l) / (1 + l)| < 2 / \alpha`; its edge is :math:`l = (1 - m) / (1 + m)` with
+    :math:`m = (2 / \alpha) e^{i\vartheta}`.
+
+    Args:
+        study: Of a configuration.
+    """
+    with drawing(*SIZE) as figure:
+        chart, around = figure.subplots(1, 2, width_ratios=(1.5, 1.0))
+        _draw_chart(chart, study)
+        _draw_delays(around, study)
+        figure.subplots_adjust(left=0.07, right=0.985, bottom=0.12, top=0.92, wspace=0.22)
+    return figure
+
+
+def _draw_chart(axes: Axes, study: MarginStudy) -> None:
+    for disk in DISKS:
+        edge = (2.0 / disk) * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 361))
+        phase, gain = _nichols((1.0 - edge) / (1.0 + edge))
+        axes.fill(np.mod(phase, -360.0), gain, color=LIGHT_GREY, alpha=0.6, lw=0.0)
+        axes.annotate(
+            f"disk {disk:g}", (-180.0, gain.max()), fontsize=7.5, color=GREY,
+            ha="center", va="bottom",
+        )  # fmt: skip
+    axes.plot(-180.0, 0.0, "+", color=BLACK, ms=9.0)
+    for index, name in enumerate(CHANNELS):
+        for ratios, width, alpha, line, words in (
+            (study.model_ratios, 3.5, 0.3, "-", None),
+            (study.flown_ratios, 1.4, 1.0, "-", name),
+        ):
+            phase, gain = _nichols(ratios[:, index])
+            axes.plot(phase, gain, line, color=COLOURS[name], lw=width, alpha=alpha, label=words)
+    axes.plot([], [], color=GREY, lw=3.5, alpha=0.4, label="model")
+    axes.set(
+        xlim=PHASES, ylim=GAINS, xticks=np.arange(PHASES[0], PHASES[1] + 1.0, 45.0),
+        xlabel="phase [deg]", ylabel="gain [dB]", title="Still air, flown with all estimators",
+    )  # fmt: skip
+    axes.legend(loc="lower right")
+
+
+def _draw_delays(axes: Axes, study: MarginStudy) -> None:
+    """Delay margin of turn and path around the orbit, or of all channels in still air."""
+    asked = study.configuration.controller.delay_margin_min
+    for name in CHANNELS:
+        delays = [each.channels[name].delay_s for each in study.in_wind]
+        if delays:
+            axes.plot(np.degrees(study.azimuths), delays, color=COLOURS[name], marker=".")
+        axes.axhline(study.flown.channels[name].delay_s, color=COLOURS[name], lw=0.8, ls=":")
+    axes.axhline(asked, color=BLACK, lw=1.0, ls=(0, (5, 2.5)))
+    axes.annotate(
+        "asked", (1.0, asked), xycoords=("axes fraction", "data"), fontsize=8.0,
+        ha="right", va="top", color=BLACK,
+    )  # fmt: skip
+    speed = np.hypot(*study.drift[:2])
+    axes.set(
+        xlim=(0.0, 360.0), xticks=np.arange(0.0, 361.0, 90.0), yscale="log", ylim=DELAYS,
+        xlabel="azimuth on the orbit, from east [deg]", ylabel="delay margin [s]",
+        title=f"Drift of {speed:.1f} m/s, frozen (dotted: still air)",
+    )  # fmt: skip
+    axes.set_yticks(DELAY_TICKS, [f"{tick:g}" for tick in DELAY_TICKS])
+    axes.yaxis.set_minor_locator(NullLocator())
+
+
+def _nichols(ratio: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Phase in [deg], continuous and within a turn of -180 deg at its middle, and gain in [dB]."""
+    phase = np.degrees(np.unwrap(np.angle(ratio)))
+    crossover = int(np.argmin(np.abs(np.log(np.abs(ratio)))))
+    phase -= 360.0 * np.ceil(phase[crossover] / 360.0)
+    return phase, 20.0 * np.log10(np.abs(ratio))
+
+
+def margins(study: MarginStudy) -> Study:
+    """The study: numbers, table and figure.
+
+    Args:
+        study: Of a configuration.
+    """
+    table = margin_table(study)
+    return Study(
+        name="margins",
+        content=as_json(study),
+        words=[table, *(f"too small, {line}" for line in study.shortfalls)],
+        written="figure: {}/margins.png",
+        figures={"margins": partial(margin_figure, study)},
+        tables={"margins": table},
+    )

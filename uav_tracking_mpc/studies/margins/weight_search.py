@@ -35,13 +35,14 @@ from itertools import islice
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from uav_tracking_mpc.margins.margin_check import shortfalls
 from uav_tracking_mpc.margins.orbit_loop import OrbitLoop
 from uav_tracking_mpc.parameters.specification import ParameterError, changed
 from uav_tracking_mpc.report.pages import Table
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, PREDICTIVE
+from uav_tracking_mpc.settings.tracking import ARTIFICIAL_ORBIT, PREDICTIVE, TrackingParameters
 from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.simulation.plants import SimulationError
 from uav_tracking_mpc.studies.comparison.asked import ASKED
@@ -135,108 +136,83 @@ def search_weights(
         ParameterError: As of :func:`load_configuration`.
         ArithmeticError: No weights that were tried have the margins that are asked.
     """
-    trial = _Trial(config, overrides, tuple(flights), workers, show)
-    start = trial.configuration.controller
+    overrides, flights = tuple(overrides), tuple(flights)
+    configuration = load_configuration(config, overrides, SCENARIO)
+    start, drift = configuration.controller, drift_of(configuration)
     if start.terminal_constraint != ARTIFICIAL_ORBIT:
         raise ParameterError(
             f"parameter 'terminal_constraint' is '{start.terminal_constraint}', must be "
             f"'{ARTIFICIAL_ORBIT}' for a search of weights"
         )
+    loop, known = OrbitLoop(start), dict[Weights, Candidate]()
+
+    def take(several: Iterable[Weights]) -> None:
+        """Margins and flights of weights that are not known yet."""
+        fresh = [
+            _with_margins(loop, start, drift, weights)
+            for weights in dict.fromkeys(several)
+            if weights not in known
+        ]
+        sound = [candidate for candidate in fresh if not candidate.shortfalls]
+        tasks = [(config, name, (*overrides, *each.settings)) for each in sound for name in flights]
+        flown = iter(parallel_map(_fly, tasks, workers, "flights", show))
+        for candidate in fresh:
+            if not candidate.shortfalls:
+                measured = {name: next(flown) for name in flights}
+                candidate = replace(candidate, flights=measured, cost=_cost(measured))
+            known[candidate.weights] = candidate
+
+    def rank(candidate: Candidate) -> tuple[float, float]:
+        """By least cost; where none was flown, by the margins that lack least."""
+        delay = candidate.delay_s / max(start.delay_margin_min, 1e-9)
+        return candidate.cost, -min(delay, candidate.gain_db / max(start.gain_margin_min, 1e-9))
+
     begin = [weight for name in SIZES for weight in getattr(start, name)]
-    center = _rounded([max(weight, LEAST) for weight in begin])
-    trial.take([center])
-    factor = FACTOR
+    center, factor = _rounded([max(weight, LEAST) for weight in begin]), FACTOR
+    take([center])
+    best = known[center]
     for _ in range(rounds):
         steps = [(places, scale) for places in MOVES for scale in (factor, 1.0 / factor)]
-        trial.take(_scaled(center, places, scale) for places, scale in steps)
-        best = trial.best
-        if best.weights != center:
-            center = best.weights
-        elif factor > LAST_FACTOR:
+        take(_scaled(center, places, scale) for places, scale in steps)
+        best = min(known.values(), key=rank)
+        if best.weights == center:
+            if factor <= LAST_FACTOR:
+                break
             factor = math.sqrt(factor)
-        else:
-            break
-    if not math.isfinite(trial.best.cost):
+        center = best.weights
+    if not math.isfinite(best.cost):
         raise ArithmeticError(
-            f"none of {len(trial.known)} weights has the margins that are asked; the best: "
-            f"{'; '.join(trial.best.shortfalls)}"
+            f"none of {len(known)} weights has the margins that are asked; the best: "
+            f"{'; '.join(best.shortfalls)}"
         )
-    return search_study(trial.configuration.name, list(trial.known.values()), trial.best)
+    return search_study(configuration.name, list(known.values()), best)
 
 
-class _Trial:
-    """Tries weights, each once."""
-
-    def __init__(
-        self,
-        config: str,
-        overrides: Sequence[str],
-        flights: Sequence[str],
-        workers: int | None,
-        show: bool,
-    ) -> None:
-        self.known: dict[Weights, Candidate] = {}
-        self._config, self._overrides, self._flights = config, tuple(overrides), flights
-        self._workers, self._show = workers, show
-        self.configuration = load_configuration(config, self._overrides, SCENARIO)
-        self._drift = drift_of(self.configuration)
-        self._parameters = self.configuration.controller
-        self._loop = OrbitLoop(self._parameters)
-
-    @property
-    def best(self) -> Candidate:
-        """The least cost; where none was flown, the margins that lack least."""
-        asked = self._parameters
-
-        def rank(candidate: Candidate) -> tuple[float, float]:
-            delay = candidate.delay_s / max(asked.delay_margin_min, 1e-9)
-            gain = candidate.gain_db / max(asked.gain_margin_min, 1e-9)
-            return candidate.cost, -min(delay, gain)
-
-        return min(self.known.values(), key=rank)
-
-    def take(self, several: Iterable[Weights]) -> None:
-        """Margins and flights of weights that are not known yet."""
-        fresh = [weights for weights in dict.fromkeys(several) if weights not in self.known]
-        margins = {weights: self._margins(weights) for weights in fresh}
-        sound = [weights for weights in fresh if not margins[weights].shortfalls]
-        tasks = [
-            (self._config, name, (*self._overrides, *margins[weights].settings))
-            for weights in sound
-            for name in self._flights
-        ]
-        flown = iter(parallel_map(_fly, tasks, self._workers, "flights", self._show))
-        for weights in fresh:
-            candidate = margins[weights]
-            if weights in sound:
-                flights: dict[str, Measures | None] = {name: next(flown) for name in self._flights}
-                candidate = replace(candidate, flights=flights, cost=_cost(flights))
-            self.known[weights] = candidate
-
-    def _margins(self, weights: Weights) -> Candidate:
-        candidate = Candidate(weights, 0.0, 0.0, (), {}, math.inf)
-        self._loop.change(changed(self._parameters, candidate.by_name))
-        try:
-            found = [self._loop.margins(self._loop.orbit_in(np.zeros(3)))]
-            found += [self._loop.margins(self._loop.orbit_in(self._drift, phi)) for phi in AZIMUTHS]
-        except ArithmeticError as error:
-            return replace(candidate, shortfalls=[str(error)])
-        channels = [channel for each in found for channel in each.channels.values()]
-        words = [line for each in found for line in shortfalls(each, self._parameters)]
-        return replace(
-            candidate,
-            delay_s=min(channel.delay_s for channel in channels),
-            gain_db=min(channel.gain_db for channel in channels),
-            shortfalls=words,
-        )
+def _with_margins(
+    loop: OrbitLoop, asked: TrackingParameters, drift: NDArray[np.float64], weights: Weights
+) -> Candidate:
+    """Weights with their margins, which are flown only if these are large enough."""
+    candidate = Candidate(weights, 0.0, 0.0, (), {}, math.inf)
+    loop.change(changed(asked, candidate.by_name))
+    try:
+        found = [loop.margins(loop.orbit_in(np.zeros(3)))]
+        found += [loop.margins(loop.orbit_in(drift, phi)) for phi in AZIMUTHS]
+    except ArithmeticError as error:
+        return replace(candidate, shortfalls=[str(error)])
+    channels = [channel for each in found for channel in each.channels.values()]
+    return replace(
+        candidate,
+        delay_s=min(channel.delay_s for channel in channels),
+        gain_db=min(channel.gain_db for channel in channels),
+        shortfalls=[line for each in found for line in shortfalls(each, asked)],
+    )
 
 
 def _fly(task: tuple[str, str, tuple[str, ...]]) -> Measures | None:
     """Measures of a flight; None where it came to nothing."""
     config, name, overrides = task
+    overrides = (*overrides, f"mission.duration={DURATION:g}")
     configuration = prepared(mismatched(config, name, overrides), PREDICTIVE)
-    mission = replace(configuration.mission, duration=DURATION)
-    configuration = replace(configuration, mission=mission)
     try:
         log = simulate(configuration)
     except SimulationError:
