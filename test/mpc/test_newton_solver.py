@@ -174,6 +174,17 @@ def test_warm_start_saves_iterations(solver):
     assert warm.iterations < 15 < cold.iterations
 
 
+def test_warm_start_follows_a_change_of_the_state_alone():
+    solver, begin, moved = NewtonSolver(pendulum()), np.zeros(2), np.array([0.04, 0.02])
+    first = solver.solve(begin, [0.1])
+    solver.time_limit = 1e-9  # what a warm solve begins with is also what it ends with
+    started = solver.solve(moved, [0.1], elapsed=0.0)
+    solver.time_limit = np.inf
+    optimum = solver.solve(moved, [0.1])
+    changed = np.abs(optimum.inputs - first.inputs).max()
+    assert np.abs(started.inputs - optimum.inputs).max() < 0.02 * changed
+
+
 def test_warm_start_ends_with_the_continuation_and_so_stays_feasible():
     problem = pendulum()
     angle, push = problem.state[0], problem.parameter

@@ -320,6 +320,25 @@ def minimise_decision(w, now, damping):
 
 
 @compiled
+def decision_feedback(w, now):
+    """Add to k_a what the first state's change asks for: -V_aa^-1 V_ax dx on free decisions.
+
+    Args:
+        w: Workspace, with the value function of stage 0 and what minimised it.
+        now: The plan whose first state the new one is compared with.
+    """
+    if NA == 0:
+        return
+    for r in range(NA):
+        w.step[r] = 0.0
+        for c in range(NX):
+            w.step[r] -= w.free[r] * w.V[c, NX + r] * (w.x_0[c] - w.x[now, 0, c])
+    solve_factor(w, NA, w.step)
+    for r in range(NA):
+        w.k_a[r] += w.step[r]
+
+
+@compiled
 def predicted_change(w, size, r):
     """Share of component ``r`` in the change of the model, y_r (g + H y / 2)_r, ``w`` holding all.
 

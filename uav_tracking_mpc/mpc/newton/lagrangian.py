@@ -40,6 +40,8 @@ What is measured is a rollout, so that the dynamics hold exactly at every iterat
     x_{i+1}^+ = f(x_i^+, u_i^+, p_i, a^+)
 """
 
+import math
+
 from .compiling import compiled
 from .stage import NA, NH, NS, NU, NX, stage_values, terminal_values
 from .workspace import END, NC, ROWS, STAGES, WORKING
@@ -178,6 +180,8 @@ def merit(w, now):
 def exact_cost(w, now):
     """Cost with exact penalties and largest hard violation of a plan, into its value.
 
+    The violation of a plan whose cost is not finite is inf.
+
     Args:
         w: Workspace.
         now: Row of the plan.
@@ -190,7 +194,7 @@ def exact_cost(w, now):
             cost += exact_term(c, lower, upper)
             violation = max(violation, hard_violation(c, lower, upper))
     w.value[now, 1] = cost
-    w.value[now, 2] = violation
+    w.value[now, 2] = violation if math.isfinite(cost) else math.inf
 
 
 @compiled

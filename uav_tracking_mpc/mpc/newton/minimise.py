@@ -12,7 +12,12 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The entry of compiled code: a warm start, one attempt, or one from every opening.
+r"""The entry of compiled code: a warm start, one attempt, or one from every opening.
+
+A warm start begins at the better of two plans, by their merit: the last one shifted by the time
+that has passed, and the last one as it stands, corrected for the new initial state by the gains of
+its last sweep. The second is a Newton step of the problem from that state. It is nearly the optimum
+where the plan moves along with the aircraft, as on the way to an orbit that it does not reach yet.
 
 An attempt is Newton's method on the augmented Lagrangian. The multipliers are updated when its
 gradient is small against the constraint residual, and also right after a full step that changed the
@@ -26,7 +31,7 @@ below it is given up.
 
 import math
 
-from .backward_sweep import backward_sweep
+from .backward_sweep import backward_sweep, decision_feedback
 from .compiling import compiled, entry, placed
 from .compiling import now as clock
 from .lagrangian import constraint_residual, exact_cost, merit, rollout, update_multipliers
@@ -49,6 +54,7 @@ def move_on(w, stages):
         w: Workspace.
         stages: Elapsed time over T_s, any number >= 0.
     """
+    unshifted(w)
     continuation((w.x[KEPT, N], w.u[KEPT, N - 1], w.a[KEPT], w.p[N]), (w.u_end,))
     for i in range(N):
         where = min(i + stages, float(N))
@@ -68,10 +74,39 @@ def move_on(w, stages):
     for j in range(NA):
         w.a[SECOND, j] = w.a[KEPT, j]
         w.k_a[j] = 0.0
+
+
+@compiled
+def warm_start(w, stages):
+    """The better of the plans of a warm start into row FIRST, its multipliers into WORKING.
+
+    The shifted plan is feasible where the last one was and the problem's continuation keeps it so:
+    row BEST holds it, to be returned if time runs out before there is a better one.
+
+    Args:
+        w: Workspace, with the gains of the last sweep.
+        stages: Elapsed time over T_s, any number >= 0.
+    """
+    unshifted(w)
+    decision_feedback(w, KEPT)
+    rollout(w, KEPT, FIRST, 1.0)
+    value = merit(w, FIRST)
+    move_on(w, stages)
+    rollout(w, SECOND, BEST, 0.0)
+    exact_cost(w, BEST)
+    if math.isfinite(value) and not merit(w, BEST) <= value:
+        unshifted(w)
+    else:
+        copy_plan(w, BEST, FIRST)
+
+
+@compiled
+def unshifted(w):
+    """Multipliers of row KEPT into row WORKING of ``w``, with weights of at most WEIGHT_KEPT."""
+    copy_multipliers(w, KEPT, WORKING)
     for j in range(NC):
-        w.mu[WORKING, N, j] = w.mu[KEPT, N, j]
         for row in range(ROWS):
-            w.rho[WORKING, row, j] = min(w.rho[KEPT, row, j], WEIGHT_KEPT)
+            w.rho[WORKING, row, j] = min(w.rho[WORKING, row, j], WEIGHT_KEPT)
             w.residual[row, j] = math.inf
 
 
@@ -170,7 +205,7 @@ DAMPING_START, DAMPING_LIMIT, DAMPING_GROWTH = 0.1, 1e8, 10.0
 
 @placed
 def attempt(w, tolerance, iteration_limit, deadline, bound):
-    """Minimise from what stands in row SECOND and the gains; the plan is left in row KEPT.
+    """Minimise from the plan in row FIRST; row KEPT gets the plan found, or that in BEST if better.
 
     Args:
         w: Workspace.
@@ -185,13 +220,13 @@ def attempt(w, tolerance, iteration_limit, deadline, bound):
     """
     w.outcome[0] = 0.0
     w.outcome[1] = math.nan
-    rollout(w, SECOND, FIRST, 0.0)
     if not math.isfinite(w.value[FIRST, 0]):
         return NO_START
 
     now, trial = FIRST, SECOND
     exact_cost(w, now)
-    copy_plan(w, now, BEST)
+    if better(w, now, BEST, tolerance):
+        copy_plan(w, now, BEST)
     value = merit(w, now)
     damping, curvature = 0.0, 1.0
     relative = 1.0
@@ -335,12 +370,15 @@ def minimise(address, start, stages, tolerance, iteration_limit, deadline):
         feedback_to_goal(w)
         return CONVERGED
     if start == WARM:
-        move_on(w, stages)
+        warm_start(w, stages)
     elif start == ALL_OPENINGS:
         feedback_to_goal(w)
         open_all(w)
     best, iterations, gradient = NO_START, 0.0, math.nan
     while start != ALL_OPENINGS or prepare_cheapest(w):
+        if start != WARM:
+            rollout(w, SECOND, FIRST, 0.0)
+            w.value[BEST, 2] = math.inf
         bound = math.inf
         if best == CONVERGED:
             bound = w.value[ASIDE, 1] - WORTHWHILE * abs(w.value[ASIDE, 1])
