@@ -288,7 +288,7 @@ def test_a_terminal_set_is_the_same_code_whatever_its_penalty():
 
 def test_openings_are_rest_feedback_single_inputs_and_corners():
     problem = paper()
-    tried = openings(problem, np.zeros(3), 3)
+    tried = openings(problem, np.zeros(3))
     assert len(tried) == 2 + 6 + 8
     assert tried[0].shape == (problem.horizon, 3)
     assert len(tried[1]) == 0
@@ -302,7 +302,7 @@ def test_inputs_without_bounds_open_at_rest():
     free = dataclasses.replace(
         pendulum(), input_lower=np.array([-np.inf]), input_upper=np.array([np.inf])
     )
-    assert all(np.all(inputs == 0.0) for inputs in openings(free, np.zeros(1), 3))
+    assert all(np.all(inputs == 0.0) for inputs in openings(free, np.zeros(1)))
     assert NewtonSolver(free).solve(np.array([-0.3, 0.0])).converged
 
 

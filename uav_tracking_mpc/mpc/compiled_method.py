@@ -311,7 +311,7 @@ class CompiledMethod:
             raise RuntimeError(f"{folder} was written by another version of NumPy: delete it")
         self._function = self._linked(folder)
 
-    def entry(self) -> Callable[[int, int, float, float, int, float], int]:
+    def entry(self) -> Callable[[int, int, float, float, int, float, float], int]:
         """``minimise`` of ``newton/minimise.py``, for one caller: each has a block of arguments."""
         block = np.zeros(len(machine_code.ARGUMENTS), np.int64)
         integers: Any = memoryview(block)  # type: ignore[arg-type]
@@ -325,9 +325,11 @@ class CompiledMethod:
             tolerance: float,
             iteration_limit: int,
             deadline: float,
+            bound: float,
         ) -> int:
             integers[0], integers[1], floats[2] = address, start, stages
             floats[3], integers[4], floats[5] = tolerance, iteration_limit, deadline
+            floats[6] = bound
             return function(place)
 
         return minimise

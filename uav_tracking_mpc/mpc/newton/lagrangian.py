@@ -162,39 +162,25 @@ def constraint_residual(w, now):
 def merit(w, now):
     """Augmented Lagrangian of a plan: its smooth cost and psi of every constraint.
 
-    Args:
-        w: Workspace.
-        now: Row of the plan.
-    """
-    total = w.value[now, 0]
-    for i in range(w.horizon[0] + 1):
-        row = row_of(w, i)
-        for j in range(number_of(w, row)):
-            lower, upper = w.m_lower[row, j], w.m_upper[row, j]
-            mu, rho = w.mu[WORKING, i, j], w.rho[WORKING, row, j]
-            total += augmented_term(w.c[now, i, j], mu, rho, lower, upper)
-    return total
-
-
-@compiled
-def exact_cost(w, now):
-    """Cost with exact penalties and largest hard violation of a plan, into its value.
-
-    The violation of a plan whose cost is not finite is inf.
+    Its cost with exact penalties and its largest hard violation, inf for a cost that is not finite,
+    go into its value.
 
     Args:
         w: Workspace.
         now: Row of the plan.
     """
-    cost, violation = w.value[now, 0], 0.0
+    total = cost = w.value[now, 0]
+    violation = 0.0
     for i in range(w.horizon[0] + 1):
         row = row_of(w, i)
         for j in range(number_of(w, row)):
             c, lower, upper = w.c[now, i, j], w.m_lower[row, j], w.m_upper[row, j]
+            total += augmented_term(c, w.mu[WORKING, i, j], w.rho[WORKING, row, j], lower, upper)
             cost += exact_term(c, lower, upper)
             violation = max(violation, hard_violation(c, lower, upper))
     w.value[now, 1] = cost
     w.value[now, 2] = violation if math.isfinite(cost) else math.inf
+    return total
 
 
 @compiled
