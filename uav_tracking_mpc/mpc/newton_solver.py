@@ -153,7 +153,7 @@ class ColdStart:
             end = run(start, bound)
             if end in (codes.NO_START, codes.HOPELESS):
                 continue
-            _, cost, violation = record["value"][self._kept].tolist()
+            _, cost, violation, _ = record["value"][self._kept].tolist()
             rank = (end != codes.CONVERGED, max(violation, FEASIBLE), cost)
             if best is None or rank < best:
                 best, best_end, best_gradient = rank, end, record["outcome"][1]
@@ -396,7 +396,7 @@ class NewtonSolver:
         # A plan that ran out of time obeys the dynamics and is worth going on from; any other
         # that has not converged is not.
         self._warm = code in (CONVERGED, TIME_LIMIT)
-        _, cost, violation = self._value.tolist()
+        _, cost, violation, _ = self._value.tolist()
         return Solution(
             STATUSES[code],
             "converged" if code == CONVERGED else self._reason(code),

@@ -30,7 +30,7 @@ import math
 from .backward_sweep import backward_sweep, decision_feedback
 from .compiling import compiled, entry, placed
 from .compiling import now as clock
-from .lagrangian import constraint_residual, merit, rollout, update_multipliers
+from .lagrangian import merit, rollout, update_multipliers
 from .stage import NA, NP, NS, NU, NX, N, continuation
 from .workspace import BEST, FIRST, KEPT, NC, ROWS, SECOND, WORKING, record_at
 
@@ -192,7 +192,7 @@ def attempt(w, tolerance, iteration_limit, deadline, bound):
                 damping = max(DAMPING_GROWTH * damping, DAMPING_START)
             elif length == 1.0:
                 damping = damping / DAMPING_GROWTH if damping > DAMPING_START else 0.0
-            if as_predicted and constraint_residual(w, now) > tolerance:
+            if as_predicted and w.value[now, 3] > tolerance:
                 if not update_multipliers(w, now):
                     status = INFEASIBLE
                     break
@@ -239,7 +239,7 @@ def copy_plan(w, source, target):
             w.u[target, i, j] = w.u[source, i, j]
     for j in range(NA):
         w.a[target, j] = w.a[source, j]
-    for j in range(3):
+    for j in range(4):
         w.value[target, j] = w.value[source, j]
 
 

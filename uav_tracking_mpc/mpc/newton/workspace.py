@@ -46,7 +46,8 @@ FIELDS = {
     "u": (PLANS, N, NU),
     "a": (PLANS, NA),
     "c": (PLANS, N + 1, NC),  # constraints: h of every stage, e of the end after them
-    "value": (PLANS, 3),  # cost without constraints, cost with exact penalties, violation
+    # cost without constraints, cost with exact penalties, violation, residual of constraints
+    "value": (PLANS, 4),
     # multipliers mu and penalty weights rho of the augmented Lagrangian
     "mu": (PLANS, N + 1, NC),
     "rho": (PLANS, ROWS, NC),
