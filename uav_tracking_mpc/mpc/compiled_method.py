@@ -405,12 +405,11 @@ class MachineCode:
         if compilation is None:
             return not self._failed
         try:
-            done = compilation.done()
-        except CompilationError as error:
-            self._failed, self._compilation = True, None
-            self._report(f"{error}; {BRIDGE} goes on solving")
-            return False
-        if done:
-            self._compilation = None
+            if not compilation.done():
+                return False
             self._report(f"solver compiled in {compilation.seconds:.1f} s; it solves from now on")
-        return done
+        except CompilationError as error:
+            self._failed = True
+            self._report(f"{error}; {BRIDGE} goes on solving")
+        self._compilation = None
+        return not self._failed

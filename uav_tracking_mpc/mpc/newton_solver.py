@@ -180,7 +180,7 @@ class ColdStart:
 
     def _cheapest_first(self, attempt: Attempt) -> list[Start]:
         """The openings in the order of what they cost without any step."""
-        promised = []
+        promised: list[tuple[float, int, Start]] = []
         for start in self._openings:
             end = self._run(start, lambda code: attempt(code, 1.0, 0, math.inf))
             if end != self._codes.NO_START:
@@ -321,14 +321,8 @@ class NewtonSolver:
 
     def change(self, problem: OptimalControlProblem) -> None:
         """See :meth:`uav_tracking_mpc.mpc.solver.Solver.change`."""
-        self.problem = problem
-        self._fill(int(self._method.workspace.KEPT))
-        self._cold_start = ColdStart(problem, self._method, self._workspace[0])
-        self._warm = False
-
-    def _fill(self, row: int) -> None:
-        """Numbers of the problem into the workspace, and views of what every solve touches."""
-        problem, record = self.problem, self._workspace[0]
+        self.problem, record = problem, self._workspace[0]
+        kept = int(self._method.workspace.KEPT)
         intervals = multiplier_intervals(problem)  # of h and of e
         for name, values in {
             "u_lower": problem.input_lower,
@@ -346,12 +340,14 @@ class NewtonSolver:
         self._p = record["p"][:, : problem.np]
         self._p[:] = problem.usual_parameter
         self._usual = True  # whether p is the problem's own
-        self._states = record["x"][row]
-        self._inputs = record["u"][row]
-        self._decision = record["a"][row][: problem.na]
-        self._value = record["value"][row]
+        self._states = record["x"][kept]
+        self._inputs = record["u"][kept]
+        self._decision = record["a"][kept][: problem.na]
+        self._value = record["value"][kept]
         self._outcome = record["outcome"]
         record["horizon"][0], record["ends"][0] = problem.horizon, intervals[1].shape[1]
+        self._cold_start = ColdStart(problem, self._method, record)
+        self._warm = False
 
     def reset(self) -> None:
         """Forget the last plan: the next solve starts cold."""
