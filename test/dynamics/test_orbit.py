@@ -30,11 +30,8 @@ from uav_tracking_mpc.dynamics.orbit import (
 from uav_tracking_mpc.dynamics.relative import steady_inputs
 
 
-def test_radius_is_the_horizontal_distance(orbit):
+def test_radius_is_the_horizontal_distance_and_direction_chooses_the_bearing(orbit):
     assert orbit.radius == pytest.approx(np.sqrt(150.0**2 - 50.0**2))
-
-
-def test_direction_chooses_the_bearing(orbit):
     assert orbit.steady_state == pytest.approx([150.0, np.pi / 2, 50.0, 0.0, 4.0])
     assert Orbit(150.0, 50.0, 4.0, "counter_clockwise").bearing == pytest.approx(-np.pi / 2)
 
@@ -166,18 +163,18 @@ def test_drifts_that_nothing_can_fly_in_still_give_finite_values(x, y, z, airspe
 TARGET, VELOCITY = (10.0, 20.0, 5.0), (1.0, -2.0, 0.5)
 
 
-@pytest.mark.parametrize(("direction", "sign"), [("clockwise", -1.0), ("counter_clockwise", 1.0)])
-def test_that_is_the_wanted_one_in_the_map(direction: str, sign: float) -> None:
-    flown = orbit_about(TARGET, VELOCITY, Orbit(50.0, 30.0, 12.0, direction))
-    np.testing.assert_allclose(flown.centre, [10.0, 20.0, 35.0])
+@pytest.mark.parametrize(
+    ("direction", "shape", "radius", "height", "airspeed"),
+    [
+        ("clockwise", None, -40.0, 35.0, 12.0),
+        ("counter_clockwise", None, 40.0, 35.0, 12.0),
+        ("clockwise", np.array([100.0, 60.0, 15.0]), -80.0, 65.0, 15.0),
+    ],
+)
+def test_that_is_the_wanted_one_in_the_map_or_another_shape(
+    direction, shape, radius, height, airspeed
+):
+    flown = orbit_about(TARGET, VELOCITY, Orbit(50.0, 30.0, 12.0, direction), shape)
+    np.testing.assert_allclose(flown.centre, [10.0, 20.0, height])
     np.testing.assert_allclose(flown.velocity, VELOCITY)
-    assert flown.radius == pytest.approx(sign * 40.0)
-    assert flown.airspeed == 12.0
-
-
-def test_another_shape_replaces_the_wanted_one() -> None:
-    flown = orbit_about(
-        TARGET, VELOCITY, Orbit(50.0, 30.0, 12.0), shape=np.array([100.0, 60.0, 15.0])
-    )
-    assert flown.centre[2] == pytest.approx(65.0)
-    assert (flown.radius, flown.airspeed) == (pytest.approx(-80.0), 15.0)
+    assert (flown.radius, flown.airspeed) == pytest.approx((radius, airspeed))

@@ -61,18 +61,12 @@ def test_advance_solves_the_kinematics(state, inputs, duration):
     assert end[5] == pytest.approx(oracle[5])
 
 
-@given(STATES, INPUTS, st.floats(0.0, 3.0), st.floats(0.0, 3.0))
-def test_two_steps_are_one_long_step(state, inputs, first, second):
+@given(STATES, INPUTS, st.floats(0.0, 3.0), st.floats(-3.0, 3.0))
+def test_two_steps_are_one_long_step_backwards_too(state, inputs, first, second):
     halfway = advance(state, inputs, first)
     np.testing.assert_allclose(
         advance(halfway, inputs, second)[:3], advance(state, inputs, first + second)[:3], atol=1e-9
     )
-
-
-@given(STATES, INPUTS, st.floats(0.0, 3.0))
-def test_time_runs_backwards(state, inputs, duration):
-    there = advance(state, inputs, duration)
-    np.testing.assert_allclose(advance(there, inputs, -duration)[:3], state[:3], atol=1e-9)
 
 
 @pytest.mark.parametrize("rate", [0.0, 1e-300, 1e-12, 1e-6, 0.4999, 0.5001])

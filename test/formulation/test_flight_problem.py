@@ -15,6 +15,8 @@
 """The flight problem: the paper's where nothing drifts, lags or limits; solved as by IPOPT."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -39,6 +41,7 @@ from uav_tracking_mpc.mpc.casadi_solver import CasadiSolver
 from uav_tracking_mpc.mpc.solver import Guess
 
 FLIGHT = small_uav.parameters()
+N = FLIGHT.horizon
 # No limit is near, nothing lags, and the horizon is long: the paper's world.
 STILL = small_uav.parameters(
     "rate_lag=[0, 0, 0]",
@@ -56,13 +59,12 @@ LAGGED = small_uav.flight()
 
 def data_of(parameters, orbit, drift=(0.0, 0.0, 0.0)):
     """The parameter p of a stage about a target at the origin."""
-    formulation = FlightFormulation(parameters, NoSolver())
+    formulation = FlightFormulation(parameters, NO_SOLVER)
     still = small_uav.situation(drift=drift)
     return formulation.data(steady_forecast(still, parameters.horizon), orbit)[0].copy()
 
 
-class NoSolver:
-    """For a formulation that only states its problem."""
+NO_SOLVER: Any = SimpleNamespace()  # for a formulation that only states its problem
 
 
 def decision_of(orbit):
@@ -222,28 +224,16 @@ def test_near_the_orbit_its_inputs_are_those_of_the_paper():
         np.testing.assert_allclose(plan.inputs[:4], expected[:4], atol=5e-5)
 
 
-class Recorder:
-    """A solver that keeps what it was asked and what it answered."""
-
-    def __init__(self, solver):
-        self.solver, self.name, self.problem = solver, solver.name, solver.problem
-
-    def solve(self, initial_state, parameters=None, elapsed=None, guess=None):
-        self.asked = np.array(initial_state), np.array(parameters)
-        self.answer = self.solver.solve(initial_state, parameters, elapsed, guess)
-        return self.answer
-
-
 @pytest.fixture(scope="module")
 def plans():
     """Answers from 20 flyable situations: (situation, x_0, p, plan)."""
-    recorder = Recorder(small_uav.shared_solver())
-    formulation = FlightFormulation(FLIGHT, recorder)
+    formulation = FlightFormulation(FLIGHT, small_uav.shared_solver())
     answers = []
     for k, now in enumerate(small_uav.random_situations(20, seed=5)):
-        orbit = replace(FLIGHT.orbit, direction=DIRECTIONS[k % 2])
-        plan = formulation.solve(now, steady_forecast(now, FLIGHT.horizon), orbit, None)
-        answers.append((now, *recorder.asked, plan))
+        orbit, ahead = replace(FLIGHT.orbit, direction=DIRECTIONS[k % 2]), steady_forecast(now, N)
+        plan = formulation.solve(now, ahead, orbit, None)
+        x_0, p = formulation.initial_state(now), formulation.data(ahead, orbit)
+        answers.append((now, x_0, p.copy(), plan))
     return answers
 
 
@@ -256,22 +246,20 @@ def test_there_is_a_plan_from_wherever_the_aircraft_can_turn(plans):
 def test_every_input_of_every_plan_can_be_flown(plans):
     """Bank, yaw, pitch, acceleration and specific force, in the state in which it is flown."""
     envelope, slack = FLIGHT.envelope, 1e-9
-    for _, _, _, plan in plans:
-        states = plan.solution.states[:-1]
-        for inputs, state in zip(plan.inputs, states, strict=True):
-            _, _, _, _, path_angle, airspeed, *_ = state
-            lower, upper = (
-                envelope.force_min[0] + (airspeed - 14.0) / 18.0 * np.diff(envelope.force_min)[0],
-                envelope.force_max[0] + (airspeed - 14.0) / 18.0 * np.diff(envelope.force_max)[0],
-            )
-            force = 9.80665 * np.sin(path_angle) + inputs[2]
-            bank = np.arctan(airspeed * abs(inputs[0]) / 9.80665)
-            assert bank <= envelope.bank_max + slack
-            assert abs(inputs[0]) <= envelope.yaw_rate_max + slack
-            assert abs(inputs[1]) <= envelope.pitch_rate_max + slack
-            assert envelope.acceleration_min <= inputs[2] + slack
-            assert inputs[2] <= envelope.acceleration_max + slack
-            assert lower - slack <= force <= upper + slack
+    states = np.concatenate([plan.solution.states[:-1] for *_, plan in plans])
+    turn, climb, gain = np.concatenate([plan.inputs for *_, plan in plans]).T
+    _, _, _, _, path_angle, airspeed, *_ = states.T
+    share = (airspeed - 14.0) / 18.0
+    lower, upper = (
+        slow + share * (fast - slow) for slow, fast in (envelope.force_min, envelope.force_max)
+    )
+    force = 9.80665 * np.sin(path_angle) + gain
+    assert np.arctan(airspeed * abs(turn) / 9.80665).max() <= envelope.bank_max + slack
+    assert abs(turn).max() <= envelope.yaw_rate_max + slack
+    assert abs(climb).max() <= envelope.pitch_rate_max + slack
+    assert envelope.acceleration_min - slack <= gain.min()
+    assert gain.max() <= envelope.acceleration_max + slack
+    assert np.all((lower - slack <= force) & (force <= upper + slack))
 
 
 def test_every_plan_ends_on_an_orbit_that_can_be_flown(plans):
@@ -307,21 +295,18 @@ def test_no_answer_is_worse_than_ipopts(plans):
     compared = 0
     for _, x_0, p, plan in plans[:6]:
         ipopt.reset()
-        expected = ipopt.solve(x_0, p, guess=lambda plan=plan: guess_of(plan))
+        # straight on, about the orbit that was chosen: it knows nothing of the answer
+        straight = Guess(np.zeros_like(plan.inputs), plan.solution.decision)
+        expected = ipopt.solve(x_0, p, guess=lambda straight=straight: straight)
         if expected.converged:
             compared += 1
             assert plan.solution.cost <= expected.cost * (1.0 + 1e-6) + 1.2 * relaxed
     assert compared >= 4
 
 
-def guess_of(plan):
-    """Straight on, about the orbit that was chosen: a start that knows nothing of the answer."""
-    return Guess(np.zeros_like(plan.inputs), plan.solution.decision)
-
-
 def test_a_stage_flies_the_shares_nearest_to_what_the_law_wants():
     parameters = small_uav.parameters()
-    formulation = FlightFormulation(parameters, NoSolver())
+    formulation = FlightFormulation(parameters, NO_SOLVER)
     flight, model, step = formulation.flight, formulation.model, formulation.step
     random = np.random.default_rng(3)
     clipped = 0

@@ -17,7 +17,6 @@
 from dataclasses import replace
 from functools import lru_cache
 
-import casadi as ca
 import numpy as np
 import pytest
 import small_uav
@@ -25,21 +24,20 @@ import small_uav
 from uav_tracking_mpc.dynamics.vehicle_models import VehicleState
 from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.formulation.flight_formulation import FlightFormulation
-from uav_tracking_mpc.mpc.newton_solver import NewtonSolver
 
 HELD = small_uav.parameters("autopilot_holds=true", "direction=counter_clockwise")
-PATIENT = float("inf")
 
 
 @lru_cache
-def solver():
-    return NewtonSolver(FlightFormulation(HELD).flight.problem)
+def shared():
+    return FlightFormulation(HELD)
 
 
-def formulation(parameters=HELD):
-    shared = solver()
-    shared.reset()
-    return FlightFormulation(parameters, shared)
+def formulation():
+    flight = shared()
+    flight.reset()
+    flight.change(HELD)
+    return flight
 
 
 def plans(flight, now, orbit=HELD.orbit, count=1):
@@ -51,6 +49,7 @@ def plans(flight, now, orbit=HELD.orbit, count=1):
 def test_the_bank_alone_is_an_input_and_what_it_has_no_say_in_is_left_out():
     problem, free = formulation().flight.problem, small_uav.problem()
     assert (problem.nu, free.nu) == (1, 3)
+    assert "held" not in small_uav.flight().where
     assert problem.terminal_equality.numel() == 3  # range, bearing and turn rate
     names = {inequality.name for inequality in problem.stage_inequalities}
     assert "distance" in names
@@ -125,10 +124,3 @@ def test_constants_of_the_autopilot_may_change_in_flight():
     flight.change(replace(HELD, hold_time=(10.0, 1.0, 5.0)))
     (after,) = plans(flight, start)
     assert after.solution.states[-1, 2] < before.solution.states[-1, 2] - 2.0
-
-
-def test_the_free_problem_knows_nothing_of_it():
-    flight = small_uav.flight()
-    assert not flight.holds
-    assert "held" not in flight.where
-    assert ca.depends_on(flight.problem.next_state, flight.problem.inputs)

@@ -57,22 +57,16 @@ def orbits(draw):
     return Orbit(math.hypot(radius, altitude), altitude, draw(st.floats(0.5, 60.0)))
 
 
-def test_the_bank_limits_the_turn():
-    assert SMALL_UAV.turn_rate_max(22.0) == pytest.approx(GRAVITY / 22.0)
-    assert SMALL_UAV.turn_rate_max(0.0) == SMALL_UAV.yaw_rate_max
-    assert SMALL_UAV.turn_rate_max(5.0) == SMALL_UAV.yaw_rate_max
-
-
-def test_the_force_is_linear_between_its_ends():
-    assert SMALL_UAV.force_limits(14.0) == (-1.2, 5.0)
-    assert SMALL_UAV.force_limits(23.0) == pytest.approx((-2.6, 3.0))
-    assert SMALL_UAV.force_limits(50.0) == pytest.approx((-4.0, 1.0))
+def test_the_bank_limits_the_turn_and_the_force_is_linear_between_its_ends():
+    turns = [SMALL_UAV.turn_rate_max(v) for v in (22.0, 5.0, 0.0)]
+    assert turns == pytest.approx([GRAVITY / 22.0, SMALL_UAV.yaw_rate_max, SMALL_UAV.yaw_rate_max])
+    forces = np.array([SMALL_UAV.force_limits(v) for v in (14.0, 23.0, 50.0)])
+    np.testing.assert_allclose(forces, [(-1.2, 5.0), (-2.6, 3.0), (-4.0, 1.0)])
 
 
 def test_the_least_thrust_limits_the_climb_that_holds_airspeed():
     lower, upper = SMALL_UAV.path_angle_limits(32.0)
-    assert math.sin(upper) == pytest.approx(1.0 / GRAVITY)
-    assert lower == SMALL_UAV.path_angle_min
+    assert (lower, math.sin(upper)) == pytest.approx((SMALL_UAV.path_angle_min, 1.0 / GRAVITY))
     assert SMALL_UAV.path_angle_limits(14.0)[1] == SMALL_UAV.path_angle_max
 
 
@@ -120,20 +114,14 @@ def test_inside_the_envelope_the_energy_is_there(inputs, airspeed, path_angle):
 def test_held_to_it_the_aircraft_stays_inside_whatever_is_asked(seed):
     random = np.random.default_rng(seed)
     state = np.array([0.0, 0.0, 100.0, 0.0, 0.0, 22.0])
-    asked = np.zeros(3)
-    for k in range(400):
-        if k % 20 == 0:
-            asked = random.uniform(-9.0, 9.0, 3)
+    for asked in np.repeat(random.uniform(-9.0, 9.0, (20, 3)), 20, axis=0):
         state = advance(state, SMALL_UAV.clip(asked, state[5], state[4]), 0.05)
         assert SMALL_UAV.path_angle_min - 1e-9 <= state[4] <= SMALL_UAV.path_angle_max + 1e-9
         assert 14.0 - 0.05 <= state[5] <= 32.0 + 0.05
 
 
-def test_inputs_that_can_be_flown_come_back_unchanged():
+def test_what_can_be_flown_is_neither_changed_nor_refused():
     np.testing.assert_array_equal(SMALL_UAV.clip([0.3, -0.1, 0.5], 22.0, 0.05), [0.3, -0.1, 0.5])
-
-
-def test_an_orbit_that_fits_is_not_refused():
     assert SMALL_UAV.refusal(Orbit(300.0, 120.0, 22.0), [8.0, 0.0, 0.0]) == ""
 
 
@@ -163,8 +151,7 @@ def test_a_refusal_says_why_and_what_would_do(orbit, drift, words):
 
 
 def test_too_near_to_the_target_is_refused():
-    envelope = Envelope(**{**VALUES, "distance_min": 400.0})
-    refusal = envelope.refusal(Orbit(300.0, 120.0, 22.0), STILL)
+    refusal = Envelope(**VALUES, distance_min=400.0).refusal(Orbit(300.0, 120.0, 22.0), STILL)
     assert "nearer to the target than the 400.0 m allowed" in refusal
     assert "has a range of 400.0 m" in refusal
 

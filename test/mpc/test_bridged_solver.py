@@ -99,30 +99,34 @@ class Told:
         return answer
 
 
-def test_begin_and_end_of_the_compilation_are_told_once(monkeypatch, tmp_path):
-    said = []
+@pytest.fixture
+def compiled(monkeypatch, tmp_path):
+    """Makes machine code that is there when the test says so; what it has reported."""
     monkeypatch.setattr(compiled_method, "Compilation", Told)
     monkeypatch.setattr(compiled_method, "method_folder", lambda problem: tmp_path)
-    code = MachineCode(paper(), said.append)
+    said = []
+    return lambda: MachineCode(paper(), said.append), said
+
+
+def test_begin_and_end_of_the_compilation_are_told_once(compiled, tmp_path):
+    make, said = compiled
+    code = make()
     assert [code(), code(), code()] == [False, True, True]
-    begin, end = said
-    assert begin == f"ipopt solves while the solver is compiled, once; kept in {tmp_path}"
-    assert end == "solver compiled in 3.2 s; it solves from now on"
+    assert said == [
+        f"ipopt solves while the solver is compiled, once; kept in {tmp_path}",
+        "solver compiled in 3.2 s; it solves from now on",
+    ]
 
 
-def test_where_it_cannot_be_compiled_ipopt_goes_on(monkeypatch, tmp_path):
-    said = []
-    monkeypatch.setattr(compiled_method, "Compilation", Told)
-    monkeypatch.setattr(compiled_method, "method_folder", lambda problem: tmp_path)
-    code = MachineCode(paper(), said.append)
+def test_where_it_cannot_be_compiled_ipopt_goes_on(compiled):
+    make, said = compiled
+    code = make()
     code._compilation.answers = [CompilationError("no memory")]
     assert [code(), code()] == [False, False]
     assert said[1:] == ["no memory; ipopt goes on solving"]
 
 
-def test_what_is_kept_is_not_compiled_again(monkeypatch, tmp_path):
-    monkeypatch.setattr(compiled_method, "method_folder", lambda problem: tmp_path)
+def test_what_is_kept_is_not_compiled_again(compiled, tmp_path):
+    make, said = compiled
     (tmp_path / machine_code.DESCRIPTION).write_text("{}")
-    said = []
-    assert MachineCode(paper(), said.append)()
-    assert said == []
+    assert make()() and not said

@@ -21,8 +21,6 @@ import dataclasses
 import casadi as ca
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy.optimize import minimize
 from solver_problems import PAPER_START, integrator, paper, paper_solver
 
@@ -89,11 +87,6 @@ def test_where_the_model_has_no_value_the_guess_stands_still():
 PAPER = TrackingParameters()
 
 
-@pytest.fixture(scope="module")
-def paper_solver():
-    return CasadiSolver(problem_of(PAPER))
-
-
 @pytest.mark.parametrize(
     ("model", "cost", "first"),
     [("exact", 642.740, (0.6754, 0.7854, 1.0)), ("paper", 722.430, (0.6793, 0.5487, 1.0))],
@@ -106,17 +99,6 @@ def test_paper_start_costs_what_was_verified(model, cost, first, paper_start):
     assert solution.converged
     assert solution.cost == pytest.approx(cost, abs=6e-4)
     np.testing.assert_allclose(solution.inputs[0] + parameters.steady_inputs, first, atol=6e-5)
-
-
-def test_plan_obeys_the_model(paper_solver, paper_start):
-    """(16b): the states are those that the inputs make."""
-    solution = paper_solver.solve(tracking_error(paper_start, PAPER.orbit))
-    problem = paper_solver.problem
-    symbols = [problem.state, problem.inputs, problem.parameter]
-    dynamics = ca.Function("f", symbols, [problem.next_state])
-    for k, inputs in enumerate(solution.inputs):
-        following = np.array(dynamics(solution.states[k], inputs, problem.parameter_values)).ravel()
-        np.testing.assert_allclose(solution.states[k + 1], following, atol=1e-6)
 
 
 def test_optimum_agrees_with_scipy():
@@ -135,44 +117,6 @@ def test_optimum_agrees_with_scipy():
     solution = CasadiSolver(problem).solve(start)
     assert solution.cost == pytest.approx(oracle.fun, rel=1e-7)
     np.testing.assert_allclose(solution.inputs.ravel(), oracle.x, atol=1e-4)
-
-
-def test_warm_start_takes_fewer_iterations(paper_solver, paper_start):
-    paper_solver.reset()
-    cold = paper_solver.solve(tracking_error(paper_start, PAPER.orbit))
-    warm = paper_solver.solve(cold.states[1], elapsed=PAPER.horizon_step)
-    paper_solver.reset()
-    again = paper_solver.solve(cold.states[1])
-    assert warm.iterations <= again.iterations
-    assert warm.cost == pytest.approx(again.cost, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    "state", [np.full(5, np.nan), [np.inf, 0, 0, 0, 0], np.zeros(4), ["a"] * 5, None]
-)
-def test_bad_state_is_refused_and_nothing_is_lost(paper_solver, paper_start, state):
-    error = tracking_error(paper_start, PAPER.orbit)
-    costs = []
-    for disturbed in (False, True):
-        paper_solver.reset()
-        first = paper_solver.solve(error)
-        if disturbed:
-            refused = paper_solver.solve(state)
-            assert refused.status is Status.REFUSED
-            assert "refused" in refused.message
-            assert np.all(np.isfinite(refused.inputs))
-        warm = paper_solver.solve(first.states[1], elapsed=1.0)
-        costs.append((warm.iterations, warm.cost))
-    assert costs[0] == costs[1]
-
-
-@given(st.tuples(*[st.floats(-1e3, 1e3)] * 5))
-def test_inputs_are_finite_and_in_the_box_from_anywhere(state):
-    solver = CasadiSolver(problem_of(PAPER), iteration_limit=30)
-    solution = solver.solve(state)
-    assert solution.inputs.shape == (PAPER.horizon, 3)
-    assert np.all(solution.inputs >= solver.problem.input_lower)
-    assert np.all(solution.inputs <= solver.problem.input_upper)
 
 
 def test_hard_terminal_set_is_infeasible_from_the_paper_start_with_ten_steps(paper_start):
@@ -232,26 +176,18 @@ def test_a_warm_solve_that_fails_is_followed_by_a_cold_one(paper_start):
     assert asked == [1]
 
 
-def test_stage_inequality_hard_and_soft():
-    """Velocity of a double integrator kept below 0.2."""
-    for penalty in (None, 1e3):
-        problem = integrator(
-            stage_inequalities=lambda x, u, penalty=penalty: (
-                Inequality(-x[1] - 0.2, penalty, "velocity"),
-            )
-        )
-        solution = CasadiSolver(problem).solve([3.0, 0.0])
-        assert solution.converged
-        assert np.min(solution.states[:-1, 1]) == pytest.approx(-0.2, abs=1e-5)
-
-
-def test_soft_inequality_is_violated_where_it_must_be():
+@pytest.mark.parametrize(
+    ("penalty", "start", "slowest"),
+    [(None, [3.0, 0.0], -0.2), (1e3, [3.0, 0.0], -0.2), (1e3, [0.0, -1.0], -1.0)],
+)
+def test_stage_inequality_hard_and_soft(penalty, start, slowest):
+    """Velocity of a double integrator kept above -0.2; a soft one where it can be."""
     problem = integrator(
-        stage_inequalities=lambda x, u: (Inequality(-x[1] - 0.2, 1e3, "velocity"),)
+        stage_inequalities=lambda x, u: (Inequality(-x[1] - 0.2, penalty, "velocity"),)
     )
-    solution = CasadiSolver(problem).solve([0.0, -1.0])
+    solution = CasadiSolver(problem).solve(start)
     assert solution.converged
-    assert solution.states[0, 1] == pytest.approx(-1.0)
+    assert np.min(solution.states[:-1, 1]) == pytest.approx(slowest, abs=1e-5)
 
 
 def test_constant_decision_and_terminal_equality():
@@ -281,4 +217,3 @@ def test_parameters_may_differ_from_stage_to_stage():
     values = np.linspace(-0.5, 0.5, problem.horizon + 1).reshape(-1, 1)
     solution = CasadiSolver(problem).solve([0.0, 0.0], values)
     np.testing.assert_allclose(solution.inputs, values[:-1], atol=1e-6)
-    assert CasadiSolver(problem).solve([0.0, 0.0], values * np.nan).status is Status.REFUSED

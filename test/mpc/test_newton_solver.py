@@ -32,6 +32,7 @@ from uav_tracking_mpc.mpc.problem import OptimalControlProblem, TerminalSet
 from uav_tracking_mpc.mpc.solver import Solution, Status, solutions
 
 HARD, SOFT = None, 100.0
+JUST_IN_REACH = np.array([20.0, -0.6, -8.0, 0.1, 0.0])
 
 
 def with_penalty(problem: OptimalControlProblem, penalty: float | None, level: float = 0.0):
@@ -70,50 +71,29 @@ def test_papers_problem_agrees_with_ipopt_and_the_published_numbers(solver):
     assert kkt_residual(paper(), ours, PAPER_START) < 1e-6
 
 
-def test_plan_obeys_the_dynamics(solver):
-    problem = paper()
-    plan = solver.solve(PAPER_START)
-    symbols = [problem.state, problem.inputs, problem.parameter]
-    model = ca.Function("f", symbols, [problem.next_state])
-    for i in range(problem.horizon):
-        following = np.array(
-            model(plan.states[i], plan.inputs[i], problem.parameter_values)
-        ).ravel()
-        np.testing.assert_allclose(plan.states[i + 1], following, atol=1e-9)
-
-
 @given(
     st.tuples(
         st.floats(-70, 250), st.floats(-4, 3), st.floats(-40, 20), st.floats(-0.4, 0.4),
         st.floats(-3, 4),
     )
 )  # fmt: skip
-def test_any_state_gives_inputs_that_are_finite_and_in_the_box(state):
+def test_what_converges_is_optimal_from_any_state(state):
     solver = paper_solver()
     solver.reset()
     plan = solver.solve(np.array(state))
-    assert np.all(np.isfinite(plan.inputs))
-    assert np.all(plan.inputs >= solver.problem.input_lower)
-    assert np.all(plan.inputs <= solver.problem.input_upper)
-    if plan.converged:
-        assert kkt_residual(solver.problem, plan, np.array(state)) < 1e-5
+    assert not plan.converged or kkt_residual(solver.problem, plan, np.array(state)) < 1e-5
 
 
-@pytest.mark.parametrize("penalty", [HARD, SOFT])
-def test_terminal_ellipsoid_active_agrees_with_ipopt(penalty):
+@pytest.mark.parametrize(
+    ("penalty", "state"), [(HARD, JUST_IN_REACH), (SOFT, JUST_IN_REACH), (SOFT, PAPER_START)]
+)
+def test_terminal_ellipsoid_agrees_with_ipopt(penalty, state):
+    """Active where it can just be reached; beyond, a soft one pays the exact penalty."""
     problem = with_penalty(paper(ellipsoid=True), penalty)
-    state = np.array([20.0, -0.6, -8.0, 0.1, 0.0])  # the set can just be reached
     ours = NewtonSolver(problem).solve(state)
     assert_same_plan(ours, CasadiSolver(problem).solve(state))
     assert ours.violation < 1e-6
     assert kkt_residual(problem, ours, state) < 1e-6
-
-
-def test_soft_ellipsoid_out_of_reach_pays_the_exact_penalty():
-    problem = paper(ellipsoid=True)
-    ours = NewtonSolver(problem).solve(PAPER_START)
-    assert_same_plan(ours, CasadiSolver(problem).solve(PAPER_START))
-    assert kkt_residual(problem, ours, PAPER_START) < 1e-6
 
 
 def test_hard_ellipsoid_out_of_reach_is_infeasible_with_the_violation_named():
@@ -126,26 +106,18 @@ def test_hard_ellipsoid_out_of_reach_is_infeasible_with_the_violation_named():
 
 
 @pytest.mark.parametrize("speed_penalty", [HARD, 0.3, 50.0])
-@pytest.mark.parametrize("push", [0.0, 0.3])
+@pytest.mark.parametrize("push", [0.0, 0.3, "changing"])
 def test_problem_with_everything_agrees_with_ipopt(speed_penalty, push):
     problem = pendulum(speed_penalty=speed_penalty)
-    state = np.array([-0.3, 0.0])
-    p = np.full((problem.horizon + 1, 1), push)
+    changing, state = push == "changing", np.array([-0.3, 0.0])
+    p = np.full((problem.horizon + 1, 1), 0.3 if changing else push)
+    if changing:
+        p[:, 0] *= np.sin(np.arange(problem.horizon + 1.0))
     ours = NewtonSolver(problem).solve(state, p)
     slack = 1e-8 * problem.horizon * 2 * (speed_penalty or 0.0)
     assert_same_plan(ours, CasadiSolver(problem).solve(state, p), slack)
     assert ours.violation < 2e-6
-    assert kkt_residual(problem, ours, state, np.array([push])) < 1e-5
-
-
-def test_parameters_may_change_from_stage_to_stage():
-    problem = pendulum(speed_penalty=50.0)
-    p = 0.3 * np.sin(np.arange(problem.horizon + 1.0))[:, np.newaxis]
-    state = np.array([0.2, 0.1])
-    ours, oracle = (
-        solver.solve(state, p) for solver in (NewtonSolver(problem), CasadiSolver(problem))
-    )
-    assert_same_plan(ours, oracle, slack=1e-8 * problem.horizon * 2 * 50.0)
+    assert changing or kkt_residual(problem, ours, state, p[0]) < 1e-5
 
 
 def test_closed_loop_flight_is_that_of_ipopt(solver):
@@ -168,10 +140,15 @@ def test_warm_start_converges_for_any_control_period(solver, elapsed):
     assert kkt_residual(solver.problem, warm, where) < 1e-6
 
 
-def test_warm_start_saves_iterations(solver):
-    cold = solver.solve(PAPER_START)
-    warm = solver.solve(cold.states[1], elapsed=1.0)
-    assert warm.iterations < 15 < cold.iterations
+def test_warm_start_follows_a_change_of_the_state_alone():
+    solver, begin, moved = NewtonSolver(pendulum()), np.zeros(2), np.array([0.04, 0.02])
+    first = solver.solve(begin, [0.1])
+    solver.time_limit = 1e-9  # what a warm solve begins with is also what it ends with
+    started = solver.solve(moved, [0.1], elapsed=0.0)
+    solver.time_limit = np.inf
+    optimum = solver.solve(moved, [0.1])
+    changed = np.abs(optimum.inputs - first.inputs).max()
+    assert np.abs(started.inputs - optimum.inputs).max() < 0.02 * changed
 
 
 def test_warm_start_ends_with_the_continuation_and_so_stays_feasible():
@@ -189,30 +166,6 @@ def test_warm_start_ends_with_the_continuation_and_so_stays_feasible():
     assert moved.violation < 1e-5
     solver.time_limit = np.inf
     assert solver.solve(first.states[1], pushed, elapsed=problem.step).cost <= first.cost
-
-
-@pytest.mark.parametrize(
-    "bad",
-    [np.array([np.nan, 0, 0, 0, 0]), np.array([0, np.inf, 0, 0, 0]), np.zeros(4), "no state", None],
-)
-def test_bad_data_are_refused_and_leave_the_warm_start_as_it_was(solver, bad):
-    first = solver.solve(PAPER_START)
-    expected = solver.solve(first.states[1], elapsed=1.0)
-    solver.reset()
-    solver.solve(PAPER_START)
-    refused = solver.solve(bad, elapsed=1.0)
-    assert refused.status is Status.REFUSED
-    assert np.all(np.isfinite(refused.inputs))
-    again = solver.solve(first.states[1], elapsed=1.0)
-    assert again.iterations == expected.iterations
-    np.testing.assert_array_equal(again.inputs, expected.inputs)
-
-
-def test_bad_parameters_are_refused():
-    problem = pendulum(speed_penalty=50.0)
-    p = np.zeros((problem.horizon + 1, 1))
-    p[3] = np.nan
-    assert NewtonSolver(problem).solve(np.zeros(2), p).status is Status.REFUSED
 
 
 def test_iteration_limit_gives_a_plan_and_a_cold_start_next():
@@ -275,23 +228,12 @@ def test_a_terminal_set_is_the_same_code_whatever_its_penalty():
     assert TerminalSet(1.0).penalty is None
 
 
-def test_openings_are_rest_feedback_single_inputs_and_corners():
-    problem = paper()
-    tried = openings(problem, np.zeros(3), 3)
-    assert len(tried) == 2 + 6 + 8
-    assert tried[0].shape == (problem.horizon, 3)
-    assert len(tried[1]) == 0
-    for inputs in tried:
-        assert np.all(inputs >= problem.input_lower)
-        assert np.all(inputs <= problem.input_upper)
-
-
 @pytest.mark.filterwarnings("error")
 def test_inputs_without_bounds_open_at_rest():
     free = dataclasses.replace(
         pendulum(), input_lower=np.array([-np.inf]), input_upper=np.array([np.inf])
     )
-    assert all(np.all(inputs == 0.0) for inputs in openings(free, np.zeros(1), 3))
+    assert all(np.all(inputs == 0.0) for inputs in openings(free, np.zeros(1)))
     assert NewtonSolver(free).solve(np.array([-0.3, 0.0])).converged
 
 

@@ -311,7 +311,7 @@ class CompiledMethod:
             raise RuntimeError(f"{folder} was written by another version of NumPy: delete it")
         self._function = self._linked(folder)
 
-    def entry(self) -> Callable[[int, int, float, float, int, float], int]:
+    def entry(self) -> Callable[[int, int, float, float, int, float, float], int]:
         """``minimise`` of ``newton/minimise.py``, for one caller: each has a block of arguments."""
         block = np.zeros(len(machine_code.ARGUMENTS), np.int64)
         integers: Any = memoryview(block)  # type: ignore[arg-type]
@@ -325,9 +325,11 @@ class CompiledMethod:
             tolerance: float,
             iteration_limit: int,
             deadline: float,
+            bound: float,
         ) -> int:
             integers[0], integers[1], floats[2] = address, start, stages
             floats[3], integers[4], floats[5] = tolerance, iteration_limit, deadline
+            floats[6] = bound
             return function(place)
 
         return minimise
@@ -403,12 +405,11 @@ class MachineCode:
         if compilation is None:
             return not self._failed
         try:
-            done = compilation.done()
-        except CompilationError as error:
-            self._failed, self._compilation = True, None
-            self._report(f"{error}; {BRIDGE} goes on solving")
-            return False
-        if done:
-            self._compilation = None
+            if not compilation.done():
+                return False
             self._report(f"solver compiled in {compilation.seconds:.1f} s; it solves from now on")
-        return done
+        except CompilationError as error:
+            self._failed = True
+            self._report(f"{error}; {BRIDGE} goes on solving")
+        self._compilation = None
+        return not self._failed

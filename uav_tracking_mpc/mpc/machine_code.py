@@ -42,7 +42,8 @@ MODULES = ("stage", "workspace", "minimise")  # whose constants callers read
 ENTRY = "minimise"  # function of the module of that name
 # Its arguments and what it returns, 64-bit numbers each. They are handed over in a block of memory,
 # because a call from Python costs by the argument.
-ARGUMENTS, RESULT = ("int64", "int64", "float64", "float64", "int64", "float64"), "int64"
+ARGUMENTS = ("int64", "int64", "float64", "float64", "int64", "float64", "float64")
+RESULT = "int64"
 PACKAGE = "newton_method"
 
 

@@ -18,7 +18,8 @@ The method stands in :mod:`uav_tracking_mpc.mpc.newton`; here its data enter and
 A cold start makes several attempts, the best of which is kept.
 
 The problem has local minima. So a cold start tries inputs at rest, feedback to the goal, and that
-feedback after a few stages with inputs held near a bound ("openings").
+feedback after a few stages with inputs held near a bound ("openings"), in the order of what they
+cost without any step. An attempt that will not end below the best plan is given up.
 
 A long horizon has many local minima and a short one few. So beyond :data:`SHORT_HORIZON` every
 opening is tried on a horizon of that length, without terminal constraints, which belong to the end
@@ -47,6 +48,8 @@ SHORT_HORIZON = 20  # stages that a cold start is compiled for as a whole
 COARSE_TOLERANCE, COARSE_ITERATIONS = 1e-3, 40  # -, tolerance of attempts on the short horizon
 DISTINCT = 1e-3  # -, relative difference in cost between two local minima
 OPENING_STAGES = 4  # in which an opening's inputs act
+COMBINED_INPUTS = 3  # count of inputs that openings hold at their bounds in every combination
+FEASIBLE = 1e-6  # -, tolerance of violations within which the cheaper plan is the better
 OPENING_SHARE = 0.9  # -, of the way from the middle of the box to its bound
 MULTIPLIER_WEIGHT = 10.0  # -, rho, the penalty weight to begin with
 # -, rho, the penalty weight to begin with from a guess, one after the other until one converges. A
@@ -56,7 +59,13 @@ GUESS_WEIGHTS = (10000.0, 10.0, 1000.0)
 RESCUE_WEIGHTS = (1000.0, 10.0)  # -, penalty weights of the openings on a whole long horizon
 PLAN_FIELDS = ("x", "u", "a", "c", "value", "mu", "rho")
 
-Attempt = Callable[[int, float, int], int]
+# -, relative difference in cost for which an attempt is finished once another has converged
+WORTHWHILE = 1e-5
+INSIDE = -1e6  # -, of a constraint: so far inside that a sweep does not see it
+
+Attempt = Callable[[int, float, int, float], int]
+# Inputs of the first stages, shape (stages, nu), decision, shape (na,), and penalty weight
+Start = tuple[NDArray[np.float64], NDArray[np.float64], float]
 
 
 class ColdStart:
@@ -66,6 +75,9 @@ class ColdStart:
         problem: What is solved.
         method: The method compiled for it.
         record: Its workspace.
+
+    Attributes:
+        iterations: Newton iterations of the last cold start.
     """
 
     def __init__(
@@ -78,97 +90,115 @@ class ColdStart:
         rows = method.workspace
         self._kept, self._reference = int(rows.KEPT), int(rows.SECOND)
         self._working, spare = int(rows.WORKING), int(rows.SPARE)
-        self._best, self._short = int(rows.ASIDE), (spare, spare + 1)
+        self._best, self._short = spare, (spare + 1, spare + 2)
         self._rest = problem.input_rest
-        self._openings = list(openings(problem, self._rest, rows.COMBINED_INPUTS))
-        self._policy = record["policy"]
-        for number, inputs in enumerate(self._openings):
-            record["opening"][number] = inputs[0] if len(inputs) else self._rest
-            record["held"][number] = len(inputs)
+        guess = record["a_guess"]
+        self._openings = [
+            (inputs, guess, MULTIPLIER_WEIGHT) for inputs in openings(problem, self._rest)
+        ]
+        self._policy = np.zeros_like(record["K"][0])  # gains of the feedback to the goal
+        self.iterations = 0
 
     def __call__(
         self, attempt: Attempt, tolerance: float, iteration_limit: int, guess: Guess | None = None
-    ) -> tuple[int, int]:
+    ) -> int:
         """Run the attempts and leave the best plan in row KEPT.
 
         Args:
-            attempt: (start, tolerance, iteration limit) -> how it ended.
+            attempt: (start, tolerance, iteration limit, bound) -> how it ended.
             tolerance: Of the attempts on the whole horizon [-].
             iteration_limit: Of each of them.
             guess: Tried first; if it converges, alone.
 
         Returns:
-            How the best attempt ended, and the Newton iterations of all together.
+            How the best attempt ended.
         """
-        codes, record = self._codes, self._record
+        codes = self._codes
+        self.iterations = 0
         self._set_horizon(self._horizon)
-        iterations = 0
-        if guess is not None:
-            for weight in GUESS_WEIGHTS:
-                self._prepare(np.asarray(guess.inputs), np.asarray(guess.decision), weight)
-                end = attempt(codes.PREPARED, tolerance, iteration_limit)
-                iterations += int(record["outcome"][0])
-                if end in (codes.CONVERGED, codes.TIME_LIMIT):
-                    return end, iterations
-        if self._horizon <= SHORT_HORIZON:
-            end = attempt(codes.ALL_OPENINGS, tolerance, iteration_limit)
-            return end, iterations + int(record["outcome"][0])
-        end, count = self._long_horizon(attempt, tolerance, iteration_limit)
-        return end, iterations + count
 
-    def _long_horizon(
-        self, attempt: Attempt, tolerance: float, iteration_limit: int
-    ) -> tuple[int, int]:
-        """How the best attempt of those on a long horizon ended; iterations of all."""
+        def run(start: Start, bound: float = math.inf) -> int:
+            return self._run(start, lambda code: attempt(code, tolerance, iteration_limit, bound))
+
+        if guess is not None:
+            inputs, decision = np.asarray(guess.inputs), np.asarray(guess.decision)
+            for weight in GUESS_WEIGHTS:
+                end = run((inputs, decision, weight))
+                if end in (codes.CONVERGED, codes.TIME_LIMIT):
+                    return end
+        self._feedback_to_goal(attempt)
+        if self._horizon <= SHORT_HORIZON:
+            return self._best_of([self._cheapest_first(attempt)], run)
+        starts = self._shorter_horizon(attempt)
+        rescues = [(*start[:2], weight) for weight in RESCUE_WEIGHTS for start in self._openings]
+        groups = [[*starts, *self._openings[:2]], rescues]
+        return self._best_of(groups, lambda start, _: run(start))  # few enough to finish each
+
+    def _run(self, start: Start, attempt: Callable[[int], int]) -> int:
+        """How an attempt from a start ended."""
+        self._prepare(*start)
+        end = attempt(self._codes.PREPARED)
+        if end != self._codes.NO_START:
+            self.iterations += int(self._record["outcome"][0])
+        return end
+
+    def _best_of(self, groups: list[list[Start]], run: Callable[[Start, float], int]) -> int:
+        """How the best attempt ended; a group is tried if none of those before has converged."""
         codes, record = self._codes, self._record
-        attempt(codes.FEEDBACK, tolerance, 1)
-        found, iterations = self._shorter_horizon(attempt)
-        self._set_horizon(self._horizon)
-        plans = [(record["u"][row, :SHORT_HORIZON].copy(), row) for row in found]
-        guesses = [(inputs, record["a"][row].copy(), MULTIPLIER_WEIGHT) for inputs, row in plans]
-        guesses += self._guesses(2, MULTIPLIER_WEIGHT)
-        rescues = [guess for weight in RESCUE_WEIGHTS for guess in self._guesses(None, weight)]
         best: tuple[bool, float, float] | None = None
-        best_end, best_gradient = codes.NO_START, np.nan
-        for number, (inputs, decision, weight) in enumerate([*guesses, *rescues]):
-            if number >= len(guesses) and best_end == codes.CONVERGED:
-                break
-            self._prepare(inputs, decision, weight)
-            end = attempt(codes.PREPARED, tolerance, iteration_limit)
-            if end == codes.NO_START:
+        best_end, best_gradient, bound = codes.NO_START, math.nan, math.inf
+        for start in itertools.chain.from_iterable(
+            group for group in groups if best_end not in (codes.CONVERGED, codes.TIME_LIMIT)
+        ):
+            end = run(start, bound)
+            if end in (codes.NO_START, codes.HOPELESS):
                 continue
-            iterations += int(record["outcome"][0])
-            _, cost, violation = record["value"][self._kept]
-            rank = (end != codes.CONVERGED, max(violation, tolerance), cost)
+            _, cost, violation, _ = record["value"][self._kept].tolist()
+            rank = (end != codes.CONVERGED, max(violation, FEASIBLE), cost)
             if best is None or rank < best:
                 best, best_end, best_gradient = rank, end, record["outcome"][1]
                 self._copy(self._kept, self._best)
+                if end == codes.CONVERGED:
+                    bound = cost - WORTHWHILE * abs(cost)
             if end == codes.TIME_LIMIT:
                 break
         if best is not None:
             self._copy(self._best, self._kept)
         record["outcome"][1] = best_gradient
-        return best_end, iterations
+        return best_end
 
-    def _guesses(
-        self, count: int | None, weight: float
-    ) -> list[tuple[NDArray[np.float64], NDArray[np.float64], float]]:
-        """Inputs, decision and weight of the first ``count`` openings."""
-        return [(inputs, self._record["a_guess"], weight) for inputs in self._openings[:count]]
+    def _feedback_to_goal(self, attempt: Attempt) -> None:
+        """Gains at stage 0 of a Riccati recursion about rest at the goal, into the policy."""
+        record, row = self._record, self._reference
+        self._prepare(*self._openings[0])
+        record["u"][row] = self._rest
+        record["c"][row] = INSIDE
+        record["c"][row, -1] = 0.0
+        attempt(self._codes.SWEEP, 1.0, 1, math.inf)
+        gains = record["K"][0]
+        self._policy = gains.copy() if np.isfinite(gains).all() else np.zeros_like(gains)
 
-    def _shorter_horizon(self, attempt: Attempt) -> tuple[list[int], int]:
-        """Rows of the best distinct plans of a shorter horizon, at most two; iterations spent."""
-        record, cost = self._record, self._record["value"][:, 1]
+    def _cheapest_first(self, attempt: Attempt) -> list[Start]:
+        """The openings in the order of what they cost without any step."""
+        promised: list[tuple[float, int, Start]] = []
+        for start in self._openings:
+            end = self._run(start, lambda code: attempt(code, 1.0, 0, math.inf))
+            if end != self._codes.NO_START:
+                promised.append((float(self._record["outcome"][2]), len(promised), start))
+        return [start for _, _, start in sorted(promised, key=lambda each: each[:2])]
+
+    def _shorter_horizon(self, attempt: Attempt) -> list[Start]:
+        """The best distinct plans of a shorter horizon, at most two."""
+        record, cost, codes = self._record, self._record["value"][:, 1], self._codes
         found: list[int] = []
         free = list(self._short)
-        iterations = 0
         self._set_horizon(SHORT_HORIZON)
-        for inputs in self._openings:
-            self._prepare(inputs, record["a_guess"])
-            end = attempt(self._codes.PREPARED, COARSE_TOLERANCE, COARSE_ITERATIONS)
-            if end == self._codes.NO_START:
+        for start in self._openings:
+            end = self._run(
+                start, lambda code: attempt(code, COARSE_TOLERANCE, COARSE_ITERATIONS, math.inf)
+            )
+            if end == codes.NO_START:
                 continue
-            iterations += int(record["outcome"][0])
             new = cost[self._kept]
             if any(abs(new - cost[row]) <= DISTINCT * abs(new) for row in found):
                 continue
@@ -178,9 +208,13 @@ class ColdStart:
                 row = free.pop()
                 self._copy(self._kept, row)
                 found = sorted([*found, row], key=lambda r: cost[r])
-            if end == self._codes.TIME_LIMIT:
+            if end == codes.TIME_LIMIT:
                 break
-        return found, iterations
+        self._set_horizon(self._horizon)
+        return [
+            (record["u"][row, :SHORT_HORIZON].copy(), record["a"][row].copy(), MULTIPLIER_WEIGHT)
+            for row in found
+        ]
 
     def _set_horizon(self, stages: int) -> None:
         """Stages of the next attempts; a shorter horizon has no terminal constraints."""
@@ -188,10 +222,7 @@ class ColdStart:
         self._record["ends"][0] = self._ends if stages == self._horizon else 0
 
     def _prepare(
-        self,
-        inputs: NDArray[np.float64],
-        decision: NDArray[np.float64],
-        weight: float = MULTIPLIER_WEIGHT,
+        self, inputs: NDArray[np.float64], decision: NDArray[np.float64], weight: float
     ) -> None:
         """Reference of a rollout: given inputs at the first stages, then feedback to the goal."""
         record, row, held = self._record, self._reference, len(inputs)
@@ -212,7 +243,7 @@ class ColdStart:
 
 
 def openings(
-    problem: OptimalControlProblem, rest: NDArray[np.float64], combined: int
+    problem: OptimalControlProblem, rest: NDArray[np.float64]
 ) -> list[NDArray[np.float64]]:
     """Inputs of the first stages, shape (stages, nu), of each opening.
 
@@ -222,14 +253,13 @@ def openings(
     Args:
         problem: Its box and horizon.
         rest: The inputs at rest, shape (nu,).
-        combined: So many inputs are held at their bounds together, in every combination.
     """
     lower, upper = problem.input_lower, problem.input_upper
     bounded = np.isfinite(lower) & np.isfinite(upper)
     lower, upper = np.where(bounded, lower, rest), np.where(bounded, upper, rest)
     middle, reach = 0.5 * (lower + upper), 0.5 * OPENING_SHARE * (upper - lower)
     signs = [sign * unit for unit in np.eye(problem.nu) for sign in (1.0, -1.0)]
-    together = min(problem.nu, combined)
+    together = min(problem.nu, COMBINED_INPUTS)
     for corner in itertools.product((1.0, -1.0), repeat=together):
         signs.append(np.array([*corner, *np.zeros(problem.nu - together)]))
     held = [np.where(sign == 0.0, rest, middle + sign * reach) for sign in signs]
@@ -240,7 +270,7 @@ def openings(
 
 # In the order of the codes in newton/minimise.py; the last two are ways to fail and to begin.
 STATUSES = (*Status, Status.FAILED)
-CONVERGED, ITERATION_LIMIT, TIME_LIMIT, INFEASIBLE, STALLED, REFUSED, NO_START = range(7)
+CONVERGED, ITERATION_LIMIT, TIME_LIMIT, INFEASIBLE, STALLED, REFUSED = range(6)
 WARM = 0  # code of a start in newton/minimise.py
 
 
@@ -291,14 +321,8 @@ class NewtonSolver:
 
     def change(self, problem: OptimalControlProblem) -> None:
         """See :meth:`uav_tracking_mpc.mpc.solver.Solver.change`."""
-        self.problem = problem
-        self._fill(int(self._method.workspace.KEPT))
-        self._cold_start = ColdStart(problem, self._method, self._workspace[0])
-        self._warm = False
-
-    def _fill(self, row: int) -> None:
-        """Numbers of the problem into the workspace, and views of what every solve touches."""
-        problem, record = self.problem, self._workspace[0]
+        self.problem, record = problem, self._workspace[0]
+        kept = int(self._method.workspace.KEPT)
         intervals = multiplier_intervals(problem)  # of h and of e
         for name, values in {
             "u_lower": problem.input_lower,
@@ -316,12 +340,14 @@ class NewtonSolver:
         self._p = record["p"][:, : problem.np]
         self._p[:] = problem.usual_parameter
         self._usual = True  # whether p is the problem's own
-        self._states = record["x"][row]
-        self._inputs = record["u"][row]
-        self._decision = record["a"][row][: problem.na]
-        self._value = record["value"][row]
+        self._states = record["x"][kept]
+        self._inputs = record["u"][kept]
+        self._decision = record["a"][kept][: problem.na]
+        self._value = record["value"][kept]
         self._outcome = record["outcome"]
         record["horizon"][0], record["ends"][0] = problem.horizon, intervals[1].shape[1]
+        self._cold_start = ColdStart(problem, self._method, record)
+        self._warm = False
 
     def reset(self) -> None:
         """Forget the last plan: the next solve starts cold."""
@@ -349,18 +375,24 @@ class NewtonSolver:
         code = iterations = 0
         if warm:
             code = self._run(
-                self._address, WARM, stages, self.tolerance, self.iteration_limit, deadline
+                self._address,
+                WARM,
+                stages,
+                self.tolerance,
+                self.iteration_limit,
+                deadline,
+                math.inf,
             )
             iterations = int(self._outcome[0])
         if not warm or code not in (CONVERGED, TIME_LIMIT, REFUSED):
-            code, count = self._cold(deadline, guess)
-            iterations += count
+            code = self._cold(deadline, guess)
+            iterations += self._cold_start.iterations
         if code == REFUSED:
             return self._refused("initial state or a parameter is not finite", begin)
         # A plan that ran out of time obeys the dynamics and is worth going on from; any other
         # that has not converged is not.
         self._warm = code in (CONVERGED, TIME_LIMIT)
-        _, cost, violation = self._value.tolist()
+        _, cost, violation, _ = self._value.tolist()
         return Solution(
             STATUSES[code],
             "converged" if code == CONVERGED else self._reason(code),
@@ -373,13 +405,14 @@ class NewtonSolver:
             violation,
         )
 
-    def _cold(self, deadline: float, guess: Callable[[], Guess | None] | None) -> tuple[int, int]:
-        def attempt(start: int, tolerance: float, limit: int) -> int:
-            return self._run(self._address, start, 0.0, tolerance, limit, deadline)
+    def _cold(self, deadline: float, guess: Callable[[], Guess | None] | None) -> int:
+        def attempt(start: int, tolerance: float, limit: int, bound: float) -> int:
+            return self._run(self._address, start, 0.0, tolerance, limit, deadline, bound)
 
         # Before anything of the last plan is overwritten.
         if not (np.isfinite(self._x_0).all() and np.isfinite(self._p).all()):
-            return REFUSED, 0
+            self._cold_start.iterations = 0
+            return REFUSED
         begin = guess() if guess is not None else None
         return self._cold_start(attempt, self.tolerance, self.iteration_limit, begin)
 

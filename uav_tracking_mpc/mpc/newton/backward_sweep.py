@@ -61,6 +61,9 @@ def minimise_over_box(w, size, damping):
         w: Workspace.
         size: Number of components.
         damping: tau to begin with.
+
+    Returns:
+        Change of the merit that the model predicts, y'(g + H y / 2).
     """
     for j in range(size):
         w.hessian[j, j] += damping
@@ -76,6 +79,13 @@ def minimise_over_box(w, size, damping):
             continue
         if not release(w, size):
             break
+    change = 0.0
+    for r in range(size):
+        slope = w.slope[r]
+        for c in range(size):
+            slope += 0.5 * w.hessian[r, c] * w.step[c]
+        change += w.step[r] * slope
+    return change
 
 
 @compiled
@@ -262,11 +272,9 @@ def minimise_stage(w, now, i, damping):
         w.slope[r] = w.q[NS + r]
         w.lower[r] = w.u_lower[r] - w.u[now, i, r]
         w.upper[r] = w.u_upper[r] - w.u[now, i, r]
-    minimise_over_box(w, NU, damping)
-    change = 0.0
+    change = minimise_over_box(w, NU, damping)
     for r in range(NU):
         w.k[i, r] = w.step[r]
-        change += predicted_change(w, NU, r)
     for c in range(NS):  # K = -Q_uu^-1 Q_us on the free inputs, 0 on the others
         for r in range(NU):
             w.step[r] = -w.Q[c, NS + r] * w.free[r]
@@ -311,24 +319,26 @@ def minimise_decision(w, now, damping):
         w.slope[r] = w.v[NX + r]
         w.lower[r] = w.a_lower[r] - w.a[now, r]
         w.upper[r] = w.a_upper[r] - w.a[now, r]
-    minimise_over_box(w, NA, damping)
-    change = 0.0
+    change = minimise_over_box(w, NA, damping)
     for r in range(NA):
         w.k_a[r] = w.step[r]
-        change += predicted_change(w, NA, r)
     return change
 
 
 @compiled
-def predicted_change(w, size, r):
-    """Share of component ``r`` in the change of the model, y_r (g + H y / 2)_r, ``w`` holding all.
+def decision_feedback(w, now):
+    """Add to k_a what the first state's change asks for: -V_aa^-1 V_ax dx on free decisions.
 
     Args:
-        w: Workspace.
-        size: Number of components.
-        r: Component.
+        w: Workspace, with the value function of stage 0 and what minimised it.
+        now: The plan whose first state the new one is compared with.
     """
-    slope = w.slope[r]
-    for c in range(size):
-        slope += 0.5 * w.hessian[r, c] * w.step[c]
-    return w.step[r] * slope
+    if NA == 0:
+        return
+    for r in range(NA):
+        w.step[r] = 0.0
+        for c in range(NX):
+            w.step[r] -= w.free[r] * w.V[c, NX + r] * (w.x_0[c] - w.x[now, 0, c])
+    solve_factor(w, NA, w.step)
+    for r in range(NA):
+        w.k_a[r] += w.step[r]

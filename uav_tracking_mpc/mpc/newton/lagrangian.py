@@ -40,6 +40,8 @@ What is measured is a rollout, so that the dynamics hold exactly at every iterat
     x_{i+1}^+ = f(x_i^+, u_i^+, p_i, a^+)
 """
 
+import math
+
 from .compiling import compiled
 from .stage import NA, NH, NS, NU, NX, stage_values, terminal_values
 from .workspace import END, NC, ROWS, STAGES, WORKING
@@ -61,21 +63,6 @@ def multiplier(c, mu, rho, lower, upper):
         upper: Greatest.
     """
     return min(max(mu + rho * c, lower), upper)
-
-
-@compiled
-def augmented_term(c, mu, rho, lower, upper):
-    """Term psi(c) of the augmented Lagrangian.
-
-    Args:
-        c: Value of the constraint.
-        mu: Estimate of its multiplier.
-        rho: Weight.
-        lower: Least value of the multiplier.
-        upper: Greatest.
-    """
-    m = multiplier(c, mu, rho, lower, upper)
-    return m * c - (m - mu) ** 2 / (2.0 * rho)
 
 
 @compiled
@@ -143,54 +130,32 @@ def multipliers(w, now, i):
 
 
 @compiled
-def constraint_residual(w, now):
-    """Largest |m - mu| / rho of all constraints.
-
-    Args:
-        w: Workspace.
-        now: Row of the plan.
-    """
-    residual = 0.0
-    for i in range(w.horizon[0] + 1):
-        residual = max(residual, multipliers(w, now, i))
-    return residual
-
-
-@compiled
 def merit(w, now):
     """Augmented Lagrangian of a plan: its smooth cost and psi of every constraint.
 
-    Args:
-        w: Workspace.
-        now: Row of the plan.
-    """
-    total = w.value[now, 0]
-    for i in range(w.horizon[0] + 1):
-        row = row_of(w, i)
-        for j in range(number_of(w, row)):
-            lower, upper = w.m_lower[row, j], w.m_upper[row, j]
-            mu, rho = w.mu[WORKING, i, j], w.rho[WORKING, row, j]
-            total += augmented_term(w.c[now, i, j], mu, rho, lower, upper)
-    return total
-
-
-@compiled
-def exact_cost(w, now):
-    """Cost with exact penalties and largest hard violation of a plan, into its value.
+    Into the plan's value go its cost with exact penalties, its largest hard violation, inf for a
+    cost that is not finite, and the largest |m - mu| / rho of all constraints.
 
     Args:
         w: Workspace.
         now: Row of the plan.
     """
-    cost, violation = w.value[now, 0], 0.0
+    total = cost = w.value[now, 0]
+    violation = residual = 0.0
     for i in range(w.horizon[0] + 1):
         row = row_of(w, i)
         for j in range(number_of(w, row)):
             c, lower, upper = w.c[now, i, j], w.m_lower[row, j], w.m_upper[row, j]
+            mu, rho = w.mu[WORKING, i, j], w.rho[WORKING, row, j]
+            m = multiplier(c, mu, rho, lower, upper)
+            total += m * c - (m - mu) ** 2 / (2.0 * rho)
             cost += exact_term(c, lower, upper)
             violation = max(violation, hard_violation(c, lower, upper))
+            residual = max(residual, abs(m - mu) / rho)
     w.value[now, 1] = cost
-    w.value[now, 2] = violation
+    w.value[now, 2] = violation if math.isfinite(cost) else math.inf
+    w.value[now, 3] = residual
+    return total
 
 
 @compiled

@@ -12,26 +12,27 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The entry of compiled code: a warm start, one attempt, or one from every opening.
+"""The entry of compiled code: an attempt from a warm start, or from a plan of the caller.
+
+A warm start begins at the better of two plans, by their merit: the last one shifted by the time
+that has passed, and the last one as it stands, corrected for the new initial state by the gains of
+its last sweep. The second is a Newton step of the problem from that state. It is nearly the optimum
+where the plan moves along with the aircraft, as on the way to an orbit that it does not reach yet.
 
 An attempt is Newton's method on the augmented Lagrangian. The multipliers are updated when its
 gradient is small against the constraint residual, and also right after a full step that changed the
 merit as its quadratic model predicted, since such a step ends at the minimum. So near a solution
 every iteration updates both the plan and the multipliers.
-
-Openings hold inputs for a few stages, then follow the feedback to the goal. They are tried in the
-order of what they cost without any step. The best plan is kept, and an attempt that will not end
-below it is given up.
 """
 
 import math
 
-from .backward_sweep import backward_sweep
+from .backward_sweep import backward_sweep, decision_feedback
 from .compiling import compiled, entry, placed
 from .compiling import now as clock
-from .lagrangian import constraint_residual, exact_cost, merit, rollout, update_multipliers
+from .lagrangian import merit, rollout, update_multipliers
 from .stage import NA, NP, NS, NU, NX, N, continuation
-from .workspace import ASIDE, BEST, FIRST, KEPT, NC, OPENINGS, ROWS, SECOND, WORKING, record_at
+from .workspace import BEST, FIRST, KEPT, NC, ROWS, SECOND, WORKING, record_at
 
 WEIGHT_KEPT = 1e3  # -, largest penalty weight to begin with
 
@@ -49,6 +50,7 @@ def move_on(w, stages):
         w: Workspace.
         stages: Elapsed time over T_s, any number >= 0.
     """
+    unshifted(w)
     continuation((w.x[KEPT, N], w.u[KEPT, N - 1], w.a[KEPT], w.p[N]), (w.u_end,))
     for i in range(N):
         where = min(i + stages, float(N))
@@ -68,90 +70,40 @@ def move_on(w, stages):
     for j in range(NA):
         w.a[SECOND, j] = w.a[KEPT, j]
         w.k_a[j] = 0.0
-    for j in range(NC):
-        w.mu[WORKING, N, j] = w.mu[KEPT, N, j]
-        for row in range(ROWS):
-            w.rho[WORKING, row, j] = min(w.rho[KEPT, row, j], WEIGHT_KEPT)
-            w.residual[row, j] = math.inf
-
-
-WEIGHT = 10.0  # -, rho, the penalty weight to begin with
-INSIDE = -1e6  # -, of a constraint: so far inside that a sweep does not see it
 
 
 @compiled
-def prepare(w, opening):
-    """Reference of a rollout into row SECOND: an opening, then feedback to the goal.
+def warm_start(w, stages):
+    """The better of the plans of a warm start into row FIRST, its multipliers into WORKING.
+
+    The shifted plan is feasible where the last one was and the problem's continuation keeps it so:
+    row BEST holds it, to be returned if time runs out before there is a better one.
 
     Args:
-        w: Workspace.
-        opening: Which.
+        w: Workspace, with the gains of the last sweep.
+        stages: Elapsed time over T_s, any number >= 0.
     """
-    end, held = w.horizon[0], int(w.held[opening])
-    for i in range(end + 1):
-        for r in range(NX):
-            w.x[SECOND, i, r] = w.goal[r]
-        for j in range(NC):
-            w.mu[WORKING, i, j] = 0.0
-    for i in range(end):
-        for j in range(NU):
-            w.u[SECOND, i, j] = w.opening[opening, j] if i < held else w.opening[0, j]
-            w.k[i, j] = 0.0
-            for r in range(NS):
-                w.K[i, j, r] = 0.0 if i < held else w.policy[j, r]
-    for j in range(NA):
-        w.a[SECOND, j] = w.a_guess[j]
-        w.k_a[j] = 0.0
+    unshifted(w)
+    decision_feedback(w, KEPT)
+    rollout(w, KEPT, FIRST, 1.0)
+    followed = merit(w, FIRST)
+    move_on(w, stages)
+    rollout(w, SECOND, BEST, 0.0)
+    shifted = merit(w, BEST)
+    if math.isfinite(followed) and not shifted <= followed:
+        unshifted(w)
+    else:
+        copy_plan(w, BEST, FIRST)
+
+
+@compiled
+def unshifted(w):
+    """Multipliers of row KEPT into row WORKING of ``w``, with weights of at most WEIGHT_KEPT."""
+    copy_multipliers(w, KEPT, WORKING)
     for j in range(NC):
         for row in range(ROWS):
-            w.rho[WORKING, row, j] = WEIGHT
+            w.rho[WORKING, row, j] = min(w.rho[WORKING, row, j], WEIGHT_KEPT)
             w.residual[row, j] = math.inf
-
-
-@compiled
-def feedback_to_goal(w):
-    """Gains at stage 0 of a Riccati recursion about rest at the goal, into the policy of ``w``."""
-    prepare(w, 0)
-    end = w.horizon[0]
-    for i in range(end + 1):
-        for j in range(NC):
-            w.c[SECOND, i, j] = 0.0 if i == end else INSIDE
-    backward_sweep(w, SECOND, 0.0, 0.0)
-    finite = True
-    for j in range(NU):
-        for r in range(NS):
-            finite = finite and math.isfinite(w.K[0, j, r])
-    for j in range(NU):
-        for r in range(NS):
-            w.policy[j, r] = w.K[0, j, r] if finite else 0.0
-
-
-@compiled
-def open_all(w):
-    """Roll out every opening of the workspace ``w``: its cost is the promise."""
-    for opening in range(OPENINGS):
-        prepare(w, opening)
-        rollout(w, SECOND, FIRST, 0.0)
-        w.promise[opening] = merit(w, FIRST)
-
-
-@compiled
-def prepare_cheapest(w):
-    """Prepare the cheapest opening not tried yet; False if there is none.
-
-    Args:
-        w: Workspace, with the promises.
-    """
-    cheapest = -1
-    for opening in range(OPENINGS):
-        promise = w.promise[opening]
-        if math.isfinite(promise) and (cheapest < 0 or promise < w.promise[cheapest]):
-            cheapest = opening
-    if cheapest < 0:
-        return False
-    w.promise[cheapest] = math.inf
-    prepare(w, cheapest)
-    return True
 
 
 # How it ends.
@@ -170,7 +122,7 @@ DAMPING_START, DAMPING_LIMIT, DAMPING_GROWTH = 0.1, 1e8, 10.0
 
 @placed
 def attempt(w, tolerance, iteration_limit, deadline, bound):
-    """Minimise from what stands in row SECOND and the gains; the plan is left in row KEPT.
+    """Minimise from the plan in row FIRST; row KEPT gets the plan found, or that in BEST if better.
 
     Args:
         w: Workspace.
@@ -180,19 +132,16 @@ def attempt(w, tolerance, iteration_limit, deadline, bound):
         bound: Cost that the plan must be likely to end below, else the attempt is given up.
 
     Returns:
-        One of the codes above; ``outcome`` holds Newton iterations and the relative gradient, the
-        plan's value its cost and violation.
+        One of the codes above.
     """
-    w.outcome[0] = 0.0
-    w.outcome[1] = math.nan
-    rollout(w, SECOND, FIRST, 0.0)
+    w.outcome[0], w.outcome[1] = 0.0, math.nan
     if not math.isfinite(w.value[FIRST, 0]):
         return NO_START
 
     now, trial = FIRST, SECOND
-    exact_cost(w, now)
-    copy_plan(w, now, BEST)
-    value = merit(w, now)
+    value = w.outcome[2] = merit(w, now)
+    if better(w, now, BEST, tolerance):
+        copy_plan(w, now, BEST)
     damping, curvature = 0.0, 1.0
     relative = 1.0
     status = ITERATION_LIMIT
@@ -236,7 +185,6 @@ def attempt(w, tolerance, iteration_limit, deadline, bound):
                 and error <= AS_PREDICTED * abs(predicted) + ROUNDING * (1.0 + abs(value))
             )
             value = new
-            exact_cost(w, now)
             if better(w, now, BEST, tolerance):
                 copy_plan(w, now, BEST)
             curvature = 1.0
@@ -244,7 +192,7 @@ def attempt(w, tolerance, iteration_limit, deadline, bound):
                 damping = max(DAMPING_GROWTH * damping, DAMPING_START)
             elif length == 1.0:
                 damping = damping / DAMPING_GROWTH if damping > DAMPING_START else 0.0
-            if as_predicted and constraint_residual(w, now) > tolerance:
+            if as_predicted and w.value[now, 3] > tolerance:
                 if not update_multipliers(w, now):
                     status = INFEASIBLE
                     break
@@ -291,7 +239,7 @@ def copy_plan(w, source, target):
             w.u[target, i, j] = w.u[source, i, j]
     for j in range(NA):
         w.a[target, j] = w.a[source, j]
-    for j in range(3):
+    for j in range(4):
         w.value[target, j] = w.value[source, j]
 
 
@@ -305,15 +253,13 @@ def copy_multipliers(w, source, target):
             w.rho[target, row, j] = w.rho[source, row, j]
 
 
-# How it begins: from the kept plan moved on; from what the caller put into row SECOND and the
-# gains; from every opening. Or only the gains of the feedback to the goal.
-WARM, PREPARED, ALL_OPENINGS, FEEDBACK = range(4)
-
-WORTHWHILE = 1e-5  # -, relative difference in cost for which an attempt is finished
+# How it begins: from the kept plan; from what the caller has put into row SECOND and the gains. Or
+# nothing but a sweep about row SECOND and its constraints c, for its gains.
+WARM, PREPARED, SWEEP = range(3)
 
 
 @entry
-def minimise(address, start, stages, tolerance, iteration_limit, deadline):
+def minimise(address, start, stages, tolerance, iteration_limit, deadline, bound):
     """Minimise the problem of a workspace; the plan is left in row KEPT.
 
     Args:
@@ -321,61 +267,26 @@ def minimise(address, start, stages, tolerance, iteration_limit, deadline):
         start: One of the codes above.
         stages: WARM: elapsed time over T_s.
         tolerance: Of the relative KKT residual.
-        iteration_limit: Newton iterations of one attempt.
+        iteration_limit: Newton iterations.
         deadline: On the monotonic clock, in [s].
+        bound: Cost that the plan must be likely to end below, else the attempt is given up.
 
     Returns:
-        How it ended; ``outcome`` holds Newton iterations and the relative gradient, the plan's
-        value its cost and violation.
+        How it ended; ``outcome`` holds Newton iterations, the relative gradient and the merit at
+        the start, the plan's value its cost and violation.
     """
     w = record_at(address)
     if not data_finite(w):
         return REFUSED
-    if start == FEEDBACK:
-        feedback_to_goal(w)
+    if start == SWEEP:
+        backward_sweep(w, SECOND, 0.0, 0.0)
         return CONVERGED
     if start == WARM:
-        move_on(w, stages)
-    elif start == ALL_OPENINGS:
-        feedback_to_goal(w)
-        open_all(w)
-    best, iterations, gradient = NO_START, 0.0, math.nan
-    while start != ALL_OPENINGS or prepare_cheapest(w):
-        bound = math.inf
-        if best == CONVERGED:
-            bound = w.value[ASIDE, 1] - WORTHWHILE * abs(w.value[ASIDE, 1])
-        # The only call: the compiler puts the whole attempt here, and would again at another.
-        end = attempt(w, tolerance, iteration_limit, deadline, bound)
-        if start != ALL_OPENINGS:
-            return end
-        iterations += w.outcome[0]
-        if end != HOPELESS and ranks_first(w, end, best, tolerance):
-            best, gradient = end, w.outcome[1]
-            copy_plan(w, KEPT, ASIDE)
-            copy_multipliers(w, KEPT, ASIDE)
-        if end == TIME_LIMIT:
-            break
-    if best != NO_START:
-        copy_plan(w, ASIDE, KEPT)
-        copy_multipliers(w, ASIDE, KEPT)
-    w.outcome[0] = iterations
-    w.outcome[1] = gradient
-    return best
-
-
-@compiled
-def ranks_first(w, end, best, tolerance):
-    """Whether an attempt's plan is better than the best so far: converged, feasible, cheap.
-
-    Args:
-        w: Workspace, with the plans in rows KEPT and ASIDE.
-        end: How the attempt ended.
-        best: How that of the best plan did; NO_START before there is one.
-        tolerance: Largest violation of a plan that counts as feasible.
-    """
-    if best == NO_START or (end == CONVERGED) != (best == CONVERGED):
-        return best == NO_START or end == CONVERGED
-    return better(w, KEPT, ASIDE, tolerance)
+        warm_start(w, stages)
+    else:
+        rollout(w, SECOND, FIRST, 0.0)
+        w.value[BEST, 2] = math.inf
+    return attempt(w, tolerance, iteration_limit, deadline, bound)
 
 
 @compiled

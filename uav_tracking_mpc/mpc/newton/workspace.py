@@ -26,21 +26,16 @@ from numba.extending import intrinsic
 from .stage import NA, NE, NH, NP, NS, NU, NW, NX, N
 
 # Plans: the iterate and the trial of the line search (they take turns), the best feasible iterate,
-# what the last attempt ended with, from which the next warm start begins, and the best of several
-# attempts. The other rows are for the caller to put plans aside.
+# and what the last attempt ended with, from which the next warm start begins. The other rows are
+# for the caller to put plans aside.
 # (NumPy integers, because numba compiles a function once more for every literal argument.)
-FIRST, SECOND, BEST, KEPT, ASIDE = (np.int64(row) for row in range(5))
-SPARE = 5  # index of the caller's first row
-PLANS = 8
+FIRST, SECOND, BEST, KEPT = (np.int64(row) for row in range(4))
+SPARE = 4  # index of the caller's first row
+PLANS = 7
 WORKING = FIRST  # multipliers of the iteration; those of row KEPT belong to the plan of that name
 
 STAGES, END, ROWS = np.int64(0), np.int64(1), 2  # indices: what all stages share, and the end
 NC = max(NH, NE)  # constraints of a stage, or of the end
-
-# How many inputs are combined, and openings: at rest throughout; none; each input alone at either
-# end of its box; the first inputs together in every combination of ends.
-COMBINED_INPUTS = 3
-OPENINGS = 2 + 2 * NU + 2 ** min(NU, COMBINED_INPUTS)
 
 FIELDS = {
     # data of the solve
@@ -51,7 +46,8 @@ FIELDS = {
     "u": (PLANS, N, NU),
     "a": (PLANS, NA),
     "c": (PLANS, N + 1, NC),  # constraints: h of every stage, e of the end after them
-    "value": (PLANS, 3),  # cost without constraints, cost with exact penalties, violation
+    # cost without constraints, cost with exact penalties, violation, residual of constraints
+    "value": (PLANS, 4),
     # multipliers mu and penalty weights rho of the augmented Lagrangian
     "mu": (PLANS, N + 1, NC),
     "rho": (PLANS, ROWS, NC),
@@ -87,11 +83,6 @@ FIELDS = {
     "a_upper": (NA,),
     "m_lower": (ROWS, NC),
     "m_upper": (ROWS, NC),
-    # openings
-    "opening": (OPENINGS, NU),  # inputs of the first stages
-    "held": (OPENINGS,),  # how many stages that is
-    "policy": (NU, NS),  # feedback to the goal afterwards
-    "promise": (OPENINGS,),  # cost without any step, of those not tried yet
     # small things
     "l": (1,),
     "u_end": (NU,),  # input after the last stage
