@@ -12,20 +12,21 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the script of a page is told, whatever it asks."""
+"""What the script of a page is told, whatever it asks; what a page sees that looks back."""
 
 import json
 import math
 import time
+from types import SimpleNamespace
 
 import pytest
-from watched_flight_stand_in import StandInFlight, StandInSource, sight
-
-pytest.importorskip("viser")
+from watched_flight_stand_in import StandInFlight, StandInSource, StandInSteering, sight
 
 from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.view.flight_history import FlightHistory
 from uav_tracking_mpc.view.page import Page
-from uav_tracking_mpc.view.visitors import alert_of, figures
+from uav_tracking_mpc.view.serving.guarded_server import GuardedServer
+from uav_tracking_mpc.view.visitors import PAST_WORLD, LookingBack, PastFlight, alert_of, figures
 from uav_tracking_mpc.view.watched_flight import CONTROLLER, SILENT, NodeStatus, PlayClock
 
 
@@ -127,3 +128,51 @@ def test_what_is_not_known_is_null(page):
     seen = told(page)["sight"]
     assert seen["readings"]["Airspeed"] == ["m/s", None, None, 14.0, 32.0]
     assert seen["readings"]["Bank"][1] is None
+
+
+WORLD = "/world"
+
+
+@pytest.fixture
+def flown():
+    """A flight of 30 s, and what was kept of it."""
+    flight = StandInFlight(steering=StandInSteering())
+    history = FlightHistory(flight)
+    for second in range(31):
+        flight.seen.append(sight(float(second)))
+        history.note(flight.sight)
+    return flight, history
+
+
+def test_a_past_flight_shows_its_time_and_cannot_be_steered(flown):
+    past = PastFlight(*flown)
+    assert past.sight is None and past.past(5.0) == []
+    assert past.go_to(12.4).time == 12.0
+    assert past.sight.time == 12.0
+    assert [seen.time for seen in past.past(3.0)] == [10.0, 11.0, 12.0]
+    assert past.steering is None
+    assert past.tracking == flown[0].tracking
+
+
+def test_the_shared_scene_is_hidden_while_the_past_is_seen(flown):
+    server = GuardedServer(port=0)
+    try:
+        client = SimpleNamespace(scene=server.scene, atomic=server.atomic)
+        shared = server.scene.add_frame(WORLD)
+        begun, shown = [], []
+
+        def draw(scene, root, flight):
+            begun.append(root)
+            return lambda seen: shown.append(seen.time)
+
+        back = LookingBack(client, WORLD, draw)
+        flights = {"aircraft": flown}
+        for time in (None, 7.0, 7.0, 20.5, None):
+            back.show(time, flights)
+            assert back.frame.visible is (time is not None)
+            assert shared.visible is (time is None)
+            assert set(back.watched) == (set() if time is None else {"aircraft"})
+        assert begun == [f"{PAST_WORLD}/aircraft"]
+        assert shown == [7.0, 20.0]  # once each: what stands is not sent again
+    finally:
+        server.stop()

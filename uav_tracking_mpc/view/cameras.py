@@ -33,8 +33,7 @@ import viser.transforms as rigid
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.simulation.flight_log import FlightLog
-from uav_tracking_mpc.view.scene import own_node
-from uav_tracking_mpc.view.scene._drawing import centre, extent, finite, ground_height
+from uav_tracking_mpc.view.scene import centre, extent, finite, ground_height, own_node
 from uav_tracking_mpc.view.scene.airframe import SHARE, attitude
 from uav_tracking_mpc.view.watched_flight import Sight, WatchedFlight
 

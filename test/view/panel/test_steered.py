@@ -17,6 +17,7 @@
 import threading
 import time
 
+import numpy as np
 import pytest
 from processes import PATIENCE as WAIT
 from processes import wait_for
@@ -27,6 +28,7 @@ from uav_tracking_mpc.simulation.motions import TARGET_MOTION
 from uav_tracking_mpc.view.panel._steering_part import Requests, requests_of
 from uav_tracking_mpc.view.panel.steered import (
     PATIENCE,
+    Compare,
     Engagement,
     Faults,
     Orbit,
@@ -35,7 +37,7 @@ from uav_tracking_mpc.view.panel.steered import (
     Wind,
     from_where,
 )
-from uav_tracking_mpc.view.watched_flight import CONTROLLER, SIMULATOR, TARGET
+from uav_tracking_mpc.view.watched_flight import CONTROLLER, SIMULATOR, TARGET, RivalSight
 
 
 def asked(requests, request):
@@ -417,3 +419,34 @@ def test_where_no_fault_is_offered_there_is_no_part():
     flight = StandInFlight(steering=StandInSteering())
     flight.steering.faults = {}
     assert not Faults.fits(flight, StandInSource(flight))
+
+
+BOX = "classical laws"
+
+
+def beside(time, ours, theirs):
+    rival = RivalSight("l1", np.zeros(3), 0.0, 0.0, 0.0, theirs)
+    return sight(time, errors={"range_error": ours}, rivals=(rival,))
+
+
+def test_they_are_asked_for_by_a_box(panel, flight):
+    shown = panel(Compare)
+    for on in (True, False):
+        shown.by_hand(BOX, on)
+        shown.until(lambda: "asking" not in shown.text)
+    assert flight.steering.asked == [("compare", True), ("compare", False)]
+
+
+def test_errors_of_now_and_of_the_last_minute(panel, flight):
+    flight.seen = [sight(0.0)]
+    shown = panel(Compare).shown(beside(10.0, 3.0, 40.0), beside(11.0, 4.0, 30.0))
+    rows = shown.text.split("<tr")
+    assert "+4.0" in rows[-2] and "3.5" in rows[-2]
+    assert "l1" in rows[-1] and "+30.0" in rows[-1] and "35.4" in rows[-1]
+    assert "l1" not in shown.show(sight(12.0))
+
+
+def test_it_is_absent_where_nothing_can_be_compared(flight):
+    flight.steering.comparable = False
+    assert not Compare.fits(flight, StandInSource(flight))
+    assert not Compare.fits(StandInFlight(), StandInSource(flight))

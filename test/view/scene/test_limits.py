@@ -19,7 +19,7 @@ import pytest
 from watched_flight_stand_in import StandInFlight, sight
 
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.view.scene._drawing import GREY, LIMIT
+from uav_tracking_mpc.view.scene import GREY, LIMIT
 from uav_tracking_mpc.view.scene.limits import FAINT_OPACITY, GLOW, GLOWING_OPACITY, Limits, glow
 from uav_tracking_mpc.view.watched_flight import TargetSight
 

@@ -29,7 +29,7 @@ from uav_tracking_mpc.settings.configuration import (
 )
 from uav_tracking_mpc.simulation.plants import PACE
 from uav_tracking_mpc.view.panel import FOLDED, PanelPart
-from uav_tracking_mpc.view.simulated_rivals import ORBIT
+from uav_tracking_mpc.view.simulated_steering import ORBIT
 from uav_tracking_mpc.view.watched_flight import (
     CONTROLLER,
     SIMULATOR,

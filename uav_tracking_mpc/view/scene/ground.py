@@ -22,10 +22,10 @@ import numpy as np
 import trimesh
 from PIL import Image
 
-from uav_tracking_mpc.view.scene import SceneElement
-from uav_tracking_mpc.view.scene._drawing import (
+from uav_tracking_mpc.view.scene import (
     FAINT,
     GREY,
+    SceneElement,
     centre,
     extent,
     finite,

@@ -24,11 +24,11 @@ import viser
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.limits import Ball, Cylinder, Floor, Limit, Shape
-from uav_tracking_mpc.view.scene import SceneElement
-from uav_tracking_mpc.view.scene._drawing import (
+from uav_tracking_mpc.view.scene import (
     GREY,
     LIMIT,
     Mesh,
+    SceneElement,
     centre,
     extent,
     finite,

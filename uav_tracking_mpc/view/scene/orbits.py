@@ -12,23 +12,23 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Lines of a flight: the orbit that is asked for, the one that is planned, and the plan."""
+"""Lines of a flight: orbits that are asked for and planned, the plan, and what was flown."""
 
 from __future__ import annotations
 
 import math
+from collections import deque
 from typing import Any
 
 import numpy as np
 import viser
 import viser.transforms as rigid
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.report.mode_colours import mode_colour
-from uav_tracking_mpc.view.scene import SceneElement
-from uav_tracking_mpc.view.scene._drawing import chevrons, extent, finite, joined, paint, ring
+from uav_tracking_mpc.view.scene import SceneElement, chevrons, extent, finite, joined, paint, ring
 from uav_tracking_mpc.view.scene.airframe import SHARE, fuselage, wings
 from uav_tracking_mpc.view.watched_flight import Sight
 
@@ -175,3 +175,179 @@ def ghosts(
 
 def _segments(points: NDArray[Any]) -> NDArray[Any]:
     return np.stack([points[:-1], points[1:]], axis=1)
+
+
+SPAN = 60.0  # s
+STEP = 0.25  # s between points
+PENDING = 4  # points that the head takes up before the whole line is sent again
+JUMP = 5.0  # s; after a longer step of time, or back, the past is asked for again
+SHORTEST = 0.15  # share of the oldest dash that is drawn
+STANDING = 1e-3  # m; what moves less draws no line
+NO_TRACK = np.zeros((1, 2, 3))
+SLOW, FAST = 0.6, 1.4  # speed over ground by that through the air, at the ends of the scale
+GAMMA = 2.2  # -, of sRGB
+SCALE = np.array([(86, 60, 190), (200, 60, 120), (245, 150, 30)])  # from slow to fast
+
+
+def speed_colour(sight: Sight) -> NDArray[np.uint8]:
+    """How fast the air carries the aircraft over ground, as a colour, shape (3,).
+
+    Args:
+        sight: Of the aircraft; a speed that is not known counts as that in still air.
+    """
+    ratio = float(np.linalg.norm(sight.ground_velocity)) / max(sight.airspeed, 1.0)
+    ratio = ratio if np.isfinite(ratio) else 1.0
+    return linear(np.array([np.interp(ratio, (SLOW, 1.0, FAST), each) for each in SCALE.T]))
+
+
+def linear(colour: ArrayLike) -> NDArray[np.uint8]:
+    """A colour as a page takes those of single points: by how much light it is.
+
+    Args:
+        colour: As it is to look, shape (3,), from 0 to 255.
+    """
+    share: NDArray[np.float64] = np.divide(colour, 255.0)
+    return np.asarray(np.round(255.0 * share**GAMMA), dtype=np.uint8)
+
+
+def dashes(times: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Segments of a line, the older the shorter.
+
+    Args:
+        times: Of the points in [s], shape (n,), oldest first.
+        points: In [m], shape (n, 3).
+
+    Returns:
+        Shape (m, 2, 3): those that have a length.
+    """
+    begin, end = points[:-1], points[1:]
+    youth = np.clip(1.0 - (times[-1] - times[1:]) / SPAN, 0.0, 1.0)
+    drawn = np.minimum(SHORTEST + 1.5 * youth, 1.0)[:, None]
+    return np.stack([end - drawn * (end - begin), end], axis=1)[moved(points)]
+
+
+def moved(points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether a thing went on from each point to the next, shape (n - 1,).
+
+    Args:
+        points: In [m], shape (n, 3).
+    """
+    return np.asarray(np.linalg.norm(np.diff(points, axis=0), axis=1) > STANDING)
+
+
+class Track(SceneElement):
+    """Where the aircraft was, coloured by its speed over ground.
+
+    The line is sent once a second; a head joins it to where the thing is now.
+    """
+
+    name = "track"
+
+    def add(self) -> None:
+        """Begin with none."""
+        self._times: deque[float] = deque()
+        self._points: deque[NDArray[np.float64]] = deque()
+        self._colours: deque[NDArray[np.uint8]] = deque()
+        self._pending = 0
+        # A colour for each end from the start: a line of one colour does not become one of many.
+        colours = np.tile(linear(self.colour), (1, 2, 1))
+        self._line, self._head = (
+            self.add_lines(f"{self.root}/{self.name}/{part}", NO_TRACK, colours, 3.0)
+            for part in ("line", "head")
+        )
+
+    def place(self, sight: Sight) -> NDArray[np.float64] | None:
+        """Where the thing is, shape (3,), in [m]; None where that is not known.
+
+        Args:
+            sight: Of this aircraft.
+        """
+        return sight.position
+
+    def paint(self, sight: Sight) -> NDArray[np.uint8]:
+        """Colour of the line there, shape (3,).
+
+        Args:
+            sight: Of this aircraft.
+        """
+        return speed_colour(sight)
+
+    def show(self, sight: Sight) -> None:
+        """Draw it up to now.
+
+        Args:
+            sight: Of this aircraft.
+        """
+        time, point = sight.time, self.place(sight)
+        if point is None or not finite(time, point):
+            return
+        last = self._times[-1] if self._times else None
+        if last is None or not -1e-9 <= time - last <= JUMP:
+            self._begin(time)
+        elif time - last >= STEP:
+            self._append(sight, point)
+            self._pending += 1
+        if self._pending > PENDING:
+            self._send(self._line, len(self._times))
+            self._pending = 0
+        self._send(self._head, self._pending + 1, (sight, point))
+
+    def _begin(self, now: float) -> None:
+        for kept in (self._times, self._points, self._colours):
+            kept.clear()
+        for sight in self.flight.past(SPAN):
+            point = self.place(sight)
+            if point is not None and finite(sight.time, point) and sight.time <= now:
+                self._append(sight, point)
+        self._pending = 0
+        self._send(self._line, len(self._times))
+
+    def _append(self, sight: Sight, point: NDArray[np.float64]) -> None:
+        self._times.append(sight.time)
+        self._points.append(np.array(point))
+        self._colours.append(self.paint(sight))
+        while self._times[0] < sight.time - SPAN:
+            self._times.popleft()
+            self._points.popleft()
+            self._colours.popleft()
+
+    def _send(
+        self,
+        line: viser.LineSegmentsHandle,
+        count: int,
+        now: tuple[Sight, NDArray[np.float64]] | None = None,
+    ) -> None:
+        times, points, colours = (
+            list(kept)[-count:] for kept in (self._times, self._points, self._colours)
+        )
+        if now is not None:
+            times.append(now[0].time)
+            points.append(now[1])
+            colours.append(self.paint(now[0]))
+        line.visible = len(times) > 1 and bool(moved(np.array(points)).any())
+        if line.visible:
+            line.points = dashes(np.array(times), np.array(points)).astype(np.float32)
+            kept_colours = np.array(colours)[1:][moved(np.array(points))]
+            line.colors = np.repeat(kept_colours[:, None], 2, axis=1)
+
+
+class TargetTrack(Track):
+    """Where the target was."""
+
+    name = "target_track"
+
+    def place(self, sight: Sight) -> NDArray[np.float64] | None:
+        """See :meth:`Track.place`.
+
+        Args:
+            sight: Of this aircraft.
+        """
+        return None if sight.target is None else sight.target.position
+
+    def paint(self, sight: Sight) -> NDArray[np.uint8]:
+        """See :meth:`Track.paint`.
+
+        Args:
+            sight: Of this aircraft.
+        """
+        return linear(self.colour)

@@ -22,8 +22,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.vehicle import air_velocity
-from uav_tracking_mpc.view.scene import SceneElement
-from uav_tracking_mpc.view.scene._drawing import GREY, WIND, centre, extent, finite, ground_height
+from uav_tracking_mpc.view.scene import (
+    GREY,
+    WIND,
+    SceneElement,
+    centre,
+    extent,
+    finite,
+    ground_height,
+)
 from uav_tracking_mpc.view.watched_flight import Sight
 
 CALM = 0.2  # m/s; less is not drawn

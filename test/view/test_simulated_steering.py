@@ -19,8 +19,7 @@ import pytest
 
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation.closed_loop import simulate
-from uav_tracking_mpc.view.simulated_rivals import Rival, Rivals, law_names
-from uav_tracking_mpc.view.simulated_steering import InterruptedLoop
+from uav_tracking_mpc.view.simulated_steering import InterruptedLoop, Rival, Rivals, law_names
 
 SETTINGS = ["nmpc_controller.law=l1", "mission.duration=20.0"]  # a leader that is quick to fly
 

@@ -21,9 +21,8 @@ import pytest
 from mcap.writer import CompressionType, IndexType, Writer
 from recorded_bag import COMMAND_DELAY, WALL, rewritten, write_bag
 
-from uav_tracking_mpc.report import bag_index
-from uav_tracking_mpc.report.bag import BagError
-from uav_tracking_mpc.report.bag_index import Bag, BagTopic, header_stamp
+from uav_tracking_mpc.report import bag as bags
+from uav_tracking_mpc.report.bag import Bag, BagError, BagTopic, header_stamp
 
 PERIOD = 100_000_000  # ns between commands
 START = 5_000_000_000  # ns
@@ -104,7 +103,7 @@ def test_a_file_that_is_no_whole_bag_is_named_in_one_line(tmp_path, bag, change,
 
 def test_memory_is_bounded(bag, monkeypatch):
     largest = max(chunk.index.uncompressed_size for chunk in Bag(bag).chunks)
-    monkeypatch.setattr(bag_index, "KEPT", 3 * largest)
+    monkeypatch.setattr(bags, "KEPT", 3 * largest)
     opened = Bag(bag)
     for number in range(len(opened.chunks)):
         opened.unpacked(number)
