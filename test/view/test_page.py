@@ -148,9 +148,9 @@ def test_a_failing_part_is_switched_off_and_the_others_are_read(page, installed,
 
 def test_a_page_that_cannot_draw_lives_on_and_says_so_once(page, monkeypatch, caplog):
     def failing(_):
-        raise ZeroDivisionError("of the cameras")
+        raise ZeroDivisionError("of the visitors")
 
-    monkeypatch.setattr(page._cameras, "show", failing)
+    monkeypatch.setattr(page._visitors, "show", failing)
     frames(page)
     (record,) = caplog.records
     assert "a frame was not drawn" in record.getMessage()

@@ -25,8 +25,7 @@ from watched_flight_stand_in import StandInFlight, StandInSource, StandInSteerin
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.view.flight_history import FlightHistory
 from uav_tracking_mpc.view.page import Page
-from uav_tracking_mpc.view.serving.guarded_server import GuardedServer
-from uav_tracking_mpc.view.visitors import PAST_WORLD, LookingBack, PastFlight, alert_of, figures
+from uav_tracking_mpc.view.visitors import PAST_WORLD, PastFlight, Visitor, alert_of, figures
 from uav_tracking_mpc.view.watched_flight import CONTROLLER, SILENT, NodeStatus, PlayClock
 
 
@@ -154,25 +153,24 @@ def test_a_past_flight_shows_its_time_and_cannot_be_steered(flown):
     assert past.tracking == flown[0].tracking
 
 
-def test_the_shared_scene_is_hidden_while_the_past_is_seen(flown):
-    server = GuardedServer(port=0)
-    try:
-        client = SimpleNamespace(scene=server.scene, atomic=server.atomic)
-        shared = server.scene.add_frame(WORLD)
-        begun, shown = [], []
+def test_the_shared_scene_is_hidden_while_the_past_is_seen(page, flown):
+    server, begun, shown = page._server, [], []
 
-        def draw(scene, root, flight):
-            begun.append(root)
-            return lambda seen: shown.append(seen.time)
+    def draw(scene, root, flight):
+        begun.append(root)
+        return [SimpleNamespace(show=lambda seen: shown.append(seen.time))]
 
-        back = LookingBack(client, WORLD, draw)
-        flights = {"aircraft": flown}
-        for time in (None, 7.0, 7.0, 20.5, None):
-            back.show(time, flights)
-            assert back.frame.visible is (time is not None)
-            assert shared.visible is (time is None)
-            assert set(back.watched) == (set() if time is None else {"aircraft"})
-        assert begun == [f"{PAST_WORLD}/aircraft"]
-        assert shown == [7.0, 20.0]  # once each: what stands is not sent again
-    finally:
-        server.stop()
+    client = SimpleNamespace(
+        client_id=0, scene=server.scene, gui=server.gui, atomic=server.atomic, camera=None
+    )
+    visitor, watched = Visitor(client, WORLD, [], draw), {"aircraft": (flown[0], flown[0].sight)}
+    visitor.seat._view.value = "free"
+    for visitor.asked in (None, 7.0, 7.0, 20.5, None):
+        looks_back = visitor.asked is not None
+        visitor.seat._to_place = False
+        visitor.show(watched, {"aircraft": flown})
+        assert server.scene.get_handle_by_name(PAST_WORLD).visible is looks_back
+        assert visitor.seat.world.visible is not looks_back
+        assert set(visitor.past) == ({"aircraft"} if looks_back else set())
+    assert begun == [f"{PAST_WORLD}/aircraft"]
+    assert shown == [7.0, 20.0]  # once each: what stands is not sent again

@@ -28,16 +28,18 @@ import os
 import struct
 import tempfile
 from bisect import bisect_right
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from io import BytesIO
+from operator import attrgetter
 from pathlib import Path
 from typing import IO, Any, NamedTuple
 
 from mcap.reader import NonSeekingReader, make_reader
 from mcap.records import Chunk, ChunkIndex
-from mcap.stream_reader import ReadDataStream, get_chunk_data_stream
+from mcap.records import Message as MessageRecord
+from mcap.stream_reader import ReadDataStream, breakup_chunk
 from mcap.summary import Summary
 from mcap.writer import CompressionType, Writer
 from rosbags.highlevel import AnyReader, AnyReaderError
@@ -127,11 +129,8 @@ logger = logging.getLogger(__name__)
 SECOND = 1_000_000_000  # ns
 KEPT = 48 * 2**20  # bytes of unpacked chunks
 MAGIC = b"\x89MCAP0\r\n"  # first and last bytes of the file
-RECORD = struct.Struct("<BQ")  # in front of every record: what it is, its size in bytes
-INDEX_HEAD = struct.Struct("<HI")  # channel, size in bytes of what follows
-INDEX_ENTRY = struct.Struct("<QQ")  # time [ns], place in the chunk in bytes
-MESSAGE, MESSAGE_HEAD = 0x05, struct.calcsize("<HIQQ")  # code; channel, number, times [ns]
-FOOTER_SIZE = RECORD.size + 20 + len(MAGIC)  # bytes from the last record to the end
+RECORD_HEAD = 9  # bytes in front of every record: what it is, its size
+FOOTER_SIZE = RECORD_HEAD + 20 + len(MAGIC)  # bytes from the last record to the end
 METADATA = "metadata.yaml"  # as ROS 2 calls it
 ENCODING = "cdr"  # of ROS 2
 STAMP_AT = 4  # bytes: behind how the rest is encoded; a header's stamp is the first field
@@ -156,19 +155,24 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True)
 class _Chunk:
-    """A chunk of a file, and where it states the messages of each topic."""
+    """A chunk of a file, and the topics that are read of it, by the numbers of their channels."""
 
     file: IO[bytes]
     index: ChunkIndex
-    topics: Mapping[str, Sequence[int]]
+    channels: Mapping[int, str]
+
+    @property
+    def topics(self) -> set[str]:
+        """That it holds messages of."""
+        return set(self.channels.values())
 
 
 @dataclass(frozen=True)
 class _Messages:
     """Messages of one topic in one chunk, in the order in which they were heard."""
 
-    heard: list[int]
-    data: list[memoryview]
+    heard: list[int] = field(default_factory=list)
+    data: list[bytes] = field(default_factory=list)
     stamps: list[int] = field(default_factory=list)  # as soon as they are asked for
 
 
@@ -208,11 +212,9 @@ class Bag:
         for channel in ours.values():
             self.kinds[channel.topic] = summary.schemas[channel.schema_id].name
         for index in summary.chunk_indexes:
-            topics: dict[str, list[int]] = {}
-            for number, offset in index.message_index_offsets.items():
-                if number in ours and self._reads(ours[number].topic):
-                    topics.setdefault(ours[number].topic, []).append(offset)
-            yield _Chunk(file, index, topics)
+            held = {k: ours[k].topic for k in index.message_index_offsets if k in ours}
+            read = {k: topic for k, topic in held.items() if self._reads(topic)}
+            yield _Chunk(file, index, read)
 
     def topic(self, name: str) -> BagTopic:
         """Messages of a topic.
@@ -227,20 +229,22 @@ class Bag:
 
     def _unpack(self, number: int) -> dict[str, _Messages]:
         """Messages of a chunk by topic; none where it is damaged, which is logged."""
-        chunk = self.chunks[number]
+        chunk, found = self.chunks[number], dict[str, _Messages]()
         begin, size = chunk.index.chunk_start_offset, chunk.index.chunk_length
         try:
-            record = Chunk.read(_stream(_read(chunk.file, begin + RECORD.size, size - RECORD.size)))
-            stream, length = get_chunk_data_stream(record, validate_crc=True)
-            data = memoryview(stream.read(length))
-            places = _read(chunk.file, begin + size, chunk.index.message_index_length)
-            return {
-                name: _messages([offset - begin - size for offset in offsets], places, data)
-                for name, offsets in chunk.topics.items()
-            }
+            chunk.file.seek(begin + RECORD_HEAD)
+            content = BytesIO(chunk.file.read(size - RECORD_HEAD))
+            records = breakup_chunk(Chunk.read(ReadDataStream(content)), validate_crc=True)
         except BROKEN as error:
             logger.warning("bag %s is damaged at byte %d: %s", self.path, begin, error)
-            return {}
+            return found
+        held = (each for each in records if isinstance(each, MessageRecord))
+        for message in sorted(held, key=attrgetter("log_time")):
+            if message.channel_id in chunk.channels:
+                messages = found.setdefault(chunk.channels[message.channel_id], _Messages())
+                messages.heard.append(message.log_time)
+                messages.data.append(message.data)
+        return found
 
     def close(self) -> None:
         """Close the files."""
@@ -341,7 +345,7 @@ class BagTopic:
                 yield Place(chunk, 0)
 
     def _of(self, chunk: int) -> _Messages:
-        return self._bag.unpacked(self._numbers[chunk]).get(self._name, _Messages([], []))
+        return self._bag.unpacked(self._numbers[chunk]).get(self._name, _Messages())
 
     def _times(self, chunk: int, stamped: bool) -> list[int]:
         messages = self._of(chunk)
@@ -450,30 +454,3 @@ def _copy(messages: Iterator[Message]) -> tuple[IO[bytes], Summary]:
     summary = _summary(file)
     assert summary is not None, "its writer states it"
     return file, summary
-
-
-def _messages(offsets: Sequence[int], places: bytes, data: memoryview) -> _Messages:
-    """Messages of a topic in an unpacked chunk, by the records of where they lie."""
-    entries: list[tuple[int, int]] = []
-    for offset in offsets:
-        begin = offset + RECORD.size + INDEX_HEAD.size
-        size = INDEX_HEAD.unpack_from(places, offset + RECORD.size)[1]
-        entries += INDEX_ENTRY.iter_unpack(places[begin : begin + size])
-    entries.sort()
-    contents = []
-    for _, place in entries:
-        code, size = RECORD.unpack_from(data, place)
-        begin = place + RECORD.size
-        if code != MESSAGE or begin + size > len(data):
-            raise ValueError(f"there is no message at its byte {place}")
-        contents.append(data[begin + MESSAGE_HEAD : begin + size])
-    return _Messages([time for time, _ in entries], contents)
-
-
-def _read(file: IO[bytes], begin: int, size: int) -> bytes:
-    file.seek(begin)
-    return file.read(size)
-
-
-def _stream(content: bytes) -> ReadDataStream:
-    return ReadDataStream(BytesIO(content))

@@ -28,7 +28,6 @@ import viser
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.report.mode_colours import MODE_COLOURS
-from uav_tracking_mpc.view.cameras import Cameras
 from uav_tracking_mpc.view.panel import PANEL_PART, PanelPart
 from uav_tracking_mpc.view.panel._html import ALARM, badge, block
 from uav_tracking_mpc.view.scene import LIMIT, SCENE_ELEMENT, WIND, Colour, SceneElement
@@ -110,37 +109,7 @@ COLOURS: tuple[Colour, ...] = (  # Okabe and Ito: told apart by everybody
     (0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (230, 159, 0), (86, 180, 233),
 )  # fmt: skip
 WORLD = "/world"  # node under which the scene hangs; cameras move it, page by page
-LAST = 1e6  # order in the panel
 PANEL_WIDTH = 340  # pixels
-
-
-def add_appearance(server: viser.ViserServer) -> Callable[[int, bool], None]:
-    """Add a switch for dark pages to every page.
-
-    Args:
-        server: Of the pages.
-
-    Returns:
-        Turns the switch of a page, by its number.
-    """
-    switches: dict[int, Any] = {}
-
-    def set_theme(gui: viser.GuiApi, dark: bool) -> None:
-        gui.configure_theme(show_share_button=False, show_logo=False, dark_mode=dark)
-
-    def join(client: viser.ClientHandle) -> None:
-        dark = client.gui.add_checkbox("Dark", False, order=LAST)
-        dark.on_update(lambda _: set_theme(client.gui, dark.value))
-        switches[client.client_id] = dark
-
-    def turn(number: int, on: bool) -> None:
-        if number in switches:
-            switches[number].value = on
-
-    set_theme(server.gui, False)
-    server.on_client_connect(join)
-    server.on_client_disconnect(lambda client: switches.pop(client.client_id, None))
-    return turn
 
 
 class Guarded:
@@ -236,7 +205,7 @@ class _Drawn:
         flight: WatchedFlight,
         colour: Colour,
     ) -> None:
-        self._flight, self._tab = flight, tabs.add_tab(flight.name)
+        self.colour, self._flight, self._tab = colour, flight, tabs.add_tab(flight.name)
         with self._tab:
             server.gui.add_html(NOW_TAG, order=-2e6)
             self._failures = server.gui.add_html("", order=-1e6, visible=False)  # above all parts
@@ -292,10 +261,13 @@ class Page:
         self._source = source
         self._server = GuardedServer(host, port, label="uav_tracking")
         self.address = self._server.address
-        turn_dark = add_appearance(self._server)
-        self._cameras = Cameras(self._server, WORLD)
         self._visitors = Visitors(
-            self._server, source, self._cameras, WORLD, self._begin_past, turn_dark
+            self._server,
+            source,
+            WORLD,
+            lambda scene, root, flight: elements_of(
+                scene, flight, self._drawn[flight.name].colour, root
+            ),
         )
         self._server.answers |= {NOW: self._visitors.now, FLOWN: self._visitors.flown}
         self._server.on_client_connect(lambda client: add_legend(client, COLOURS[0]))
@@ -303,7 +275,6 @@ class Page:
         self._server.gui.main_panel.set_width(PANEL_WIDTH)
         self._tabs = self._server.gui.add_tab_group()  # one for each aircraft
         self._drawn: dict[str, _Drawn] = {}
-        self._colours: dict[str, Colour] = {}
         self._words = self._server.gui.add_markdown(source.words, visible=bool(source.words))
 
     def draw(self) -> None:
@@ -315,7 +286,6 @@ class Page:
             for flight in self._source.flights():
                 if flight.name not in self._drawn:
                     colour = COLOURS[len(self._drawn) % len(COLOURS)]
-                    self._colours[flight.name] = colour
                     self._drawn[flight.name] = _Drawn(
                         self._server, self._tabs, self._source, flight, colour
                     )
@@ -323,18 +293,6 @@ class Page:
                 if sight is not None:
                     watched[flight.name] = flight, sight
             self._visitors.show(watched)
-
-    def _begin_past(
-        self, scene: viser.SceneApi, root: str, flight: WatchedFlight
-    ) -> Callable[[Sight], None]:
-        """Draw an aircraft for one page, in its colour."""
-        elements = elements_of(scene, flight, self._colours[flight.name], root)
-
-        def show(sight: Sight) -> None:
-            for element in elements:
-                element.show(sight)
-
-        return show
 
     def serve(self, ended: Callable[[], bool]) -> None:
         """Draw until it is over.

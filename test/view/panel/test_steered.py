@@ -43,7 +43,7 @@ from uav_tracking_mpc.view.watched_flight import CONTROLLER, SIMULATOR, TARGET, 
 def asked(requests, request):
     """Event of the answer to a request that has begun."""
     answered = threading.Event()
-    requests.begin(request, lambda refusal: answered.set(), lambda words: None)
+    requests.begin(request, lambda words, kind: answered.set())
     return answered
 
 

@@ -78,9 +78,8 @@ class PanelPart(ABC):
     def add(self) -> None:
         """Add its widgets, once."""
 
-    @abstractmethod
-    def show(self, sight: Sight) -> None:
-        """Update it.
+    def show(self, sight: Sight) -> None:  # noqa: B027, a part may be one that never changes
+        """Update it; by default nothing changes by itself.
 
         Args:
             sight: Of this aircraft.

@@ -35,7 +35,6 @@ from uav_tracking_mpc.view.watched_flight import (
     SIMULATOR,
     TARGET,
     FlightSource,
-    Sight,
     Steering,
     WatchedFlight,
 )
@@ -126,13 +125,6 @@ class MissionFile(PanelPart):
             )
         save.on_click(self._save)
         load.on_upload(self._load)
-
-    def show(self, sight: Sight) -> None:
-        """Nothing changes by itself.
-
-        Args:
-            sight: Of this aircraft.
-        """
 
     def _save(self, event: Any) -> None:
         assert self.flight.steering is not None, "there is no such part without it"

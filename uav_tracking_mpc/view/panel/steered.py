@@ -209,13 +209,6 @@ class Engagement(SteeringPart):
                 "Let the controller command, or keep it silent.",
             )
 
-    def show(self, sight: Sight) -> None:
-        """Nothing changes by itself: the state of the flight tells what is flown.
-
-        Args:
-            sight: Of this aircraft.
-        """
-
 
 PATIENCE = 30.0  # s of the flight's clock in which a fault shows, or does not
 
@@ -244,25 +237,17 @@ class Faults(SteeringPart):
         # Times of the flight: a fault was asked for, and begun; a fallback was flown last; now.
         self._asked = self._since = self._left = self._now = float("nan")
         self._offered: dict[str, Callable[[], str]] = {}
+        hint = self._take_offers()
         with self.folder:
             self._told = self.gui.add_html("", order=0.0, visible=False)
-            self._take_offers()
-            self._buttons = self.add_buttons("inject", self._offered, self._hint, self._begun)
+            self._buttons = self.add_buttons("inject", self._offered, hint, self._begun)
 
-    def _take_offers(self) -> None:
-        for fault in self.steering.faults:
+    def _take_offers(self) -> str:
+        """Take also what is offered only now, for nodes come one by one; says what each does."""
+        faults = self.steering.faults
+        for fault in faults:
             self._offered.setdefault(fault, functools.partial(self._inject, fault))
-
-    @property
-    def _hint(self) -> str:
-        """What each does."""
-        return "; ".join(f"{fault}: {words}" for fault, words in self.steering.faults.items())
-
-    def _offer(self) -> None:
-        """Offer what is offered only now: nodes come one by one."""
-        self._take_offers()
-        if len(self._buttons.options) < len(self._offered):
-            self._buttons.options, self._buttons.hint = tuple(self._offered), self._hint
+        return "; ".join(f"{fault}: {words}" for fault, words in faults.items())
 
     def _inject(self, fault: str) -> str:
         self._asked = self._now  # the fallback may be over when a late answer comes
@@ -280,7 +265,9 @@ class Faults(SteeringPart):
         if sight.time < self._now:  # put back to its start
             self._left = float("nan")
         self._now = sight.time
-        self._offer()
+        hint = self._take_offers()
+        if len(self._buttons.options) < len(self._offered):
+            self._buttons.options, self._buttons.hint = tuple(self._offered), hint
         mode, since = sight.mode, sight.time - self._since
         lost = mode is None or not mode.nominal
         if lost:

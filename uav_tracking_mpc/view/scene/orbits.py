@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import viser
@@ -232,7 +232,22 @@ def moved(points: NDArray[np.float64]) -> NDArray[np.bool_]:
     Args:
         points: In [m], shape (n, 3).
     """
-    return np.asarray(np.linalg.norm(np.diff(points, axis=0), axis=1) > STANDING)
+    steps = np.diff(points.reshape(-1, 3), axis=0)  # none where there is no point
+    return np.asarray(np.linalg.norm(steps, axis=1) > STANDING)
+
+
+class TrackPoint(NamedTuple):
+    """Where a thing was.
+
+    Attributes:
+        time: Of the flight's clock in [s].
+        place: Shape (3,), in [m].
+        colour: Of the line that leads there, shape (3,).
+    """
+
+    time: float
+    place: NDArray[np.float64]
+    colour: NDArray[np.uint8]
 
 
 class Track(SceneElement):
@@ -245,9 +260,7 @@ class Track(SceneElement):
 
     def add(self) -> None:
         """Begin with none."""
-        self._times: deque[float] = deque()
-        self._points: deque[NDArray[np.float64]] = deque()
-        self._colours: deque[NDArray[np.uint8]] = deque()
+        self._points: deque[TrackPoint] = deque()
         self._pending = 0
         # A colour for each end from the start: a line of one colour does not become one of many.
         colours = np.tile(linear(self.colour), (1, 2, 1))
@@ -281,54 +294,39 @@ class Track(SceneElement):
         time, point = sight.time, self.place(sight)
         if point is None or not finite(time, point):
             return
-        last = self._times[-1] if self._times else None
-        if last is None or not -1e-9 <= time - last <= JUMP:
+        now, gone = TrackPoint(time, np.array(point), self.paint(sight)), math.inf
+        if self._points:
+            gone = time - self._points[-1].time
+        if not -1e-9 <= gone <= JUMP:
             self._begin(time)
-        elif time - last >= STEP:
-            self._append(sight, point)
+        elif gone >= STEP:
+            self._points.append(now)
             self._pending += 1
+        while self._points and self._points[0].time < time - SPAN:
+            self._points.popleft()
         if self._pending > PENDING:
-            self._send(self._line, len(self._times))
+            _draw_track(self._line, [*self._points])
             self._pending = 0
-        self._send(self._head, self._pending + 1, (sight, point))
+        _draw_track(self._head, [*list(self._points)[-self._pending - 1 :], now])
 
     def _begin(self, now: float) -> None:
-        for kept in (self._times, self._points, self._colours):
-            kept.clear()
+        self._points.clear()
         for sight in self.flight.past(SPAN):
             point = self.place(sight)
             if point is not None and finite(sight.time, point) and sight.time <= now:
-                self._append(sight, point)
+                self._points.append(TrackPoint(sight.time, np.array(point), self.paint(sight)))
         self._pending = 0
-        self._send(self._line, len(self._times))
+        _draw_track(self._line, [*self._points])
 
-    def _append(self, sight: Sight, point: NDArray[np.float64]) -> None:
-        self._times.append(sight.time)
-        self._points.append(np.array(point))
-        self._colours.append(self.paint(sight))
-        while self._times[0] < sight.time - SPAN:
-            self._times.popleft()
-            self._points.popleft()
-            self._colours.popleft()
 
-    def _send(
-        self,
-        line: viser.LineSegmentsHandle,
-        count: int,
-        now: tuple[Sight, NDArray[np.float64]] | None = None,
-    ) -> None:
-        times, points, colours = (
-            list(kept)[-count:] for kept in (self._times, self._points, self._colours)
-        )
-        if now is not None:
-            times.append(now[0].time)
-            points.append(now[1])
-            colours.append(self.paint(now[0]))
-        line.visible = len(times) > 1 and bool(moved(np.array(points)).any())
-        if line.visible:
-            line.points = dashes(np.array(times), np.array(points)).astype(np.float32)
-            kept_colours = np.array(colours)[1:][moved(np.array(points))]
-            line.colors = np.repeat(kept_colours[:, None], 2, axis=1)
+def _draw_track(line: viser.LineSegmentsHandle, track: list[TrackPoint]) -> None:
+    points = np.array([each.place for each in track])
+    went_on = moved(points)
+    line.visible = bool(went_on.any())
+    if line.visible:
+        times, colours = (np.array([each[k] for each in track]) for k in (0, 2))
+        line.points = dashes(times, points).astype(np.float32)
+        line.colors = np.repeat(colours[1:][went_on][:, None], 2, axis=1)
 
 
 class TargetTrack(Track):
