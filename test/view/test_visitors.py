@@ -20,11 +20,19 @@ import time
 from types import SimpleNamespace
 
 import pytest
-from watched_flight_stand_in import StandInFlight, StandInSource, StandInSteering, sight
+from processes import wait_for
+from watched_flight_stand_in import (
+    StandInClient,
+    StandInFlight,
+    StandInSource,
+    StandInSteering,
+    sight,
+)
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.view.flight_history import FlightHistory
 from uav_tracking_mpc.view.page import Page
+from uav_tracking_mpc.view.panel.mission_file import mission_of
 from uav_tracking_mpc.view.visitors import PAST_WORLD, PastFlight, Visitor, alert_of, figures
 from uav_tracking_mpc.view.watched_flight import CONTROLLER, SILENT, NodeStatus, PlayClock
 
@@ -118,6 +126,23 @@ def test_junk_is_answered_as_by_a_page_that_nobody_knows(page, query):
     page._visitors.flown({"name": ["aircraft"], **{name: [word] for name, word in query.items()}})
     page._visitors.flown({"name": ["no such"]})
     page.draw()
+
+
+@pytest.mark.parametrize("steering", [None, StandInSteering()], ids=["nothing to steer", "flown"])
+def test_a_mission_of_an_address_is_flown_for_the_page_that_asks(page, steering):
+    page.flight.steering = steering
+    client, text = StandInClient(), mission_of(StandInSteering(), "aircraft")
+    page._visitors._visitors[7] = SimpleNamespace(client=client, show=lambda *_: None)
+    page.draw()
+    query = {"page": ["7"], "name": ["aircraft"], "mission": [text]}
+    answers = [
+        page._visitors.mission(query | more) for more in ({}, {"page": ["8"]}, {"name": [""]})
+    ]
+    refused = [json.loads(answer).get("refused", "") for answer in answers]
+    assert [bool(words) for words in refused] == [steering is None, True, True]
+    assert wait_for(lambda: steering is None or client.notifications)
+    if steering is not None:
+        assert "is flown" in client.notifications[0][0] and len(steering.asked) == 3
 
 
 def test_what_is_not_known_is_null(page):

@@ -33,7 +33,7 @@ from uav_tracking_mpc.view.panel._html import ALARM, badge, block
 from uav_tracking_mpc.view.scene import LIMIT, SCENE_ELEMENT, WIND, Colour, SceneElement
 from uav_tracking_mpc.view.scene.orbits import SCALE
 from uav_tracking_mpc.view.serving.guarded_server import GuardedServer
-from uav_tracking_mpc.view.visitors import FLOWN, NOW, NOW_TAG, Visitors
+from uav_tracking_mpc.view.visitors import FLOWN, MISSION, NOW, NOW_TAG, Visitors
 from uav_tracking_mpc.view.watched_flight import FlightSource, Sight, WatchedFlight
 
 PLACE, WIDTH = (15.0, 15.0), 250.0  # pixels from the upper left corner of the scene
@@ -269,7 +269,11 @@ class Page:
                 scene, flight, self._drawn[flight.name].colour, root
             ),
         )
-        self._server.answers |= {NOW: self._visitors.now, FLOWN: self._visitors.flown}
+        self._server.answers |= {
+            NOW: self._visitors.now,
+            FLOWN: self._visitors.flown,
+            MISSION: self._visitors.mission,
+        }
         self._server.on_client_connect(lambda client: add_legend(client, COLOURS[0]))
         self._server.gui.main_panel.dock_right()  # beside the scene and not upon it
         self._server.gui.main_panel.set_width(PANEL_WIDTH)

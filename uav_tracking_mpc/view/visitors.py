@@ -22,6 +22,7 @@ from __future__ import annotations
 import json
 import math
 import secrets
+import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
@@ -34,6 +35,7 @@ from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.view.cameras import FirstView, Seat, Watched
 from uav_tracking_mpc.view.flight_history import MODES, FlightHistory, legend, told, weighted_errors
+from uav_tracking_mpc.view.panel.mission_file import fly_and_tell
 from uav_tracking_mpc.view.panel.readings import readings
 from uav_tracking_mpc.view.watched_flight import (
     CONTROLLER,
@@ -47,7 +49,7 @@ from uav_tracking_mpc.view.watched_flight import (
 PAST_WORLD = "/past"  # node under which the scene of a past time hangs
 LAST = 1e6  # order in the panel
 ERROR = 2  # level of a node, as in diagnostic_msgs
-NOW, FLOWN = "/flight/now", "/flight/flown"  # paths of the answers
+NOW, FLOWN, MISSION = "/flight/now", "/flight/flown", "/flight/mission"  # paths of the answers
 # By it the script knows which client of viser it belongs to.
 NAME_TAG = '<span data-flight-page="{}" hidden></span>'
 # By it the page knows what of the panel is of now; it reads the words while it looks back.
@@ -355,6 +357,25 @@ class Visitors:
         kept = self._flown.get(query.get("name", [""])[0])
         since = _number(query, "since")
         return "{}" if kept is None else kept[1].as_json(-math.inf if since is None else since)
+
+    def mission(self, query: Query) -> str:
+        """Begin to fly a mission that came with an address; the page is told what comes of it.
+
+        Args:
+            query: ``page``, its number; ``name`` of the aircraft; ``mission``, a scenario file.
+
+        Returns:
+            JSON: ``refused``, why nothing was begun, or an empty object.
+        """
+        number = _number(query, "page")
+        name, text = (query.get(key, [""])[0] for key in ("name", "mission"))
+        visitor = None if number is None else self._visitors.get(int(number))
+        steering = self._flown[name][0].steering if name in self._flown else None
+        if visitor is None or steering is None:
+            return json.dumps({"refused": "this flight cannot be steered"})
+        asked = visitor.client, steering, text.encode()
+        threading.Thread(target=fly_and_tell, args=asked, daemon=True).start()
+        return "{}"
 
 
 def _number(query: Query, name: str) -> float | None:

@@ -14,6 +14,10 @@
 
 """A mission as a file: what was saved is flown again."""
 
+import html
+import re
+from urllib.parse import parse_qs, urlsplit
+
 from watched_flight_stand_in import StandInFlight, StandInSource, StandInSteering
 
 from uav_tracking_mpc.settings.configuration import load_configuration
@@ -61,6 +65,16 @@ def test_what_is_no_mission_or_is_refused_is_told():
     assert steering.asked == []
     steering.refusal = "the wind is too strong"
     assert "the wind is too strong" in fly_mission(steering, mission_of(steered(), "a").encode())
+
+
+def test_a_link_holds_it_and_no_token(panel, flight):
+    shown = panel(MissionFile)
+    shown.by_hand("Make a link", True)
+    shown.until(lambda: "href" in shown.text)
+    link = urlsplit(html.unescape(re.search('href="([^"]*)"', shown.text)[1]))
+    assert (link.path, link.query) == ("/", "")
+    (mission,) = parse_qs(link.fragment)["mission"]
+    assert mission == mission_of(flight.steering, flight.name)
 
 
 def test_it_is_absent_where_nothing_is_steered():

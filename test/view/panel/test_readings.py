@@ -47,7 +47,7 @@ def reading(name, tracking=SMALL, **more):
 
 def test_values_and_errors_are_shown(panel):
     text = panel(Readings).show()
-    for words in ("300.4 m", "+0.4", "121.0 m", "+1.0", "22.5 m/s", "+0.5", "-11.5 °", "2.9 °"):
+    for words in ("300.4 m", "+0.4", "121.0 m", "+1.0", "22.5 m/s", "+0.5", "11.5 ° left", "2.9 °"):
         assert words in text
 
 

@@ -51,7 +51,8 @@ SPAN = 180.0  # s of the plots
 RESOLUTION = 0.5  # s between their points
 HEIGHT = 120  # pixels
 BLUE, ORANGE, FALLBACK = "rgb(0,130,200)", "rgb(213,94,0)", "rgba(230,159,0,0.3)"
-COST = "Cost"
+COST, BANK = "Cost", "Bank"
+LEVEL = 0.05  # deg; a smaller bank is to neither side
 LEAST_COST = 1e-6  # [-]; the axis of the cost is logarithmic
 KNOWN = {known.name: known for known in specifications(TrackingParameters)}
 
@@ -109,7 +110,7 @@ def readings(sight: Sight, tracking: TrackingParameters | None) -> list[Reading]
             "Airspeed", "m/s", sight.airspeed, error["speed"],
             _limit(tracking, "airspeed_min", -math.inf), _limit(tracking, "airspeed_max", math.inf),
         ),
-        Reading("Bank", "°", sight.bank * DEGREES, math.nan, -bank, bank),
+        Reading(BANK, "°", sight.bank * DEGREES, math.nan, -bank, bank),
         Reading(
             "Path angle", "°", sight.path_angle * DEGREES, error["pitch"] * DEGREES,
             _limit(tracking, "path_angle_min", -math.inf) * DEGREES,
@@ -151,6 +152,9 @@ class Readings(PanelPart):
 
 def _row(reading: Reading) -> list[str]:
     value = f"{number(reading.value)} {reading.unit}"
+    if reading.name == BANK and abs(reading.value) >= LEVEL:
+        side = "right" if reading.value > 0.0 else "left"
+        value = f"{number(abs(reading.value))} {reading.unit} {side}"
     if reading.mark:
         value = badge(value, ALARM if reading.mark.startswith("beyond") else ATTENTION)
     error = number(reading.error, signed=True)

@@ -84,6 +84,7 @@ def caption(name: str, mode: FallbackMode | None) -> str:
         name: Of the aircraft.
         mode: None before the first command.
     """
+    name = name.replace("_", " ")  # a label cuts off what reaches below its line
     as_asked = mode is not None and mode.nominal
     return name if as_asked else f"{name}: {mode_words(mode)}"
 

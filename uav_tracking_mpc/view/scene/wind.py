@@ -128,7 +128,9 @@ class Wind(SceneElement):
         self._field.wxyz = (math.cos(half), 0.0, 0.0, math.sin(half))
         self._field.points = streaks(speed).astype(np.float32)
         self._label.text = words(wind)
-        self._label.position = -REACH * size * along
+        # At a corner of the field: outside of the orbit, away from the words at the target.
+        across = np.array([-along[1], along[0], 0.0])
+        self._label.position = -REACH * size * (along + across)
 
 
 LENGTH = 0.35  # length of the airspeed's arrow by the radius of the orbit
