@@ -200,7 +200,7 @@ def _record(log: FlightLog, flown: NDArray[np.float64], count: int) -> Replay:
         serializer = server.get_scene_serializer()
         for time, next_time in zip(times, [*times[1:], times[-1]], strict=True):
             source.clock.seek(time)
-            sight = flight.sight
+            sight = flight.at(time)
             for element in elements:
                 element.show(sight)
             if follows:
