@@ -21,6 +21,7 @@ from urllib.parse import parse_qs, urlsplit
 from watched_flight_stand_in import StandInFlight, StandInSource, StandInSteering
 
 from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.view.panel import PANEL_PART
 from uav_tracking_mpc.view.panel.mission_file import MissionFile, fly_mission, mission_of
 from uav_tracking_mpc.view.watched_flight import CONTROLLER, SIMULATOR, TARGET
 
@@ -78,5 +79,6 @@ def test_a_link_holds_it_and_no_token(panel, flight):
 
 
 def test_it_is_absent_where_nothing_is_steered():
+    assert PANEL_PART.own()["mission_file"] is MissionFile  # where something is
     flight = StandInFlight()
     assert not MissionFile.fits(flight, StandInSource(flight))

@@ -127,6 +127,9 @@ def fly_and_tell(client: viser.ClientHandle, steering: Steering, content: bytes)
 class MissionFile(PanelPart):
     """Folded: buttons that save a file, take one and make a link."""
 
+    name = "mission_file"
+    order = 80.0
+
     @classmethod
     def fits(cls, flight: WatchedFlight, source: FlightSource) -> bool:
         """Whether there is something to steer.
