@@ -19,6 +19,7 @@ import re
 import signal
 import subprocess
 import threading
+from urllib.parse import quote
 
 import numpy as np
 import pytest
@@ -28,6 +29,7 @@ from seen_page import SeenPage, served
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.view.panel.mission_file import mission_of
 from uav_tracking_mpc.view.watched_flight import CONTROLLER, SIMULATOR
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
@@ -188,12 +190,12 @@ def test_a_picture_and_the_mission_are_saved(seen, flight):
 
 
 def test_a_mission_in_the_address_is_flown_when_that_is_asked_for(seen, flight):
-    seen.press("Make a link")
-    link = seen.page.get_by_text("Link to this mission").get_attribute("href")
+    flight.steering.change(SIMULATOR, wind=(3.0, -4.0, 0.0))
+    mission = quote(mission_of(flight.steering, flight.name))
     flight.steering.change(SIMULATOR, wind=(0.0, 0.0, 0.0))
-    address = seen.page.url.partition("?")[0].rstrip("/")
+    address = seen.page.url.partition("?")[0]
     seen.page.goto("about:blank")
-    seen.open(f"{address}{link}")
+    seen.open(f"{address}#mission={mission}", ready=False)
     seen.wait_for_text("This address holds a mission")
     assert flight.steering.parameters(SIMULATOR)["wind"] == (0.0, 0.0, 0.0)  # it was not asked for
     seen.eventually(lambda: "small_uav" in seen.page.title(), "it knows its flight")
