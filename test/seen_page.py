@@ -173,7 +173,9 @@ class SeenPage:
     def open(self, address, ready=True) -> None:
         """Open an address in this tab."""
         if address.startswith("http"):
+            address, hash_, fragment = address.partition("#")
             address += f"{'&' if '?' in address else '?'}fixedDpr={self._resolution:g}"
+            address += hash_ + fragment
         self.page.goto(address)
         if ready:
             self.wait_for_scene()
@@ -201,6 +203,10 @@ class SeenPage:
     def wait_for_text(self, words: str) -> None:
         """Wait until the panel or a notice shows words."""
         self.page.get_by_text(words).first.wait_for(state="visible")
+
+    def wait_for_element(self, selector: str, words: str) -> None:
+        """Wait until an element of the page's own script shows words."""
+        self.page.locator(selector, has_text=words).first.wait_for(state="visible")
 
     def shows(self, words: str) -> bool:
         """Whether the panel or a notice shows words now."""

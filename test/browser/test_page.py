@@ -12,40 +12,41 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The live page in a real browser."""
+"""The live page in a real browser, of a bag's replay."""
 
 import contextlib
 import http.server
 import socket
 import threading
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from seen_page import PageProcess, SeenPage, save_flight, served
-from watched_flight_stand_in import StandInFlight, StandInSource
+from recorded_bag import write_bag
+from seen_page import PageProcess, SeenPage, save_flight
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
-
-
-def logged(flight):
-    """A flight that stands at its begin."""
-    from uav_tracking_mpc.view.recorded_scene import LoggedSource
-
-    source = LoggedSource(*flight)
-    source.clock.pause()
-    return source
+BEGIN, END = 2.0, 14.0  # s, of which there are pictures
+LINE = """canvas => {
+    const data = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+    let blue = 0;
+    for (let k = 0; k < data.length; k += 4) blue += data[k + 2] > data[k] + 60;
+    return blue;
+}"""  # pixels in the colour of the lines
 
 
 @pytest.fixture(scope="module")
-def source(flight):
-    """The flight of the page that tests share: to open one costs more than most of them."""
-    return logged(flight)
+def source(tmp_path_factory):
+    """The record of the page that tests share: to open one costs more than most of them."""
+    from uav_tracking_mpc.view.recorded_source import RecordedSource
+
+    path = tmp_path_factory.mktemp("bag") / "flight.mcap"
+    write_bag(path, 20.0, state_rate=20, command_rate=10)
+    return RecordedSource(path)
 
 
 @pytest.fixture
 def seen(opened, source):
-    """The page that tests share, at the begin of its flight."""
+    """That page, which stands at the begin of its flight."""
     source.clock.pause()
     source.clock.seek(source.clock.begin)
     return opened
@@ -57,121 +58,84 @@ def around(pixels, place, radius=6):
     return pixels[row - radius : row + radius, column - radius : column + radius]
 
 
-def test_it_loads_without_an_error_and_asks_nobody_else(seen, source):
-    source.clock.play()
+def test_it_loads_without_an_error_and_asks_nobody_else(seen):
     seen.wait_for_text("Airspeed")
     assert seen.errors == []
     assert seen.foreign_requests == []
     assert any(url.startswith("ws://127.0.0.1") for url in seen.requests)
 
 
-def test_the_scene_moves_with_the_aircraft_and_stands_with_the_clock(seen, source):
-    begin, end = 2.0, 14.0
-    source.clock.seek(begin)
-    seen.wait_for_text("0:02.0")
-    aircraft = source.flights()[0]
-    first = seen.still_pixels()
-    for _ in range(3):
-        assert np.array_equal(seen.pixels(), first)
-    source.clock.seek(end)
-    seen.wait_for_text("0:14.0")
-    seen.pixels_unlike(first)
-    second = seen.still_pixels()
-    # It was where the camera says, and came to where the camera says.
-    for time in (begin, end):
-        place = seen.pixel_of(aircraft.at(time).position)
-        assert not np.array_equal(around(first, place), around(second, place))
-    source.clock.play()
-    seen.pixels_unlike(second)
-
-
-def test_the_orbit_that_is_asked_for_is_seen_either_way_round(look):
-    """Half of its dashed circle has the aircraft's colour, and the circle inside of it none."""
-    from uav_tracking_mpc import load_configuration, simulate
-    from uav_tracking_mpc.view.page import COLOURS
-
-    sights = []
-    for direction in ("clockwise", "counter_clockwise"):
-        overrides = ["mission.duration=2.0", f"nmpc_controller.direction={direction}"]
-        configuration = load_configuration("small_uav", overrides)
-        source = logged((simulate(configuration), configuration.controller))
-        sights.append(source.flights()[0].sight)
-    one, other = sights
-    assert one.wanted.radius * other.wanted.radius < 0.0
-    turn = np.linspace(0.0, 2.0 * np.pi, 120, endpoint=False)
-    circle = np.stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)], axis=1)
-    shown = StandInFlight()
-    shown.seen = [replace(one, wanted=None)]
-    with served(StandInSource(shown)) as page:
-        seen = look(page.address, resolution=0.5)
-        pixels = seen.still_pixels()
-        for sight in sights:
-            shown.seen.append(sight)
-            seen.pixels_unlike(pixels)
-            pixels = seen.still_pixels()
-            shares = []
-            for size in (1.0, 0.85):
-                points = sight.wanted.centre + size * abs(sight.wanted.radius) * circle
-                places = [around(pixels, seen.pixel_of(point), 2) for point in points]
-                away = [np.abs(place - COLOURS[0]).max(axis=2).min(initial=255) for place in places]
-                shares.append(np.mean(np.array(away) < 60))
-            assert shares[0] > 0.3
-            assert shares[1] < 0.05
-
-
-def test_the_replay_stands_at_the_time_of_its_slider(seen, source):
+def test_the_scene_stands_at_the_time_of_the_slider_and_moves_with_the_clock(seen, source):
     (aircraft,) = source.flights()
-    seen.wait_for_text("0:00.0")
-    first = seen.still_pixels()
-    seen.enter("time [s]", 12.5, lambda: source.clock.time == 12.5)
-    seen.wait_for_text("0:12.5")
-    second = seen.still_pixels()
-    place = seen.pixel_of(aircraft.at(12.5).position)
-    assert not np.array_equal(around(first, place), around(second, place))
-    seen.enter("time [s]", 0.0, lambda: source.clock.time == 0.0)
-    seen.wait_for_text("0:00.0")
+    pictures = []
+    for time in (END, BEGIN, END):  # jumps, after which a track is drawn anew
+        seen.enter("time [s]", time, lambda time=time: source.clock.time == time)
+        seen.wait_for_text(f"0:{time:04.1f}")
+        pictures.append(seen.still_pixels())
+    first, second, again = pictures
+    # It was where the camera says, and came to where the camera says.
+    for sight in map(aircraft.at, (BEGIN, END)):
+        centre = sight.wanted.centre * [1.0, 1.0, 0.0]  # with which the scene goes
+        place = seen.pixel_of(sight.position - centre)
+        assert not np.array_equal(around(first, place), around(second, place))
     seen.wait_for_picture(lambda: first)
+    source.clock.play()
+    seen.pixels_unlike(again)
 
 
-def test_two_pages_at_once_and_one_opened_again(look, page, seen, source):
-    one = look(page.address)
-    seen.wait_for_text("0:00.0")
-    first = one.still_pixels()
-    seen.wait_for_picture(one.pixels)
-    one.page.close()
-    source.clock.seek(3.0)
-    seen.pixels_unlike(first)
-    again = look(page.address)
-    seen.wait_for_text("0:03.0")
-    again.wait_for_picture(seen.pixels)
-    assert not np.array_equal(seen.pixels(), first)
-    assert seen.errors == again.errors == []
+def test_one_page_goes_back_and_comes_again_while_the_other_stays(look, page, seen, source):
+    """The other one is opened without the token: the browser keeps it as a cookie."""
+    source.clock.seek(END)
+    other = look(page.address.partition("?")[0])
+    assert other.page.evaluate("document.cookie") == ""
+    for each in (seen, other):
+        each.wait_for_element("#flight-time", "0:14.0")
+    now = seen.still_pixels()
+    other.wait_for_picture(lambda: now)
+    if seen.page.locator("#flight-strip.folded").count():
+        seen.page.get_by_title("Fold or unfold").click()
+    canvas = seen.page.locator("#flight-strip canvas")
+    seen.eventually(lambda: int(canvas.get_attribute("data-rows") or 0) > 15, "the strip has rows")
+    seen.eventually(lambda: canvas.evaluate(LINE) > 200, "its lines are drawn")
+    now = seen.still_pixels()  # in what the strip leaves
+    canvas.focus()
+    for _ in range(2):
+        canvas.press("PageDown")  # 10 s back each, no farther than the begin
+    seen.wait_for_element("#flight-time", "0:00.0")
+    seen.wait_for_element("#flight-words", "The picture is of the past")
+    seen.wait_for_element("#flight-card", "Airspeed")
+    seen.page.get_by_text("limits").first.wait_for(state="hidden")  # the readings of now
+    seen.eventually(lambda: seen.page.title().startswith("past"), "the title says so")
+    seen.pixels_unlike(now)
+    assert other.page.locator("#flight-time").text_content() == "0:14.0"
+    seen.page.get_by_role("button", name="live", exact=True).click()
+    seen.wait_for_element("#flight-time", "0:14.0")
+    assert seen.page.locator("body.flight-past").count() == 0
+    seen.wait_for_picture(lambda: now)
+    assert seen.errors == other.errors == []
 
 
-def test_the_page_opens_again_when_its_server_was_started_again(look, flight, tmp_path):
+def test_a_server_that_dies_is_announced_and_its_successor_opens_by_its_own_address(
+    look, flight, tmp_path
+):
     saved = save_flight(*flight, tmp_path / "flight.pickle")
     with PageProcess(saved) as process:
         seen = look(process.address)
-        seen.wait_for_text("Airspeed")
+        seen.eventually(lambda: seen.page.title().startswith("optimal"), "the title says the mode")
         process.kill()
         seen.wait_for_loss()
+        seen.wait_for_element("#flight-banner", "Connection lost: the picture is")
         with PageProcess(saved, process.port) as again:  # of a new token
+            seen.wait_for_element("#flight-banner", "Open the address that it prints")
             seen.open(again.address)
             seen.wait_for_text("Airspeed")
-            moving = seen.pixels()
-            seen.pixels_unlike(moving)
 
 
-def test_with_a_token_the_page_opens_and_without_it_says_why(chromium, look, page, seen):
-    without = page.address.partition("?")[0]
+def test_without_the_token_the_page_says_why(chromium, page):
     stranger = chromium.new_context()
-    refused = SeenPage(stranger.new_page(), without, ready=False)
+    refused = SeenPage(stranger.new_page(), page.address.partition("?")[0], ready=False)
     refused.wait_for_text("asks for its token")
     stranger.close()
-    assert seen.errors == []
-    again = look(without)  # the browser keeps it as a cookie
-    again.wait_for_text("Airspeed")
-    assert again.page.evaluate("document.cookie") == ""
 
 
 def test_another_site_reaches_no_websocket_and_shows_no_page(context, page):
@@ -194,13 +158,14 @@ def test_another_site_reaches_no_websocket_and_shows_no_page(context, page):
 def test_an_address_cannot_point_the_page_at_another_server(look, page):
     """What another server sends would run as this page, and could steer."""
     with socket.create_server(("127.0.0.1", 0)) as other:
-        port = other.getsockname()[1]
-        seen = look(f"{page.address}&websocket=ws://127.0.0.1:{port}", ready=False)
-        tries = f"Connecting to: ws://127.0.0.1:{port}"
+        elsewhere = f"ws://127.0.0.1:{other.getsockname()[1]}"
+        seen = look(f"{page.address}&websocket={elsewhere}", ready=False)
+        tries = f"Connecting to: {elsewhere}"
         seen.eventually(
             lambda: any(tries in words for words in seen.console), "the page tries to connect"
         )
-        look(page.address)  # by then a connection would have come; without the policy it does
+        # By then a connection would have come; without the policy it does.
+        seen.eventually(lambda: "· uav ·" in seen.page.title(), "its own server has answered")
         other.setblocking(False)
         with pytest.raises(BlockingIOError):
             other.accept()
@@ -217,8 +182,9 @@ def test_the_browser_that_is_opened_is_led_to_the_page(context, page, monkeypatc
         (words,) = started
         assert not any("token" in word for word in words)
         stranger = context.browser.new_context()  # who has no cookie yet
-        seen = SeenPage(stranger.new_page(), words[-1])
-        seen.wait_for_text("Airspeed")
+        seen = SeenPage(stranger.new_page(), words[-1], ready=False)
+        seen.page.wait_for_url(page.address)
+        seen.eventually(lambda: "uav" in seen.page.title(), "the page of the flight is there")
         assert seen.errors == []
         stranger.close()
     assert list(tmp_path.iterdir()) == []

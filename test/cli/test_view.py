@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A bag on a page; what no bag is says :mod:`test_bag_index`, what shows no flight the source."""
+"""A bag on a page; what no bag is says :mod:`test_bag`, what shows no flight the source."""
 
 
 def test_what_is_no_bag_is_one_line(tmp_path, uav_tracking):

@@ -25,10 +25,12 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 from example_flights import log_of, orbiting, paper_flight
+from matplotlib.figure import Figure
 
 from uav_tracking_mpc import load_configuration
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
+from uav_tracking_mpc.report import mission_report
 from uav_tracking_mpc.report.metrics import metrics, quantity, range_offset_finding, verdict
 from uav_tracking_mpc.report.mission_report import Replay, render_page, write_report
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, FlownMode, Latency
@@ -45,6 +47,14 @@ def words(page: str) -> str:
 def page_of(log: FlightLog) -> str:
     """The page without its pictures, which take the time."""
     return render_page(log, metrics(log), b"", b"")
+
+
+@pytest.fixture
+def quick_figures(monkeypatch):
+    """Files and page are looked at, and not what the figures show."""
+    small = Figure((1.0, 1.0))
+    for name in ("trajectory_figure", "states_figure", "conditions_figure"):
+        monkeypatch.setattr(mission_report, name, lambda log: small)
 
 
 class Structure(HTMLParser):
@@ -241,7 +251,7 @@ def test_the_scene_is_inside_and_waits_until_it_is_asked_for():
     assert "pip install" not in text
 
 
-def test_without_viser_one_line_says_how_to_get_the_scene(tmp_path):
+def test_without_viser_one_line_says_how_to_get_the_scene(tmp_path, quick_figures):
     """The rest is as it was."""
     log = orbiting(3)
     write_report(log, tmp_path / "none", lambda _: None)
@@ -252,7 +262,7 @@ def test_without_viser_one_line_says_how_to_get_the_scene(tmp_path):
     assert "<iframe" not in page
 
 
-def test_a_real_aircraft_has_a_picture_of_its_limits(tmp_path):
+def test_a_real_aircraft_has_a_picture_of_its_limits(tmp_path, quick_figures):
     """Beside the others, and in the page."""
     small_uav = load_configuration("small_uav").controller
     log = orbiting(20, small_uav.orbit, tracking=small_uav)
@@ -283,7 +293,7 @@ def test_names_are_escaped():
 
 
 @pytest.mark.parametrize("count", [0, 1])
-def test_short_records_make_a_report(count, tmp_path):
+def test_short_records_make_a_report(count, tmp_path, quick_figures):
     """A flight that was stopped at once."""
     write_report(orbiting(count), tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == FILES
@@ -299,7 +309,7 @@ def test_values_that_are_not_finite_make_a_report(tmp_path):
     assert not re.search(r"\b(nan|inf|None)\b", words((tmp_path / "report.html").read_text()))
 
 
-def test_a_second_report_replaces_the_first(tmp_path):
+def test_a_second_report_replaces_the_first(tmp_path, quick_figures):
     """Whole files; a link out of the folder is replaced, not followed."""
     elsewhere = tmp_path / "elsewhere.json"
     elsewhere.write_text("untouched")
@@ -313,7 +323,7 @@ def test_a_second_report_replaces_the_first(tmp_path):
     assert {path.name for path in folder.iterdir()} == FILES
 
 
-def test_an_output_that_cannot_be_written_is_named(tmp_path):
+def test_an_output_that_cannot_be_written_is_named(tmp_path, quick_figures):
     """A file where the folder should be."""
     (tmp_path / "output").write_text("a file")
     with pytest.raises(OSError, match="cannot write the report") as raised:

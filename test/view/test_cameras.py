@@ -132,18 +132,18 @@ def page():
 def test_the_scene_of_a_new_page_turns_into_its_place(page, monkeypatch):
     now = [100.0]
     monkeypatch.setattr(cameras.time, "monotonic", lambda: now[0])
-    seat, turns = cameras._Seat(page, "/world", []), []
+    seat, turns = cameras.Seat(page, "/world", []), []
     for elapsed in (0.0, 0.5 * cameras.OPENING, cameras.OPENING, 2.0 * cameras.OPENING):
         now[0] = 100.0 + elapsed
-        seat.show({"aircraft": (FLIGHT, SIGHT)}, None)
+        seat.show(("aircraft",), {"aircraft": (FLIGHT, SIGHT)}, None)
         turns.append(rigid.SO3(np.array(page.frames["/world"].wxyz)).log()[2])
     assert turns[0] == pytest.approx(cameras.OPENING_TURN)
     assert turns[0] > turns[1] > turns[2] == turns[3] == 0.0
 
 
 def test_nothing_of_the_own_aircraft_is_seen_from_the_cockpit(page):
-    seat, own = cameras._Seat(page, "/world", []), "/world/aircraft/aircraft/own"
+    seat, own = cameras.Seat(page, "/world", []), "/world/aircraft/aircraft/own"
     for view, seen in ((cameras.COCKPIT, False), (cameras.FOLLOW, True), (cameras.COCKPIT, False)):
         page.view.value = view
-        seat.show({"aircraft": (FLIGHT, SIGHT)}, None)
+        seat.show(("aircraft",), {"aircraft": (FLIGHT, SIGHT)}, None)
         assert page.frames[own].visible == seen

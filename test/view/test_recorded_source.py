@@ -41,9 +41,8 @@ from recorded_bag import (
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, ODOMETRY, TARGET
-from uav_tracking_mpc.report import bag_index
-from uav_tracking_mpc.report.bag import BagError
-from uav_tracking_mpc.report.bag_index import KEPT, Bag, BagTopic
+from uav_tracking_mpc.report import bag as bags
+from uav_tracking_mpc.report.bag import KEPT, Bag, BagError, BagTopic
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.view.recorded_source import RecordedSource, RecordedTime
 from uav_tracking_mpc.view.watched_flight import SILENT
@@ -81,11 +80,9 @@ def test_it_counts_from_the_first_command(tmp_path):
 def test_where_stamps_do_not_rise_it_is_the_recorders(tmp_path, monkeypatch, stamp):
     """A driver that does not stamp, or a simulator that was started anew in the middle."""
     path = small(tmp_path, speed=2.0)
-    original = bag_index.header_stamp
+    original = bags.header_stamp
     monkeypatch.setattr(
-        bag_index,
-        "header_stamp",
-        lambda data: original(data) % (2 * SECOND) if stamp is None else stamp,
+        bags, "header_stamp", lambda data: original(data) % (2 * SECOND) if stamp is None else stamp
     )
     states, time = opened(path)
     assert time.clock.end - time.clock.begin == pytest.approx(2.0)

@@ -105,14 +105,13 @@ def test_before_the_target_is_seen_there_is_the_aircraft_alone():
 
 
 def test_what_is_past_is_kept_for_a_time_and_no_longer(monkeypatch):
-    monkeypatch.setattr(simulated_source, "PAST_SPAN", 20.0)
+    monkeypatch.setattr(simulated_source, "PAST_SPAN", 4.0)
     simulation = SteppedSimulation(LAW)
-    simulation.fly(40.0)
+    simulation.fly(8.0)
     past = simulation.flight.past(1e9)
-    assert len(past) == 100
-    assert past[-1].time - past[0].time == pytest.approx(19.8)
-    recent = simulation.flight.past(5.0)
-    assert recent == past[-26:]
+    assert len(past) == 20
+    assert past[-1].time - past[0].time == pytest.approx(3.8)
+    assert simulation.flight.past(1.0) == past[-6:]
     assert past[0].plan is None
 
 
@@ -121,7 +120,7 @@ def test_it_keeps_its_pace_without_drift(speed):
     """However irregular the thread runs, as long as it is not far behind."""
     simulation = SteppedSimulation(LAW, f"mission.speed={speed}")
     period, rng = 1.0 / simulation.loop.rate, np.random.default_rng(1)
-    while simulation.wall < 5.0:
+    while simulation.wall < 2.0:
         simulation.wall += rng.uniform(0.0, 0.8 * MOST_BEHIND)
         while simulation.flight.advance() == 0.0:
             pass
@@ -178,11 +177,11 @@ def test_the_thread_flies_answers_and_ends():
 def test_the_log_of_an_hour_is_small():
     """18 numbers a state and 7 a command, 20 of each a second."""
     simulation = SteppedSimulation(LAW)
-    simulation.fly(20.0)
+    simulation.fly(5.0)
     recorder = simulation.loop._recorder
     arrays = [value for value in vars(recorder).values() if hasattr(value, "buffer_info")]
     held = sum(len(column) * column.itemsize for column in arrays)
-    assert held / 20.0 * 3600.0 < 15e6
+    assert held / 5.0 * 3600.0 < 15e6
     assert sum(map(sys.getsizeof, arrays)) < 2 * held
 
 
@@ -269,7 +268,7 @@ def during(settled, fault):
     """Sights of a fault, after which the aircraft comes back to its orbit by itself."""
     assert settled.ask(settled.steering.inject, fault) == ""
     sights = settled.fly(DURATIONS[fault])
-    after = settled.fly(25.0)
+    after = settled.fly(15.0)
     assert after[-1].mode is FallbackMode.OPTIMAL
     assert after[-1].reason == ""
     assert circles(after[-20:])

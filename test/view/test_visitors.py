@@ -12,20 +12,28 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the script of a page is told, whatever it asks."""
+"""What the script of a page is told, whatever it asks; what a page sees that looks back."""
 
 import json
 import math
 import time
+from types import SimpleNamespace
 
 import pytest
-from watched_flight_stand_in import StandInFlight, StandInSource, sight
-
-pytest.importorskip("viser")
+from processes import wait_for
+from watched_flight_stand_in import (
+    StandInClient,
+    StandInFlight,
+    StandInSource,
+    StandInSteering,
+    sight,
+)
 
 from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.view.flight_history import FlightHistory
 from uav_tracking_mpc.view.page import Page
-from uav_tracking_mpc.view.visitors import alert_of, figures
+from uav_tracking_mpc.view.panel.mission_file import mission_of
+from uav_tracking_mpc.view.visitors import PAST_WORLD, PastFlight, Visitor, alert_of, figures
 from uav_tracking_mpc.view.watched_flight import CONTROLLER, SILENT, NodeStatus, PlayClock
 
 
@@ -120,6 +128,23 @@ def test_junk_is_answered_as_by_a_page_that_nobody_knows(page, query):
     page.draw()
 
 
+@pytest.mark.parametrize("steering", [None, StandInSteering()], ids=["nothing to steer", "flown"])
+def test_a_mission_of_an_address_is_flown_for_the_page_that_asks(page, steering):
+    page.flight.steering = steering
+    client, text = StandInClient(), mission_of(StandInSteering(), "aircraft")
+    page._visitors._visitors[7] = SimpleNamespace(client=client, show=lambda *_: None)
+    page.draw()
+    query = {"page": ["7"], "name": ["aircraft"], "mission": [text]}
+    answers = [
+        page._visitors.mission(query | more) for more in ({}, {"page": ["8"]}, {"name": [""]})
+    ]
+    refused = [json.loads(answer).get("refused", "") for answer in answers]
+    assert [bool(words) for words in refused] == [steering is None, True, True]
+    assert wait_for(lambda: steering is None or client.notifications)
+    if steering is not None:
+        assert "is flown" in client.notifications[0][0] and len(steering.asked) == 3
+
+
 def test_what_is_not_known_is_null(page):
     nothing = {"airspeed": math.nan, "bank": math.inf, "target": None, "errors": {}}
     page.flight.seen.append(sight(11.0, **nothing))
@@ -127,3 +152,50 @@ def test_what_is_not_known_is_null(page):
     seen = told(page)["sight"]
     assert seen["readings"]["Airspeed"] == ["m/s", None, None, 14.0, 32.0]
     assert seen["readings"]["Bank"][1] is None
+
+
+WORLD = "/world"
+
+
+@pytest.fixture
+def flown():
+    """A flight of 30 s, and what was kept of it."""
+    flight = StandInFlight(steering=StandInSteering())
+    history = FlightHistory(flight)
+    for second in range(31):
+        flight.seen.append(sight(float(second)))
+        history.note(flight.sight)
+    return flight, history
+
+
+def test_a_past_flight_shows_its_time_and_cannot_be_steered(flown):
+    past = PastFlight(*flown)
+    assert past.sight is None and past.past(5.0) == []
+    assert past.go_to(12.4).time == 12.0
+    assert past.sight.time == 12.0
+    assert [seen.time for seen in past.past(3.0)] == [10.0, 11.0, 12.0]
+    assert past.steering is None
+    assert past.tracking == flown[0].tracking
+
+
+def test_the_shared_scene_is_hidden_while_the_past_is_seen(page, flown):
+    server, begun, shown = page._server, [], []
+
+    def draw(scene, root, flight):
+        begun.append(root)
+        return [SimpleNamespace(show=lambda seen: shown.append(seen.time))]
+
+    client = SimpleNamespace(
+        client_id=0, scene=server.scene, gui=server.gui, atomic=server.atomic, camera=None
+    )
+    visitor, watched = Visitor(client, WORLD, [], draw), {"aircraft": (flown[0], flown[0].sight)}
+    visitor.seat._view.value = "free"
+    for visitor.asked in (None, 7.0, 7.0, 20.5, None):
+        looks_back = visitor.asked is not None
+        visitor.seat._to_place = False
+        visitor.show(watched, {"aircraft": flown})
+        assert server.scene.get_handle_by_name(PAST_WORLD).visible is looks_back
+        assert visitor.seat.world.visible is not looks_back
+        assert set(visitor.past) == ({"aircraft"} if looks_back else set())
+    assert begun == [f"{PAST_WORLD}/aircraft"]
+    assert shown == [7.0, 20.0]  # once each: what stands is not sent again

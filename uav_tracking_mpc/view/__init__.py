@@ -19,14 +19,13 @@
 ``snapshot``             what there is to see, built from what is measured or published
 ``live_source``          flights of ROS nodes
 ``simulated_source``     a flight that is simulated in this process
-``simulated_steering``   how that is steered, and its faults
-``simulated_rivals``     the classical laws beside it
+``simulated_steering``   how that is steered, its faults, and the classical laws beside it
 ``recorded_source``      flights of a bag
 ``recorded_scene``       a flight from its log, and all of it as a scene that needs no server
 ``flight_history``       all that was flown, thinned: what the time strip of a page draws
-``looking_back``         a page that looks at the past: a scene of its own, of its own time
-``visitors``             what the script of each open page asks for, and what it is told
-``page``                 the server: draws every aircraft of a source, twenty times a second
+``visitors``             each open page: what its script asks for and is told, and its past
+``page``                 the server: draws every aircraft of a source, twenty times a second, and
+                         says what lines and colours mean
 ``serving``              who may open a page, and where it listens
 ``cameras``              from where each page looks
 ``scene``                what is drawn

@@ -33,8 +33,7 @@ import viser.transforms as rigid
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.simulation.flight_log import FlightLog
-from uav_tracking_mpc.view.scene import own_node
-from uav_tracking_mpc.view.scene._drawing import centre, extent, finite, ground_height
+from uav_tracking_mpc.view.scene import centre, extent, finite, ground_height, own_node
 from uav_tracking_mpc.view.scene.airframe import SHARE, attitude
 from uav_tracking_mpc.view.watched_flight import Sight, WatchedFlight
 
@@ -60,7 +59,7 @@ OPENING_TURN = math.radians(50.0)  # by which that begins
 LAST_FIRST = 10  # first views that a page may have begun with while it was loaded
 
 Watched = tuple[WatchedFlight, Sight]
-Past = tuple[viser.FrameHandle, Mapping[str, Watched]]
+Frame = viser.FrameHandle
 
 
 class Pose(NamedTuple):
@@ -159,14 +158,23 @@ def look_at_whole(camera: viser.InitialCameraConfig, flight: WatchedFlight, log:
     return False
 
 
-class _Seat:
-    """One page."""
+class Seat:
+    """From where one page looks.
+
+    Args:
+        client: The page.
+        world: Name of the node under which the whole scene hangs.
+        firsts: Where pages began, newest last.
+
+    Attributes:
+        world: That node as this page sees it.
+    """
 
     def __init__(
         self, client: viser.ClientHandle, world: str, firsts: Sequence[NDArray[np.float64]]
     ) -> None:
-        self.client, self._firsts = client, firsts
-        self._world = client.scene.add_frame(world, show_axes=False)
+        self._client, self._firsts = client, firsts
+        self.world = client.scene.add_frame(world, show_axes=False)
         self._view = client.gui.add_dropdown("Camera", VIEWS, order=-2.0)
         self._names: tuple[str, ...] = ()
         self._chosen: viser.GuiDropdownHandle[str] | None = None
@@ -180,29 +188,35 @@ class _Seat:
 
     @property
     def choice(self) -> tuple[str, str]:
-        """Where it looks from, and at which aircraft."""
+        """Where it looks from, one of VIEWS, and the name of the aircraft that it looks at."""
         first = self._names[0] if self._names else ""
         return self._view.value, first if self._chosen is None else self._chosen.value
 
-    def show(self, watched: Mapping[str, Watched], past: Past | None) -> None:
-        names = tuple(watched)
+    def show(self, names: tuple[str, ...], seen: Mapping[str, Watched], past: Frame | None) -> None:
+        """Follow what is followed.
+
+        Args:
+            names: Of all aircraft that are seen now.
+            seen: Those that this page sees, by name.
+            past: Node under which the scene hangs where this page looks back.
+        """
         if names != self._names:
             self._offer(names)
-        world, watched = (self._world, watched) if past is None else past
-        if self.choice[1] not in watched:
+        view, name = self.choice
+        if name not in seen:
             return
-        flight, sight = watched[self.choice[1]]
-        view = self._view.value
+        flight, sight = seen[name]
         if not finite(sight.position, sight.heading, sight.path_angle):
             return
+        world = self.world if past is None else past
         moved = scene_pose(view, sight)
         if view == ORBIT:
             moved = rigid.SE3.from_rotation(rigid.SO3.from_z_radians(self._opening_turn())) @ moved
-        self._show_own(own_node(f"{world.name}/{self.choice[1]}"), view != COCKPIT)
+        self._show_own(own_node(f"{world.name}/{name}"), view != COCKPIT)
         world.position, world.wxyz = moved.translation(), moved.rotation().wxyz
         if self._to_place or (view == VIEWS[0] and self._narrow_at_first):
             self._to_place = False
-            camera = self.client.camera
+            camera = self._client.camera
             camera.position, camera.look_at = first_pose(view, (flight, sight), camera.aspect)
 
     def _opening_turn(self) -> float:
@@ -215,88 +229,52 @@ class _Seat:
     def _show_own(self, node: str, visible: bool) -> None:
         """Hide what goes with the aircraft that this page sits in."""
         if not visible and node not in self._own:
-            self._own[node] = self.client.scene.add_frame(node, show_axes=False)
+            self._own[node] = self._client.scene.add_frame(node, show_axes=False)
         for own, frame in self._own.items():
             frame.visible = visible or own != node
 
     @property
     def _narrow_at_first(self) -> bool:
         """Whether a picture that is higher than wide has a first view that is made for others."""
-        camera = self.client.camera
+        camera = self._client.camera
         return camera.aspect < 1.0 and any(
             np.allclose(camera.position, first, atol=1.0) for first in self._firsts
         )
 
     def _offer(self, names: tuple[str, ...]) -> None:
         self._names = names
-        if len(names) < 2:
-            return
-        if self._chosen is None:
-            self._chosen = self.client.gui.add_dropdown("of", names, order=-1.0)
-        else:
+        if self._chosen is not None:
             self._chosen.options = names
+        elif len(names) > 1:
+            self._chosen = self._client.gui.add_dropdown("of", names, order=-1.0)
 
 
-class Cameras:
-    """The cameras of all pages.
+class FirstView:
+    """What a new page and the button that resets the view show.
 
     Args:
         server: Of the pages.
-        world: Name of the node under which the whole scene hangs.
+
+    Attributes:
+        places: Of its cameras so far, newest last.
     """
 
-    def __init__(self, server: viser.ViserServer, world: str) -> None:
-        self._server, self._world = server, world
-        self._seats: dict[int, _Seat] = {}
-        self._firsts: deque[NDArray[np.float64]] = deque(maxlen=LAST_FIRST)
-        first = server.initial_camera
-        first.fov, first.near, first.far = FIELD_OF_VIEW, NEAR, FAR
-        server.on_client_connect(self._join)
-        server.on_client_disconnect(self._leave)
+    def __init__(self, server: viser.ViserServer) -> None:
+        self._camera = server.initial_camera
+        self._camera.fov, self._camera.near, self._camera.far = FIELD_OF_VIEW, NEAR, FAR
+        self.places: deque[NDArray[np.float64]] = deque(maxlen=LAST_FIRST)
 
-    def _join(self, client: viser.ClientHandle) -> None:
-        self._seats[client.client_id] = _Seat(client, self._world, self._firsts)
-
-    def _leave(self, client: viser.ClientHandle) -> None:
-        self._seats.pop(client.client_id, None)
-
-    def choice(self, client_id: int) -> tuple[str, str] | None:
-        """Where a page looks from, one of VIEWS, and the name of the aircraft that it looks at.
+    def show(self, watched: Watched) -> None:
+        """Look at an aircraft, anew where it has gone far.
 
         Args:
-            client_id: Of the page.
-
-        Returns:
-            None where there is no such page.
+            watched: The aircraft that is seen first.
         """
-        seat = self._seats.get(client_id)
-        return None if seat is None else seat.choice
-
-    def show(self, watched: Mapping[str, Watched], pasts: Mapping[int, Past] | None = None) -> None:
-        """Follow what is followed.
-
-        Args:
-            watched: All aircraft that are seen, by name.
-            pasts: Of the pages that look back, by their numbers: the node under which the scene of
-                the past hangs, and all aircraft as they were.
-        """
-        if not watched:
-            return
-        self._set_first(next(iter(watched.values())))
-        for number, seat in list(self._seats.items()):
-            with seat.client.atomic():
-                seat.show(watched, (pasts or {}).get(number))
-
-    def _set_first(self, watched: Watched) -> None:
-        """What a new page and the button that resets the view show."""
         flight, sight = watched
         if not finite(sight.position):
             return
         pose = first_pose(VIEWS[0], watched, 1.0)
-        if self._firsts:
-            gone = float(np.linalg.norm(pose.position - self._firsts[-1]))
-            if gone < extent(flight, sight):
-                return
-        self._firsts.append(pose.position)
-        first = self._server.initial_camera
-        first.position, first.look_at = pose
+        gone = np.linalg.norm(pose.position - self.places[-1]) if self.places else math.inf
+        if gone >= extent(flight, sight):
+            self.places.append(pose.position)
+            self._camera.position, self._camera.look_at = pose

@@ -45,11 +45,10 @@ from uav_tracking_mpc.view.watched_flight import (
     SIMULATOR,
     TARGET,
     FlightSource,
-    KeptPast,
+    FlownFlight,
     NodeStatus,
     Sight,
     Steering,
-    WatchedFlight,
 )
 
 T = TypeVar("T")
@@ -247,7 +246,7 @@ def _answer(request: Callable[[], str]) -> str:
         return str(error)
 
 
-class LiveFlight(WatchedFlight):
+class LiveFlight(FlownFlight):
     """One aircraft, as it is heard.
 
     Args:
@@ -256,10 +255,10 @@ class LiveFlight(WatchedFlight):
     """
 
     def __init__(self, watcher: FlightWatcher, namespace: str) -> None:
+        super().__init__(PAST_SPAN)
         self.name = namespace.strip("/").replace("/", ".") or ROOT
         self._heard, self._parameters = watcher.aircraft[namespace], watcher.parameters[namespace]
         self.steering = RosSteering(watcher, namespace)
-        self._past = KeptPast(PAST_SPAN)
         self._sight: Sight | None = None
         self._statuses: tuple[NodeStatus, ...] = ()
         self._status_due = 0.0  # steady [s]
@@ -275,21 +274,13 @@ class LiveFlight(WatchedFlight):
                 self._statuses = node_statuses(self._heard, now)
             self._sight = live_sight(self._heard, self._sight, self._statuses, now)
             if self._sight is not None:  # kept a few times a second
-                self._past.add(self._sight)
+                self.keep(self._sight)
             return self._sight
 
     @property
     def tracking(self) -> TrackingParameters | None:  # type: ignore[override]  # only read
         """What its controller flies by; None before it has answered."""
         return self._parameters.value
-
-    def past(self, span: float) -> Sequence[Sight]:
-        """See :meth:`WatchedFlight.past`; without plans and without what the nodes say.
-
-        Args:
-            span: How far back from now in [s].
-        """
-        return self._past.of(span)
 
 
 class LiveSource(FlightSource):

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The server of a page: draws every aircraft of a source, twenty times a second."""
+"""The server of a page: draws every aircraft of a source, and says what lines and colours mean."""
 
 from __future__ import annotations
 
@@ -26,14 +26,81 @@ from typing import Any
 
 import viser
 
-from uav_tracking_mpc.view.cameras import Cameras
+from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.report.mode_colours import MODE_COLOURS
 from uav_tracking_mpc.view.panel import PANEL_PART, PanelPart
 from uav_tracking_mpc.view.panel._html import ALARM, badge, block
-from uav_tracking_mpc.view.panel.legend import add_legend
-from uav_tracking_mpc.view.scene import SCENE_ELEMENT, Colour, SceneElement
+from uav_tracking_mpc.view.scene import LIMIT, SCENE_ELEMENT, WIND, Colour, SceneElement
+from uav_tracking_mpc.view.scene.orbits import SCALE
 from uav_tracking_mpc.view.serving.guarded_server import GuardedServer
-from uav_tracking_mpc.view.visitors import FLOWN, NOW, NOW_TAG, Visitors
+from uav_tracking_mpc.view.visitors import FLOWN, MISSION, NOW, NOW_TAG, Visitors
 from uav_tracking_mpc.view.watched_flight import FlightSource, Sight, WatchedFlight
+
+PLACE, WIDTH = (15.0, 15.0), 250.0  # pixels from the upper left corner of the scene
+ROOM = 920  # pixels; beside less of a scene it would stand upon the orbit
+ROW = '<div style="display:flex;gap:0.5em;align-items:center">{}<span>{}</span></div>'
+MARK = '<span style="flex:0 0 1.6em;height:0;border-top:3px {} rgb{}"></span>'
+SQUARE = '<span title="{}" style="flex:0 0 0.8em;height:0.8em;background:rgb{}"></span>'
+BAR = '<span style="flex:0 0 1.6em;height:4px;background:linear-gradient(90deg,{})"></span>'
+
+# A page saves what it has drawn itself, on its own background: viser's pictures end at 1 km.
+SAVE = """
+<button type="button" style="width:100%;margin-top:0.4em;padding:0.3em;font:inherit;cursor:pointer"
+onclick="const drawn = document.querySelector('canvas[data-engine]');
+const picture = document.createElement('canvas');
+picture.width = drawn.width; picture.height = drawn.height;
+const brush = picture.getContext('2d');
+brush.fillStyle = getComputedStyle(document.body).backgroundColor;
+brush.fillRect(0, 0, picture.width, picture.height);
+brush.drawImage(drawn, 0, 0);
+const link = document.createElement('a');
+link.download = 'flight.png'; link.href = picture.toDataURL();
+link.click();">Save a picture</button>
+"""
+
+
+def legend(colour: Colour) -> str:
+    """Rows of marks and words, as HTML.
+
+    Args:
+        colour: Of the first aircraft.
+    """
+    flown = MODE_COLOURS[FallbackMode.OPTIMAL]
+    slow_to_fast = ",".join(f"rgb{tuple(each)}" for each in SCALE.tolist())
+    rows = [
+        (MARK.format("solid", flown), "the plan: where it flies next"),
+        (MARK.format("dashed", colour), "the orbit that is asked for"),
+        (MARK.format("solid", flown), "a circle: the orbit that is planned, where that differs"),
+        (BAR.format(slow_to_fast), "the last minute, from slow to fast over ground"),
+        (MARK.format("solid", WIND), "the wind, which drifts as fast as this"),
+        (MARK.format("solid", LIMIT), "a limit that is near"),
+        (MARK.format("solid", colour), "the target, and where it is expected"),
+    ]
+    modes = [SQUARE.format(mode.value, tint) for mode, tint in MODE_COLOURS.items()]
+    return (
+        '<div data-flight-legend style="font-size:0.75em;line-height:1.45;padding:0 0.7em 0.5em">'
+        + "".join(ROW.format(*row) for row in rows)
+        + ROW.format("".join(modes), "wings and plan, best first")
+        + "<b>Drag the target</b> with the mouse. Drag elsewhere to look around."
+        + SAVE
+        + "</div>"
+    )
+
+
+def add_legend(client: viser.ClientHandle, colour: Colour) -> None:
+    """Put it into the upper left of a page, folded where the page is small.
+
+    Args:
+        client: The page.
+        colour: Of the first aircraft.
+    """
+    panel = client.gui.add_panel()
+    with panel.add_tab("What you see"):
+        client.gui.add_html(legend(colour))
+    panel.float(x=PLACE[0], y=PLACE[1], width=WIDTH)
+    if client.camera.image_width < ROOM:
+        panel.minimize()
+
 
 logger = logging.getLogger(__name__)
 
@@ -42,37 +109,7 @@ COLOURS: tuple[Colour, ...] = (  # Okabe and Ito: told apart by everybody
     (0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (230, 159, 0), (86, 180, 233),
 )  # fmt: skip
 WORLD = "/world"  # node under which the scene hangs; cameras move it, page by page
-LAST = 1e6  # order in the panel
 PANEL_WIDTH = 340  # pixels
-
-
-def add_appearance(server: viser.ViserServer) -> Callable[[int, bool], None]:
-    """Add a switch for dark pages to every page.
-
-    Args:
-        server: Of the pages.
-
-    Returns:
-        Turns the switch of a page, by its number.
-    """
-    switches: dict[int, Any] = {}
-
-    def set_theme(gui: viser.GuiApi, dark: bool) -> None:
-        gui.configure_theme(show_share_button=False, show_logo=False, dark_mode=dark)
-
-    def join(client: viser.ClientHandle) -> None:
-        dark = client.gui.add_checkbox("Dark", False, order=LAST)
-        dark.on_update(lambda _: set_theme(client.gui, dark.value))
-        switches[client.client_id] = dark
-
-    def turn(number: int, on: bool) -> None:
-        if number in switches:
-            switches[number].value = on
-
-    set_theme(server.gui, False)
-    server.on_client_connect(join)
-    server.on_client_disconnect(lambda client: switches.pop(client.client_id, None))
-    return turn
 
 
 class Guarded:
@@ -168,7 +205,7 @@ class _Drawn:
         flight: WatchedFlight,
         colour: Colour,
     ) -> None:
-        self._flight, self._tab = flight, tabs.add_tab(flight.name)
+        self.colour, self._flight, self._tab = colour, flight, tabs.add_tab(flight.name)
         with self._tab:
             server.gui.add_html(NOW_TAG, order=-2e6)
             self._failures = server.gui.add_html("", order=-1e6, visible=False)  # above all parts
@@ -224,18 +261,24 @@ class Page:
         self._source = source
         self._server = GuardedServer(host, port, label="uav_tracking")
         self.address = self._server.address
-        turn_dark = add_appearance(self._server)
-        self._cameras = Cameras(self._server, WORLD)
         self._visitors = Visitors(
-            self._server, source, self._cameras, WORLD, self._begin_past, turn_dark
+            self._server,
+            source,
+            WORLD,
+            lambda scene, root, flight: elements_of(
+                scene, flight, self._drawn[flight.name].colour, root
+            ),
         )
-        self._server.answers |= {NOW: self._visitors.now, FLOWN: self._visitors.flown}
+        self._server.answers |= {
+            NOW: self._visitors.now,
+            FLOWN: self._visitors.flown,
+            MISSION: self._visitors.mission,
+        }
         self._server.on_client_connect(lambda client: add_legend(client, COLOURS[0]))
         self._server.gui.main_panel.dock_right()  # beside the scene and not upon it
         self._server.gui.main_panel.set_width(PANEL_WIDTH)
         self._tabs = self._server.gui.add_tab_group()  # one for each aircraft
         self._drawn: dict[str, _Drawn] = {}
-        self._colours: dict[str, Colour] = {}
         self._words = self._server.gui.add_markdown(source.words, visible=bool(source.words))
 
     def draw(self) -> None:
@@ -247,7 +290,6 @@ class Page:
             for flight in self._source.flights():
                 if flight.name not in self._drawn:
                     colour = COLOURS[len(self._drawn) % len(COLOURS)]
-                    self._colours[flight.name] = colour
                     self._drawn[flight.name] = _Drawn(
                         self._server, self._tabs, self._source, flight, colour
                     )
@@ -255,18 +297,6 @@ class Page:
                 if sight is not None:
                     watched[flight.name] = flight, sight
             self._visitors.show(watched)
-
-    def _begin_past(
-        self, scene: viser.SceneApi, root: str, flight: WatchedFlight
-    ) -> Callable[[Sight], None]:
-        """Draw an aircraft for one page, in its colour."""
-        elements = elements_of(scene, flight, self._colours[flight.name], root)
-
-        def show(sight: Sight) -> None:
-            for element in elements:
-                element.show(sight)
-
-        return show
 
     def serve(self, ended: Callable[[], bool]) -> None:
         """Draw until it is over.

@@ -39,19 +39,18 @@ from uav_tracking_mpc.report.mission_report import Replay
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.flight_log import FlightLog
 from uav_tracking_mpc.view.watched_flight import (
-    PAST_PERIOD,
     FlightSource,
+    KeptFlight,
     PlayClock,
     Sight,
     TargetSight,
-    WatchedFlight,
 )
 
 KEPT = 1024  # sights that are not made again: a track asks for the same ones at each frame
 SAME = 1e-6  # s by which a time may miss its sample
 
 
-class LoggedFlight(WatchedFlight):
+class LoggedFlight(KeptFlight):
     """Shows what a log holds at the time of a clock.
 
     Args:
@@ -61,26 +60,10 @@ class LoggedFlight(WatchedFlight):
     """
 
     def __init__(self, log: FlightLog, tracking: TrackingParameters, clock: PlayClock) -> None:
-        self.name, self._log, self.tracking, self._clock = log.config, log, tracking, clock
+        super().__init__(log.config, clock, tracking)
+        self._log = log
         self._errors, self._bank, self._wind = log.error, log.bank, log.wind
         self._sample = lru_cache(KEPT)(self._at)
-
-    @property
-    def sight(self) -> Sight:
-        """What there is to see at the time of the clock."""
-        return self.at(self._clock.time)
-
-    def past(self, span: float) -> Sequence[Sight]:
-        """See :meth:`WatchedFlight.past`.
-
-        Args:
-            span: How far back from now in [s].
-        """
-        now = self._clock.time
-        begin = max(now - span, self._clock.begin)
-        # Whole periods: as time goes on, the same samples are asked for again.
-        steps = np.arange(math.ceil(begin / PAST_PERIOD), math.ceil(now / PAST_PERIOD))
-        return [self.at(time) for time in (steps * PAST_PERIOD).tolist()]
 
     def at(self, time: float, whole: bool = True) -> Sight:
         """What there was to see at a time.
@@ -217,7 +200,7 @@ def _record(log: FlightLog, flown: NDArray[np.float64], count: int) -> Replay:
         serializer = server.get_scene_serializer()
         for time, next_time in zip(times, [*times[1:], times[-1]], strict=True):
             source.clock.seek(time)
-            sight = flight.sight
+            sight = flight.at(time)
             for element in elements:
                 element.show(sight)
             if follows:

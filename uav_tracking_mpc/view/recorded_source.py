@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import logging
 import math
-from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -45,19 +44,17 @@ from uav_tracking_mpc.nodes.topics import (
     TRACKING_ERRORS,
     Topic,
 )
-from uav_tracking_mpc.report.bag import BagError, name_of
-from uav_tracking_mpc.report.bag_index import SECOND, Bag, BagTopic, Place
+from uav_tracking_mpc.report.bag import SECOND, Bag, BagError, BagTopic, Place, name_of
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.view.snapshot import flown_mode, heard_sight, number
 from uav_tracking_mpc.view.watched_flight import (
     CONTROLLER,
-    PAST_PERIOD,
     SILENT,
     FlightSource,
+    KeptFlight,
     NodeStatus,
     PlayClock,
     Sight,
-    WatchedFlight,
 )
 
 logger = logging.getLogger(__name__)
@@ -66,7 +63,6 @@ RECORD = "controller.jsonl"  # as `fly` calls it
 NAMED = 8  # topics that a message names
 SAMPLES = 16  # states whose stamps are compared
 KEPT = 4000  # messages that are not read again
-PAST_KEPT = 2000  # sights
 UNANSWERED = 1.0  # s of flight after which what a controller sent counts no longer
 GONE = 5 * SECOND  # ns after which a node that reports once a second is silent
 FORGOTTEN = 60 * SECOND  # ns after which a silent one is not shown
@@ -145,7 +141,7 @@ def _rising(states: BagTopic) -> bool:
     return all(before < after for before, after in pairwise(stamps))
 
 
-class RecordedFlight(WatchedFlight):
+class RecordedFlight(KeptFlight):
     """Shows what was recorded of an aircraft at the time of a clock.
 
     Args:
@@ -162,36 +158,9 @@ class RecordedFlight(WatchedFlight):
         time: RecordedTime,
         tracking: TrackingParameters | None,
     ) -> None:
-        self.name = namespace.replace("/", "_") or "uav"
+        super().__init__(namespace.replace("/", "_") or "uav", time.clock, tracking)
         self._namespace, self._topics, self._time = namespace, topics, time
-        self.tracking = tracking
-        self._past: OrderedDict[int, Sight | None] = OrderedDict()
         self._read = lru_cache(KEPT)(self._decoded)
-
-    @property
-    def sight(self) -> Sight | None:
-        """What there is to see at the time of the clock."""
-        return self.at(self._time.clock.time)
-
-    def past(self, span: float) -> Sequence[Sight]:
-        """See :meth:`WatchedFlight.past`; plans and statuses are left out.
-
-        Args:
-            span: How far back from now in [s].
-        """
-        now = self._time.clock.time
-        last = math.floor(now / PAST_PERIOD)
-        first = math.ceil(max(now - span, self._time.clock.begin) / PAST_PERIOD)
-        sights: list[Sight] = []
-        for turn in range(first, last + 1):
-            if turn not in self._past:
-                self._past[turn] = self.at(turn * PAST_PERIOD, whole=False)
-            sight = self._past[turn]
-            if sight is not None and (not sights or sight.time > sights[-1].time):
-                sights.append(sight)
-        while len(self._past) > max(PAST_KEPT, last - first + 1):
-            self._past.popitem(last=False)
-        return sights
 
     def at(self, time: float, whole: bool = True) -> Sight | None:
         """What there was to see at a time; None before the first state.

@@ -60,12 +60,11 @@ from uav_tracking_mpc.view.watched_flight import (
     SIMULATOR,
     TARGET,
     FlightSource,
-    KeptPast,
+    FlownFlight,
     NodeStatus,
     PlayClock,
     Sight,
     TargetSight,
-    WatchedFlight,
 )
 
 
@@ -215,7 +214,7 @@ MOST_BEHIND = 0.25  # s of wall time by which the flight may be late; more is no
 STANDING = 0.1  # s of wall time between looks at a flight that stands still
 
 
-class SimulatedFlight(WatchedFlight):
+class SimulatedFlight(FlownFlight):
     """Flies a loop by a clock; what is asked of it is done between two ticks.
 
     Args:
@@ -236,10 +235,12 @@ class SimulatedFlight(WatchedFlight):
     """
 
     steering: SimulatedSteering
+    sight: Sight | None = None
 
     def __init__(
         self, configuration: Configuration, clock: PlayClock, witness: Witness | None = None
     ) -> None:
+        super().__init__(PAST_SPAN)
         speed = configuration.mission.speed
         simulator = changed(configuration.simulator, {"speed": speed})
         self.name, self.clock, self.requests = configuration.name, clock, RequestQueue()
@@ -247,24 +248,13 @@ class SimulatedFlight(WatchedFlight):
         self.steering = SimulatedSteering(self.loop, clock, self.requests)
         self._sights = SimulatedSights(self.loop)
         self._witness = witness
-        self._sight: Sight | None = None
         self._failed: Plant | None = None  # the plant that cannot fly on
-        self._past = KeptPast(PAST_SPAN)
         clock.play(speed)
-
-    @property
-    def sight(self) -> Sight | None:
-        """See :meth:`WatchedFlight.sight`."""
-        return self._sight
 
     @property
     def tracking(self) -> TrackingParameters:  # type: ignore[override]  # only read
         """Parameters of the controller."""
         return self.loop.controller.parameters
-
-    def past(self, span: float) -> Sequence[Sight]:
-        """See :meth:`WatchedFlight.past`."""
-        return self._past.of(span)
 
     def advance(self) -> float:
         """Do what was asked for, and fly one tick if the clock has come to it.
@@ -290,18 +280,18 @@ class SimulatedFlight(WatchedFlight):
             self._fail(str(error))
         else:
             sight = self._sights.at(tick)
-            self._sight = replace(sight, rivals=self.steering.rivals.follow())
-            self._past.add(self._sight)
+            self.sight = replace(sight, rivals=self.steering.rivals.follow())
+            self.keep(self.sight)
             if self._witness is not None:
                 self._witness(tick.time, tick.measured, tick.command)
         return 0.0
 
     def _fail(self, words: str) -> None:
         self._failed = self.loop.plant
-        if self._sight is not None:
-            others = [each for each in self._sight.statuses if each.node != SIMULATOR]
+        if self.sight is not None:
+            others = [each for each in self.sight.statuses if each.node != SIMULATOR]
             failed = NodeStatus(SIMULATOR, ERROR, f"the plant failed: {words}")
-            self._sight = replace(self._sight, statuses=(failed, *others))
+            self.sight = replace(self.sight, statuses=(failed, *others))
 
 
 class SimulatedSource(FlightSource):

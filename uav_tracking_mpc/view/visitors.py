@@ -12,25 +12,30 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the script of each open page asks for, and what it is told: JSON of one time."""
+"""Each open page: what its script asks for and is told, and its view of the past.
+
+A page that looks back has a scene of its own, of its own time, in place of the one that all share.
+"""
 
 from __future__ import annotations
 
 import json
 import math
 import secrets
+import threading
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol
 
+import numpy as np
 import viser
+from numpy.typing import NDArray
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.settings.tracking import TrackingParameters
-from uav_tracking_mpc.view.cameras import Cameras
+from uav_tracking_mpc.view.cameras import FirstView, Seat, Watched
 from uav_tracking_mpc.view.flight_history import MODES, FlightHistory, legend, told, weighted_errors
-from uav_tracking_mpc.view.looking_back import DrawnBy, LookingBack, Watched
+from uav_tracking_mpc.view.panel.mission_file import fly_and_tell
 from uav_tracking_mpc.view.panel.readings import readings
 from uav_tracking_mpc.view.watched_flight import (
     CONTROLLER,
@@ -41,8 +46,10 @@ from uav_tracking_mpc.view.watched_flight import (
     WatchedFlight,
 )
 
+PAST_WORLD = "/past"  # node under which the scene of a past time hangs
+LAST = 1e6  # order in the panel
 ERROR = 2  # level of a node, as in diagnostic_msgs
-NOW, FLOWN = "/flight/now", "/flight/flown"  # paths of the answers
+NOW, FLOWN, MISSION = "/flight/now", "/flight/flown", "/flight/mission"  # paths of the answers
 # By it the script knows which client of viser it belongs to.
 NAME_TAG = '<span data-flight-page="{}" hidden></span>'
 # By it the page knows what of the panel is of now; it reads the words while it looks back.
@@ -113,19 +120,146 @@ def figures(sight: Sight, tracking: TrackingParameters | None) -> dict[str, Any]
     }
 
 
-@dataclass
-class _Visitor:
-    """One open page.
+class PastFlight(WatchedFlight):
+    """A flight as it was; it cannot be steered.
+
+    Args:
+        flight: That goes on.
+        history: Of it.
 
     Attributes:
-        past: What it sees where it looks back.
-        asked: Time that it looks at in [s]; None for now.
-        dark: Whether its browser asks for dark pages; None before it said so.
+        sight: What there was to see at the time that was gone to last.
+        tracking: What its controller flew by when that was gone to.
     """
 
-    past: LookingBack
-    asked: float | None = None
-    dark: bool | None = None
+    sight: Sight | None = None
+
+    def __init__(self, flight: WatchedFlight, history: FlightHistory) -> None:
+        self.name, self._flight, self._history = flight.name, flight, history
+
+    def go_to(self, time: float) -> Sight | None:
+        """Show a time.
+
+        Args:
+            time: Of the flight's clock in [s].
+
+        Returns:
+            What there was to see; None where nothing is known.
+        """
+        self.sight, self.tracking = self._history.at(time), self._flight.tracking
+        return self.sight
+
+    def past(self, span: float) -> Sequence[Sight]:
+        """See :meth:`WatchedFlight.past`.
+
+        Args:
+            span: How far back from the shown time in [s].
+        """
+        if self.sight is None:
+            return []
+        return self._history.between(self.sight.time - span, self.sight.time)
+
+
+class Element(Protocol):
+    """Draws an aircraft, or a part of it."""
+
+    def show(self, sight: Sight) -> None:
+        """Draw it.
+
+        Args:
+            sight: Of the aircraft.
+        """
+
+
+DrawnBy = Callable[[viser.SceneApi, str, WatchedFlight], Sequence[Element]]
+Flown = Mapping[str, tuple[WatchedFlight, FlightHistory]]
+
+
+def set_theme(gui: viser.GuiApi, dark: bool) -> None:
+    """Give pages their colours.
+
+    Args:
+        gui: Of all pages, or of one.
+        dark: Whether they are dark.
+    """
+    gui.configure_theme(show_share_button=False, show_logo=False, dark_mode=dark)
+
+
+class Visitor:
+    """One open page: from where it looks, at what time, in which colours.
+
+    Args:
+        client: The page.
+        world: Name of the node under which the shared scene hangs.
+        firsts: Where the cameras of pages began, newest last.
+        draw: Begins to draw an aircraft: of a scene, the name of a node and a flight; answers what
+            draws each of its sights.
+
+    Attributes:
+        seat: From where it looks.
+        asked: Time that it looks at in [s]; None for now.
+        past: All aircraft as it sees them, by name, where it looks back; empty else.
+    """
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        world: str,
+        firsts: Sequence[NDArray[np.float64]],
+        draw: DrawnBy,
+    ) -> None:
+        self.client, self._draw = client, draw
+        self.seat = Seat(client, world, firsts)
+        self.asked: float | None = None
+        self.past: dict[str, Watched] = {}
+        self._shown: float | None = None  # time that the scene of the past shows
+        self._drawn: dict[str, tuple[PastFlight, Sequence[Element]]] = {}
+        self._frame = client.scene.add_frame(PAST_WORLD, show_axes=False, visible=False)
+        self._asks_for_dark: bool | None = None  # before its browser has said so
+        self._dark: Any = client.gui.add_checkbox("Dark", False, order=LAST)
+        self._dark.on_update(lambda _: set_theme(client.gui, self._dark.value))
+        client.gui.add_html(NAME_TAG.format(client.client_id), order=-1e6)
+
+    def show(self, watched: Mapping[str, Watched], flown: Flown) -> None:
+        """Draw the past where the page looks at it, and follow what it follows.
+
+        Args:
+            watched: All aircraft that are seen now, by name.
+            flown: All aircraft that were seen, by name, with what was kept of them.
+        """
+        with self.client.atomic():
+            if self.asked != self._shown:
+                self._shown = self.asked
+                self.past = {} if self.asked is None else self._at(self.asked, flown)
+                self._frame.visible = bool(self.past)
+                self.seat.world.visible = not self.past
+            if watched:
+                frame = self._frame if self.past else None
+                self.seat.show(tuple(watched), self.past or watched, frame)
+
+    def _at(self, time: float, flown: Flown) -> dict[str, Watched]:
+        watched: dict[str, Watched] = {}
+        for name, (flight, history) in flown.items():
+            if name not in self._drawn:
+                past = PastFlight(flight, history)
+                elements = self._draw(self.client.scene, f"{PAST_WORLD}/{name}", past)
+                self._drawn[name] = past, elements
+            past, elements = self._drawn[name]
+            sight = past.go_to(time)
+            if sight is not None:
+                watched[name] = past, sight
+                for element in elements:
+                    element.show(sight)
+        return watched
+
+    def follow_theme(self, dark: str) -> None:
+        """Follow the browser until a hand changes it, and again when the browser changes.
+
+        Args:
+            dark: 1 where it asks for dark pages, 0 where it does not; anything else is ignored.
+        """
+        if dark in ("0", "1") and self._asks_for_dark is not (dark == "1"):
+            self._asks_for_dark = self._dark.value = dark == "1"
 
 
 class Visitors:
@@ -134,60 +268,45 @@ class Visitors:
     Args:
         server: Of the pages.
         source: What is shown.
-        cameras: From where each page looks.
         world: Name of the node under which the shared scene hangs.
-        draw: Begins to draw an aircraft anew, see :class:`LookingBack`.
-        set_dark: Gives a page, by its number, dark or light colours.
+        draw: Begins to draw an aircraft anew, see :class:`Visitor`.
     """
 
     def __init__(
-        self,
-        server: viser.ViserServer,
-        source: FlightSource,
-        cameras: Cameras,
-        world: str,
-        draw: DrawnBy,
-        set_dark: Callable[[int, bool], None],
+        self, server: viser.ViserServer, source: FlightSource, world: str, draw: DrawnBy
     ) -> None:
-        self._source, self._cameras, self._set_dark = source, cameras, set_dark
-        self._world, self._draw = world, draw
+        self._source, self._first = source, FirstView(server)
         self._server = secrets.token_hex(8)  # a page that was served by another one is old
-        self._visitors: dict[int, _Visitor] = {}
-        self._flights: dict[str, tuple[WatchedFlight, FlightHistory]] = {}
+        self._visitors: dict[int, Visitor] = {}
+        self._flown: dict[str, tuple[WatchedFlight, FlightHistory]] = {}
         self._watched: Mapping[str, Watched] = {}
         self._at = math.inf  # s, when the last frame was drawn; the first one may take long
-        server.on_client_connect(self._join)
-        server.on_client_disconnect(lambda client: self._leave(client.client_id))
 
-    def _join(self, client: viser.ClientHandle) -> None:
-        past = LookingBack(client, self._world, self._draw)
-        self._visitors[client.client_id] = _Visitor(past)
-        client.gui.add_html(NAME_TAG.format(client.client_id), order=-1e6)
+        def join(client: viser.ClientHandle) -> None:
+            self._visitors[client.client_id] = Visitor(client, world, self._first.places, draw)
 
-    def _leave(self, client_id: int) -> None:
-        self._visitors.pop(client_id, None)
+        def leave(client: viser.ClientHandle) -> None:
+            self._visitors.pop(client.client_id, None)
+
+        set_theme(server.gui, False)
+        server.on_client_connect(join)
+        server.on_client_disconnect(leave)
 
     def show(self, watched: Mapping[str, Watched]) -> None:
-        """Take note of a frame, and draw the past where a page looks at it.
+        """Take note of a frame, and show each page what it looks at.
 
         Args:
             watched: All aircraft that are seen, by name.
         """
         for name, (flight, sight) in watched.items():
-            if name not in self._flights:
-                self._flights[name] = flight, FlightHistory(flight, self._source.clock)
-            self._flights[name][1].note(sight)
+            if name not in self._flown:
+                self._flown[name] = flight, FlightHistory(flight, self._source.clock)
+            self._flown[name][1].note(sight)
         self._watched = watched
+        if watched:
+            self._first.show(next(iter(watched.values())))
         for visitor in list(self._visitors.values()):
-            visitor.past.show(visitor.asked, self._flights)
-        self._cameras.show(
-            watched,
-            {
-                number: (visitor.past.frame, visitor.past.watched)
-                for number, visitor in list(self._visitors.items())
-                if visitor.past.watched
-            },
-        )
+            visitor.show(watched, self._flown)
         self._at = time.monotonic()
 
     def now(self, query: Query) -> str:
@@ -205,9 +324,9 @@ class Visitors:
         view, name = "", next(iter(shown), "")
         if number is not None and visitor is not None:
             visitor.asked = _number(query, "time")
-            self._take_theme(int(number), visitor, query)
-            shown = visitor.past.watched or shown
-            view, name = self._cameras.choice(int(number)) or (view, name)
+            visitor.follow_theme(query.get("dark", [""])[0])
+            shown = visitor.past or shown
+            view, name = visitor.seat.choice
         clock, live = self._source.clock, self._watched.get(name)
         told_now: dict[str, Any] = {
             "server": self._server,
@@ -235,16 +354,28 @@ class Visitors:
             JSON, see :meth:`FlightHistory.as_json`; an empty object where there is no such
             aircraft.
         """
-        kept = self._flights.get(query.get("name", [""])[0])
+        kept = self._flown.get(query.get("name", [""])[0])
         since = _number(query, "since")
         return "{}" if kept is None else kept[1].as_json(-math.inf if since is None else since)
 
-    def _take_theme(self, number: int, visitor: _Visitor, query: Query) -> None:
-        """Follow the browser until a hand changes it, and again when the browser changes."""
-        dark = query.get("dark", [""])[0]
-        if dark in ("0", "1") and visitor.dark is not (dark == "1"):
-            visitor.dark = dark == "1"
-            self._set_dark(number, visitor.dark)
+    def mission(self, query: Query) -> str:
+        """Begin to fly a mission that came with an address; the page is told what comes of it.
+
+        Args:
+            query: ``page``, its number; ``name`` of the aircraft; ``mission``, a scenario file.
+
+        Returns:
+            JSON: ``refused``, why nothing was begun, or an empty object.
+        """
+        number = _number(query, "page")
+        name, text = (query.get(key, [""])[0] for key in ("name", "mission"))
+        visitor = None if number is None else self._visitors.get(int(number))
+        steering = self._flown[name][0].steering if name in self._flown else None
+        if visitor is None or steering is None:
+            return json.dumps({"refused": "this flight cannot be steered"})
+        asked = visitor.client, steering, text.encode()
+        threading.Thread(target=fly_and_tell, args=asked, daemon=True).start()
+        return "{}"
 
 
 def _number(query: Query, name: str) -> float | None:

@@ -20,7 +20,7 @@ import math
 import threading
 import time
 from abc import ABC, abstractmethod
-from collections import deque
+from collections import OrderedDict, deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -37,6 +37,7 @@ SIMULATOR = "uav_simulator"
 TARGET = "target_publisher"
 SILENT = 3  # level of a node that says nothing, as in diagnostic_msgs
 PAST_PERIOD = 0.2  # s of the flight's clock between sights of its past
+PAST_KEPT = 2000  # sights of a record's past that are not read again
 RATES = (0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)  # speeds of a replay and of simulated time [-]
 
 
@@ -352,38 +353,82 @@ class WatchedFlight(ABC):
         return None
 
 
-class KeptPast:
-    """Past of a flight that goes on: a few sights a second, without plans and what nodes say.
+class FlownFlight(WatchedFlight):
+    """One aircraft that is flown now: a few sights a second stay, without plans and statuses.
 
     Args:
         span: How far back they are kept in [s].
     """
 
     def __init__(self, span: float) -> None:
-        self._sights: deque[Sight] = deque(maxlen=round(span / PAST_PERIOD))
-        self._lock = threading.Lock()  # others look while it is flown
+        self._kept: deque[Sight] = deque(maxlen=round(span / PAST_PERIOD))
+        self._kept_lock = threading.Lock()  # others look while it is flown
 
-    def add(self, sight: Sight) -> None:
+    def keep(self, sight: Sight) -> None:
         """Keep a sight, if the last one is long enough ago; where time began anew, so does this.
 
         Args:
             sight: Of now.
         """
-        with self._lock:
-            if self._sights and sight.time < self._sights[-1].time:
-                self._sights.clear()
-            if not self._sights or sight.time >= self._sights[-1].time + PAST_PERIOD - 1e-9:
-                self._sights.append(replace(sight, plan=None, statuses=()))
+        with self._kept_lock:
+            if self._kept and sight.time < self._kept[-1].time:
+                self._kept.clear()
+            if not self._kept or sight.time >= self._kept[-1].time + PAST_PERIOD - 1e-9:
+                self._kept.append(replace(sight, plan=None, statuses=()))
 
-    def of(self, span: float) -> list[Sight]:
-        """Sights of the last time, oldest first.
+    def past(self, span: float) -> Sequence[Sight]:
+        """See :meth:`WatchedFlight.past`.
 
         Args:
             span: How long before the last one in [s].
         """
-        with self._lock:
-            last = self._sights[-1].time if self._sights else 0.0
-            return [sight for sight in self._sights if sight.time >= last - span]
+        with self._kept_lock:
+            last = self._kept[-1].time if self._kept else 0.0
+            return [sight for sight in self._kept if sight.time >= last - span]
+
+
+class KeptFlight(WatchedFlight):
+    """One aircraft of a record, shown at the time of a clock.
+
+    Args:
+        name: Of the aircraft.
+        clock: What time it is in the record.
+        tracking: What its controller flew by; None where nobody knows.
+    """
+
+    def __init__(self, name: str, clock: PlayClock, tracking: TrackingParameters | None) -> None:
+        self.name, self.clock, self.tracking = name, clock, tracking
+        self._past: OrderedDict[int, Sight | None] = OrderedDict()
+
+    @abstractmethod
+    def at(self, time: float, whole: bool = True) -> Sight | None:
+        """See :meth:`WatchedFlight.at`."""
+
+    @property
+    def sight(self) -> Sight | None:
+        """What there is to see at the time of the clock."""
+        return self.at(self.clock.time)
+
+    def past(self, span: float) -> Sequence[Sight]:
+        """See :meth:`WatchedFlight.past`; plans and statuses are left out.
+
+        Args:
+            span: How far back from now in [s].
+        """
+        now = self.clock.time
+        # Whole periods: as time goes on, the same sights are asked for again.
+        last = math.floor(now / PAST_PERIOD)
+        first = math.ceil(max(now - span, self.clock.begin) / PAST_PERIOD)
+        sights: list[Sight] = []
+        for turn in range(first, last + 1):
+            if turn not in self._past:
+                self._past[turn] = self.at(turn * PAST_PERIOD, whole=False)
+            sight = self._past[turn]
+            if sight is not None and (not sights or sight.time > sights[-1].time):
+                sights.append(sight)
+        while len(self._past) > max(PAST_KEPT, last - first + 1):
+            self._past.popitem(last=False)
+        return sights
 
 
 class FlightSource(ABC):

@@ -14,9 +14,14 @@
 
 """A mission as a file: what was saved is flown again."""
 
+import html
+import re
+from urllib.parse import parse_qs, urlsplit
+
 from watched_flight_stand_in import StandInFlight, StandInSource, StandInSteering
 
 from uav_tracking_mpc.settings.configuration import load_configuration
+from uav_tracking_mpc.view.panel import PANEL_PART
 from uav_tracking_mpc.view.panel.mission_file import MissionFile, fly_mission, mission_of
 from uav_tracking_mpc.view.watched_flight import CONTROLLER, SIMULATOR, TARGET
 
@@ -63,6 +68,17 @@ def test_what_is_no_mission_or_is_refused_is_told():
     assert "the wind is too strong" in fly_mission(steering, mission_of(steered(), "a").encode())
 
 
+def test_a_link_holds_it_and_no_token(panel, flight):
+    shown = panel(MissionFile)
+    shown.by_hand("Make a link", True)
+    shown.until(lambda: "href" in shown.text)
+    link = urlsplit(html.unescape(re.search('href="([^"]*)"', shown.text)[1]))
+    assert (link.path, link.query) == ("/", "")
+    (mission,) = parse_qs(link.fragment)["mission"]
+    assert mission == mission_of(flight.steering, flight.name)
+
+
 def test_it_is_absent_where_nothing_is_steered():
+    assert PANEL_PART.own()["mission_file"] is MissionFile  # where something is
     flight = StandInFlight()
     assert not MissionFile.fits(flight, StandInSource(flight))

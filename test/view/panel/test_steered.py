@@ -17,6 +17,7 @@
 import threading
 import time
 
+import numpy as np
 import pytest
 from processes import PATIENCE as WAIT
 from processes import wait_for
@@ -27,6 +28,7 @@ from uav_tracking_mpc.simulation.motions import TARGET_MOTION
 from uav_tracking_mpc.view.panel._steering_part import Requests, requests_of
 from uav_tracking_mpc.view.panel.steered import (
     PATIENCE,
+    Compare,
     Engagement,
     Faults,
     Orbit,
@@ -35,13 +37,13 @@ from uav_tracking_mpc.view.panel.steered import (
     Wind,
     from_where,
 )
-from uav_tracking_mpc.view.watched_flight import CONTROLLER, SIMULATOR, TARGET
+from uav_tracking_mpc.view.watched_flight import CONTROLLER, SIMULATOR, TARGET, RivalSight
 
 
 def asked(requests, request):
     """Event of the answer to a request that has begun."""
     answered = threading.Event()
-    requests.begin(request, lambda refusal: answered.set(), lambda words: None)
+    requests.begin(request, lambda words, kind: answered.set())
     return answered
 
 
@@ -162,17 +164,48 @@ def test_what_is_set_by_hand_is_asked_for_at_once(begun, flight, part, by_hand, 
         (SimulatedTime, [CONTROLLER]),
         (Engagement, None),  # of a record
         (Faults, None),
+        (Faults, [CONTROLLER]),  # which offers none
+        (Compare, None),
+        (Compare, [CONTROLLER]),  # that flies elsewhere
     ],
 )
 def test_a_part_is_absent_where_there_is_nobody_to_ask(part, nodes):
     flight = StandInFlight(steering=None if nodes is None else StandInSteering(nodes))
+    if nodes is not None:
+        flight.steering.faults, flight.steering.comparable = {}, False
     assert not part.fits(flight, StandInSource(flight))
 
 
-def test_sliders_stand_at_what_is_flown(orbit):
-    values = [orbit.widget(label).value for label in (RANGE, "altitude [m]", "airspeed [m/s]")]
-    assert values == [300.0, 120.0, 22.0]
-    assert orbit.widget("direction").value == "nearest"
+@pytest.mark.parametrize(
+    ("part", "shown"),
+    [
+        (Orbit, {RANGE: 300.0, "altitude [m]": 120.0, "airspeed [m/s]": 22.0}),
+        (Orbit, {"direction": "nearest"}),
+        (Wind, {"wind [m/s]": 8.0, "from [deg]": 0.0}),
+        (Target, {"motion": "stationary"}),
+    ],
+)
+def test_widgets_begin_at_what_is_flown(begun, part, shown):
+    widgets = begun(part)
+    assert {label: widgets.widget(label).value for label in shown} == shown
+
+
+@pytest.mark.parametrize(
+    ("part", "node", "values", "shown"),
+    [
+        (Orbit, CONTROLLER, {"range": 5000.0}, {RANGE: 5000.0}),
+        (Orbit, CONTROLLER, {"direction": "clockwise"}, {"direction": "clockwise"}),
+        (Target, TARGET, {"motion": "my_motion.py:Mine"}, {"motion": "my_motion.py:Mine"}),
+        (Target, TARGET, {"speed": 40.0}, {"speed [m/s]": 40.0}),
+        (SimulatedTime, SIMULATOR, {"speed": 3.0}, {"speed": "3 x"}),
+    ],
+)
+def test_widgets_follow_somebody_else(begun, flight, part, node, values, shown):
+    """Also beyond what they spanned, and to what was none of their options."""
+    widgets = begun(part)
+    flight.steering.values[node] |= values
+    widgets.until(lambda: {label: widgets.widget(label).value for label in shown} == shown)
+    assert flight.steering.asked == []
 
 
 def test_spans_are_those_of_the_flight(orbit):
@@ -209,14 +242,6 @@ def test_a_refusal_stands_where_the_value_was_set(orbit, flight):
     assert orbit.widget(RANGE).order < line.order < orbit.widget("altitude [m]").order
 
 
-def test_sliders_follow_somebody_else(orbit, flight):
-    flight.steering.values[CONTROLLER] |= {"range": 5000.0, "direction": "clockwise"}
-    orbit.until(lambda: orbit.widget(RANGE).value == 5000.0)
-    assert orbit.widget(RANGE).max >= 5000.0
-    assert orbit.widget("direction").value == "clockwise"
-    assert flight.steering.asked == []
-
-
 def test_while_it_is_asked_the_page_says_so_and_goes_on(orbit, flight):
     flight.steering.go_on.clear()
     orbit.by_hand("direction", "clockwise")
@@ -250,16 +275,7 @@ def test_parameters_that_nobody_answers_are_waited_for(panel, flight):
 
 
 def test_every_motion_is_listed(begun):
-    target = begun(Target)
-    assert set(target.widget("motion").options) == set(TARGET_MOTION.names)
-    assert target.widget("motion").value == "stationary"
-
-
-def test_a_motion_of_somebody_elses_file_is_shown(begun, flight):
-    target = begun(Target)
-    flight.steering.values[TARGET] |= {"motion": "my_motion.py:Mine", "speed": 40.0}
-    target.until(lambda: target.widget("motion").value == "my_motion.py:Mine")
-    assert target.widget("speed [m/s]").value == 40.0
+    assert set(begun(Target).widget("motion").options) == set(TARGET_MOTION.names)
 
 
 @pytest.mark.parametrize(
@@ -268,10 +284,6 @@ def test_a_motion_of_somebody_elses_file_is_shown(begun, flight):
 )
 def test_wind_is_told_by_where_it_comes_from(blows_to, speed, azimuth):
     assert from_where(blows_to) == pytest.approx((speed, azimuth), abs=1e-3)
-
-
-def test_sliders_stand_at_the_wind(wind):
-    assert (wind.widget("wind [m/s]").value, wind.widget("from [deg]").value) == (8.0, 0.0)
 
 
 def test_without_wind_its_direction_waits_for_some(wind, flight):
@@ -308,17 +320,6 @@ def test_buttons_do_nothing_until_it_is_answered(simulated_time, flight):
     flight.steering.go_on.set()
     simulated_time.until(lambda: "asking" not in simulated_time.text)
     assert flight.steering.asked == [("pause", True)]
-
-
-def test_a_refused_button_says_why(simulated_time, flight):
-    flight.steering.refusal = "time does not belong to this simulator"
-    simulated_time.by_hand("time", "Pause")
-    simulated_time.until(lambda: "time does not belong to this simulator" in simulated_time.text)
-
-
-def test_a_speed_of_somebody_else_is_shown(simulated_time, flight):
-    flight.steering.values[SIMULATOR]["speed"] = 3.0
-    simulated_time.until(lambda: simulated_time.widget("speed").value == "3 x")
 
 
 def test_it_says_whether_time_stands(simulated_time, flight):
@@ -365,17 +366,6 @@ def test_a_fault_its_fallback_and_its_recovery(faults, flight):
     assert "after 11 s" in text
 
 
-def test_no_fault_begins_while_one_is_asked_for(faults, flight):
-    flight.steering.go_on.clear()
-    faults.by_hand("inject", FAULT)
-    faults.until(lambda: flight.steering.asked)
-    faults.by_hand("inject", FAULT)
-    assert f"asking for {FAULT}" in faults.text
-    flight.steering.go_on.set()
-    faults.until(lambda: "asking" not in faults.text)
-    assert len(flight.steering.asked) == 1
-
-
 def test_a_fault_that_needs_no_fallback(faults, flight):
     inject(faults, flight)
     assert "no fallback was needed" in faults.show(sight(10.0 + 2.0 * PATIENCE))
@@ -413,7 +403,26 @@ def test_a_fallback_before_a_fault_or_a_reset_is_none_of_its_story(faults, fligh
     inject(faults, flight)
 
 
-def test_where_no_fault_is_offered_there_is_no_part():
-    flight = StandInFlight(steering=StandInSteering())
-    flight.steering.faults = {}
-    assert not Faults.fits(flight, StandInSource(flight))
+BOX = "classical laws"
+
+
+def beside(time, ours, theirs):
+    rival = RivalSight("l1", np.zeros(3), 0.0, 0.0, 0.0, theirs)
+    return sight(time, errors={"range_error": ours}, rivals=(rival,))
+
+
+def test_they_are_asked_for_by_a_box(panel, flight):
+    shown = panel(Compare)
+    for on in (True, False):
+        shown.by_hand(BOX, on)
+        shown.until(lambda: "asking" not in shown.text)
+    assert flight.steering.asked == [("compare", True), ("compare", False)]
+
+
+def test_errors_of_now_and_of_the_last_minute(panel, flight):
+    flight.seen = [sight(0.0)]
+    shown = panel(Compare).shown(beside(10.0, 3.0, 40.0), beside(11.0, 4.0, 30.0))
+    rows = shown.text.split("<tr")
+    assert "+4.0" in rows[-2] and "3.5" in rows[-2]
+    assert "l1" in rows[-1] and "+30.0" in rows[-1] and "35.4" in rows[-1]
+    assert "l1" not in shown.show(sight(12.0))

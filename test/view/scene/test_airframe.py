@@ -22,7 +22,8 @@ from watched_flight_stand_in import StandInFlight, sight
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.report.mode_colours import mode_colour
-from uav_tracking_mpc.view.scene.airframe import Airframe, caption
+from uav_tracking_mpc.view.scene.airframe import Airframe, Rivals, caption
+from uav_tracking_mpc.view.watched_flight import RivalSight
 
 
 def drawn(draw, node, **more):
@@ -66,3 +67,22 @@ def test_wings_and_words_tell_what_is_flown(draw, node):
     assert node("aircraft/own/label").text == "aircraft: loiter law"
     assert caption("aircraft", FallbackMode.OPTIMAL) == "aircraft"
     assert caption("aircraft", None) == "aircraft: no command yet"
+
+
+PLACE = np.array([100.0, 50.0, 120.0])
+
+
+def test_they_stand_where_they_fly_with_their_errors(draw, node):
+    rivals = tuple(
+        RivalSight(law, PLACE, 0.0, 0.0, 0.0, error) for law, error in (("l1", 3.14), ("npfg", -2))
+    )
+    element = draw(Rivals, StandInFlight())
+    element.show(sight(rivals=rivals))
+    np.testing.assert_allclose(node("rivals/l1/body").position, PLACE)
+    texts = [node(f"rivals/{law}/label").text for law in ("l1", "npfg")]
+    assert texts == ["l1: +3.1 m", "npfg: -2.0 m"]
+    low, high = (node(f"rivals/{law}/label").position[2] for law in ("l1", "npfg"))
+    assert high > low  # one's words over the other's
+    element.show(sight())
+    assert not node("rivals/l1/body").visible
+    assert not node("rivals/l1/label").visible

@@ -19,7 +19,7 @@ import pytest
 from watched_flight_stand_in import StandInFlight, sight
 
 from uav_tracking_mpc.settings.configuration import load_configuration
-from uav_tracking_mpc.view.scene._drawing import GREY, LIMIT
+from uav_tracking_mpc.view.scene import GREY, LIMIT
 from uav_tracking_mpc.view.scene.limits import FAINT_OPACITY, GLOW, GLOWING_OPACITY, Limits, glow
 from uav_tracking_mpc.view.watched_flight import TargetSight
 
@@ -111,7 +111,11 @@ def test_the_sphere_about_the_target_turns_from_grey_to_the_colour_of_limits(dra
     element = draw(Limits, FlightWithin())
     for east, colour in ((275.0, GREY), (60.0, LIMIT)):
         element.show(at(east, 0.0))
-        assert tuple(scene.get_handle_by_name(f"{limit('distance').name}/lines").colors) == colour
+        skin, rim = (
+            scene.get_handle_by_name(f"{limit('distance').name}/{part}")
+            for part in ("skin", "lines")
+        )
+        assert skin.color == tuple(rim.colors) == colour
 
 
 def test_a_glow_is_told_in_steps():

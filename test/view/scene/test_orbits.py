@@ -14,14 +14,27 @@
 
 """Orbits and the plan: where they are."""
 
+import dataclasses
+import itertools
+
 import numpy as np
+import pytest
 import viser.transforms
 from watched_flight_stand_in import StandInFlight, sight
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.report.mode_colours import mode_colour
-from uav_tracking_mpc.view.scene.orbits import Orbits, Plan
+from uav_tracking_mpc.view.scene.orbits import (
+    SCALE,
+    SPAN,
+    Orbits,
+    Plan,
+    Track,
+    dashes,
+    linear,
+    speed_colour,
+)
 
 
 def orbit(radius):
@@ -90,3 +103,87 @@ def test_without_a_plan_nothing_is_left_standing(draw, node):
         element.show(sight(plan=missing))
         assert not node("plan/line").visible
         assert not node("plan/ghosts").visible
+
+
+def along_east(times):
+    return [sight(time, position=np.array([20.0 * time, 5.0, 100.0])) for time in times]
+
+
+def fly(element, flight, sights):
+    for seen in sights:
+        flight.seen.append(seen)
+        element.show(seen)
+
+
+@pytest.fixture
+def flown(draw):
+    """Ten seconds at 20 Hz."""
+    flight = StandInFlight()
+    flight.seen = along_east([0.0])
+    element = draw(Track, flight)
+    fly(element, flight, along_east(np.arange(0.0, 10.0, 0.05)))
+    return element, flight
+
+
+def test_old_parts_are_drawn_as_shorter_dashes():
+    times = np.arange(0.0, SPAN, 0.5)
+    points = np.column_stack([times, np.zeros_like(times), np.zeros_like(times)])
+    segments = dashes(times, points)
+    lengths = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
+    assert np.all(np.diff(lengths) > -1e-12)
+    assert lengths[0] < 0.2 * lengths[-1]
+    np.testing.assert_allclose(segments[-1], points[-2:])
+
+
+def test_it_goes_on_to_where_the_aircraft_is(flown, node):
+    _, flight = flown
+    line, head = node("track/line").points, node("track/head").points
+    np.testing.assert_allclose(head[-1, 1], flight.seen[-1].position, rtol=1e-6)
+    np.testing.assert_allclose(head[0, 0], line[-1, 1], atol=1.0)
+    for earlier, later in itertools.pairwise(head):
+        np.testing.assert_allclose(earlier[1], later[0])
+
+
+def test_no_more_than_a_minute_is_kept(flown, node):
+    element, flight = flown
+    fly(element, flight, along_east(np.arange(10.0, 100.0, 0.25)))
+    line = node("track/line").points
+    assert 35.0 < line[0, 1, 0] / 20.0 < 40.5
+    assert len(line) <= 300
+
+
+def test_the_whole_line_is_sent_only_now_and_then(flown, sent):
+    element, flight = flown
+    fly(element, flight, along_east(np.arange(10.0, 20.0, 0.05)))
+    lines = [m for m in sent if m.name.endswith("track/line") and "points" in m.updates]
+    assert 0 < len(lines) <= 10
+
+
+def test_after_a_jump_of_time_the_past_is_asked_for(flown, node):
+    element, flight = flown
+    flight.seen = along_east(np.arange(200.0, 230.0, 0.2))
+    element.show(flight.seen[-1])
+    np.testing.assert_allclose(node("track/line").points[-1, 1, 0], 20.0 * 229.8, rtol=1e-5)
+    flight.seen = along_east(np.arange(0.0, 5.0, 0.2))
+    element.show(flight.seen[-1])
+    np.testing.assert_allclose(node("track/line").points[:, 1, 0].max(), 20.0 * 4.8, rtol=1e-5)
+
+
+def test_an_aircraft_that_stands_has_none(draw, node):
+    flight = StandInFlight()
+    element = draw(Track, flight)
+    for time in np.arange(10.0, 15.0, 0.1):
+        element.show(dataclasses.replace(flight.seen[0], time=time))
+    assert not node("track/line").visible
+    assert not node("track/head").visible
+
+
+def test_the_colour_tells_how_the_air_carries_the_aircraft(flown, node):
+    seen = [sight(ground_velocity=np.array([speed, 0.0, 0.0])) for speed in (5.0, 22.5, 50.0)]
+    for one, colour in zip(seen, SCALE, strict=True):
+        np.testing.assert_array_equal(speed_colour(one), linear(colour))
+    np.testing.assert_array_equal(
+        speed_colour(sight(airspeed=np.nan, ground_velocity=np.ones(3))), linear(SCALE[1])
+    )
+    line = node("track/line")
+    assert line.colors.shape == line.points.shape

@@ -14,15 +14,19 @@
 
 """The target: where it is drawn, and where it is expected."""
 
+import asyncio
 import math
+import types
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from watched_flight_stand_in import StandInFlight, sight
+import viser.transforms as rigid
+from watched_flight_stand_in import StandInClient, StandInFlight, StandInSteering, sight
 
-from uav_tracking_mpc.view.scene.target import Forecast, Target, caption
-from uav_tracking_mpc.view.scene.tracks import TargetTrack
-from uav_tracking_mpc.view.watched_flight import TargetSight
+from uav_tracking_mpc.view.scene.orbits import TargetTrack
+from uav_tracking_mpc.view.scene.target import Forecast, Target, TargetDrag, caption, meets_height
+from uav_tracking_mpc.view.watched_flight import CONTROLLER, TargetSight
 
 PLACE = np.array([30.0, -40.0, 2.0])
 
@@ -84,3 +88,125 @@ def test_a_forecast_widens_along_the_way(draw, node):
 def test_a_forecast_that_is_not_known_or_does_not_move_is_hidden(draw, node, forecast):
     draw(Forecast, StandInFlight()).show(sight(target=TargetSight(PLACE, forecast=forecast)))
     assert not node("forecast").visible
+
+
+CAMERA = np.array([0.0, -500.0, 400.0])
+
+
+class ClientOfScene(StandInClient):
+    """A page, for which the scene may be moved."""
+
+    def __init__(self, moved=None):
+        super().__init__()
+        self.camera = types.SimpleNamespace(position=CAMERA)
+        self.moved = moved
+        world = None
+        if moved is not None:
+            world = types.SimpleNamespace(wxyz=moved.rotation().wxyz, position=moved.translation())
+            self.camera.position = moved @ CAMERA
+        self.scene = types.SimpleNamespace(get_handle_by_name=lambda name: world)
+
+    def tells(self, point):
+        return np.array(point) if self.moved is None else self.moved @ np.array(point)
+
+
+def event(client, phase, begin, end):
+    return types.SimpleNamespace(
+        client=client,
+        phase=phase,
+        start_position=client.tells(begin),
+        end_position=client.tells(end),
+    )
+
+
+@pytest.fixture
+def flight():
+    return StandInFlight(steering=StandInSteering())
+
+
+@pytest.fixture
+def drag(draw, flight):
+    """Drag from a point to a point in ``map``; returns what the element did with it."""
+    draw(Target, flight).show(sight(target=TargetSight(PLACE)))
+    element = draw(TargetDrag, flight)
+    element.show(sight(target=TargetSight(PLACE)))
+
+    def gesture(client, *ends, release=True):
+        async def play():
+            for end in ends:
+                await element._dragged(event(client, "update", PLACE, end))
+            if release:
+                await element._dragged(event(client, "end", PLACE, ends[-1]))
+                await asyncio.get_running_loop().shutdown_default_executor()
+
+        with ThreadPoolExecutor(1) as pool:  # a browser's tests leave a loop running in this one
+            pool.submit(asyncio.run, play()).result()
+
+    return gesture
+
+
+def half_way(point):
+    """A point on the ray from the camera to a point: what the page tells of the pointer."""
+    return 0.5 * (CAMERA + point)
+
+
+def test_a_ray_meets_the_ground():
+    np.testing.assert_allclose(
+        meets_height([0.0, 0.0, 100.0], [1.0, 2.0, 99.0], 10.0), [90.0, 180.0, 10.0]
+    )
+    assert meets_height([0.0, 0.0, 100.0], [1.0, 2.0, 101.0], 10.0) is None
+    assert meets_height([0.0, 0.0, 100.0], [1.0, 2.0, 100.0], 10.0) is None
+    assert meets_height([0.0, 0.0, math.nan], [1.0, 2.0, 99.0], 10.0) is None
+
+
+FOLLOWED = rigid.SE3.from_translation(np.array([-275.0, 20.0, -120.0]))
+COCKPIT = rigid.SE3.from_rotation_and_translation(
+    rigid.SO3.from_rpy_radians(0.3, 0.1, 1.0), np.array([50.0, -20.0, 7.0])
+)
+
+
+@pytest.mark.parametrize("moved", [None, FOLLOWED, COCKPIT])
+def test_it_is_sent_to_where_it_is_let_go(drag, flight, moved):
+    wanted = np.array([130.0, 60.0, 2.0])
+    drag(ClientOfScene(moved), half_way(np.array([50.0, 0.0, 2.0])), half_way(wanted))
+    [(request, east, north)] = flight.steering.asked
+    assert request == "send_target"
+    np.testing.assert_allclose([east, north], wanted[:2], atol=1e-6)
+
+
+def test_a_ghost_shows_where_it_would_stand(drag, node):
+    drag(ClientOfScene(), half_way(np.array([130.0, 60.0, 2.0])), release=False)
+    assert node("target_ghost").visible
+    np.testing.assert_allclose(node("target_ghost").position, [130.0, 60.0, 2.0])
+    assert node("target_ghost/label").text == "to 130 m east, 60 m north"
+    drag(ClientOfScene(), half_way(np.array([130.0, 60.0, 2.0])))
+    assert not node("target_ghost").visible
+
+
+def test_let_go_in_the_sky_it_stays(drag, flight):
+    drag(ClientOfScene(), np.add(CAMERA, [0.0, 100.0, 50.0]))
+    assert flight.steering.asked == []
+
+
+def test_a_refusal_is_shown_to_the_page_that_asked(drag, flight):
+    flight.steering.refusal = "parameter 'position' is beyond the fence"
+    client = ClientOfScene()
+    drag(client, half_way(np.add(PLACE, [10.0, 0.0, 0.0])))
+    assert [body for _, body in client.notifications] == [flight.steering.refusal]
+
+
+@pytest.mark.parametrize("steering", [None, StandInSteering([CONTROLLER])])
+def test_without_a_target_publisher_it_cannot_be_dragged(draw, scene, sent, steering):
+    flight = StandInFlight(steering=steering)
+    draw(Target, flight)
+    draw(TargetDrag, flight).show(sight())
+    assert not any("DragBindings" in type(message).__name__ for message in sent)
+
+
+def test_a_hint_says_so_until_the_target_was_sent(draw, node, drag, flight):
+    assert node("target_handle").visible
+    assert node("target_hint").visible
+    drag(ClientOfScene(), half_way(np.array([130.0, 60.0, 2.0])))
+    later = draw(TargetDrag, StandInFlight())
+    later.show(sight(target=TargetSight(PLACE)))
+    assert not node("target_handle").visible  # nobody steers this one

@@ -31,7 +31,57 @@ from websockets.exceptions import ConnectionClosedError, InvalidStatus
 from websockets.sync.client import connect
 
 from uav_tracking_mpc.view.serving import guarded_server
-from uav_tracking_mpc.view.serving.guarded_server import GuardedServer, address_of, listen
+from uav_tracking_mpc.view.serving.guarded_server import (
+    Access,
+    GuardedServer,
+    address_of,
+    listen,
+    new_token,
+)
+
+HERE = "127.0.0.1:8080"
+
+
+WITH = "/?token=secret"
+OWN = [HERE, "localhost:8080", "LOCALHOST", "[::1]:8080", "127.0.0.2", "robot:8080",
+       "192.168.1.7:8080", "[fd00::7]:8080"]  # fmt: skip
+OTHERS = ["rebound.example:8080", "", "127.0.0.1.example", "a b", "[::1"]
+SITES = ["http://site.example", "http://127.0.0.1:3000", "http://localhost:8080", "null", "",
+         "file://"]  # fmt: skip
+WRONG = ["/?token=wrong", "/?token=", "/?token=secre%C3%A9", "/?token=\udcff"]
+
+
+@pytest.mark.parametrize(
+    ("words", "path", "hosts", "origins"),
+    [
+        *(("", WITH, [host], []) for host in OWN),
+        *(("", WITH, [host], [f"http://{host}"]) for host in OWN),
+        *(("token", "/", [host], []) for host in OWN),
+        *(("token", path, [HERE], []) for path in WRONG),
+        *(("host name", WITH, hosts, []) for hosts in ([], [HERE, HERE], *([x] for x in OTHERS))),
+        *(("other sites", WITH, [HERE], [origin]) for origin in SITES),
+        ("other sites", WITH, [HERE], [f"http://{HERE}"] * 2),
+    ],
+)
+def test_who_may_open_a_page(words, path, hosts, origins):
+    refusal = Access("secret", names=["Robot"]).refusal(path, hosts, origins, [])
+    assert words in refusal and bool(words) == bool(refusal)
+
+
+def test_the_cookie_stands_for_the_token():
+    access = Access("secret")
+    name, _, rest = access.cookie.partition("=")
+    assert access.refusal("/", [HERE], [], [f"theme=dark; {name}={rest.partition(';')[0]}"]) == ""
+    for wrong in (f"{name}=wrong", "uav_tracking=secret"):
+        assert "token" in access.refusal("/", [HERE], [], [wrong])
+    assert "HttpOnly" in rest and "SameSite=Strict" in rest
+    assert name != Access("other").cookie.partition("=")[0]
+
+
+def test_every_token_is_new():
+    assert new_token() != new_token()
+    assert len(new_token()) >= 32
+
 
 pytest.importorskip("viser")
 

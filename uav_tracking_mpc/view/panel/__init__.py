@@ -17,14 +17,12 @@
 ================  ==================================================================================
 ``replay``        time of a recorded flight: a slider, play, pause and speed
 ``state``         what mode is flown and how long; folded, what was flown before and what nodes say
-``health``        whether it is well: in words, by the nearest limit and by the worst sensor
-``readings``      the numbers of the flight: value, error and limits; folded, range error, bank and
+``readings``      whether it is well: in words, by the nearest limit and by the worst sensor; the
+                  numbers of the flight: value, error and limits; folded, range error, bank and
                   cost over the last minutes, and how long solves take
-``steered``       orbit, target, wind, faults and simulated time, whether the controller commands
-``compare``       range errors of guidance laws that are flown beside
+``steered``       orbit, target, wind, faults and simulated time, whether the controller commands,
+                  range errors of guidance laws that are flown beside
 ``mission_file``  how it was steered, as a file to save and to bring back
-``legend``        what lines and colours of the scene mean, on a small panel of its own, where a
-                  picture is saved
 ================  ==================================================================================
 
 A part is a subclass of :class:`PanelPart`. It is found by its ``name``, or by an entry point in the
@@ -80,9 +78,8 @@ class PanelPart(ABC):
     def add(self) -> None:
         """Add its widgets, once."""
 
-    @abstractmethod
-    def show(self, sight: Sight) -> None:
-        """Update it.
+    def show(self, sight: Sight) -> None:  # noqa: B027, a part may be one that never changes
+        """Update it; by default nothing changes by itself.
 
         Args:
             sight: Of this aircraft.

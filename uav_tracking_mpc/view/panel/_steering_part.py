@@ -36,6 +36,7 @@ from uav_tracking_mpc.view.watched_flight import FlightSource, Sight, Steering, 
 
 logger = logging.getLogger(__name__)
 
+REFUSED, FAILED = "refused", "failed"
 POLL_PERIOD = 1.0  # s of wall time between questions for a node's parameters
 
 
@@ -52,29 +53,23 @@ class Requests:
         self._polled: dict[str, float] = {}
         self._changes = 0
 
-    def begin(
-        self,
-        request: Callable[[], str],
-        answered: Callable[[str], None],
-        failed: Callable[[str], None],
-    ) -> None:
+    def begin(self, request: Callable[[], str], done: Callable[[str, str], None]) -> None:
         """Make a request when those before it are answered.
 
         Args:
             request: Answers why it was refused, or nothing.
-            answered: Takes that, in the thread of the request.
-            failed: Takes what went wrong instead, in words.
+            done: Takes, in the thread of the request, words and what they are: of a refusal, of a
+                failure, or none where it was done.
         """
 
         def ask() -> None:
             try:
                 with self._one_at_a_time:
-                    refusal = request()
+                    words, kind = request(), REFUSED
             except Exception as error:  # whatever it is, the page lives on
                 logger.exception("a request of the page failed")
-                failed(f"{type(error).__name__}: {error}")
-            else:
-                answered(refusal)
+                words, kind = f"{type(error).__name__}: {error}", FAILED
+            done(words, kind if words else "")
 
         threading.Thread(target=ask, daemon=True).start()
 
@@ -231,19 +226,14 @@ class SteeringPart(PanelPart):
         self.say(f"asking for {what} ...", under=under)
         self.asking = True
 
-        def answered(refusal: str) -> None:
+        def done(words: str, kind: str) -> None:
             self.asking = False
-            self.say(refusal, of="refused" if refusal else "", under=under)
-            then(refusal)
-
-        def failed(words: str) -> None:
-            self.asking = False
-            self.say(words, of="failed", under=under)
-            if self.client is not None:
+            self.say(words, of=kind, under=under)
+            if kind == FAILED and self.client is not None:
                 self.client.add_notification(f"{what}: the request failed", words, color="red")
             then(words)
 
-        self.requests.begin(request, answered, failed)
+        self.requests.begin(request, done)
 
 
 STEPS = 150  # about so many from end to end of a slider
@@ -415,7 +405,7 @@ class ParameterPart(SteeringPart):
             if isinstance(value, float) and not math.isfinite(value):
                 steered.widget.value = steered.seen
                 words = f"{steered.widget.label} cannot be {value}"
-                self.say(words, of="refused", under=steered.widget)
+                self.say(words, of=REFUSED, under=steered.widget)
             elif value != steered.seen:
                 steered.seen, steered.wanted = value, True
                 self._touched = time.monotonic()

@@ -12,13 +12,16 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The mission as a file: how wind, target and orbit were steered, to save and to bring back."""
+"""The mission as a file or a link: how wind, target and orbit are steered, to fly it again."""
 
 from __future__ import annotations
 
 import tempfile
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
+
+import viser
 
 from uav_tracking_mpc.parameters.specification import ParameterError, specifications
 from uav_tracking_mpc.settings.configuration import (
@@ -29,18 +32,24 @@ from uav_tracking_mpc.settings.configuration import (
 )
 from uav_tracking_mpc.simulation.plants import PACE
 from uav_tracking_mpc.view.panel import FOLDED, PanelPart
-from uav_tracking_mpc.view.simulated_rivals import ORBIT
+from uav_tracking_mpc.view.panel._html import block
+from uav_tracking_mpc.view.simulated_steering import ORBIT
 from uav_tracking_mpc.view.watched_flight import (
     CONTROLLER,
     SIMULATOR,
     TARGET,
     FlightSource,
-    Sight,
     Steering,
     WatchedFlight,
 )
 
 FILE = "mission.yaml"
+# Without the token: whoever opens it needs a page of his own, as for everything else.
+LINK = (
+    '<a href="/#mission={}" onclick="if (navigator.clipboard) {{'
+    "navigator.clipboard.writeText(this.href); event.preventDefault();"
+    " this.textContent = 'The link is copied'}}\">Link to this mission: a click copies it</a>"
+)
 
 
 def mission_of(steering: Steering, name: str) -> str:
@@ -99,8 +108,24 @@ def _plain(value: Any) -> Any:
     return list(value) if isinstance(value, tuple) else value
 
 
+def fly_and_tell(client: viser.ClientHandle, steering: Steering, content: bytes) -> None:
+    """Steer a flight as a scenario file says, and tell a page what came of it.
+
+    Args:
+        client: The page.
+        steering: Of the flight.
+        content: Of the file.
+    """
+    refusal = fly_mission(steering, content)
+    client.add_notification(
+        "The mission is refused" if refusal else "The mission is flown from now on",
+        refusal,
+        color="red" if refusal else "green",
+    )
+
+
 class MissionFile(PanelPart):
-    """Folded: a button that saves, and one that takes a file."""
+    """Folded: buttons that save a file, take one and make a link."""
 
     name = "mission_file"
     order = 80.0
@@ -124,26 +149,25 @@ class MissionFile(PanelPart):
             load: Any = self.gui.add_upload_button(
                 "Fly a mission file", mime_type=".yaml,.yml", hint="One that was saved here."
             )
+            link = self.gui.add_button(
+                "Make a link", hint="Whoever has a page at this address can fly it by the link."
+            )
+            self._link = self.gui.add_html("", visible=False)
         save.on_click(self._save)
         load.on_upload(self._load)
+        link.on_click(self._make_link)
 
-    def show(self, sight: Sight) -> None:
-        """Nothing changes by itself.
-
-        Args:
-            sight: Of this aircraft.
-        """
+    def _text(self) -> str:
+        assert self.flight.steering is not None, "there is no such part without it"
+        return mission_of(self.flight.steering, self.flight.name)
 
     def _save(self, event: Any) -> None:
-        assert self.flight.steering is not None, "there is no such part without it"
-        text = mission_of(self.flight.steering, self.flight.name)
-        event.client.send_file_download(FILE, text.encode(), save_immediately=True)
+        event.client.send_file_download(FILE, self._text().encode(), save_immediately=True)
 
     def _load(self, event: Any) -> None:
         assert self.flight.steering is not None, "there is no such part without it"
-        refusal = fly_mission(self.flight.steering, event.target.value.content)
-        event.client.add_notification(
-            "The mission is refused" if refusal else "The mission is flown from now on",
-            refusal,
-            color="red" if refusal else "green",
-        )
+        fly_and_tell(event.client, self.flight.steering, event.target.value.content)
+
+    def _make_link(self, _: Any) -> None:
+        self._link.content = block(LINK.format(quote(self._text())))
+        self._link.visible = True

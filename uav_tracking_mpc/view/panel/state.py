@@ -19,7 +19,7 @@ from __future__ import annotations
 import html
 import math
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -149,8 +149,7 @@ class State(PanelPart):
     def add(self) -> None:
         """Begin with nothing."""
         self._recent = Recent(self.flight, SPAN)
-        self._spells: deque[Spell] = deque(maxlen=2)
-        self._fallbacks: deque[Spell] = deque(maxlen=SHOWN)
+        self._spells: deque[Spell] = deque(maxlen=MOST)
         self._now = self.gui.add_html("")
         self._folder = self.gui.add_folder("History", order=FOLDED, expand_by_default=False)
         with self._folder:
@@ -165,52 +164,56 @@ class State(PanelPart):
         news = self._recent.take(sight)
         if self._recent.anew:
             self._spells.clear()
-            self._fallbacks.clear()
         for seen in news:
             self._note(seen)
-        self._now.content, self._before.content = self._words(sight)
-        times = sum(fallback.times for fallback in self._fallbacks)
-        told = f"{times} fallback{'s' if times > 1 else ''}" if times else "no fallback"
-        self._folder.label = f"History: {told}"
+        told = fallbacks(self._spells)
+        times = sum(fallback.times for fallback in told)
+        words = f"{times} fallback{'s' if times > 1 else ''}" if times else "no fallback"
+        self._folder.label = f"History: {words}"
+        self._write(sight, told)
 
     def _note(self, seen: Sight) -> None:
         now = self._spells[-1] if self._spells else None
         if now is not None:
             now.end = seen.time
-            if _falls_back(now.mode):
-                self._fallbacks[-1].end = seen.time
         if now is None or seen.mode is not now.mode:
-            now = Spell(seen.mode, seen.time, seen.time, seen.reason, cut=now is None)
-            self._spells.append(now)
+            spell = Spell(seen.mode, seen.time, seen.time, seen.reason, cut=now is None)
+            self._spells.append(spell)
         elif not now.reason and now.end - now.begin < SETTLED:
             now.reason = seen.reason
-        if _falls_back(seen.mode):
-            self._note_fallback(now)
 
-    def _note_fallback(self, now: Spell) -> None:
-        last = self._fallbacks[-1] if self._fallbacks else None
-        if last is None or now.mode is not last.mode or now.begin > last.end + TOGETHER:
-            self._fallbacks.append(replace(now))
-            return
-        last.times += now.begin > last.end
-        last.end, last.reason = max(now.end, last.end), now.reason or last.reason
-
-    def _words(self, sight: Sight) -> tuple[str, str]:
+    def _write(self, sight: Sight, told: Sequence[Spell]) -> None:
         """What is flown now, and what was before."""
-        now = self._spells[-1] if self._spells else None
-        known = now is not None and now.mode is sight.mode
-        since = f"for {now.lasted}" if now is not None and known else ""
-        before = self._spells[0] if len(self._spells) > 1 and known else None
-        flown = f'<span style="font-size:1.2em">{mode_badge(sight.mode)}</span> {faint(since)}'
-        return block(table([[flown, clock(sight.time)]])), block(
+        before, now = [None, None, *self._spells][-2:]
+        if now is None or now.mode is not sight.mode:
+            before = now = None
+        since = "" if now is None else faint(f"for {now.lasted}")
+        flown = f'<span style="font-size:1.2em">{mode_badge(sight.mode)}</span> {since}'
+        self._now.content = block(table([[flown, clock(sight.time)]]))
+        self._before.content = block(
             html.escape(sight.reason),
             "" if before is None else faint(f"before: {mode_words(before.mode)}, {before.lasted}"),
-            *(_told(fallback) for fallback in reversed(self._fallbacks)),
+            *(_told(fallback) for fallback in reversed(told)),
         )
 
 
-def _falls_back(mode: FallbackMode | None) -> bool:
-    return mode is not None and not mode.nominal
+def fallbacks(spells: Iterable[Spell]) -> list[Spell]:
+    """The last fallbacks, oldest first; those of one mode that follow each other soon are one.
+
+    Args:
+        spells: All modes that were flown, oldest first.
+    """
+    told: list[Spell] = []
+    for spell in spells:
+        if spell.mode is None or spell.mode.nominal:
+            continue
+        last = told[-1] if told else None
+        if last is None or spell.mode is not last.mode or spell.begin > last.end + TOGETHER:
+            told.append(spell)
+        else:
+            reason, times = spell.reason or last.reason, last.times + 1
+            told[-1] = replace(last, end=spell.end, reason=reason, times=times)
+    return told[-SHOWN:]
 
 
 def _told(fallback: Spell) -> str:

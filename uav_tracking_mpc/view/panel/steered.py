@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What is steered: orbit, target, wind, simulated time, engagement and faults."""
+"""What is steered: orbit, target, wind, simulated time, engagement, faults, laws flown beside."""
 
 from __future__ import annotations
 
@@ -23,11 +23,23 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import numpy as np
+
 from uav_tracking_mpc.settings.simulator import SimulatorParameters, TargetParameters
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.simulation.motions import TARGET_MOTION
-from uav_tracking_mpc.view.panel._html import CALM, badge, block, duration, faint, mode_badge
+from uav_tracking_mpc.view.panel._html import (
+    CALM,
+    badge,
+    block,
+    duration,
+    faint,
+    mode_badge,
+    number,
+    table,
+)
 from uav_tracking_mpc.view.panel._steering_part import ParameterPart, SteeringPart, set_slider
+from uav_tracking_mpc.view.panel.state import Recent
 from uav_tracking_mpc.view.watched_flight import (
     CONTROLLER,
     RATES,
@@ -197,13 +209,6 @@ class Engagement(SteeringPart):
                 "Let the controller command, or keep it silent.",
             )
 
-    def show(self, sight: Sight) -> None:
-        """Nothing changes by itself: the state of the flight tells what is flown.
-
-        Args:
-            sight: Of this aircraft.
-        """
-
 
 PATIENCE = 30.0  # s of the flight's clock in which a fault shows, or does not
 
@@ -232,25 +237,17 @@ class Faults(SteeringPart):
         # Times of the flight: a fault was asked for, and begun; a fallback was flown last; now.
         self._asked = self._since = self._left = self._now = float("nan")
         self._offered: dict[str, Callable[[], str]] = {}
+        hint = self._take_offers()
         with self.folder:
             self._told = self.gui.add_html("", order=0.0, visible=False)
-            self._take_offers()
-            self._buttons = self.add_buttons("inject", self._offered, self._hint, self._begun)
+            self._buttons = self.add_buttons("inject", self._offered, hint, self._begun)
 
-    def _take_offers(self) -> None:
-        for fault in self.steering.faults:
+    def _take_offers(self) -> str:
+        """Take also what is offered only now, for nodes come one by one; says what each does."""
+        faults = self.steering.faults
+        for fault in faults:
             self._offered.setdefault(fault, functools.partial(self._inject, fault))
-
-    @property
-    def _hint(self) -> str:
-        """What each does."""
-        return "; ".join(f"{fault}: {words}" for fault, words in self.steering.faults.items())
-
-    def _offer(self) -> None:
-        """Offer what is offered only now: nodes come one by one."""
-        self._take_offers()
-        if len(self._buttons.options) < len(self._offered):
-            self._buttons.options, self._buttons.hint = tuple(self._offered), self._hint
+        return "; ".join(f"{fault}: {words}" for fault, words in faults.items())
 
     def _inject(self, fault: str) -> str:
         self._asked = self._now  # the fallback may be over when a late answer comes
@@ -268,7 +265,9 @@ class Faults(SteeringPart):
         if sight.time < self._now:  # put back to its start
             self._left = float("nan")
         self._now = sight.time
-        self._offer()
+        hint = self._take_offers()
+        if len(self._buttons.options) < len(self._offered):
+            self._buttons.options, self._buttons.hint = tuple(self._offered), hint
         mode, since = sight.mode, sight.time - self._since
         lost = mode is None or not mode.nominal
         if lost:
@@ -286,3 +285,76 @@ class Faults(SteeringPart):
         else:
             story = "no fallback so far"
         self._told.content, self._told.visible = block(heading, story), True
+
+
+SPAN = 60.0  # s
+OURS = "flown"
+
+
+class Compare(SteeringPart):
+    """Folded: the checkbox, and a table with the error of now and the RMS of the last minute."""
+
+    name = "compare"
+    title = "Compare"
+    order = 40.0
+
+    @classmethod
+    def fits(cls, flight: WatchedFlight, source: FlightSource) -> bool:
+        """Whether laws can be flown beside.
+
+        Args:
+            flight: What is compared.
+            source: Where it comes from.
+        """
+        return flight.steering is not None and flight.steering.comparable
+
+    def add(self) -> None:
+        """Add the checkbox."""
+        super().add()
+        self._laws: tuple[str, ...] = ()
+        with self.folder:
+            self._wanted: Any = self.gui.add_checkbox(
+                "classical laws",
+                False,
+                hint="They begin where the aircraft is, in the same air about the same target.",
+            )
+            self._table = self.gui.add_html("", visible=False)
+        self._wanted.on_update(self._ask)
+
+    def _ask(self, event: Any) -> None:
+        on = bool(self._wanted.value)
+        self.client = event.client or self.client
+        self._laws = ()
+        self.ask("laws beside", lambda: self.steering.compare(on), lambda refusal: None)
+
+    def show(self, sight: Sight) -> None:
+        """Write the errors.
+
+        Args:
+            sight: Of this aircraft.
+        """
+        self._table.visible = bool(sight.rivals)
+        if not sight.rivals:
+            return
+        laws = tuple(rival.law for rival in sight.rivals)
+        if laws != self._laws:
+            self._laws = laws
+            self._recent = Recent(self.flight, SPAN, lambda seen: _errors(seen, laws))
+        _, *past = self._recent.columns(sight)
+        rows = [
+            (name, number(now, signed=True), number(_rms(each)))
+            for name, now, each in zip((OURS, *laws), _errors(sight, laws), past, strict=True)
+        ]
+        self._table.content = block(table(rows, ("range error in m", "now", "RMS, last minute")))
+
+
+def _errors(seen: Sight, laws: tuple[str, ...]) -> tuple[float, ...]:
+    """Ours, then theirs; nan where one was not flown."""
+    theirs = {rival.law: rival.range_error for rival in seen.rivals}
+    ours = seen.errors.get("range_error", math.nan) if theirs else math.nan
+    return ours, *(theirs.get(law, math.nan) for law in laws)
+
+
+def _rms(errors: np.ndarray) -> float:
+    known = errors[np.isfinite(errors)]
+    return float(np.sqrt(np.mean(known**2))) if len(known) else math.nan

@@ -12,21 +12,23 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The aircraft as it banks and pitches, in the colour of its mode, and its place on the ground."""
+"""The aircraft as it banks and pitches, its place on the ground, ghosts of laws flown beside."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
+import viser
 import viser.transforms as rigid
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.report.mode_colours import mode_colour, mode_words
-from uav_tracking_mpc.view.scene import Colour, SceneElement
-from uav_tracking_mpc.view.scene._drawing import (
+from uav_tracking_mpc.view.scene import (
     GREY,
+    Colour,
     Mesh,
+    SceneElement,
     extent,
     finite,
     ground_height,
@@ -35,7 +37,7 @@ from uav_tracking_mpc.view.scene._drawing import (
     ring,
     turned,
 )
-from uav_tracking_mpc.view.watched_flight import Sight
+from uav_tracking_mpc.view.watched_flight import RivalSight, Sight
 
 SHARE = 0.1  # length of the aircraft by the radius of its orbit: seen from where all of that is
 
@@ -82,6 +84,7 @@ def caption(name: str, mode: FallbackMode | None) -> str:
         name: Of the aircraft.
         mode: None before the first command.
     """
+    name = name.replace("_", " ")  # a label cuts off what reaches below its line
     as_asked = mode is not None and mode.nominal
     return name if as_asked else f"{name}: {mode_words(mode)}"
 
@@ -170,3 +173,64 @@ class DropLine(SceneElement):
         self._drawn = height
         self._line.scale = (RING * size, RING * size, height)
         self._shadow.scale, self._shadow.position = SHARE * size, (0.0, 0.0, STEP * size - height)
+
+
+APART = 0.7  # by the length of an aircraft: height of one's words over another's
+RIVAL: Colour = (110, 110, 120)
+
+
+def rival_caption(rival: RivalSight) -> str:
+    """What stands above a ghost.
+
+    Args:
+        rival: As it is seen.
+    """
+    return f"{rival.law}: {rival.range_error:+.1f} m"
+
+
+class Rivals(SceneElement):
+    """A translucent aircraft for each."""
+
+    name = "rivals"
+
+    def add(self) -> None:
+        """Begin with none: they are asked for."""
+        self._ghosts: dict[str, tuple[viser.MeshHandle, viser.LabelHandle]] = {}
+
+    def show(self, sight: Sight) -> None:
+        """Move those that fly, and hide the others.
+
+        Args:
+            sight: Of this aircraft.
+        """
+        size = SHARE * extent(self.flight, sight)
+        seen = {rival.law: rival for rival in sight.rivals}
+        for law, (body, label) in self._ghosts.items():
+            body.visible = label.visible = law in seen
+        for rank, (law, rival) in enumerate(seen.items(), 1):
+            if not finite(rival.position, rival.heading, rival.path_angle, rival.bank):
+                continue
+            body, label = self._ghosts.get(law) or self._add(law)
+            body.position, body.scale = rival.position, size
+            body.wxyz = (
+                rigid.SO3.from_z_radians(rival.heading)
+                @ rigid.SO3.from_y_radians(-rival.path_angle)
+                @ rigid.SO3.from_x_radians(rival.bank)
+            ).wxyz
+            # Words at heights of their own: where all fly well they fly at one place.
+            label.position = np.add(rival.position, (0.0, 0.0, (0.5 + APART * rank) * size))
+            label.text = rival_caption(rival)
+
+    def _add(self, law: str) -> tuple[viser.MeshHandle, viser.LabelHandle]:
+        place = f"{self.root}/rivals/{law}"
+        body = self.scene.add_mesh_simple(
+            f"{place}/body",
+            *joined(fuselage(), wings()),
+            color=RIVAL,
+            opacity=0.55,
+            side="double",
+            cast_shadow=False,
+        )
+        label = self.scene.add_label(f"{place}/label", "", anchor="bottom-center")
+        self._ghosts[law] = body, label
+        return body, label

@@ -22,10 +22,10 @@ import numpy as np
 import trimesh
 from PIL import Image
 
-from uav_tracking_mpc.view.scene import SceneElement
-from uav_tracking_mpc.view.scene._drawing import (
+from uav_tracking_mpc.view.scene import (
     FAINT,
     GREY,
+    SceneElement,
     centre,
     extent,
     finite,
@@ -163,7 +163,13 @@ class Ground(SceneElement):
             f"{self._name}/sky", sky(), cast_shadow=False, receive_shadow=False
         )
         self._distances = [
-            (axis, k, self.scene.add_label(f"{self._name}/{axis}_{k}", "", font_screen_scale=0.8))
+            (
+                axis,
+                k,
+                self.scene.add_label(  # behind what flies before it
+                    f"{self._name}/{axis}_{k}", "", font_screen_scale=0.8, depth_test=True
+                ),
+            )
             for axis in "xy"
             for k in range(-EACH_SIDE, EACH_SIDE + 1)
         ]

@@ -24,11 +24,11 @@ import viser
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.limits import Ball, Cylinder, Floor, Limit, Shape
-from uav_tracking_mpc.view.scene import SceneElement
-from uav_tracking_mpc.view.scene._drawing import (
+from uav_tracking_mpc.view.scene import (
     GREY,
     LIMIT,
     Mesh,
+    SceneElement,
     centre,
     extent,
     finite,
@@ -77,7 +77,7 @@ def glowing(share: float) -> NDArray[np.uint8]:
 
 
 class Limits(SceneElement):
-    """Translucent walls with rims, a piece of floor, and a wire sphere about the target."""
+    """Translucent walls and sphere with rims, and a piece of floor."""
 
     name = "limits"
 
@@ -166,16 +166,26 @@ class Limits(SceneElement):
         return move
 
     def _add_ball(self, place: viser.FrameHandle, shape: Ball) -> Move:
-        flat = ring()
-        sphere = np.concatenate([flat, flat[..., [0, 2, 1]], flat[..., [2, 0, 1]]])
-        wire = self.add_lines(f"{place.name}/lines", sphere, GREY, 1.0, True)
-        wire.scale = shape.radius
+        skin = self.scene.add_icosphere(
+            f"{place.name}/skin",
+            radius=shape.radius,
+            color=GREY,
+            opacity=FAINT_OPACITY,
+            cast_shadow=False,
+            receive_shadow=False,
+        )
+        rim = self.add_lines(f"{place.name}/lines", ring(), GREY, 1.5, True)
+        rim.scale = shape.radius
 
         def move(sight: Sight) -> None:
             place.visible = sight.target is not None and finite(sight.target.position)
             if sight.target is not None and place.visible:
                 place.position = sight.target.position
                 away = float(np.linalg.norm(sight.position - sight.target.position))
-                wire.colors = glowing(glow(away - shape.radius, extent(self.flight, sight)))
+                near = glow(away - shape.radius, extent(self.flight, sight))
+                rim.colors = glowing(near)
+                red, green, blue = glowing(near).tolist()
+                skin.color = (red, green, blue)
+                skin.opacity = FAINT_OPACITY + near * (GLOWING_OPACITY - FAINT_OPACITY)
 
         return move

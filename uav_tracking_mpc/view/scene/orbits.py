@@ -12,23 +12,23 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Lines of a flight: the orbit that is asked for, the one that is planned, and the plan."""
+"""Lines of a flight: orbits that are asked for and planned, the plan, and what was flown."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections import deque
+from typing import Any, NamedTuple
 
 import numpy as np
 import viser
 import viser.transforms as rigid
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.report.mode_colours import mode_colour
-from uav_tracking_mpc.view.scene import SceneElement
-from uav_tracking_mpc.view.scene._drawing import chevrons, extent, finite, joined, paint, ring
+from uav_tracking_mpc.view.scene import SceneElement, chevrons, extent, finite, joined, paint, ring
 from uav_tracking_mpc.view.scene.airframe import SHARE, fuselage, wings
 from uav_tracking_mpc.view.watched_flight import Sight
 
@@ -175,3 +175,177 @@ def ghosts(
 
 def _segments(points: NDArray[Any]) -> NDArray[Any]:
     return np.stack([points[:-1], points[1:]], axis=1)
+
+
+SPAN = 60.0  # s
+STEP = 0.25  # s between points
+PENDING = 4  # points that the head takes up before the whole line is sent again
+JUMP = 5.0  # s; after a longer step of time, or back, the past is asked for again
+SHORTEST = 0.15  # share of the oldest dash that is drawn
+STANDING = 1e-3  # m; what moves less draws no line
+NO_TRACK = np.zeros((1, 2, 3))
+SLOW, FAST = 0.6, 1.4  # speed over ground by that through the air, at the ends of the scale
+GAMMA = 2.2  # -, of sRGB
+SCALE = np.array([(86, 60, 190), (200, 60, 120), (245, 150, 30)])  # from slow to fast
+
+
+def speed_colour(sight: Sight) -> NDArray[np.uint8]:
+    """How fast the air carries the aircraft over ground, as a colour, shape (3,).
+
+    Args:
+        sight: Of the aircraft; a speed that is not known counts as that in still air.
+    """
+    ratio = float(np.linalg.norm(sight.ground_velocity)) / max(sight.airspeed, 1.0)
+    ratio = ratio if np.isfinite(ratio) else 1.0
+    return linear(np.array([np.interp(ratio, (SLOW, 1.0, FAST), each) for each in SCALE.T]))
+
+
+def linear(colour: ArrayLike) -> NDArray[np.uint8]:
+    """A colour as a page takes those of single points: by how much light it is.
+
+    Args:
+        colour: As it is to look, shape (3,), from 0 to 255.
+    """
+    share: NDArray[np.float64] = np.divide(colour, 255.0)
+    return np.asarray(np.round(255.0 * share**GAMMA), dtype=np.uint8)
+
+
+def dashes(times: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Segments of a line, the older the shorter.
+
+    Args:
+        times: Of the points in [s], shape (n,), oldest first.
+        points: In [m], shape (n, 3).
+
+    Returns:
+        Shape (m, 2, 3): those that have a length.
+    """
+    begin, end = points[:-1], points[1:]
+    youth = np.clip(1.0 - (times[-1] - times[1:]) / SPAN, 0.0, 1.0)
+    drawn = np.minimum(SHORTEST + 1.5 * youth, 1.0)[:, None]
+    return np.stack([end - drawn * (end - begin), end], axis=1)[moved(points)]
+
+
+def moved(points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether a thing went on from each point to the next, shape (n - 1,).
+
+    Args:
+        points: In [m], shape (n, 3).
+    """
+    steps = np.diff(points.reshape(-1, 3), axis=0)  # none where there is no point
+    return np.asarray(np.linalg.norm(steps, axis=1) > STANDING)
+
+
+class TrackPoint(NamedTuple):
+    """Where a thing was.
+
+    Attributes:
+        time: Of the flight's clock in [s].
+        place: Shape (3,), in [m].
+        colour: Of the line that leads there, shape (3,).
+    """
+
+    time: float
+    place: NDArray[np.float64]
+    colour: NDArray[np.uint8]
+
+
+class Track(SceneElement):
+    """Where the aircraft was, coloured by its speed over ground.
+
+    The line is sent once a second; a head joins it to where the thing is now.
+    """
+
+    name = "track"
+
+    def add(self) -> None:
+        """Begin with none."""
+        self._points: deque[TrackPoint] = deque()
+        self._pending = 0
+        # A colour for each end from the start: a line of one colour does not become one of many.
+        colours = np.tile(linear(self.colour), (1, 2, 1))
+        self._line, self._head = (
+            self.add_lines(f"{self.root}/{self.name}/{part}", NO_TRACK, colours, 3.0)
+            for part in ("line", "head")
+        )
+
+    def place(self, sight: Sight) -> NDArray[np.float64] | None:
+        """Where the thing is, shape (3,), in [m]; None where that is not known.
+
+        Args:
+            sight: Of this aircraft.
+        """
+        return sight.position
+
+    def paint(self, sight: Sight) -> NDArray[np.uint8]:
+        """Colour of the line there, shape (3,).
+
+        Args:
+            sight: Of this aircraft.
+        """
+        return speed_colour(sight)
+
+    def show(self, sight: Sight) -> None:
+        """Draw it up to now.
+
+        Args:
+            sight: Of this aircraft.
+        """
+        time, point = sight.time, self.place(sight)
+        if point is None or not finite(time, point):
+            return
+        now, gone = TrackPoint(time, np.array(point), self.paint(sight)), math.inf
+        if self._points:
+            gone = time - self._points[-1].time
+        if not -1e-9 <= gone <= JUMP:
+            self._begin(time)
+        elif gone >= STEP:
+            self._points.append(now)
+            self._pending += 1
+        while self._points and self._points[0].time < time - SPAN:
+            self._points.popleft()
+        if self._pending > PENDING:
+            _draw_track(self._line, [*self._points])
+            self._pending = 0
+        _draw_track(self._head, [*list(self._points)[-self._pending - 1 :], now])
+
+    def _begin(self, now: float) -> None:
+        self._points.clear()
+        for sight in self.flight.past(SPAN):
+            point = self.place(sight)
+            if point is not None and finite(sight.time, point) and sight.time <= now:
+                self._points.append(TrackPoint(sight.time, np.array(point), self.paint(sight)))
+        self._pending = 0
+        _draw_track(self._line, [*self._points])
+
+
+def _draw_track(line: viser.LineSegmentsHandle, track: list[TrackPoint]) -> None:
+    points = np.array([each.place for each in track])
+    went_on = moved(points)
+    line.visible = bool(went_on.any())
+    if line.visible:
+        times, colours = (np.array([each[k] for each in track]) for k in (0, 2))
+        line.points = dashes(times, points).astype(np.float32)
+        line.colors = np.repeat(colours[1:][went_on][:, None], 2, axis=1)
+
+
+class TargetTrack(Track):
+    """Where the target was."""
+
+    name = "target_track"
+
+    def place(self, sight: Sight) -> NDArray[np.float64] | None:
+        """See :meth:`Track.place`.
+
+        Args:
+            sight: Of this aircraft.
+        """
+        return None if sight.target is None else sight.target.position
+
+    def paint(self, sight: Sight) -> NDArray[np.uint8]:
+        """See :meth:`Track.paint`.
+
+        Args:
+            sight: Of this aircraft.
+        """
+        return linear(self.colour)

@@ -12,19 +12,21 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The target: where it is estimated, how surely, where it was measured, where it is expected."""
+"""The target: estimated, measured, expected, and dragged by the mouse over the ground."""
 
 from __future__ import annotations
 
+import asyncio
 import math
+from typing import Any
 
 import numpy as np
 import viser
-from numpy.typing import NDArray
+import viser.transforms as rigid
+from numpy.typing import ArrayLike, NDArray
 
-from uav_tracking_mpc.view.scene import SceneElement
-from uav_tracking_mpc.view.scene._drawing import GREY, Mesh, extent, finite, ring, turned
-from uav_tracking_mpc.view.watched_flight import Sight, TargetSight
+from uav_tracking_mpc.view.scene import GREY, Mesh, SceneElement, extent, finite, ring, turned
+from uav_tracking_mpc.view.watched_flight import TARGET, Sight, TargetSight
 
 SHARE = 0.14  # height of the pin by the radius of the orbit
 SIGMAS = 3.0
@@ -151,3 +153,169 @@ class Forecast(SceneElement):
             place + SIGMAS * std * ring() for place, std in zip(places[1:], stds[1:], strict=True)
         ]
         self._lines.points = np.concatenate(parts).astype(np.float32)
+
+
+HINT = "drag me"
+HANDLE = 0.11  # outer radius of the handle by the radius of the orbit
+HEAD = np.array([[0.75, -0.2, 0.0], [0.75, 0.2, 0.0], [1.0, 0.0, 0.0]])  # -, by that radius
+RAISED = 0.01  # of the handle over the ground, by its radius
+FARTHEST = 30.0  # by the radius of the orbit; near the horizon a pixel is kilometres
+NOTICE = 10.0  # s that a refusal stays
+
+
+def meets_height(
+    origin: ArrayLike, through: ArrayLike, height: float
+) -> NDArray[np.float64] | None:
+    """Where a ray meets a horizontal plane.
+
+    Args:
+        origin: Of the ray, shape (3,), in [m].
+        through: A point on it, shape (3,), in [m].
+        height: Of the plane in [m].
+
+    Returns:
+        Shape (3,), in [m]; None where the ray leads away from the plane or along it.
+    """
+    begin, along = np.asarray(origin, dtype=float), np.subtract(through, origin)
+    rise, climb = height - begin[2], along[2]
+    if not finite(begin, along, height) or rise * climb <= 0.0:
+        return None
+    return begin + along * (rise / climb)
+
+
+def handle() -> Mesh:
+    """A flat ring of radius 0.7 with four arrow heads that end at 1."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 49)
+    circle = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=1)
+    here = np.arange(48)
+    inner, outer = 2 * here, 2 * here + 1
+    faces = [
+        np.stack([inner, outer, outer + 2], axis=1),
+        np.stack([inner, outer + 2, inner + 2], axis=1),
+    ]
+    points: list[NDArray[np.float64]] = [
+        np.stack([0.55 * circle, 0.7 * circle], axis=1).reshape(-1, 3)
+    ]
+    for k in range(4):
+        turn = rigid.SO3.from_z_radians(0.5 * math.pi * k)
+        points.append(np.array(turn.apply(HEAD), dtype=float))
+        faces.append(np.array([[0, 1, 2]]) + 98 + 3 * k)
+    return np.concatenate(points), np.concatenate(faces)
+
+
+class TargetDrag(SceneElement):
+    """A ghost of the pin follows the pointer; where it is let go the target is sent.
+
+    The pin is taken, or the handle under it. A hint says so until the target was sent once.
+    """
+
+    name = "target_drag"
+
+    def add(self) -> None:
+        """Send the ghost, hidden."""
+        self._pin: viser.MeshHandle | None = None
+        self._target: NDArray[np.float64] | None = None
+        self._size = 1.0
+        ghost = f"{self.root}/target_ghost"
+        self._ghost = self.scene.add_frame(ghost, show_axes=False, visible=False)
+        self._shape = self.scene.add_mesh_simple(
+            f"{ghost}/pin", *pin(), color=self.colour, opacity=0.5, side="double"
+        )
+        self._label = self.scene.add_label(f"{ghost}/label", "", anchor="bottom-center")
+        self._handle = self.scene.add_mesh_simple(
+            f"{self.root}/target_handle",
+            *handle(),
+            color=self.colour,
+            opacity=0.6,
+            side="double",
+            cast_shadow=False,
+            receive_shadow=False,
+            visible=False,
+        )
+        self._hint = self.scene.add_label(
+            f"{self.root}/target_hint", HINT, anchor="top-center", visible=False
+        )
+        self._sent = False
+
+    def show(self, sight: Sight) -> None:
+        """Take note of where the target is, and let it be dragged as soon as it can be.
+
+        Args:
+            sight: Of this aircraft.
+        """
+        known = sight.target is not None and finite(sight.target.position)
+        self._target = sight.target.position if sight.target is not None and known else None
+        self._size = extent(self.flight, sight)
+        if self._pin is None and self._steerable:
+            pin_there = self.scene.get_handle_by_name(f"{self.root}/target/pin")
+            if isinstance(pin_there, viser.MeshHandle):
+                self._pin = pin_there
+                for taken in (self._pin, self._handle):
+                    taken.on_drag(self._dragged)
+        self._handle.visible = self._pin is not None and self._target is not None
+        self._hint.visible = self._handle.visible and not self._sent
+        if self._target is not None and self._handle.visible:
+            radius = HANDLE * self._size
+            self._handle.scale = radius
+            self._handle.position = np.add(self._target, (0.0, 0.0, RAISED * radius))
+            self._hint.position = np.subtract(self._target, (0.0, 1.1 * radius, 0.0))
+
+    @property
+    def _steerable(self) -> bool:
+        steering = self.flight.steering
+        return steering is not None and TARGET in steering.nodes
+
+    async def _dragged(self, event: Any) -> None:
+        """Called in order on the loop of the server, so that it must not block."""
+        place = self._place(event)
+        if event.phase != "end":
+            self._show_ghost(place)
+            return
+        self._ghost.visible = False
+        if place is not None:
+            loop = asyncio.get_running_loop()
+            loop.run_in_executor(None, self._send, event.client, place)
+
+    def _place(self, event: Any) -> NDArray[np.float64] | None:
+        """Where the target would stand: it keeps its distance to the pointer on the ground."""
+        if self._target is None:
+            return None
+        grabbed, pointer, camera = (
+            _in_map(self.root, event.client, point)
+            for point in (event.start_position, event.end_position, event.client.camera.position)
+        )
+        met = meets_height(camera, pointer, grabbed[2])
+        if met is None or np.linalg.norm(met - grabbed) > FARTHEST * self._size:
+            return None
+        return self._target + (met - grabbed)
+
+    def _show_ghost(self, place: NDArray[np.float64] | None) -> None:
+        if place is None:
+            return
+        east, north, _ = place.tolist()
+        self._ghost.visible, self._ghost.position = True, place
+        self._shape.scale = SHARE * self._size
+        self._label.position = (0.0, 0.0, 1.1 * SHARE * self._size)
+        self._label.text = f"to {east:.0f} m east, {north:.0f} m north"
+
+    def _send(self, client: viser.ClientHandle, place: NDArray[np.float64]) -> None:
+        steering = self.flight.steering
+        if steering is None or not self._steerable:
+            refusal = "nobody steers it"
+        else:
+            refusal = steering.send_target(float(place[0]), float(place[1]))
+            self._sent = self._sent or not refusal
+        if refusal:
+            client.add_notification(
+                "The target cannot go there", refusal, color="red", auto_close_seconds=NOTICE
+            )
+
+
+def _in_map(root: str, client: viser.ClientHandle, point: ArrayLike) -> NDArray[np.float64]:
+    """A point that a client told, who may see the whole scene moved with an aircraft."""
+    world = client.scene.get_handle_by_name("/" + root.split("/")[1])
+    if world is None:
+        return np.asarray(point, dtype=float)
+    turned = rigid.SO3(np.array(world.wxyz)).inverse().as_matrix()
+    moved = turned @ (np.asarray(point, dtype=float) - world.position)
+    return np.asarray(moved, dtype=float)

@@ -22,8 +22,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics.vehicle import air_velocity
-from uav_tracking_mpc.view.scene import SceneElement
-from uav_tracking_mpc.view.scene._drawing import GREY, WIND, centre, extent, finite, ground_height
+from uav_tracking_mpc.view.scene import (
+    GREY,
+    WIND,
+    SceneElement,
+    centre,
+    extent,
+    finite,
+    ground_height,
+)
 from uav_tracking_mpc.view.watched_flight import Sight
 
 CALM = 0.2  # m/s; less is not drawn
@@ -121,7 +128,9 @@ class Wind(SceneElement):
         self._field.wxyz = (math.cos(half), 0.0, 0.0, math.sin(half))
         self._field.points = streaks(speed).astype(np.float32)
         self._label.text = words(wind)
-        self._label.position = -REACH * size * along
+        # At a corner of the field: outside of the orbit, away from the words at the target.
+        across = np.array([-along[1], along[0], 0.0])
+        self._label.position = -REACH * size * (along + across)
 
 
 LENGTH = 0.35  # length of the airspeed's arrow by the radius of the orbit

@@ -16,7 +16,6 @@
 
 ==================  ================================================================================
 ``guarded_server``  viser's server, which answers to whom it should, and its address
-``access``          who may open a page
 ``page_script``     puts the script of the page, title and icon into what viser serves or records;
                     the script is ``page_script.js``, its looks ``page_style.css``
 ``browser``         opens a page where there is a screen

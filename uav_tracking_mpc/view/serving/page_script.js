@@ -25,7 +25,7 @@
   const MOST = 8000; // rows that are kept
   const NARROW = 700, LOW = 500; // pixels: smaller pages begin with a folded strip
   const PHONE = 500, SHORT = 900; // pixels: narrower, the panel begins folded; lower, one lane
-  const LANE = 38, BAND = 10, AXIS = 16, LEFT = 132, RIGHT = 12; // pixels
+  const LANE = 38, BAND = 10, AXIS = 16, LEFT = 132, RIGHT = 20; // pixels
   const COCKPIT = "from the cockpit"; // as view/cameras.py calls it
   const HALF_VIEW = (25 * Math.PI) / 180; // of the cockpit's camera, upright
   // Of the errors' weights: Okabe and Ito's, told apart by everybody.
@@ -213,11 +213,13 @@
     if (!answer.ok) throw new Error(`status ${answer.status}`);
     return answer.json();
   }
+  /** It names this page to its server. */
+  const pageTag = () => [...document.querySelectorAll("[data-flight-page]")].at(-1);
   async function poll() {
     playOn(performance.now() - polled);
     polled = performance.now();
     const query = { dark: Number(dark.matches) };
-    const tag = [...document.querySelectorAll("[data-flight-page]")].at(-1);
+    const tag = pageTag();
     if (tag) query.page = tag.dataset.flightPage;
     if (tag && !begun) foldPanel(tag);
     if (asked !== null) query.time = asked.toFixed(3);
@@ -580,6 +582,26 @@
       `data-hud="${name}" style="font-size:${innerWidth < NARROW ? 13 : 17}px"`);
     return marks + label(x, h / 2 - half - 14, name);
   }
+  // ---- a mission in the address ----------------------------------------------------------------
+  function offerMission() {
+    const mission = new URLSearchParams(location.hash.slice(1)).get("mission");
+    if (!mission) return;
+    const box = make("div", document.body, { id: "flight-mission", role: "dialog" });
+    const words = make("b", box, {}, "This address holds a mission. Fly it?");
+    make("pre", box, {}, mission);
+    const end = () => {
+      box.remove();
+      history.replaceState(null, "", location.pathname + location.search);
+    };
+    button(box, "Fly it", async () => {
+      const query = { page: pageTag()?.dataset.flightPage ?? "", name: now?.name ?? "", mission };
+      const failed = (error) => ({ refused: error.message });
+      const { refused } = await ask("flight/mission", query).catch(failed);
+      if (refused) words.textContent = `It is not flown: ${refused}`;
+      else end();
+    });
+    button(box, "Not now", end);
+  }
   // ---- begin -----------------------------------------------------------------------------------
   function begin() {
     build();
@@ -589,6 +611,7 @@
       play.hidden = true;
       words.textContent = "the whole flight: click to go to a time";
     } else {
+      offerMission();
       poll();
       pollRows();
       setInterval(tick, TICK);

@@ -16,18 +16,16 @@
 
 import numpy as np
 import pytest
-from watched_flight_stand_in import StandInFlight, StandInSource, StandInSteering, sight
-
-pytest.importorskip("viser")
-
 from example_flights import orbiting
+from watched_flight_stand_in import StandInFlight, StandInSource, StandInSteering, sight
 
 from uav_tracking_mpc import load_configuration
 from uav_tracking_mpc.report.mission_report import write_report
-from uav_tracking_mpc.view.page import Page
+from uav_tracking_mpc.report.mode_colours import MODE_COLOURS
+from uav_tracking_mpc.view.page import Page, legend
 from uav_tracking_mpc.view.panel import PANEL_PART, PanelPart
 from uav_tracking_mpc.view.recorded_scene import recorded_scene
-from uav_tracking_mpc.view.scene import SCENE_ELEMENT, SceneElement
+from uav_tracking_mpc.view.scene import LIMIT, SCENE_ELEMENT, WIND, SceneElement
 
 BEGIN, WHILE = "it begins", "it is shown"
 
@@ -150,9 +148,9 @@ def test_a_failing_part_is_switched_off_and_the_others_are_read(page, installed,
 
 def test_a_page_that_cannot_draw_lives_on_and_says_so_once(page, monkeypatch, caplog):
     def failing(_):
-        raise ZeroDivisionError("of the cameras")
+        raise ZeroDivisionError("of the visitors")
 
-    monkeypatch.setattr(page._cameras, "show", failing)
+    monkeypatch.setattr(page._visitors, "show", failing)
     frames(page)
     (record,) = caplog.records
     assert "a frame was not drawn" in record.getMessage()
@@ -175,3 +173,12 @@ def test_a_report_is_written_whatever_happens_to_its_scene(tmp_path):
     assert "could not be made: ZeroDivisionError: of the scene" in page
     assert "pip install" not in page
     assert numbers["steady_state"]
+
+
+def test_every_colour_has_its_words():
+    words = legend((1, 2, 3))
+    for colour in (*MODE_COLOURS.values(), WIND, LIMIT, (1, 2, 3)):
+        assert f"rgb{colour}" in words
+    for mode in MODE_COLOURS:
+        assert mode.value in words
+    assert "Drag the target" in words

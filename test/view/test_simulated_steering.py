@@ -19,10 +19,9 @@ import pytest
 
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation.closed_loop import simulate
-from uav_tracking_mpc.view.simulated_rivals import Rival, Rivals, law_names
-from uav_tracking_mpc.view.simulated_steering import InterruptedLoop
+from uav_tracking_mpc.view.simulated_steering import InterruptedLoop, Rival, Rivals, law_names
 
-SETTINGS = ["nmpc_controller.law=l1", "mission.duration=20.0"]  # a leader that is quick to fly
+SETTINGS = ["nmpc_controller.law=l1", "mission.duration=5.0"]  # a leader that is quick to fly
 
 
 @pytest.fixture
@@ -66,7 +65,7 @@ def test_wind_target_and_orbit_are_followed(leader):
         load_configuration("small_uav", [*SETTINGS, "uav_simulator.wind=[0.0,-6.0,0.0]"]).simulator
     )
     leader.target.go_to(leader.time, (40.0, 20.0, 0.0))
-    seen = fly(leader, rivals, 60.0)
+    seen = fly(leader, rivals, 40.0)
     target = leader.target.position(leader.time)
     for rival in seen.values():
         assert abs(rival.range_error) < 10.0
@@ -92,5 +91,5 @@ def test_the_flight_that_is_compared_is_the_same_as_ever():
     loop = InterruptedLoop(configuration)
     rivals = Rivals(loop)
     rivals.fly(True)
-    fly(loop, rivals, 20.0)
-    np.testing.assert_array_equal(loop.log(20.0).vehicle, alone.vehicle)
+    fly(loop, rivals, 5.0)
+    np.testing.assert_array_equal(loop.log(5.0).vehicle, alone.vehicle)
