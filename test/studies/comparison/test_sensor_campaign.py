@@ -27,6 +27,7 @@ def test_what_fails_is_named_and_nothing_else(name):
 
 
 @pytest.mark.long
+@pytest.mark.timeout(7200)
 def test_of_200_flights_none_is_blamed_and_of_200_faults_19_in_20_are_named():
     jobs = [(seed, "") for seed in range(200)]
     jobs += [(200 + k, list(FAULTS)[k % len(FAULTS)]) for k in range(200)]
