@@ -20,11 +20,11 @@ import math
 from typing import NamedTuple
 
 CHANNELS = ("turn rate", "path-angle rate", "acceleration")
-# The sum of lag and dead time is trusted below the first deviation [s] and until the second: what
-# it is off by adds to the phase. Lag [s] and gain [-] alone likewise.
-DELAY_TRUST = (0.05, 0.1)
-LAG_TRUST = (0.05, 0.1)
-GAIN_TRUST = (0.03, 0.06)
+# The sum of lag and dead time is trusted below the first deviation and until the second: what it is
+# off by adds to the phase. Lag and gain alone likewise.
+DELAY_TRUST = (0.05, 0.1)  # s
+LAG_TRUST = (0.05, 0.1)  # s
+GAIN_TRUST = (0.03, 0.06)  # -
 # Deviation of the gain beyond which there may be no response at all, only noise that looks alike.
 RESPONSE_TRUST = 0.1
 

@@ -42,10 +42,10 @@ CHANGED = 3.0  # ratio of the quantiles of newest and all: not by chance but onc
 PRIOR = 1  # as many as what is told weighs at the beginning
 KNOWN = 3  # second differences after which the noise is known, with what is told
 SPAN = 5.0  # s, within which the target's acceleration is taken as small
-RATIO_MAX = 100.0  # of the intervals: an extrapolation any longer says little
-QUANTILE = 0.4  # that is compared: with 20 % outliers half of the differences are wrong
-CHI_SQUARE = 1.8691684  # that quantile, of 3 degrees of freedom
-SCALE_MIN, SCALE_MAX = 1e-12, 1e12  # of what is believed of a variance
+RATIO_MAX = 100.0  # -, of the intervals: an extrapolation any longer says little
+QUANTILE = 0.4  # -, that is compared: with 20 % outliers half of the differences are wrong
+CHI_SQUARE = 1.8691684  # -, that quantile, of 3 degrees of freedom
+SCALE_MIN, SCALE_MAX = 1e-12, 1e12  # -, of what is believed of a variance
 
 
 class MeasurementNoise:

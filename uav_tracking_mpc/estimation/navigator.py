@@ -38,9 +38,9 @@ from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.symbolic.functions import BufferedFunction, one_at_a_time
 
 LONGEST_SUBSTEP = 0.05  # s, in which dead time is flown through
-ROUNDING = 1e-9
+ROUNDING = 1e-9  # -, of a count of steps
 LATENCY_LIMIT = 0.5  # s
-LATENCY_SHARE = 0.05  # of a new measurement in the latency that the prediction starts with
+LATENCY_SHARE = 0.05  # -, of a new measurement in the latency that the prediction starts with
 ACCELERATION = 2  # axis of u_v among the inputs
 
 

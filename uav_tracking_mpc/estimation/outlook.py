@@ -33,8 +33,8 @@ from numpy.typing import ArrayLike, NDArray
 from uav_tracking_mpc.estimation.turn_prediction import turned
 from uav_tracking_mpc.symbolic.functions import BufferedFunction
 
-# A measurement corrects the target's track by steps. They are faded in with this time constant
-# [s], or those of a noisy track would go straight into the bank angle.
+# s: a measurement corrects the target's track by steps. They are faded in with this time constant,
+# or those of a noisy track would go straight into the bank angle.
 FADE_TIME = 1.0
 
 

@@ -40,7 +40,7 @@ RATE_BIAS = np.array([0.05, 0.05, 0.5])
 LEAST_NOISE = np.array([1e-3, 1e-3, 0.05])
 ANGLES = 2  # of the quantities, the first ones, wrap
 BIAS_WALK = 1e-3  # of the bias, variance per s as a share of that of the rate's noise
-DEVIATIONS = 3.0  # of an innovation, that tells of the bias
+DEVIATIONS = 3.0  # -, standard deviations of an innovation, that tells of the bias
 METERS = NoiseMeters([Signal(1, noise) for noise in LEAST_NOISE])
 RATE_AIDED = Layout(
     value=3, bias=3, rate=3, integral=3, xx=3, xb=3, bb=3, meters=METERS.layout.size

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 LAGS = np.array([0.0, 0.05, 0.1, 0.15, 0.22, 0.3, 0.4, 0.55, 0.75, 1.0, 1.4, 2.0])  # s
 DEAD_TIMES = np.concatenate([np.arange(0.0, 0.6, 0.05), np.arange(0.6, 1.55, 0.1)])  # s
 ACCELERATION = 2  # channel of u_v; its integral, the airspeed, is what is measured
-_RATES = 1.0 / np.maximum(LAGS, 1e-4)
+_RATES = 1.0 / np.maximum(LAGS, 1e-4)  # 1/s
 # Commands must be known for the longest dead time, at rates up to 200 Hz.
 CAPACITY = 512
 

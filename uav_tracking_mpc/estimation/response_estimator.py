@@ -43,18 +43,18 @@ from uav_tracking_mpc.estimation.response_candidates import DEAD_TIMES, LAGS, Re
 
 MEMORY = 60.0  # s, T_m
 WASHOUT = 10.0  # s, time constant of the high pass: shorter than an orbit, longer than any lag
-GAIN_LIMITS = 0.5, 1.6
-# What is measured is never believed to be better than this, sample by sample [rad/s, rad/s, m/s]:
+GAIN_LIMITS = 0.5, 1.6  # -, of a gain that is believed
+# rad/s, rad/s, m/s: what is measured is never believed to be better than this, sample by sample;
 # a response that is lost in it is none.
 NOISE_FLOOR = np.array([0.003, 0.003, 0.05])
-CORRELATION_LIMIT = 0.98  # of successive residuals
+CORRELATION_LIMIT = 0.98  # -, of successive residuals
 PLAUSIBLE = np.array([10.0, 10.0, 1000.0])  # rad/s, rad/s, m/s: beyond them a sensor is broken
 SHORTEST_PERIOD = 0.015  # s between measurements that are used: faster ones tell no more
 LONGEST_GAP = 1.0  # s without measurements, after which begins another flight
-# Near its bank limit an aircraft turns no faster, whatever is commanded, for as long as it takes to
-# lag away afterwards: share of the limit that is measured, share that is asked for, time in [s].
+# -, -, s: near its bank limit an aircraft turns no faster, whatever is commanded, for as long as it
+# takes to lag away afterwards: share of the limit that is measured, share that is asked for, time.
 SATURATION, TOO_MUCH, RECOVERY = 0.9, 1.02, 1.0
-# What the parabolas are off by between the points of the grid: lag [s], sum [s] and gain [-].
+# s, s, -: what the parabolas are off by between the points of the grid, of lag, sum and gain
 ROUNDING = 0.015, 0.008, 0.005
 BEGIN = 1.5  # s after the first command, in which what was flown before it still counts
 EVERY = np.arange(3)  # channels

@@ -29,7 +29,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-MANOEUVRE_TIME = 5.0  # tau [s]: least prediction errors on circles, straight runs, stop and go
+MANOEUVRE_TIME = 5.0  # s, tau: least prediction errors on circles, straight runs, stop and go
 # s without a position after which the velocity fades; of a target that has run straight on
 BRIDGE_TIME, STRAIGHT_TIME = 5.0, 30.0
 FADE_TIME = 10.0  # s, its time constant

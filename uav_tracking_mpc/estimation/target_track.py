@@ -49,27 +49,27 @@ from uav_tracking_mpc.estimation.singer_motion import (
 )
 
 QUIET, TURN = 0, 3  # of the modes: quiet, gentle, hard, turn
-AGILITIES = np.array([1e-3, 0.1, 1.0, 1.0])  # sigma_a of each in [m/s^2]
+AGILITIES = np.array([1e-3, 0.1, 1.0, 1.0])  # m/s^2, sigma_a of each
 TURN_SPEED = 5.0  # m/s, least standard deviation on each axis by which a turn changes the velocity
-# How often the mode of a row changes to that of a column [1/s]. A turn is over at once.
+# 1/s: how often the mode of a row changes to that of a column. A turn is over at once.
 RATES = np.array(
     [[0.0, 3e-4, 3e-4, 3e-4], [0.05, 0.0, 0.05, 0.02], [0.0, 0.2, 0.0, 0.05], [0.0, 0.0, 1e3, 0.0]]
 )
 STRAIGHT = 0.9  # probability of the quiet mode above which a target that hides runs straight on
 QUIET_LEAST = 0.02  # probability of the quiet mode above which it goes on alone
-PROBABILITY_MIN = 1e-12
-OUTLIER_WEIGHT = math.log(0.03)  # of measurements that are outliers, which are
-OUTLIER_VARIANCE = 25.0  # times as uncertain as the others
-ROUNDING = 1e-13  # of a variance, before it is corrected
+PROBABILITY_MIN = 1e-12  # -, of a mode
+OUTLIER_WEIGHT = math.log(0.03)  # -, logarithm of the share of measurements that are outliers
+OUTLIER_VARIANCE = 25.0  # -, times as uncertain as the others
+ROUNDING = 1e-13  # -, rounding of a variance, before it is corrected
 TURN_MEMORY = 2.0  # s over which the turn rate is averaged
 Motion = tuple[NDArray[np.float64], float]  # velocity, shape (3,), and its variance [m^2/s^2]
 
 _LEAVING = -RATES.sum(axis=1)
 _CHANGES = RATES / RATES.sum(axis=1, keepdims=True) - np.eye(len(RATES))
-_SQUARES = AGILITIES[:, np.newaxis, np.newaxis] ** 2
-_TURN_POWERS = np.array([[2.0, 1.0], [1.0, 0.0]])
-_TURN_SHARES = np.array([[1.0 / 3.0, 0.5], [0.5, 1.0]])
-_IDENTITY = np.eye(3)
+_SQUARES = AGILITIES[:, np.newaxis, np.newaxis] ** 2  # m^2/s^4
+_TURN_POWERS = np.array([[2.0, 1.0], [1.0, 0.0]])  # -, of the time, in the entries of Q
+_TURN_SHARES = np.array([[1.0 / 3.0, 0.5], [0.5, 1.0]])  # -, likewise
+_IDENTITY = np.eye(3)  # -
 _SELECT = np.eye(2, 3)[:, np.newaxis, :]  # H of the position and of the velocity
 
 

@@ -25,7 +25,7 @@ from collections.abc import Sequence
 
 from uav_tracking_mpc.estimation.measurement import NOISE_LIMITS
 
-UNKNOWN = (0.0, 0.0, 0.0)
+UNKNOWN = (0.0, 0.0, 0.0)  # -, of any unit: nothing is told
 
 
 def makes_sense(variances: Sequence[float]) -> bool:

@@ -39,7 +39,7 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.symbolic.functions import BufferedFunction, one_at_a_time
 
 TURN_RATE_MAX = 1.0  # rad/s
-SPEED_TIME = 2.0  # tau [s]: vehicles change their speed for a few seconds
+SPEED_TIME = 2.0  # s, tau: vehicles change their speed for a few seconds
 STRAIGHT = 1e-7  # rad/s: a slower turn cannot be told from a straight line
 
 

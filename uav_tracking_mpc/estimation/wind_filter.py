@@ -54,8 +54,10 @@ from uav_tracking_mpc.symbolic.layout import Layout
 # Standard deviations before anything is measured
 WIND, GUST, GROUND_BIAS = 10.0, 2.5, 2.0  # m/s
 AIRSPEED_SHARE, HEADING_BIAS = 0.02, 0.02  # -, rad
-# How much what is constant may wander, in its unit per root of s
-WIND_WALK, GROUND_WALK, SHARE_WALK, HEADING_WALK = 0.03, 0.01, 2e-4, 2e-4
+# How much what is constant may wander
+WIND_WALK, GROUND_WALK = 0.03, 0.01  # m/s per root of s
+SHARE_WALK = 2e-4  # 1/s^0.5
+HEADING_WALK = 2e-4  # rad per root of s
 POSITION_NOISE, VELOCITY_NOISE = 0.1, 0.05  # m, m/s: least standard deviations believed
 GUST_WALK = 1.0  # m^2/s^3, that of moderate gusts, until it is seen how strong they are
 TREND, TREND_TIME = 0.03, 60.0  # m/s^2, s: deviation of the wind's change, how long it lasts
@@ -63,10 +65,11 @@ TREND, TREND_TIME = 0.03, 60.0  # m/s^2, s: deviation of the wind's change, how 
 # airspeed of a real aircraft, and its heading as it weathercocks, before it moves the aircraft:
 # v_measured - a then changes exactly as -a does, and the gust would be taken for alpha.
 AVERAGING_TIME = 5.0  # s
-STEADY_SHARE = 0.1  # of the airspeed, that the air velocity may be apart from its average
+STEADY_SHARE = 0.1  # -, of the airspeed, that the air velocity may be apart from its average
 
 P, W, G, B = (slice(3 * k, 3 * k + 3) for k in range(4))
-T, ALPHA, BETA, SIZE = slice(12, 14), 14, 15, 16
+T = slice(12, 14)
+ALPHA, BETA, SIZE = 14, 15, 16  # -, index of both, and how many states
 # What one filter knows: air velocity before, its average, turn rate of that, the state
 # (p, w, g, b, t, alpha, beta), and the upper triangle of its covariance by columns.
 LANE = Layout(air=3, steady=3, turn_rate=1, state=SIZE, triangle=SIZE * (SIZE + 1) // 2)

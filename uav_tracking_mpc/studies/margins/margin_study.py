@@ -374,11 +374,11 @@ def _number(value: float, digits: int) -> str:
     return f"{value:.{digits}f}" if math.isfinite(value) else "any"
 
 
-SIZE = (9.5, 4.4)  # [inch]
+SIZE = (9.5, 4.4)  # inch, of the figure
 COLOURS = dict(zip(CHANNELS, (BLUE, VERMILLION, GREEN), strict=True))
-DISKS = (0.5, 1.0)
-DELAYS, DELAY_TICKS = (0.1, 10.0), (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # [s]
-PHASES, GAINS = (-360.0, 0.0), (-40.0, 40.0)  # [deg], [dB] that are drawn
+DISKS = (0.5, 1.0)  # -, of the sensitivity that are drawn
+DELAYS, DELAY_TICKS = (0.1, 10.0), (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # s, that are drawn
+PHASES, GAINS = (-360.0, 0.0), (-40.0, 40.0)  # deg, dB, that are drawn
 
 
 def margin_figure(study: MarginStudy) -> Figure:
