@@ -145,3 +145,11 @@ def test_a_bank_of_the_wrong_sign_is_left_out(turn_rate, sign):
         heading = math.remainder(turn_rate * time, 2.0 * math.pi)
         seen = path.of(body(time, bank, heading=heading), AIRSPEED)
     assert path.contradicted is (seen.axis is Axis.BODY) is (sign < 0.0)
+
+
+def test_quick_rolls_that_the_nose_does_not_follow_contradict_nothing():
+    # 20 deg at 0.8 Hz, as ArduPlane's simulated plane rolls in turbulence.
+    path = FlightPath()
+    for k in range(3000):
+        path.of(body(STEP * k, math.radians(20.0) * math.sin(5.0 * STEP * k)), AIRSPEED)
+    assert not path.contradicted

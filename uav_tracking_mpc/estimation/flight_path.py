@@ -59,6 +59,7 @@ SURPLUS_LIMIT = 0.15  # rad/s, of a turn's surplus over its bank
 LEAST_AIRSPEED = 3.0  # m/s; below it nothing flies, and the path angle means nothing
 NOSE_JUMP = 0.2  # rad between two attitudes: no aircraft turns so, its compass has jumped
 TRIAL = 20.0  # s, over which bank and nose are compared
+ROLLING = 3.0  # s, over which quick rolls, which the nose does not follow, cancel before that
 CONTRADICTION = 0.01  # rad^2/s^2; slipping into a turn makes a quarter of it
 STEEPEST = 1.5  # rad, of a bank or a pitch, beyond which no turn is coordinated
 QUICK_CLIMB = 8.0  # rad/s, where the climb is commanded: it delays by little
@@ -137,7 +138,8 @@ class FlightPath:
     """Makes measurements of the body ones of the path through the air.
 
     A bank of another sign, or of an aircraft that skids, explains the turn worse than none would:
-    r_b (r_b - 2 r_n), averaged, is positive. It is then left out.
+    r_b (r_b - 2 r_n), averaged, is positive. It is then left out. In turbulence an aircraft rolls
+    to and fro quicker than its nose follows; both rates are therefore smoothed before.
 
     Attributes:
         climb_frequency: Up to which changes of the climb count, in [rad/s].
@@ -151,6 +153,7 @@ class FlightPath:
         """Forget the aircraft."""
         self._direction, self._climb = FlightDirection(), Climb()
         self._contradiction, self._time, self._nose = 0.0, -math.inf, 0.0
+        self._by_bank = self._by_nose = 0.0  # rad/s, smoothed
 
     @property
     def contradicted(self) -> bool:
@@ -183,7 +186,10 @@ class FlightPath:
             if abs(turned - step * by_bank) > NOSE_JUMP:
                 direction.heading += turned  # for others to judge; it tells nothing of the turn
             else:
-                against = by_bank * (by_bank - 2.0 * turned / step)
+                share = step / ROLLING
+                self._by_bank += share * (by_bank - self._by_bank)
+                self._by_nose += share * (turned / step - self._by_nose)
+                against = self._by_bank * (self._by_bank - 2.0 * self._by_nose)
                 self._contradiction += step / TRIAL * (against - self._contradiction)
         direction.see(time, nose, by_bank)
         if self.contradicted:
