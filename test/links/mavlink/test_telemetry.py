@@ -23,7 +23,13 @@ from uav_tracking_mpc.dynamics.air import true_over_equivalent
 from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.estimation.measurement import SILENT, Axis
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
-from uav_tracking_mpc.links.mavlink.telemetry import AGE, Accuracies, AutopilotClock, Telemetry
+from uav_tracking_mpc.links.mavlink.telemetry import (
+    AGE,
+    AIRSPEED_SENSOR,
+    Accuracies,
+    AutopilotClock,
+    Telemetry,
+)
 
 HOME = LocalFrame(math.radians(47.3977), math.radians(8.5456), 488.0)
 
@@ -126,6 +132,26 @@ def test_another_origin_may_be_stated():
         telemetry(origin), home(), attitude(101.0), position(101.0, (1000.0, 2000.0, 50.0))
     )
     np.testing.assert_allclose(seen.position, (0.0, 0.0, 50.0), atol=0.02)
+
+
+def sensors(*, enabled=AIRSPEED_SENSOR, health=AIRSPEED_SENSOR):
+    return mavlink.MAVLink_sys_status_message(
+        AIRSPEED_SENSOR, enabled, health, 200, 16000, -1, 100, 0, 0, 0, 0, 0, 0
+    )
+
+
+@pytest.mark.parametrize("fault", ["enabled", "health"])
+def test_an_airspeed_that_the_autopilot_does_not_use_is_not_used_here(fault):
+    # ArduPlane disables a sensor that is stuck, and goes on to tell its value.
+    heard, where, velocity = telemetry(), (0.0, 0.0, 100.0), (22.0, 8.0, 0.0)
+    flown(heard, home(), hud(20.0), attitude(101.0), position(101.0, where, velocity))
+    heard.see(sensors(**{fault: 0}), 1.0)
+    assert flown(heard, hud(5.0), attitude(102.0), position(102.0, where)).airspeed is None
+    heard.see(mavlink.MAVLink_wind_message(180.0, 8.0, 0.0), 1.0)
+    flown(heard, attitude(103.0), position(103.0, where, velocity))
+    assert heard.airspeed == pytest.approx(22.0)
+    heard.see(sensors(), 1.0)
+    assert heard.airspeed == pytest.approx(5.0, rel=0.1)
 
 
 def test_without_air_data_or_with_old_ones_there_is_no_airspeed():

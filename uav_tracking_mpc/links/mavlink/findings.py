@@ -28,7 +28,7 @@ from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED
 from uav_tracking_mpc.links import Inspection
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.links.mavlink.listener import Listener
-from uav_tracking_mpc.links.mavlink.telemetry import Telemetry
+from uav_tracking_mpc.links.mavlink.telemetry import AIRSPEED_SENSOR, Telemetry
 
 
 class HomeFence(NamedTuple):
@@ -99,7 +99,6 @@ RATE_SHARE = 0.9  # -, of a greatest rate
 FENCE_MARGIN = 10.0  # m, to the autopilot's own fence
 UNKNOWN_AIRSPEED = 15.0  # m/s, for limits that depend on it where neither cruise nor flight tells
 FIRMWARE_TYPES = {0: "dev", 64: "alpha", 128: "beta", 192: "rc", 255: "official"}
-AIRSPEED_SENSOR = mavlink.MAV_SYS_STATUS_SENSOR_DIFFERENTIAL_PRESSURE
 # Attitude, velocity and absolute position, horizontal and vertical: EKF_STATUS_FLAGS of ArduPilot
 # and ESTIMATOR_STATUS_FLAGS of the common messages are alike in these bits.
 NEEDED = (

@@ -54,6 +54,7 @@ from uav_tracking_mpc.dynamics.geodesy import LocalFrame
 from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED, FlightDirection
 from uav_tracking_mpc.estimation.measurement import SILENT, Measurement, SensorNoise
 from uav_tracking_mpc.estimation.told_noise import UNKNOWN, axes_noise
+from uav_tracking_mpc.links.mavlink.dialect import mavlink
 
 KEPT = 20  # round trips
 LONGEST = 1.0  # s of a round trip that tells anything
@@ -220,6 +221,7 @@ AIRSPEED_AGE = 1.0  # s that airspeed may be older than the position
 STEEPEST = 0.5 * math.pi  # rad, of the pitch
 FARTHEST = 1e6  # m from the origin; beyond it the autopilot's filter has no origin yet
 WIND_AGE = 10.0  # s that a wind counts
+AIRSPEED_SENSOR = mavlink.MAV_SYS_STATUS_SENSOR_DIFFERENTIAL_PRESSURE
 
 
 class Attitude(NamedTuple):
@@ -251,7 +253,8 @@ class Telemetry:
         frame: Axes of ``map``; None until the origin is known.
         attitude: The newest.
         altitude: Above sea level in [m]; None until it is known.
-        airspeed: True airspeed in [m/s]; None where it is unknown or old.
+        airspeed: True airspeed in [m/s]; that of ground velocity and wind while the autopilot does
+            not use its sensor, whose values it goes on to tell; None where it is unknown or old.
         wind: Velocity of the air in ``map`` by the autopilot, shape (3,), in [m/s]; None where it
             tells nothing.
         throttle: From 0 to 1 [-]; None until it is known.
@@ -275,11 +278,16 @@ class Telemetry:
         self._accuracies = Accuracies()
         self.throttle: float | None = None
         self._calibrated: float | None = None
+        self._distrusted = False  # the airspeed sensor, by the autopilot
         self._calibrated_at = self._wind_at = self._position_at = -math.inf
 
     @property
     def airspeed(self) -> float | None:
         """See the class."""
+        if self._distrusted:
+            if self.newest is None or self.wind is None:
+                return None
+            return float(np.linalg.norm(self.newest.ground_velocity - self.wind))
         if self._calibrated is None or self.altitude is None:
             return None
         return self._calibrated * true_over_equivalent(self.altitude)
@@ -312,6 +320,11 @@ class Telemetry:
         self.throttle = min(message.throttle * 1e-2, 1.0)
         if math.isfinite(message.airspeed):
             self._calibrated, self._calibrated_at = message.airspeed, arrival
+
+    def _see_sensors(self, message: Any, arrival: float) -> None:
+        used = message.onboard_control_sensors_enabled & message.onboard_control_sensors_health
+        present = message.onboard_control_sensors_present & AIRSPEED_SENSOR
+        self._distrusted = bool(present and not used & AIRSPEED_SENSOR)
 
     def _see_wind(self, message: Any, arrival: float) -> None:
         # ArduPilot tells where the wind comes from, clockwise from North, and its part down.
@@ -379,6 +392,7 @@ class Telemetry:
 _TAKERS: dict[str, Any] = {
     "GLOBAL_POSITION_INT": Telemetry._see_position,
     "ATTITUDE": Telemetry._see_attitude,
+    "SYS_STATUS": Telemetry._see_sensors,
     "VFR_HUD": Telemetry._see_airspeed,
     "WIND": Telemetry._see_wind,
     "WIND_COV": Telemetry._see_wind_covariance,
