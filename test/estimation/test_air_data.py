@@ -70,3 +70,18 @@ def test_after_a_gap_the_airspeed_from_before_counts_until_its_own_may_have_come
     assert air.see_state(replace(measurement(), stamp=12.0))[1][-1] == 20.0  # asked once more
     assert air.see_state(replace(measurement(), stamp=12.05))[1][-1] == 5.0
     assert air.missing
+
+
+def test_an_airspeed_that_the_wind_contradicts_does_not_turn_the_path_of_a_body():
+    """At 5 m/s a bank of 0.3 rad would turn four times as fast as at 22 m/s."""
+    body = Measurement(10.0, np.zeros(3), np.array([22.0, 0.0, 0.0]), 0.0, 0.05, bank=-0.3)
+    turns = []
+    for wind, airspeed in ((None, 22.0), (np.zeros(3), 5.0), (None, 5.0)):
+        air = AirData(0.5)
+        air.wind = wind
+        path, state = air.see_state(replace(body, airspeed=airspeed))
+        assert state[-1] == airspeed  # for others to judge
+        turns.append(path.turn_rate)
+    right, near, wrong = turns
+    assert near == pytest.approx(right, rel=0.35)
+    assert wrong == pytest.approx(22.0 / 5.0 * right, rel=0.01)

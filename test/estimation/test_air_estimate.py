@@ -250,3 +250,14 @@ def test_errors_are_as_large_as_the_filter_says(noise, walk):
     place, air = np.concatenate([normalised_errors(seed, noise, walk) for seed in range(3)]).mean(0)
     assert 1.5 < place < 3.5
     assert 0.75 < air < 3.5
+
+
+def test_an_airspeed_that_is_far_off_is_not_used_even_once():
+    """Before it is known what has become of the sensor: the wind tells the airspeed meanwhile."""
+    filter_, position = flown(120.0)
+    time, psi = 120.0, TURN * 120.0
+    ahead = np.array([np.cos(psi), np.sin(psi), 0.0])
+    filter_.see(time, position, SPEED * ahead + [3.0, -5.0, 0.2], 5.0 * ahead)
+    assert filter_.found.vehicle[5] == pytest.approx(SPEED, abs=0.2)
+    assert filter_.health.states["airspeed"] == "used"
+    np.testing.assert_allclose(filter_.mean_wind + filter_.gust, [3.0, -5.0, 0.2], atol=0.2)

@@ -64,7 +64,8 @@ class AirCheck(Evaluated):
         def check(known, dt, heading, reading, present, level, air, deviation, moved, forward):
             air = air[:2], air[2:]
             seen = heading, reading, present, level, air, deviation, moved, forward
-            return air_checked(known, dt, *seen)
+            after, _, *by_wind = air_checked(known, dt, *seen)
+            return after, *by_wind
 
         super().__init__(check, AIR_CHECK, initial_air_check(), [1, 1, 1, 1, 1, 4, 2, 3, 1])
         self.time = 0.0

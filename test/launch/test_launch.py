@@ -275,7 +275,7 @@ def test_the_mission_is_flown_recorded_and_reported(flight):
     assert metrics["steady_state"]["range_rms_m"] <= 0.05
     assert metrics["steady_state"]["altitude_rms_m"] <= 0.05
     assert metrics["solver"]["failures"] == 0
-    assert metrics["commands"]["sent"] == metrics["solver"]["solves"] > 100
+    assert metrics["commands"]["sent"] >= metrics["solver"]["solves"] > 100
     assert metrics["latency_us"]["median"] > 0.0
 
 

@@ -25,7 +25,7 @@ from filled_messages import filled_point
 from node_flight import Flight
 from std_srvs.srv import SetBool, Trigger
 
-from uav_tracking_mpc.nodes.messages.conversions import truth_from_odometry
+from uav_tracking_mpc.nodes.messages.conversions import nanoseconds, truth_from_odometry
 from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 from uav_tracking_mpc.nodes.topics import TARGET_GOAL, TARGET_TRUTH
 
@@ -39,7 +39,10 @@ def test_another_orbit_is_flown_without_a_jump(flying):
     assert flying.set(range=340.0, altitude=140.0) == ""
     assert flying.controller.parameters.orbit.range == 340.0
     assert flying.commanded(60)
-    steps = np.abs(np.diff(flying.inputs()[begin - 1 :], axis=0))
+    heard = flying.commands[begin - 1 :]
+    times = [1e-9 * nanoseconds(message.header.stamp) for message in heard]
+    periods = np.diff(times) * flying.controller.parameters.control_rate  # more under load
+    steps = np.abs(np.diff(flying.inputs()[begin - 1 :], axis=0)) / periods[:, np.newaxis]
     # Full bank the other way is what the new orbit asks for: half a second is spent on it.
     turn = 0.5 * flying.controller.parameters.envelope.turn_rate_max(22.0)
     assert np.all(np.max(steps, axis=0) < [turn, 0.25, 2.5])

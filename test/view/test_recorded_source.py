@@ -41,8 +41,9 @@ from recorded_bag import (
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.dynamics.frames import bank_from_turn_rate
 from uav_tracking_mpc.nodes.topics import AIR_VELOCITY, ODOMETRY, TARGET
-from uav_tracking_mpc.report import bag as bags
-from uav_tracking_mpc.report.bag import KEPT, Bag, BagError, BagTopic
+from uav_tracking_mpc.report import bag_index as bags
+from uav_tracking_mpc.report.bag import BagError
+from uav_tracking_mpc.report.bag_index import KEPT, Bag, BagTopic
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.view.recorded_source import RecordedSource, RecordedTime
 from uav_tracking_mpc.view.watched_flight import SILENT

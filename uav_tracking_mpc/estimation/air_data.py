@@ -30,6 +30,7 @@ from uav_tracking_mpc.estimation.flight_path import QUICK_CLIMB, SLOW_CLIMB, Fli
 from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementError
 
 SLOW = 0.1  # m/s over ground, below which the body's axis tells where the vehicle goes
+GUSTS = 5.0  # m/s, by which an airspeed may differ from what ground velocity and wind tell
 
 
 class AirData:
@@ -42,6 +43,9 @@ class AirData:
     Attributes:
         missing: Whether the latest vehicle state had no airspeed to go by.
         awaited: Whether it had none because the first airspeed may still come.
+        wind: Of the air, as it is known without the airspeed, shape (3,), in [m/s]; None where it
+            is not. The path of a body is found with an airspeed that fits it: one that fails must
+            not turn heading and path angle as well, by which it is judged.
     """
 
     def __init__(self, timeout: float) -> None:
@@ -64,6 +68,7 @@ class AirData:
         self.missing = self.awaited = self._told = self._doubted = False
         self._path.reset()
         self._first: float | None = None  # stamp of the first measurement; -inf after an airspeed
+        self.wind: NDArray[np.float64] | None = None
 
     def see(self, stamp: float, airspeed: float) -> None:
         """Take in a measured airspeed.
@@ -100,7 +105,7 @@ class AirData:
             self._first = measurement.stamp if airspeed is None else -math.inf
         self.awaited = self.missing and measurement.stamp - self._first < self.timeout
         if airspeed is not None:
-            measurement = self._path.of(measurement, airspeed)
+            measurement = self._path.of(measurement, self._plausible(measurement, airspeed))
             return measurement, measurement.state(airspeed)
         east, north, up = (float(value) for value in measurement.ground_velocity)
         speed = math.sqrt(east**2 + north**2 + up**2)
@@ -109,6 +114,12 @@ class AirData:
             return measurement, measurement.state(speed)
         heading, path_angle = math.atan2(north, east), math.atan2(up, math.hypot(east, north))
         return measurement, np.array([*measurement.position, heading, path_angle, speed])
+
+    def _plausible(self, measurement: Measurement, airspeed: float) -> float:
+        if self.wind is None:
+            return airspeed
+        expected = math.hypot(*(measurement.ground_velocity - self.wind).tolist())
+        return min(max(airspeed, expected - GUSTS), expected + GUSTS)
 
     def complaint(self, wind_known: bool = False) -> str:
         """What is taken otherwise than it is measured, in words, the first time; else empty.

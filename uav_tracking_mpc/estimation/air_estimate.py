@@ -108,6 +108,7 @@ class AirEstimate:
         self._memory, seen = np.zeros(MEMORY.size), np.zeros(SEEN.size)
         self._known, self._seen = MEMORY.parts(self._memory), SEEN.parts(seen)
         self._filter = LANE.parts(self._known.main)
+        self._without_airspeed = LANE.parts(self._known.no_airspeed)
         self._step = BufferedFunction(_step(), [self._memory, seen])
         self._found = FOUND.parts(self._step.results[1])
         self.reset()
@@ -127,6 +128,13 @@ class AirEstimate:
             getattr(self._known, lane)[:] = wind_filter.initial_lane()
         self._known.meters[:] = wind_filter.METERS.initial()
         self._time: float | None = None
+
+    @property
+    def wind_without_airspeed(self) -> NDArray[np.float64] | None:
+        """Mean wind that owes nothing to the airspeed, shape (3,), in [m/s]; None if unknown."""
+        lane = self._without_airspeed
+        known = lane.triangle[DIAGONAL[W]][:2].max() <= sensor_check.WIND_KNOWN**2
+        return lane.state[W].copy() if known else None
 
     @property
     def mean_wind(self) -> NDArray[np.float64]:
@@ -253,7 +261,7 @@ def _step() -> ca.Function:
     u = [(used_ground - lane.state[B] - lane.state[W])[:2] for lane in lanes[1:]]
     level_wind = [lane.triangle[DIAGONAL[W.start : W.stop - 1].tolist()] for lane in lanes[1:]]
     blind = lanes[NO_AIRSPEED].state
-    air, turned, along = sensor_check.air_checked(
+    air, out, turned, along = sensor_check.air_checked(
         AIR_CHECK.parts(known.air),
         dt,
         seen.heading,
@@ -266,7 +274,6 @@ def _step() -> ca.Function:
         seen.rates[2],
     )
     reasons = AIR_CHECK.parts(air).reasons
-    out = [reason > 0.0 for reason in ca.vertsplit(reasons)]
     by_wind = turned, along / level
     heading = ca.if_else(out[1], by_wind[0], seen.heading)
     airspeed = ca.if_else(out[0], by_wind[1], seen.airspeed)

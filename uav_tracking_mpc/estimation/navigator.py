@@ -242,7 +242,10 @@ class Navigator:
         """What is measured, without noise and biases as far as they are known."""
         rates = np.array([measurement.turn_rate, measurement.path_angle_rate, self._acceleration])
         if self._estimating:
-            return self.air_estimate.update(measurement, vehicle, rates, ground, self.air.missing)
+            known = measurement, vehicle, rates, ground, self.air.missing
+            found = self.air_estimate.update(*known)
+            self.air.wind = self.air_estimate.wind_without_airspeed
+            return found
         if not measurement.placed:
             raise ValueError("no position is measured")
         wind = measurement.ground_velocity - vehicle_model.velocity(vehicle)

@@ -65,6 +65,7 @@ POSITION_CHECK = Layout(jumped=1, faded=3, last=3)
 # Airspeed and heading
 SMOOTHING, CHANGE_TIME, LASTING = 0.7, 4.0, 7.0  # s: of noise, of a jump, of what lasts
 LEAST_JUMP, LEAST_OFFSET = 1.0, 0.8  # m/s
+GATE = 4.0  # m/s, besides gusts: a reading that is as far off is not used, whatever comes of it
 DEVIATIONS = 4.0  # standard deviations of gusts that explain a residual
 DOMINANCE = 3.0  # -, by which the residual of a sensor that fails exceeds the other
 TURNED = 0.3  # rad, that the wind's error turns against the heading in a jump
@@ -182,8 +183,10 @@ def air_checked(
     wind_deviations: ca.SX,
     explained: ca.SX,
     acceleration: ca.SX,
-) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """What is known after airspeed and heading; heading [rad] and level airspeed [m/s] by the wind.
+) -> tuple[ca.SX, list[ca.SX], ca.SX, ca.SX]:
+    """What is known after airspeed and heading, which of them is left out, and what the wind tells.
+
+    The latter are the heading [rad] and the level airspeed [m/s].
 
     Args:
         known: By :data:`AIR_CHECK`.
@@ -238,10 +241,14 @@ def air_checked(
     known.moved = ca.if_else(compared[AIRSPEED], moved, 0.0)
     known.explained = ca.if_else(compared[AIRSPEED], followed, explained)
     known.reasons = ca.if_else(known_winds, agreed, ca.vertcat(*reasons))
-    no_airspeed, no_heading = known.reasons[AIRSPEED] > 0.0, known.reasons[HEADING] > 0.0
+    gate = GATE + DEVIATIONS * ca.sqrt(known.jumps[1 + AIRSPEED])
+    far = ca.logic_and(compared[AIRSPEED], ca.fabs(residuals[0]) > gate)
+    no_airspeed = ca.logic_or(known.reasons[AIRSPEED] > 0.0, far)
+    no_heading = known.reasons[HEADING] > 0.0
     way = ca.if_else(no_airspeed, air[0], air[1])
     along = ca.if_else(no_heading, ca.norm_2(air[0]), along)
-    return AIR_CHECK.joined(known), ca.atan2(way[1], way[0]), ca.fmax(along, 0.0)
+    out = [no_airspeed, no_heading]
+    return AIR_CHECK.joined(known), out, ca.atan2(way[1], way[0]), ca.fmax(along, 0.0)
 
 
 def _stuck(

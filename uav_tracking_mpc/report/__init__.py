@@ -25,7 +25,8 @@
 ``icon``              the picture in the tab of every page
 ``pages``             tables for the terminal and for documentation; HTML pages
 ``atomic_write``      files that are whole or absent
-``bag``               messages of bags, in order, or by topic and time
+``bag``               messages of bags, in order
+``bag_index``         the same by topic and time
 ====================  ================================================================
 
 Everything starts from a :class:`uav_tracking_mpc.simulation.flight_log.FlightLog`::

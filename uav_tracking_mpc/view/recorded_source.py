@@ -44,7 +44,8 @@ from uav_tracking_mpc.nodes.topics import (
     TRACKING_ERRORS,
     Topic,
 )
-from uav_tracking_mpc.report.bag import SECOND, Bag, BagError, BagTopic, Place, name_of
+from uav_tracking_mpc.report.bag import BagError, name_of
+from uav_tracking_mpc.report.bag_index import SECOND, Bag, BagTopic, Place
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.view.snapshot import flown_mode, heard_sight, number
 from uav_tracking_mpc.view.watched_flight import (

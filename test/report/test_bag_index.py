@@ -21,8 +21,9 @@ import pytest
 from mcap.writer import CompressionType, IndexType, Writer
 from recorded_bag import COMMAND_DELAY, WALL, rewritten, write_bag
 
-from uav_tracking_mpc.report import bag as bags
-from uav_tracking_mpc.report.bag import Bag, BagError, BagTopic, header_stamp
+from uav_tracking_mpc.report import bag_index as bags
+from uav_tracking_mpc.report.bag import BagError
+from uav_tracking_mpc.report.bag_index import Bag, BagTopic, header_stamp
 
 PERIOD = 100_000_000  # ns between commands
 START = 5_000_000_000  # ns
