@@ -53,6 +53,15 @@ def test_inputs_are_kept_inside_limits_that_the_airspeed_decides(shaper):
     np.testing.assert_array_equal(shaped[1], 0.0)
 
 
+def test_an_aircraft_that_slips_is_not_banked_beyond_its_limit(shaper):
+    wild = np.array([[9.0, 0.0, 0.0], [-9.0, 0.0, 0.0]])
+    turn = FLIGHT.envelope.turn_rate_max(25.0)
+    shaped = shaper.shape(0.0, wild, 1.0, 25.0, FallbackMode.OPTIMAL, -0.1)
+    np.testing.assert_allclose(shaped[:, 0], [turn - 0.1, -turn])
+    shaped = shaper.shape(0.0, wild, 1.0, 25.0, FallbackMode.OPTIMAL, 0.1)
+    np.testing.assert_allclose(shaped[:, 0], [turn, 0.1 - turn])
+
+
 def test_plans_follow_each_other_as_they_are(shaper):
     shaper.shape(0.0, PLAN, 0.5, 22.0, FallbackMode.OPTIMAL)
     for mode in (FallbackMode.EARLIER_PLAN, FallbackMode.FEASIBLE, FallbackMode.OPTIMAL):

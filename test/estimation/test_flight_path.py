@@ -36,6 +36,7 @@ from uav_tracking_mpc.estimation.flight_path import (
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement
 
 STEP, AIRSPEED = 0.02, 22.0
+SLIPPING = 0.72  # -, of a coordinated turn's rate, as ArduPlane's simulated plane turns
 
 
 def flown(direction, seconds, turn_rate, bank_rate, swing=lambda t: 0.0):
@@ -73,12 +74,29 @@ def test_the_nose_swings_and_the_flight_does_not():
     assert rate < 0.03 * amplitude * omega
 
 
-def test_a_turn_that_slips_is_learnt():
-    direction, rate, by_bank = FlightDirection(), 0.072, 0.1
+@pytest.mark.parametrize("by_bank", [0.0, 0.02, -0.1, 0.4])
+def test_a_turn_that_slips_is_learnt(by_bank):
+    direction, rate = FlightDirection(), 0.01 + SLIPPING * by_bank
     true, _, _ = flown(direction, 60.0, rate, by_bank)
     assert direction.surplus == pytest.approx(rate - by_bank, abs=1e-4)
     assert direction.rate == pytest.approx(rate, abs=1e-4)
     assert direction.heading == pytest.approx(true, abs=1e-3)
+
+
+def test_what_a_turn_has_told_counts_soon_in_the_next_one():
+    direction = FlightDirection()
+    flown(direction, 60.0, 0.4 * SLIPPING, 0.4)
+    flown(direction, 5.0, -0.4 * SLIPPING, -0.4)
+    assert direction.rate == pytest.approx(-0.4 * SLIPPING, abs=0.02)
+
+
+def test_in_a_quick_roll_the_bank_counts_in_full():
+    direction = FlightDirection()
+    flown(direction, 60.0, 0.2 * SLIPPING, 0.2)
+    before, bank_rates = direction.rate, (0.3, 0.1) * 5
+    for k, bank_rate in enumerate(bank_rates):
+        direction.see(60.0 + STEP * k, 0.2 * SLIPPING * (60.0 + STEP * k), bank_rate)
+        assert direction.rate - before == pytest.approx(bank_rate - 0.2, abs=0.005)
 
 
 def test_a_broken_compass_is_not_flown_by_without_end():

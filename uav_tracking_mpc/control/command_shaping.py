@@ -269,6 +269,7 @@ class CommandShaper:
         step: float,
         airspeed: float,
         mode: FallbackMode,
+        surplus: float = 0.0,
     ) -> NDArray[np.float64]:
         """Inputs to be sent.
 
@@ -278,13 +279,16 @@ class CommandShaper:
             step: In [s].
             airspeed: v in [m/s], which with the bank limits the turn rate.
             mode: Where the inputs come from.
+            surplus: What the aircraft turns quicker than its bank says, in [rad/s]: one that turns
+                slower is not banked beyond the limit for it.
 
         Returns:
             Finite inputs inside their limits, shape (n, 3).
         """
         if math.isfinite(airspeed):
-            self._upper[TURN] = self._envelope.turn_rate_max(airspeed)
-            self._lower[TURN] = -self._upper[TURN]
+            most = self._envelope.turn_rate_max(airspeed)
+            self._upper[TURN] = max(min(most, most + surplus), 0.0)
+            self._lower[TURN] = min(max(-most, surplus - most), 0.0)
         inside = self._clipped(inputs)
         other = mode is not self._mode and not (mode.planned and self._mode.planned)
         self._offset *= math.exp(-max(0.0, time - self._time) / FADE_TIME)

@@ -485,7 +485,8 @@ class Controller:
         self, stamp: float, told: Inputs, airspeed: float, plan: Plan | None, now: Situation | None
     ) -> Command:
         (inputs, step), mode, reason = told, self.modes.mode, self.modes.reason
-        inputs = self._shaper.shape(stamp, inputs / self.response.flown.gains, step, airspeed, mode)
+        inputs, surplus = inputs / self.response.flown.gains, self.navigator.air.surplus
+        inputs = self._shaper.shape(stamp, inputs, step, airspeed, mode, surplus)
         inputs = self._shaper.excitation.added(stamp, inputs, mode, self.orbit, now)
         flown = None
         if now is not None:  # the drift is the wind less the target's velocity

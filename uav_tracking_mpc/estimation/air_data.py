@@ -115,6 +115,11 @@ class AirData:
         heading, path_angle = math.atan2(north, east), math.atan2(up, math.hypot(east, north))
         return measurement, np.array([*measurement.position, heading, path_angle, speed])
 
+    @property
+    def surplus(self) -> float:
+        """What the aircraft turns quicker than its bank says, in [rad/s]; negative where slower."""
+        return self._path.surplus
+
     def _plausible(self, measurement: Measurement, airspeed: float) -> float:
         if self.wind is None:
             return airspeed

@@ -27,12 +27,18 @@ Mahony, Hamel, Pflimlin, IEEE Trans. Automatic Control 53(5), 2008):
 
 .. math::
 
-    \dot\psi = r_b + b + 2 \omega \beta, \quad \dot b = \omega^2 \beta, \quad
-    \beta = \psi_n - \psi
+    \dot\psi = r_b + k r_s + b + 2 \omega \beta, \quad \dot r_s = \omega_s (r_b - r_s), \quad
+    \beta = \psi_n - \psi, \\
+    \dot k = \omega^2 \beta \, r_s / (r_s^2 + \rho^2), \quad
+    \dot b = \omega^2 \beta \, \rho^2 / (r_s^2 + \rho^2)
 
 with the direction :math:`\psi_n` that the nose tells and the rate :math:`r_b = -g \tan\phi / v` of
 a coordinated turn. An aircraft that slips in a steady turn turns at another rate than that of its
-bank, by b; this shows slowly, and is taken out as slowly: in a quick roll the bank counts in full.
+bank: by a share k of it, since the slip grows with the turn (yaw damping), and by b, since none is
+symmetric. Both show slowly, and are taken out as slowly. The slip follows a bank with the delay of
+the yaw, hence :math:`r_s`: in a quick roll the bank counts in full. Steep turns tell k and flat
+ones b; together they learn as quickly at any bank, for :math:`r_s \dot k + \dot b =
+\omega^2 \beta`.
 
 Up and down there is no such second source: in turbulence the nose's pitch rate is mostly that of
 the gusts and of the answer to them. The measured climb :math:`w_m` is followed instead, by a filter
@@ -56,6 +62,9 @@ from uav_tracking_mpc.estimation.measurement import Axis, Measurement
 FREQUENCY = 0.3  # rad/s, omega: well below the swing's, which is some rad/s
 LONGEST_STEP = 0.5  # s between attitudes, after which the filter begins anew
 SURPLUS_LIMIT = 0.15  # rad/s, of a turn's surplus over its bank
+SHARE_LIMIT = 0.4  # -, of the surplus that grows with the turn
+STEEP_TURN = 0.1  # rad/s, rho: from there on a turn tells more of the share than of the rest
+SLIP_FREQUENCY = 1.0  # rad/s, omega_s: how quickly a slip follows the turn
 LEAST_AIRSPEED = 3.0  # m/s; below it nothing flies, and the path angle means nothing
 NOSE_JUMP = 0.2  # rad between two attitudes: no aircraft turns so, its compass has jumped
 TRIAL = 20.0  # s, over which bank and nose are compared
@@ -72,12 +81,12 @@ class FlightDirection:
     Attributes:
         heading: psi, counter-clockwise from East, in [rad]; not wrapped.
         rate: psi' in [rad/s].
-        surplus: b, what the turn rate exceeds that of a coordinated turn by, in [rad/s].
+        surplus: k r_s + b, what the turn rate exceeds that of a coordinated turn by, in [rad/s].
     """
 
     def __init__(self) -> None:
         self.heading = self.rate = self.surplus = 0.0
-        self._bank_rate = 0.0
+        self._bank_rate = self._steady = self._share = self._rest = 0.0  # r_b, r_s, k, b
         self._time = -math.inf
 
     def see(self, time: float, nose: float, bank_rate: float) -> None:
@@ -94,11 +103,18 @@ class FlightDirection:
             self.heading += step * (0.5 * (before + bank_rate) + self.surplus)
             swing = math.remainder(nose - self.heading, 2.0 * math.pi)
             self.heading += 2.0 * FREQUENCY * step * swing
-            surplus = self.surplus + FREQUENCY**2 * step * swing
-            self.surplus = min(max(surplus, -SURPLUS_LIMIT), SURPLUS_LIMIT)
+            self._steady += (1.0 - math.exp(-SLIP_FREQUENCY * step)) * (bank_rate - self._steady)
+            learnt = FREQUENCY**2 * step * swing / (self._steady**2 + STEEP_TURN**2)
+            self._share = _within(self._share + learnt * self._steady, SHARE_LIMIT)
+            self._rest = _within(self._rest + learnt * STEEP_TURN**2, SURPLUS_LIMIT)
+            self.surplus = _within(self._share * self._steady + self._rest, SURPLUS_LIMIT)
         elif step != 0.0:
             self.heading = nose
         self.rate = bank_rate + self.surplus
+
+
+def _within(value: float, limit: float) -> float:
+    return min(max(value, -limit), limit)
 
 
 class Climb:
@@ -159,6 +175,11 @@ class FlightPath:
     def contradicted(self) -> bool:
         """Whether the nose turns against the bank."""
         return self._contradiction > CONTRADICTION
+
+    @property
+    def surplus(self) -> float:
+        """See :attr:`FlightDirection.surplus`; 0 while the bank is left out."""
+        return 0.0 if self.contradicted else self._direction.surplus
 
     def of(self, measurement: Measurement, airspeed: float) -> Measurement:
         """The same with climb, heading, path angle and their rates of the air velocity.
