@@ -241,7 +241,7 @@ def air_checked(
     known.moved = ca.if_else(compared[AIRSPEED], moved, 0.0)
     known.explained = ca.if_else(compared[AIRSPEED], followed, explained)
     known.reasons = ca.if_else(known_winds, agreed, ca.vertcat(*reasons))
-    gate = GATE + DEVIATIONS * ca.sqrt(known.jumps[1 + AIRSPEED])
+    gate = GATE + DEVIATIONS * ca.sqrt(known.jumps[1 + AIRSPEED]) + MOVES * moved
     far = ca.logic_and(known.weight[AIRSPEED] >= PRIOR_TIME + LASTING, ca.fabs(residuals[0]) > gate)
     no_airspeed = ca.logic_or(known.reasons[AIRSPEED] > 0.0, far)
     no_heading = known.reasons[HEADING] > 0.0
