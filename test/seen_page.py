@@ -65,6 +65,10 @@ from PIL import Image
 
 PATIENCE = 180.0  # s: a limit for what is broken, not a measure of what works
 FRAME_PERIOD = 0.5  # s: a browser without a graphics card draws hardly more of them
+CLOSE, FEW = (
+    24,
+    0.003,
+)  # levels of 255, share of pixels: what two pictures of one scene may differ by
 
 
 @contextlib.contextmanager
@@ -245,8 +249,16 @@ class SeenPage:
         return newest[-1]
 
     def wait_for_picture(self, picture) -> None:
-        """Wait until the scene is what ``picture()`` is: another page may still be drawing, too."""
-        self.eventually(lambda: np.array_equal(self.pixels(), picture()), "the pictures agree")
+        """Wait until the scene is what ``picture()`` is, but for a few pixels.
+
+        A line may be drawn a pixel beside where it was, and another page may still be drawing, too.
+        """
+
+        def agrees() -> bool:
+            other = np.any(np.abs(self.pixels() - picture()) > CLOSE, axis=-1)
+            return bool(np.mean(other) < FEW)
+
+        self.eventually(agrees, "the pictures agree")
 
     def pixel_of(self, point) -> tuple[float, float]:
         """Where a point of ``map`` is seen: right and down from the page's upper left corner."""
