@@ -90,8 +90,7 @@ def test_one_page_goes_back_and_comes_again_while_the_other_stays(look, page, se
     assert other.page.evaluate("document.cookie") == ""
     for each in (seen, other):
         each.wait_for_element("#flight-time", "0:14.0")
-    now = seen.still_pixels()
-    other.wait_for_picture(lambda: now)
+    other.wait_for_picture(seen.pixels)
     if seen.page.locator("#flight-strip.folded").count():
         seen.page.get_by_title("Fold or unfold").click()
     canvas = seen.page.locator("#flight-strip canvas")
@@ -106,12 +105,12 @@ def test_one_page_goes_back_and_comes_again_while_the_other_stays(look, page, se
     seen.wait_for_element("#flight-card", "Airspeed")
     seen.page.get_by_text("limits").first.wait_for(state="hidden")  # the readings of now
     seen.eventually(lambda: seen.page.title().startswith("past"), "the title says so")
-    seen.pixels_unlike(now)
+    past = seen.pixels_unlike(now)
     assert other.page.locator("#flight-time").text_content() == "0:14.0"
     seen.page.get_by_role("button", name="live", exact=True).click()
     seen.wait_for_element("#flight-time", "0:14.0")
     assert seen.page.locator("body.flight-past").count() == 0
-    seen.wait_for_picture(lambda: now)
+    seen.pixels_unlike(past)
     assert seen.errors == other.errors == []
 
 
