@@ -19,6 +19,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import shlex
 import sys
 from collections import Counter
 from pathlib import Path
@@ -43,6 +44,7 @@ from processes import (
     wait_for,
 )
 from rosbags.rosbag2 import Reader
+from test_commands import AUTOPILOT, commands
 
 from uav_tracking_mpc.cli import launch_tracking
 from uav_tracking_mpc.cli.main import main
@@ -104,6 +106,7 @@ def test_without_a_home_and_with_an_empty_cache_it_flies_at_once(tmp_path):
     assert "solver compiled" not in output[:flying]
 
 
+STAND_IN = "udpout:127.0.0.1:14560"  # where the tutorial's commands listen
 BY_LINK = ("fly", "--config", "small_uav", "--json", "--link")
 
 
@@ -123,6 +126,22 @@ def test_a_flight_counts_from_when_it_is_engaged_and_tells_of_its_link(tmp_path)
     assert "Traceback" not in errors
     counts = Counter(topic for topic, *_ in messages(tmp_path / "mission.mcap", COMMAND, ORBIT))
     assert counts[ORBIT] > 0.5 * counts[COMMAND] > 5
+
+
+def test_the_commands_of_the_tutorial_fly_an_autopilot(tmp_path):
+    """With the simulated autopilot at ArduPlane's port; shorter than it is written."""
+    check, *flights = map(shlex.split, commands(AUTOPILOT))
+    with started("cli.main", "autopilot", "--dialect", "ardupilot", "--connection", STAND_IN):
+        code, output, errors = outcome("cli.main", *check[1:])
+        assert code == 0, errors
+        assert "ArduPlane" in output
+        for words in flights:
+            words[words.index("--duration") + 1] = "4"
+            words[words.index("--output") + 1] = str(tmp_path)
+            code, _, errors = outcome("cli.main", *words[1:])
+            assert code == 3, errors  # 4 s are not enough
+            assert "engaged" in errors
+            assert (tmp_path / "report.html").is_file()
 
 
 @pytest.mark.parametrize(
