@@ -12,6 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -76,12 +77,22 @@ def test_an_airspeed_that_the_wind_contradicts_does_not_turn_the_path_of_a_body(
     """At 5 m/s a bank of 0.3 rad would turn four times as fast as at 22 m/s."""
     body = Measurement(10.0, np.zeros(3), np.array([22.0, 0.0, 0.0]), 0.0, 0.05, bank=-0.3)
     turns = []
-    for wind, airspeed in ((None, 22.0), (np.zeros(3), 5.0), (None, 5.0)):
+    for known, failed, airspeed in ((0, 0, 22.0), (1, 1, 5.0), (1, 0, 5.0), (0, 0, 5.0)):
         air = AirData(0.5)
-        air.wind = wind
+        air.wind_known, air.failed = known, failed
         path, state = air.see_state(replace(body, airspeed=airspeed))
         assert state[-1] == airspeed  # for others to judge
         turns.append(path.turn_rate)
-    right, near, wrong = turns
+    right, told, near, wrong = turns
+    assert told == pytest.approx(right, rel=1e-9)
     assert near == pytest.approx(right, rel=0.35)
     assert wrong == pytest.approx(22.0 / 5.0 * right, rel=0.01)
+
+
+def test_without_an_airspeed_the_path_of_a_body_goes_by_what_is_known_of_the_wind():
+    """Downwind the ground goes by faster than the air, and the climb is steeper than it seems."""
+    body = Measurement(10.0, np.zeros(3), np.array([30.0, 0.0, 4.0]), 0.0, 0.3, bank=0.0)
+    air = AirData(0.5)
+    air.wind = np.array([8.0, 0.0, 0.0])
+    path, _ = air.see_state(body)
+    assert math.sin(path.path_angle) == pytest.approx(4.0 / math.hypot(22.0, 4.0))

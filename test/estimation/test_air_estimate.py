@@ -16,12 +16,23 @@
 
 import math
 
+import casadi as ca
 import numpy as np
 import pytest
 
 from uav_tracking_mpc.estimation.air_estimate import AirEstimate
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement, SensorNoise
-from uav_tracking_mpc.estimation.wind_filter import DIAGONAL, SIZE, G, P, W
+from uav_tracking_mpc.estimation.sensor_check import WIND_KNOWN
+from uav_tracking_mpc.estimation.wind_filter import (
+    DIAGONAL,
+    LANE,
+    QUICK,
+    SIZE,
+    G,
+    P,
+    W,
+    lasting_gust,
+)
 
 STEP, SPEED, TURN = 0.05, 22.0, 0.073
 
@@ -261,3 +272,61 @@ def test_an_airspeed_that_is_far_off_is_not_used_even_once():
     assert filter_.found.vehicle[5] == pytest.approx(SPEED, abs=0.2)
     assert filter_.health.states["airspeed"] == "used"
     np.testing.assert_allclose(filter_.mean_wind + filter_.gust, [3.0, -5.0, 0.2], atol=0.2)
+
+
+def test_a_wind_without_heading_is_as_sure_as_it_says_after_a_straight_flight():
+    """Along a line the airspeed tells half of the wind only; the rest must not be made up."""
+    wind, apart = np.array([0.0, 8.0, 0.0]), []
+    for seed in range(12):
+        random, filter_, gust = np.random.default_rng(seed), AirFilter(), np.zeros(3)
+        psi, position = random.uniform(-3.0, 3.0), np.array([0.0, 0.0, 120.0])
+        for k in range(round(40.0 / STEP)):
+            turn = 0.0 if k * STEP < 8.0 else TURN
+            air = 26.0 * np.array([np.cos(psi), np.sin(psi), 0.0])
+            filter_.see(k * STEP, position, air + wind + gust, air)
+            arc = 0.5 * STEP * turn * np.array([-air[1], air[0], 0.0])
+            position = position + STEP * (air + wind + gust + arc)
+            psi += STEP * turn
+            gust += -STEP / 10.0 * gust + 0.4 * np.sqrt(STEP) * random.standard_normal(3)
+            lane = LANE.parts(filter_._known.no_heading)
+            deviation = math.sqrt(lane.triangle[DIAGONAL[W]][:2].max())
+            if deviation <= WIND_KNOWN:
+                error = np.linalg.norm((lane.state[W] - wind)[:2])
+                apart.append(error / max(deviation, 1.0))
+    assert max(apart) < 6.0
+
+
+def test_a_plan_counts_on_gusts_that_last_and_not_on_what_shakes():
+    random, counted = np.random.default_rng(1), []
+    for kind in ("gust", "swing", "turbulence"):
+        known, gust = np.zeros(QUICK.size), np.zeros(3)
+        memory, inputs = QUICK.symbol("memory")
+        symbols = [ca.SX.sym("elapsed"), ca.SX.sym("gust", 3)]
+        step = ca.Function("step", [memory, *symbols], list(lasting_gust(inputs, *symbols)))
+        quick, kept = [], []
+        for k in range(round(60.0 / STEP)):
+            shock = np.sqrt(STEP) * random.standard_normal(3)
+            if kind == "gust":
+                gust = gust - STEP / 10.0 * gust + shock
+            elif kind == "swing":
+                gust = np.full(3, math.sin(2.0 * math.pi * 0.8 * k * STEP))
+            else:
+                gust = gust - STEP / 0.3 * gust + 3.0 * shock
+            known, lasts = (np.array(value).ravel() for value in step(known, STEP, gust))
+            mean = QUICK.parts(known).slow
+            quick.append(gust - mean)
+            kept.append(lasts - mean)
+        late = slice(round(30.0 / STEP), None)
+        counted.append(np.std(kept[late]) / np.std(quick[late]))
+    assert counted[0] == pytest.approx(1.0, abs=0.05)
+    assert counted[1] == counted[2] == 0.0
+
+
+def test_without_an_airspeed_the_path_angle_is_what_is_measured():
+    """Not that over ground, which the wind changes."""
+    air = AirEstimate()
+    measurement = Measurement(
+        0.0, np.zeros(3), np.array([30.0, 0.0, 4.0]), 0.0, 0.18, 0.0, axis=Axis.AIR_VELOCITY
+    )
+    found = air.update(measurement, measurement.state(30.0), np.zeros(3), 0.0, True)
+    assert found.vehicle[4] == pytest.approx(0.18)

@@ -60,10 +60,10 @@ class Evaluated:
 class AirCheck(Evaluated):
     """Of airspeed and heading; the time is that of the last call."""
 
-    def __init__(self):
+    def __init__(self, settled=0.0):
         def check(known, dt, heading, reading, present, level, air, deviation, moved, forward):
             air = air[:2], air[2:]
-            seen = heading, reading, present, level, air, deviation, moved, forward
+            seen = heading, reading, present, level, air, deviation, settled, moved, forward
             after, _, *by_wind = air_checked(known, dt, *seen)
             return after, *by_wind
 
@@ -96,7 +96,7 @@ def circled(check, reading, begin=0.0, end=100.0, heading_error=0.0, gust=None, 
         by_airspeed = air + more.get("misled", lambda time, heading: 0.0)(time, heading)
         seen = math.remainder(heading + heading_error, 2.0 * math.pi)
         measured = reading(time)
-        airs, deviations = [air, by_airspeed], [0.1, 0.1]
+        airs, deviations = [air, by_airspeed], [more.get("deviation", 0.1)] * 2
         known = airs, deviations, explained(time), acceleration
         by_wind = check.judge(time, seen, measured, 1.0, *known)
         out = check.reasons
@@ -123,6 +123,14 @@ def test_an_airspeed_that_jumps_is_left_out_until_it_agrees(check, wrong):
     assert airspeed == pytest.approx(AIRSPEED_FLOWN)
     assert reasons[-1] == ["jumped", ""]
     assert circled(check, right, 130.0, 150.0)[2][-1] == ["", ""]
+
+
+def test_in_gusts_a_wind_that_will_not_be_known_better_judges_once_the_flight_has_lasted():
+    for settled, named in ((0.0, ""), (1.0, "jumped")):
+        check = AirCheck(settled)
+        circled(check, right, deviation=2.0)
+        circled(check, lambda time: right(time) + 10.0, 100.0, 105.0, deviation=2.0)
+        assert check.reasons == [named, ""]
 
 
 @pytest.mark.parametrize("error", [0.5, -1.5, 3.0])

@@ -43,9 +43,11 @@ class AirData:
     Attributes:
         missing: Whether the latest vehicle state had no airspeed to go by.
         awaited: Whether it had none because the first airspeed may still come.
-        wind: Of the air, as it is known without the airspeed, shape (3,), in [m/s]; None where it
-            is not. The path of a body is found with an airspeed that fits it: one that fails must
-            not turn heading and path angle as well, by which it is judged.
+        wind: Of the air, as far as it is known without the airspeed, shape (3,), in [m/s]. The path
+            of a body is found with an airspeed that fits it: one that fails must not turn heading
+            and path angle as well, by which it is judged.
+        wind_known: Whether it is known well enough for that.
+        failed: Whether the airspeed is known to be wrong: the path then goes by the wind alone.
     """
 
     def __init__(self, timeout: float) -> None:
@@ -68,7 +70,8 @@ class AirData:
         self.missing = self.awaited = self._told = self._doubted = False
         self._path.reset()
         self._first: float | None = None  # stamp of the first measurement; -inf after an airspeed
-        self.wind: NDArray[np.float64] | None = None
+        self.wind = np.zeros(3)
+        self.wind_known = self.failed = False
 
     def see(self, stamp: float, airspeed: float) -> None:
         """Take in a measured airspeed.
@@ -109,7 +112,7 @@ class AirData:
             return measurement, measurement.state(airspeed)
         east, north, up = (float(value) for value in measurement.ground_velocity)
         speed = math.sqrt(east**2 + north**2 + up**2)
-        measurement = self._path.of(measurement, speed)
+        measurement = self._path.of(measurement, self._expected(measurement))
         if not speed > SLOW:
             return measurement, measurement.state(speed)
         heading, path_angle = math.atan2(north, east), math.atan2(up, math.hypot(east, north))
@@ -121,10 +124,14 @@ class AirData:
         return self._path.surplus
 
     def _plausible(self, measurement: Measurement, airspeed: float) -> float:
-        if self.wind is None:
+        if not self.wind_known:
             return airspeed
-        expected = math.hypot(*(measurement.ground_velocity - self.wind).tolist())
-        return min(max(airspeed, expected - GUSTS), expected + GUSTS)
+        expected, gusts = self._expected(measurement), 0.0 if self.failed else GUSTS
+        return min(max(airspeed, expected - gusts), expected + gusts)
+
+    def _expected(self, measurement: Measurement) -> float:
+        """Airspeed by ground velocity and wind, in [m/s]."""
+        return math.hypot(*(measurement.ground_velocity - self.wind).tolist())
 
     def complaint(self, wind_known: bool = False) -> str:
         """What is taken otherwise than it is measured, in words, the first time; else empty.

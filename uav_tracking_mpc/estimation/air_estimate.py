@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 
 from uav_tracking_mpc.dynamics import vehicle as vehicle_model
 from uav_tracking_mpc.dynamics.air import gust_scales
-from uav_tracking_mpc.estimation import rate_aided, sensor_check, wind_filter
+from uav_tracking_mpc.estimation import noise_meter, rate_aided, sensor_check, wind_filter
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.rate_aided import RATE_AIDED
 from uav_tracking_mpc.estimation.sensor_check import AIR_CHECK, POSITION_CHECK, VELOCITY_CHECK
@@ -65,6 +65,7 @@ SEEN = Layout(
 MEMORY = Layout(
     **dict.fromkeys(LANES, LANE.size),
     meters=wind_filter.METERS.layout.size,
+    quick=wind_filter.QUICK.size,
     aided=RATE_AIDED.size,
     air=AIR_CHECK.size,
     velocity=VELOCITY_CHECK.size,
@@ -84,7 +85,7 @@ class AircraftInAir(NamedTuple):
         rates: (psi', chi', v'), shape (3,), in [rad/s] and [m/s^2].
         wind: Mean wind in ``map``, shape (3,), in [m/s].
         trend: How the mean wind changes, shape (3,), in [m/s^2].
-        gust: Shape (3,), in [m/s].
+        gust: That lasts, shape (3,), in [m/s].
         correlation_times: How long gusts last on each axis, shape (3,), in [s].
     """
 
@@ -127,14 +128,15 @@ class AirEstimate:
         for lane in LANES:
             getattr(self._known, lane)[:] = wind_filter.initial_lane()
         self._known.meters[:] = wind_filter.METERS.initial()
+        self._known.quick[:] = 0.0
         self._time: float | None = None
 
     @property
-    def wind_without_airspeed(self) -> NDArray[np.float64] | None:
-        """Mean wind that owes nothing to the airspeed, shape (3,), in [m/s]; None if unknown."""
+    def wind_without_airspeed(self) -> tuple[NDArray[np.float64], bool]:
+        """Mean wind without the airspeed, shape (3,), in [m/s]; whether it is known."""
         lane = self._without_airspeed
         known = lane.triangle[DIAGONAL[W]][:2].max() <= sensor_check.WIND_KNOWN**2
-        return lane.state[W].copy() if known else None
+        return lane.state[W].copy(), bool(known)
 
     @property
     def mean_wind(self) -> NDArray[np.float64]:
@@ -187,7 +189,8 @@ class AirEstimate:
         scales = gust_scales(float(seen.position[2]) - ground, 0.0)
         seen.ground[:] = measurement.ground_velocity
         seen.heading[0] = measurement.heading if missing else vehicle[3]
-        seen.path_angle[0], seen.airspeed[0], seen.measured[0] = vehicle[4], vehicle[5], not missing
+        seen.path_angle[0] = measurement.path_angle if missing else vehicle[4]
+        seen.airspeed[0], seen.measured[0] = vehicle[5], not missing
         seen.rates[:] = rates
         seen.noise[:] = noise.heading, noise.path_angle, noise.airspeed
         seen.position_noise[:], seen.velocity_noise[:] = noise.position, noise.velocity
@@ -270,6 +273,7 @@ def _step() -> ca.Function:
         ca.fmax(level * (1.0 - state[ALPHA]), LEAST_LEVEL),
         (u[0], u[1]),
         ca.sqrt(ca.fmax(ca.vertcat(*[ca.mmax(each) for each in level_wind]), 0.0)),
+        meters.weight >= noise_meter.MEMORY,
         ca.vertcat((blind[W] + blind[G])[:2], blind[BETA] * seen.airspeed),
         seen.rates[2],
     )
@@ -301,9 +305,8 @@ def _step() -> ca.Function:
             by_wind[1] if which == NO_AIRSPEED else airspeed,
         )
         velocity_through = ca.vertcat(*vehicle_model.air_velocity(*guess, ca))
-        loose = _loose(
-            heading, 1.0 if which == NO_AIRSPEED else out[0], 1.0 if which == NO_HEADING else out[1]
-        )
+        no_airspeed = 1.0 if which == NO_AIRSPEED else out[0]
+        loose = _loose(guess[0], no_airspeed, 1.0 if which == NO_HEADING else out[1])
         ahead.append(wind_filter.predicted(lane, dt, velocity_through, seen.scales, loose, walks))
     ground = ca.if_else(odd, wind_filter.expected_velocity(ahead[MAIN]), seen.ground)
     sample = wind_filter.sampled(ahead[MAIN], position, ground)
@@ -322,9 +325,11 @@ def _step() -> ca.Function:
 
     main = LANE.parts(after[MAIN])
     state = main.state
+    quick, gust = wind_filter.lasting_gust(wind_filter.QUICK.parts(known.quick), dt, state[G])
     remembered = SimpleNamespace(
         **dict(zip(LANES, after, strict=True)),
         meters=metered,
+        quick=quick,
         aided=RATE_AIDED.joined(aided),
         air=air,
         velocity=velocity,
@@ -338,7 +343,7 @@ def _step() -> ca.Function:
         rates=ca.vertcat(seen.rates[:2] - aided.bias[:2], seen.rates[2]),
         wind=state[W],
         trend=ca.vertcat(state[T], 0.0),
-        gust=state[G],
+        gust=gust,
         times=ahead[MAIN].times,
         states=ca.vertcat(reasons, code, odd * sensor_check.CODE["off"]),
         changed=changed,
@@ -351,7 +356,7 @@ def _loose(heading: ca.SX, airspeed: ca.SX | float, across: ca.SX | float) -> ca
     """Directions in which the air velocity is not measured, times the deviation, shape (3, 2).
 
     Args:
-        heading: That is gone by in [rad].
+        heading: That the filter goes by in [rad].
         airspeed: Whether the airspeed is not.
         across: Whether the heading is not.
     """

@@ -31,7 +31,7 @@ from uav_tracking_mpc.estimation.command_history import CommandHistory
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.outlook import FADE_TIME, Outlook
-from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, USED
+from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, SILENT, USED
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.estimation.target_filter import REWIND, TargetFilter
 from uav_tracking_mpc.settings.tracking import TrackingParameters
@@ -225,7 +225,7 @@ class Navigator:
         self._follow_acceleration(time)
         air = self._aircraft_in_air(measurement, vehicle, ground)
         np.add(self._stages, delay, out=self._times[1:])
-        blowing = air.wind, air.trend, air.gust, air.correlation_times
+        blowing = air[2:]
         faded = self._fading(time).reshape(-1)
         ahead = self._outlook(motion, turning, faded, blowing, self._times)
         target, drift, drift_rate = (rows[0] for rows in ahead)
@@ -244,7 +244,8 @@ class Navigator:
         if self._estimating:
             known = measurement, vehicle, rates, ground, self.air.missing
             found = self.air_estimate.update(*known)
-            self.air.wind = self.air_estimate.wind_without_airspeed
+            self.air.wind, self.air.wind_known = self.air_estimate.wind_without_airspeed
+            self.air.failed = self.air_estimate.health.states[AIRSPEED] not in (USED, SILENT)
             return found
         if not measurement.placed:
             raise ValueError("no position is measured")

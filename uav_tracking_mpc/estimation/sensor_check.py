@@ -68,11 +68,15 @@ LEAST_JUMP, LEAST_OFFSET = 1.0, 0.8  # m/s
 GATE = 4.0  # m/s, besides gusts: a reading that is as far off is not used, whatever comes of it
 DEVIATIONS = 4.0  # standard deviations of gusts that explain a residual
 DOMINANCE = 3.0  # -, by which the residual of a sensor that fails exceeds the other
-TURNED = 0.3  # rad, that the wind's error turns against the heading in a jump
+# rad, that the wind's error turns against the heading in a jump: of the wind without airspeed, and
+# of that without heading, which is less sure than it says
+TURNED = 0.3, 0.7
 # s, and share of what the wind without airspeed has changed in it: it may have changed as much
 # along the heading, where it was not seen
 CHANGES, MOVES = 40.0, 3.0
-WIND_KNOWN = 1.5  # m/s, standard deviation of the wind from which on there is something to compare
+# m/s: standard deviation of the wind from which on there is something to compare; and once the
+# flight has lasted, in gusts that let no wind be known better
+WIND_KNOWN, WIND_IN_GUSTS = 1.5, 2.5
 COMPARED = 60.0  # s, memory of the gusts
 PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts taken at first, and how much that weighs
 AGREEING, AGREED_FOR = 0.5, 5.0  # -, s: share of the limits to be kept to, to be used again
@@ -181,6 +185,7 @@ def air_checked(
     level: ca.SX,
     air: tuple[ca.SX, ca.SX],
     wind_deviations: ca.SX,
+    settled: ca.SX,
     explained: ca.SX,
     acceleration: ca.SX,
 ) -> tuple[ca.SX, list[ca.SX], ca.SX, ca.SX]:
@@ -199,6 +204,7 @@ def air_checked(
             heading, shape (2,) each, in [m/s].
         wind_deviations: Standard deviations of these winds, shape (2,), in [m/s]; a sensor is
             judged while that of its wind is small.
+        settled: Whether the flight has lasted so long that no wind will be known better.
         explained: Of the estimate that owes nothing to the airspeed what it holds for wind and
             gust, and for the heading's bias times airspeed, shape (3,), in [m/s].
         acceleration: That is commanded and flown in [m/s^2].
@@ -217,7 +223,8 @@ def air_checked(
         speed = ca.norm_2(each)
         off = ca.remainder(ca.atan2(each[1], each[0]) - heading, math.tau)
         residuals += [ca.if_else(present, level * reading - speed, 0.0), speed * off]
-    known_winds = ca.logic_and(elapsed > 0.0, wind_deviations <= WIND_KNOWN)
+    enough = ca.if_else(settled, WIND_IN_GUSTS, WIND_KNOWN)
+    known_winds = ca.logic_and(elapsed > 0.0, wind_deviations <= enough)
     compared = ca.vertsplit(known_winds)
     moved = ca.fmax(
         ca.norm_2(explained - known.explained), known.moved * ca.exp(-elapsed / CHANGES)
@@ -230,7 +237,7 @@ def air_checked(
         reasons,
         weight,
         ca.vertcat(*residuals),
-        TURNED * wind_deviations,
+        ca.vertcat(*TURNED) * wind_deviations,
         MOVES * moved,
     )
     for name, value in vars(after).items():
@@ -297,7 +304,7 @@ def _compared(
     again = [ca.SX(0.0)] * 2
     for which in (AIRSPEED, HEADING):
         own, other = 3 * which, 1 + which  # of the residuals: its own one, and the other one
-        most = LEAST_JUMP + DEVIATIONS * (ca.sqrt(known.jumps[other]) + turned[which])
+        most = LEAST_JUMP + DEVIATIONS * ca.sqrt(known.jumps[other] + turned[which] ** 2)
         most = ca.fmax(most, DOMINANCE * ca.fabs(jumps[other]))
         least = LEAST_OFFSET + DEVIATIONS * ca.sqrt(known.offsets[other])
         least = changes + ca.fmax(least, DOMINANCE * ca.fabs(lasting[other]))

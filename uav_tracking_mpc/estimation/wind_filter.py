@@ -86,6 +86,15 @@ METERS = NoiseMeters(
 POSITION = 2  # of these signals
 
 
+# Which part of a gust lasts
+SLOW_TIME = 2.0  # s, over which gusts are averaged; the rest is quick
+QUICK_TIME = 0.5  # s, over which the quick part is averaged to see whether it lasts
+MEMORY_TIME = 20.0  # s, of its mean squares
+LEAST_QUICK = 0.1  # m/s, of quick parts that are too small to tell
+SHAKES, LASTS = 0.60, 0.70  # -, correlation of the quick part at which none of it counts, and all
+QUICK = Layout(slow=3, averaged=3, squares=2, products=2)
+
+
 def initial_lane() -> NDArray[np.float64]:
     """What a filter knows before anything is measured, shape (LANE.size,)."""
     memory = np.zeros(LANE.size)
@@ -165,6 +174,35 @@ def predicted(
         loose=loose,
         times=times,
     )
+
+
+def lasting_gust(known: SimpleNamespace, elapsed: ca.SX, gust: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """What is known of gusts after one, and the part of it that a plan should count on, in [m/s].
+
+    A gust that fades slowly stays alike over half a second, also the quick part of it. What shakes
+    the aircraft does not: turbulence that is shorter than the wing answers, and the swing of its
+    own slip. To answer those takes longer than they last.
+
+    Args:
+        known: By :data:`QUICK`.
+        elapsed: Since the one before in [s].
+        gust: Shape (3,), in [m/s].
+    """
+    slow = known.slow + (1.0 - ca.exp(-elapsed / SLOW_TIME)) * (gust - known.slow)
+    quick = gust - slow
+    averaged = known.averaged + (1.0 - ca.exp(-elapsed / QUICK_TIME)) * (quick - known.averaged)
+    share = elapsed / MEMORY_TIME
+    squares = known.squares + share * (_by_axis(quick * quick) - known.squares)
+    products = known.products + share * (_by_axis(quick * averaged) - known.products)
+    alike = (products + LEAST_QUICK**2) / (squares + LEAST_QUICK**2)
+    counts = ca.fmin(ca.fmax((alike - SHAKES) / (LASTS - SHAKES), 0.0), 1.0)
+    after = SimpleNamespace(slow=slow, averaged=averaged, squares=squares, products=products)
+    return QUICK.joined(after), slow + ca.vertcat(counts[0], counts[0], counts[1]) * quick
+
+
+def _by_axis(values: ca.SX) -> ca.SX:
+    """Means of the level components and the vertical one, shape (2,)."""
+    return ca.vertcat(0.5 * ca.sum1(values[:2]), values[2])
 
 
 def expected_velocity(lane: SimpleNamespace) -> ca.SX:

@@ -20,10 +20,24 @@ from multiprocessing import get_context
 import pytest
 from sensor_flights import FAULTS, judged
 
+from uav_tracking_mpc.simulation.closed_loop import ClosedLoop
+from uav_tracking_mpc.studies.comparison.scenarios import mismatched, variants
+
 
 @pytest.mark.parametrize("name", ["", "off", "turned", "moved"])
 def test_what_fails_is_named_and_nothing_else(name):
     assert judged(1, name)
+
+
+def test_gusts_on_a_straight_way_in_blame_no_sensor():
+    """All that is known of the wind then comes from one direction."""
+    for case in variants(mismatched("small_uav", "gust_light"), "gust_light"):
+        loop = ClosedLoop(case)
+        while loop.time < 40.0:
+            loop.tick()
+        log = loop.log(40.0)
+        assert not log.sensors
+        assert abs(log.error[-1, 0]) < 3.0
 
 
 @pytest.mark.long
