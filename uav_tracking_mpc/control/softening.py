@@ -94,7 +94,7 @@ class Softening:
         """
         elapsed = 0.0 if self._time is None else max(0.0, time - self._time)
         self._time = time
-        before = self.factors.copy()
+        changed = False
         for axis, (channel, swing) in enumerate(zip(self._channels, swings, strict=True)):
             flown = float(delays[axis]), float(gains[axis])
             if swing is not None:
@@ -103,8 +103,9 @@ class Softening:
                     self._soften(axis, channel, time, swing, flown)
             elif channel.factor > 1.0 and time - channel.quiet_since >= QUIET:
                 self._return(axis, channel, elapsed, flown)
-            self.factors[axis] = channel.factor
-        return bool(np.any(np.abs(self.factors - before) > ROUNDING * before))
+            before, self.factors[axis] = float(self.factors[axis]), channel.factor
+            changed |= abs(channel.factor - before) > ROUNDING * before
+        return changed
 
     def _soften(
         self, axis: int, channel: _Channel, time: float, swing: Swing, flown: tuple[float, float]

@@ -57,6 +57,7 @@ BLIND = 100.0  # m/s, standard deviation of what is not measured
 LONGEST_GAP = 2.0  # s without a measurement, after which the position begins anew
 MAIN, NO_AIRSPEED, NO_HEADING = range(3)  # filters: what they go by
 LANES = ("main", "no_airspeed", "no_heading")
+LEVEL_WIND = DIAGONAL[W.start : W.stop - 1].tolist()  # of their covariance
 
 SEEN = Layout(
     elapsed=1, position=3, placed=1, ground=3, heading=1, path_angle=1, airspeed=1, measured=1,
@@ -73,7 +74,8 @@ MEMORY = Layout(
     ground=3,
 )
 FOUND = Layout(
-    position=3, angles=2, airspeed=1, rates=3, wind=3, trend=3, gust=3, times=3, states=4, changed=1
+    position=3, angles=2, airspeed=1, rates=3, wind=3, trend=3, gust=3, times=3,
+    states=4, changed=1, without=3, known=1,
 )  # fmt: skip
 
 
@@ -109,7 +111,6 @@ class AirEstimate:
         self._memory, seen = np.zeros(MEMORY.size), np.zeros(SEEN.size)
         self._known, self._seen = MEMORY.parts(self._memory), SEEN.parts(seen)
         self._filter = LANE.parts(self._known.main)
-        self._without_airspeed = LANE.parts(self._known.no_airspeed)
         self._step = BufferedFunction(_step(), [self._memory, seen])
         self._found = FOUND.parts(self._step.results[1])
         self.reset()
@@ -128,15 +129,13 @@ class AirEstimate:
         for lane in LANES:
             getattr(self._known, lane)[:] = wind_filter.initial_lane()
         self._known.meters[:] = wind_filter.METERS.initial()
-        self._known.quick[:] = 0.0
+        self._known.quick[:] = self._found.without[:] = self._found.known[:] = 0.0
         self._time: float | None = None
 
     @property
     def wind_without_airspeed(self) -> tuple[NDArray[np.float64], bool]:
         """Mean wind without the airspeed, shape (3,), in [m/s]; whether it is known."""
-        lane = self._without_airspeed
-        known = lane.triangle[DIAGONAL[W]][:2].max() <= sensor_check.WIND_KNOWN**2
-        return lane.state[W].copy(), bool(known)
+        return self._found.without.copy(), bool(self._found.known[0])
 
     @property
     def mean_wind(self) -> NDArray[np.float64]:
@@ -262,7 +261,7 @@ def _step() -> ca.Function:
     # Airspeed and heading
     level = ca.fmax(ca.cos(seen.path_angle), LEAST_LEVEL)
     u = [(used_ground - lane.state[B] - lane.state[W])[:2] for lane in lanes[1:]]
-    level_wind = [lane.triangle[DIAGONAL[W.start : W.stop - 1].tolist()] for lane in lanes[1:]]
+    level_wind = [lane.triangle[LEVEL_WIND] for lane in lanes[1:]]
     blind = lanes[NO_AIRSPEED].state
     air, out, turned, along = sensor_check.air_checked(
         AIR_CHECK.parts(known.air),
@@ -323,7 +322,7 @@ def _step() -> ca.Function:
     read = ca.vertcat(position, ground)
     after = [wind_filter.corrected(lane, read, noise) for lane in ahead]
 
-    main = LANE.parts(after[MAIN])
+    main, blind = LANE.parts(after[MAIN]), LANE.parts(after[NO_AIRSPEED])
     state = main.state
     quick, gust = wind_filter.lasting_gust(wind_filter.QUICK.parts(known.quick), dt, state[G])
     remembered = SimpleNamespace(
@@ -347,6 +346,8 @@ def _step() -> ca.Function:
         times=ahead[MAIN].times,
         states=ca.vertcat(reasons, code, odd * sensor_check.CODE["off"]),
         changed=changed,
+        without=blind.state[W],
+        known=ca.mmax(blind.triangle[LEVEL_WIND]) <= sensor_check.WIND_KNOWN**2,
     )
     results = [MEMORY.joined(remembered), FOUND.joined(found)]
     return ca.Function("air_estimate", [memory, measured], results)

@@ -129,7 +129,9 @@ class Fence(Limit):
             Centre seen from the target (x, y) and radius in [m], shape (n, 3).
         """
         if self.fence_radius == 0.0:
-            return np.broadcast_to([0.0, 0.0, NO_FENCE], (len(targets), 3))
+            numbers = np.zeros((len(targets), 3))
+            numbers[:, 2] = NO_FENCE
+            return numbers
         centre = np.array(self.fence_centre) - targets[:, :2]
         return np.column_stack([centre, np.full(len(targets), self.fence_radius)])
 

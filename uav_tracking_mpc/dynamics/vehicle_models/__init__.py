@@ -162,10 +162,10 @@ class VehicleModel(Parameters, ABC):
         Returns:
             A ``State`` of floats.
         """
-        *position, psi, chi, v = np.asarray(vehicle, dtype=float).tolist()
-        offset = np.array(position) - np.asarray(target, dtype=float)
-        values = [*offset.tolist(), psi, chi, v, *np.asarray(rates, dtype=float).tolist()]
-        return self.State(*values)
+        x, y, z, *motion = np.asarray(vehicle, dtype=float).tolist()
+        east, north, up = np.asarray(target, dtype=float).tolist()
+        turning = np.asarray(rates, dtype=float).tolist()
+        return self.State(x - east, y - north, z - up, *motion, *turning)
 
     def settled(self, state: Any, orbit: OrbitMotion) -> list[Any]:
         """What must vanish, beside position and velocity, for the state to be on an orbit.
