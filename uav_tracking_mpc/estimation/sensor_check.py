@@ -66,7 +66,9 @@ POSITION_CHECK = Layout(jumped=1, faded=3, last=3)
 SMOOTHING, CHANGE_TIME, LASTING = 0.7, 4.0, 7.0  # s: of noise, of a jump, of what lasts
 LEAST_JUMP, LEAST_OFFSET = 1.0, 0.8  # m/s
 GATE = 4.0  # m/s, besides gusts: a reading that is as far off is not used, whatever comes of it
-DEVIATIONS = 4.0  # standard deviations of gusts that explain a residual
+# Standard deviations of gusts that explain a residual: of the other one, and of itself, for a real
+# aircraft shows gusts along it as airspeed before they move it, and those across it hardly
+DEVIATIONS, OWN_DEVIATIONS = 4.0, 3.0
 DOMINANCE = 3.0  # -, by which the residual of a sensor that fails exceeds the other
 # rad, that the wind's error turns against the heading in a jump: of the wind without airspeed, and
 # of that without heading, which is less sure than it says
@@ -304,7 +306,9 @@ def _compared(
     again = [ca.SX(0.0)] * 2
     for which in (AIRSPEED, HEADING):
         own, other = 3 * which, 1 + which  # of the residuals: its own one, and the other one
-        most = LEAST_JUMP + DEVIATIONS * ca.sqrt(known.jumps[other] + turned[which] ** 2)
+        usual = ca.sqrt(known.jumps[other] + turned[which] ** 2)
+        usual = ca.fmax(DEVIATIONS * usual, OWN_DEVIATIONS * ca.sqrt(known.jumps[own]))
+        most = LEAST_JUMP + usual
         most = ca.fmax(most, DOMINANCE * ca.fabs(jumps[other]))
         least = LEAST_OFFSET + DEVIATIONS * ca.sqrt(known.offsets[other])
         least = changes + ca.fmax(least, DOMINANCE * ca.fabs(lasting[other]))
