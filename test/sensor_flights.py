@@ -44,7 +44,7 @@ FAULTS = {
 }
 
 
-def flown(seed, name):
+def flown(seed, name, plant):
     """News of the sensors, and least and greatest airspeed, of a flight about a moving target."""
     random = np.random.default_rng(seed)
     wind, direction = random.uniform(0.0, 8.0), random.uniform(-math.pi, math.pi)
@@ -63,6 +63,7 @@ def flown(seed, name):
         f"target_publisher.heading={random.uniform(-3.0, 3.0)}",
         f"nmpc_controller.range={random.uniform(200.0, 350.0)}",
         "nmpc_controller.solve_time_max=10.0",
+        f"mission.plant={plant}",
     ]
     fails = FAULTS[name][1](random) if name else {}
     wrong = tuple((BEGIN, f"uav_simulator.{key}={value}") for key, value in fails.items())
@@ -82,7 +83,7 @@ def named_rightly(name, news):
     return bool(wrong) and all(each == FAULTS[name][0] and time >= BEGIN for time, each in wrong)
 
 
-def judged(seed, name):
-    news, slowest, fastest = flown(seed, name)
-    assert 14.0 <= slowest <= fastest <= 32.0, (seed, name, slowest, fastest)
+def judged(seed, name, plant="vehicle"):
+    news, slowest, fastest = flown(seed, name, plant)
+    assert 14.0 <= slowest <= fastest <= 32.0, (seed, name, plant, slowest, fastest)
     return named_rightly(name, news)
