@@ -183,7 +183,8 @@ def test_shares_are_those_of_a_law_or_of_another_mismatch(relative, law, range_r
     """The better law is that of the least range RMS; where it has not flown nothing is compared."""
     asked = replace(RELATIVE, relative=relative)
     told_right = replace(SOUND, range_rms_m=1.0, bank_rate_rms_dps=10.0)
-    bounds = asked.resolved({"nmpc": SOUND, "gust_moderate": told_right, **OTHERS})
+    beside = {"gust_moderate": told_right, "position_spikes": replace(SOUND, range_rms_m=0.0)}
+    bounds = asked.resolved({"nmpc": SOUND, **beside, **OTHERS})
     assert bounds.law == (law or relative)
     assert (bounds.range_rms, bounds.bank_rate_rms) == pytest.approx((range_rms, bank_rate))
     assert asked.missed(CROSSWIND, {"nmpc": replace(SOUND, range_rms_m=99.0)}) == []

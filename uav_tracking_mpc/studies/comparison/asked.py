@@ -150,7 +150,7 @@ class Target(Demand):
 
 def _better(flights: Flights) -> str | None:
     """The classical law with the least range RMS; None where none has flown."""
-    others = [law for law in flights if law != PREDICTIVE and law not in ASKED]
+    others = [law for law in flights if law not in {PREDICTIVE, *ASKED, *ASKED_OF_SENSORS}]
     return min(others, key=lambda law: flights[law].range_rms_m) if others else None
 
 
