@@ -262,6 +262,8 @@ def _step() -> ca.Function:
     level = ca.fmax(ca.cos(seen.path_angle), LEAST_LEVEL)
     u = [(used_ground - lane.state[B] - lane.state[W])[:2] for lane in lanes[1:]]
     level_wind = [lane.triangle[LEVEL_WIND] for lane in lanes[1:]]
+    level_variances = ca.vertcat(*[ca.mmax(each) for each in level_wind])
+    wind_deviations = ca.sqrt(ca.fmax(level_variances, 0.0))
     blind = lanes[NO_AIRSPEED].state
     air, out, turned, along = sensor_check.air_checked(
         AIR_CHECK.parts(known.air),
@@ -271,7 +273,7 @@ def _step() -> ca.Function:
         seen.measured,
         ca.fmax(level * (1.0 - state[ALPHA]), LEAST_LEVEL),
         (u[0], u[1]),
-        ca.sqrt(ca.fmax(ca.vertcat(*[ca.mmax(each) for each in level_wind]), 0.0)),
+        wind_deviations,
         meters.weight >= noise_meter.MEMORY,
         ca.vertcat((blind[W] + blind[G])[:2], blind[BETA] * seen.airspeed),
         seen.rates[2],
@@ -293,19 +295,21 @@ def _step() -> ca.Function:
     placed.faded += ca.if_else(moved, state[P] - seen.position, 0.0)
     position = ca.if_else(used, seen.position, carried)
 
-    # The filters of the wind
+    # The filters of the wind. What is known of it in one direction tells no heading yet: a filter
+    # that went by one would drift to and fro along a circle of winds, all of the same airspeed.
+    turned = ca.if_else(wind_deviations[1] > sensor_check.WIND_IN_GUSTS, heading, turned)
     ahead = []
     walks = wind_filter.METERS.walks(meters)
     for which, lane in enumerate(lanes):
         lane.state[P] = ca.if_else(moved, seen.position, lane.state[P])
         guess = (
-            by_wind[0] if which == NO_HEADING else heading,
+            turned if which == NO_HEADING else heading,
             path_angle,
             by_wind[1] if which == NO_AIRSPEED else airspeed,
         )
         velocity_through = ca.vertcat(*vehicle_model.air_velocity(*guess, ca))
         no_airspeed = 1.0 if which == NO_AIRSPEED else out[0]
-        loose = _loose(guess[0], no_airspeed, 1.0 if which == NO_HEADING else out[1])
+        loose = _loose(heading, no_airspeed, 1.0 if which == NO_HEADING else out[1])
         ahead.append(wind_filter.predicted(lane, dt, velocity_through, seen.scales, loose, walks))
     ground = ca.if_else(odd, wind_filter.expected_velocity(ahead[MAIN]), seen.ground)
     sample = wind_filter.sampled(ahead[MAIN], position, ground)
@@ -324,7 +328,9 @@ def _step() -> ca.Function:
 
     main, blind = LANE.parts(after[MAIN]), LANE.parts(after[NO_AIRSPEED])
     state = main.state
-    quick, gust = wind_filter.lasting_gust(wind_filter.QUICK.parts(known.quick), dt, state[G])
+    quick, gust = wind_filter.lasting_gust(
+        wind_filter.QUICK.parts(known.quick), dt, state[G], ahead[MAIN]
+    )
     remembered = SimpleNamespace(
         **dict(zip(LANES, after, strict=True)),
         meters=metered,
@@ -357,7 +363,7 @@ def _loose(heading: ca.SX, airspeed: ca.SX | float, across: ca.SX | float) -> ca
     """Directions in which the air velocity is not measured, times the deviation, shape (3, 2).
 
     Args:
-        heading: That the filter goes by in [rad].
+        heading: That is gone by in [rad].
         airspeed: Whether the airspeed is not.
         across: Whether the heading is not.
     """

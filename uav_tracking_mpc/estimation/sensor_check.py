@@ -66,9 +66,9 @@ POSITION_CHECK = Layout(jumped=1, faded=3, last=3)
 SMOOTHING, CHANGE_TIME, LASTING = 0.7, 4.0, 7.0  # s: of noise, of a jump, of what lasts
 LEAST_JUMP, LEAST_OFFSET = 1.0, 0.8  # m/s
 GATE = 4.0  # m/s, besides gusts: a reading that is as far off is not used, whatever comes of it
-# Standard deviations of gusts that explain a residual: of the other one, and of itself, for a real
-# aircraft shows gusts along it as airspeed before they move it, and those across it hardly
-DEVIATIONS, OWN_DEVIATIONS = 4.0, 3.0
+# A real aircraft shows gusts along it as airspeed before they move it, and those across it hardly
+DEVIATIONS = 4.0  # -, standard deviations of gusts that explain a residual: of the other one
+OWN_DEVIATIONS = 3.0  # -, of the residual itself
 DOMINANCE = 3.0  # -, by which the residual of a sensor that fails exceeds the other
 # rad, that the wind's error turns against the heading in a jump: of the wind without airspeed, and
 # of that without heading, which is less sure than it says

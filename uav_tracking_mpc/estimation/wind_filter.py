@@ -92,7 +92,8 @@ QUICK_TIME = 0.5  # s, over which the quick part is averaged to see whether it l
 MEMORY_TIME = 20.0  # s, of its mean squares
 LEAST_QUICK = 0.1  # m/s, of quick parts that are too small to tell
 SHAKES, LASTS = 0.60, 0.70  # -, correlation of the quick part at which none of it counts, and all
-QUICK = Layout(slow=3, averaged=3, squares=2, products=2)
+AIRED = 0.5  # -, share of it that heading and airspeed shake themselves, at which all of it counts
+QUICK = Layout(slow=3, averaged=3, squares=2, products=2, aired=2)
 
 
 def initial_lane() -> NDArray[np.float64]:
@@ -176,33 +177,45 @@ def predicted(
     )
 
 
-def lasting_gust(known: SimpleNamespace, elapsed: ca.SX, gust: ca.SX) -> tuple[ca.SX, ca.SX]:
+def lasting_gust(
+    known: SimpleNamespace, elapsed: ca.SX, gust: ca.SX, lane: SimpleNamespace
+) -> tuple[ca.SX, ca.SX]:
     """What is known of gusts after one, and the part of it that a plan should count on, in [m/s].
 
     A gust that fades slowly stays alike over half a second, also the quick part of it. What shakes
     the aircraft does not: turbulence that is shorter than the wing answers, and the swing of its
-    own slip. To answer those takes longer than they last.
+    own slip. To answer those takes longer than they last. Where heading and airspeed shake instead,
+    the gust must be kept: it is what they err by.
 
     Args:
         known: By :data:`QUICK`.
         elapsed: Since the one before in [s].
         gust: Shape (3,), in [m/s].
+        lane: As predicted.
     """
+    across = _across(lane.steady) / ca.fmax(ca.norm_2(lane.steady), 1.0)
+
+    def seen(one: ca.SX, other: ca.SX) -> ca.SX:  # products across the flight, and up
+        return ca.vertcat(ca.dot(across, one) * ca.dot(across, other), one[2] * other[2])
+
     slow = known.slow + (1.0 - ca.exp(-elapsed / SLOW_TIME)) * (gust - known.slow)
     quick = gust - slow
     averaged = known.averaged + (1.0 - ca.exp(-elapsed / QUICK_TIME)) * (quick - known.averaged)
-    share = elapsed / MEMORY_TIME
-    squares = known.squares + share * (_by_axis(quick * quick) - known.squares)
-    products = known.products + share * (_by_axis(quick * averaged) - known.products)
-    alike = (products + LEAST_QUICK**2) / (squares + LEAST_QUICK**2)
-    counts = ca.fmin(ca.fmax((alike - SHAKES) / (LASTS - SHAKES), 0.0), 1.0)
-    after = SimpleNamespace(slow=slow, averaged=averaged, squares=squares, products=products)
+    share, floor = elapsed / MEMORY_TIME, LEAST_QUICK**2
+    squares = known.squares + share * (seen(quick, quick) - known.squares)
+    products = known.products + share * (seen(quick, averaged) - known.products)
+    aired = known.aired + share * (seen(quick, lane.steady - lane.air) - known.aired)
+    counts = _between((products + floor) / (squares + floor), SHAKES, LASTS)
+    counts = ca.fmax(counts, _between(aired / (squares + floor), 0.0, AIRED))
+    after = SimpleNamespace(
+        slow=slow, averaged=averaged, squares=squares, products=products, aired=aired
+    )
     return QUICK.joined(after), slow + ca.vertcat(counts[0], counts[0], counts[1]) * quick
 
 
-def _by_axis(values: ca.SX) -> ca.SX:
-    """Means of the level components and the vertical one, shape (2,)."""
-    return ca.vertcat(0.5 * ca.sum1(values[:2]), values[2])
+def _between(values: ca.SX, least: float, most: float) -> ca.SX:
+    """0 at the least and below, 1 at the most and beyond."""
+    return ca.fmin(ca.fmax((values - least) / (most - least), 0.0), 1.0)
 
 
 def expected_velocity(lane: SimpleNamespace) -> ca.SX:
