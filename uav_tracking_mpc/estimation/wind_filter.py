@@ -92,8 +92,10 @@ QUICK_TIME = 0.5  # s, over which the quick part is averaged to see whether it l
 MEMORY_TIME = 20.0  # s, of its mean squares
 LEAST_QUICK = 0.1  # m/s, of quick parts that are too small to tell
 SHAKES, LASTS = 0.60, 0.70  # -, correlation of the quick part at which none of it counts, and all
-AIRED = 0.5  # -, share of it that heading and airspeed shake themselves, at which all of it counts
-QUICK = Layout(slow=3, averaged=3, squares=2, products=2, aired=2)
+BY_SENSORS = (
+    0.5  # -, share of it that heading and airspeed shake themselves, at which all of it counts
+)
+QUICK = Layout(slow=3, averaged=3, squares=2, products=2, by_sensors=2)
 
 
 def initial_lane() -> NDArray[np.float64]:
@@ -191,7 +193,7 @@ def lasting_gust(
         known: By :data:`QUICK`.
         elapsed: Since the one before in [s].
         gust: Shape (3,), in [m/s].
-        lane: As predicted.
+        lane: As predicted, velocities in [m/s].
     """
     across = _across(lane.steady) / ca.fmax(ca.norm_2(lane.steady), 1.0)
 
@@ -204,11 +206,12 @@ def lasting_gust(
     share, floor = elapsed / MEMORY_TIME, LEAST_QUICK**2
     squares = known.squares + share * (seen(quick, quick) - known.squares)
     products = known.products + share * (seen(quick, averaged) - known.products)
-    aired = known.aired + share * (seen(quick, lane.steady - lane.air) - known.aired)
+    erring = seen(quick, lane.steady - lane.air)
+    by_sensors = known.by_sensors + share * (erring - known.by_sensors)
     counts = _between((products + floor) / (squares + floor), SHAKES, LASTS)
-    counts = ca.fmax(counts, _between(aired / (squares + floor), 0.0, AIRED))
+    counts = ca.fmax(counts, _between(by_sensors / (squares + floor), 0.0, BY_SENSORS))
     after = SimpleNamespace(
-        slow=slow, averaged=averaged, squares=squares, products=products, aired=aired
+        slow=slow, averaged=averaged, squares=squares, products=products, by_sensors=by_sensors
     )
     return QUICK.joined(after), slow + ca.vertcat(counts[0], counts[0], counts[1]) * quick
 
