@@ -57,7 +57,9 @@ def seen(chromium, flight):
     context = chromium.new_context(viewport=SCREEN, accept_downloads=True)
     with served(flight.source) as page:
         # In as many pixels as it has: a page of few is a small one, on which the legend is folded.
-        yield SeenPage(context.new_page(), page.address, resolution=1.0)
+        shown = SeenPage(context.new_page(), page.address, resolution=1.0)
+        shown.scene = page._server.scene
+        yield shown
     context.close()
 
 
@@ -73,13 +75,30 @@ def box(seen, words, exact=True):
     return found[-1]
 
 
-def test_the_orbit_is_in_the_middle_of_what_the_panel_leaves(seen, flight):
-    panel = box(seen, "Orbit")
+def test_orbit_and_words_of_the_wind_stand_in_what_panel_and_legend_leave(seen, flight):
+    """From wherever it blows."""
+    panel, legend = box(seen, "Orbit"), seen.page.locator("[data-flight-legend]").bounding_box()
+    left, right = legend["x"] + legend["width"], panel["x"]
     # The scene moves with the target: where the first view looks, its middle stays.
-    column, row = seen.pixel_of((0.0, 0.0, 60.0))
-    assert abs(column - 0.5 * (panel["x"] - 20.0)) < 30.0
-    assert 0.3 * SCREEN["height"] < row < 0.7 * SCREEN["height"]
-    assert flight.sight.wanted is not None
+    wanted = flight.sight.wanted
+    turn = np.linspace(0.0, 2.0 * np.pi, 24)
+    circle = abs(wanted.radius) * np.stack([np.cos(turn), np.sin(turn), 0.0 * turn], axis=1)
+    height = [0.0, 0.0, wanted.centre[2]]
+    seen.eventually(
+        lambda: all(left < seen.pixel_of(point + height)[0] < right for point in circle),
+        "the orbit is framed",
+    )
+    middle = seen.pixel_of((0.0, 0.0, 60.0))
+    assert abs(middle[0] - 0.5 * (left + right)) < 30.0
+    assert 0.3 * SCREEN["height"] < middle[1] < 0.7 * SCREEN["height"]
+    place, label = (seen.scene.get_handle_by_name(f"/world/small_uav/wind{part}")
+                    for part in ("", "/label"))  # fmt: skip
+    for wind, sector in (((0.0, -8.0), "N"), ((6.0, -6.0), "NW"), ((8.0, 0.0), "W")):
+        flight.steering.change(SIMULATOR, wind=(*wind, 0.0))
+        seen.eventually(lambda said=f"from {sector}": label.text.endswith(said), "the words say it")
+        column, row = seen.pixel_of(np.add(label.position, [0.0, 0.0, place.position[2]]))
+        assert left < column - 70.0 < column + 70.0 < right
+        assert row < seen.page.locator("#flight-strip").bounding_box()["y"]
 
 
 def test_a_legend_says_what_is_seen_and_makes_room_for_the_head_up_display(seen):

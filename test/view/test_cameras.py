@@ -65,6 +65,15 @@ def test_the_whole_orbit_is_in_the_first_view(view, aspect):
 
 
 @pytest.mark.parametrize("view", [cameras.ORBIT, cameras.FREE, cameras.ABOVE])
+def test_the_orbit_stands_beside_the_legend(view):
+    moved, covered = cameras.scene_pose(view, SIGHT), 0.3
+    orbit = np.array([moved @ point for point in circle(CENTRE)])
+    seen = picture(cameras.first_pose(view, (FLIGHT, SIGHT), 1.34, covered), orbit, 1.34)
+    assert seen[:, 0].min() > -1.0 + 2.0 * covered
+    assert np.abs(seen).max() < 1.0
+
+
+@pytest.mark.parametrize("view", [cameras.ORBIT, cameras.FREE, cameras.ABOVE])
 def test_north_is_up_and_east_is_right(view):
     moved = cameras.scene_pose(view, SIGHT)
     points = np.array([moved @ (CENTRE + step) for step in ([0, 0, 0], [0, 50, 0], [50, 0, 0])])
@@ -117,7 +126,7 @@ class StandInPage:
         self.view = types.SimpleNamespace(value=cameras.ORBIT, on_update=lambda called: None)
         self.gui = types.SimpleNamespace(add_dropdown=lambda *_, **__: self.view)
         self.scene = types.SimpleNamespace(add_frame=self._add)
-        self.camera = types.SimpleNamespace(aspect=1.2, position=np.zeros(3))
+        self.camera = types.SimpleNamespace(aspect=1.2, image_width=1000, position=np.zeros(3))
 
     def _add(self, name, **_):
         self.frames[name] = types.SimpleNamespace(name=name, visible=True)
@@ -147,3 +156,17 @@ def test_nothing_of_the_own_aircraft_is_seen_from_the_cockpit(page):
         page.view.value = view
         seat.show(("aircraft",), {"aircraft": (FLIGHT, SIGHT)}, None)
         assert page.frames[own].visible == seen
+
+
+def test_the_first_view_follows_the_shape_of_the_picture_until_a_hand_moves_it(page):
+    """A page tells its shape before its panel stands beside the scene, and again afterwards."""
+    seat, camera = cameras.Seat(page, "/world", [np.zeros(3)]), page.camera
+    places = []
+    for aspect, by_hand in ((1.6, False), (1.3, False), (1.3, False), (1.9, True)):
+        camera.aspect = aspect
+        camera.position = camera.position + 50.0 * by_hand
+        seat.show(("aircraft",), {"aircraft": (FLIGHT, SIGHT)}, None)
+        places.append(np.array(camera.position))
+    assert np.abs(places[1] - places[0]).max() > 10.0
+    np.testing.assert_array_equal(places[2], places[1])
+    np.testing.assert_array_equal(places[3], places[1] + 50.0)

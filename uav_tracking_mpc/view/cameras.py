@@ -56,6 +56,9 @@ TILT = 1e-3  # rad; straight down, north would be nowhere
 UP = 0.2
 OPENING = 3.0  # s of wall time in which the scene of a new page turns into its place
 OPENING_TURN = math.radians(50.0)  # by which that begins
+RESHAPED = 0.01  # of a picture's width by its height; less of a change is none
+LEGEND = 280.0  # pixels from the left that the legend takes
+ROOM = 920  # pixels; a smaller scene it would cover
 LAST_FIRST = 10  # first views that a page may have begun with while it was loaded
 
 Watched = tuple[WatchedFlight, Sight]
@@ -74,13 +77,24 @@ class Pose(NamedTuple):
     look_at: NDArray[np.float64]
 
 
-def first_pose(view: str, watched: Watched, aspect: float) -> Pose:
+def covered(camera: viser.CameraHandle) -> float:
+    """Share of a picture's width that the legend covers; 0 where it is folded, since it is small.
+
+    Args:
+        camera: Of the page.
+    """
+    width = camera.image_width
+    return LEGEND / width if width >= ROOM and camera.aspect >= 1.0 else 0.0
+
+
+def first_pose(view: str, watched: Watched, aspect: float, covered: float = 0.0) -> Pose:
     """Where a camera begins, in the axes in which the page then sees the scene.
 
     Args:
         view: One of VIEWS.
         watched: The aircraft that is looked at.
         aspect: Width of the picture by its height [-].
+        covered: Share of that width, from the left, that is not free [-].
     """
     flight, sight = watched
     size, middle = extent(flight, sight), centre(sight)
@@ -89,13 +103,14 @@ def first_pose(view: str, watched: Watched, aspect: float) -> Pose:
     steps = min(max(math.ceil(away / (STEP * size)), 1.0 / STEP), FARTHEST / STEP)
     reach = MARGIN * STEP * size * steps
     # From so low an orbit is higher than a picture only where that is much wider than high.
-    back = reach / (math.tan(0.5 * FIELD_OF_VIEW) * min(aspect, 1.0 if view == ABOVE else WIDEST))
+    free = min(aspect * (1.0 - covered), 1.0 if view == ABOVE else WIDEST)
+    back = reach / (math.tan(0.5 * FIELD_OF_VIEW) * free)
     if view == FREE:
-        return _from_south(middle, back, ELEVATION, aspect)
+        return _from_south(middle, back, ELEVATION, aspect, covered)
     floor = np.array([0.0, 0.0, 0.5 * (float(middle[2]) + ground_height(sight))])
     if view in (ORBIT, ABOVE):
         elevation = ELEVATION if view == ORBIT else 0.5 * math.pi - TILT
-        return _from_south(floor, back, elevation, aspect)
+        return _from_south(floor, back, elevation, aspect, covered)
     if view == FOLLOW:
         behind = [-BEHIND * math.cos(sight.heading), -BEHIND * math.sin(sight.heading), OVER]
         return Pose(size * np.array(behind), np.zeros(3))
@@ -103,11 +118,17 @@ def first_pose(view: str, watched: Watched, aspect: float) -> Pose:
     return Pose(over, over + np.array([1.0, 0.0, 0.0]))
 
 
-def _from_south(middle: NDArray[np.float64], back: float, elevation: float, aspect: float) -> Pose:
-    """Look at a point from the south, at an angle above the ground in [rad]."""
+def _from_south(
+    middle: NDArray[np.float64], back: float, elevation: float, aspect: float, covered: float = 0.0
+) -> Pose:
+    """Look at a point from the south, at an angle above the ground in [rad].
+
+    It stands in the middle of what is free.
+    """
     sine, cosine = math.sin(elevation), math.cos(elevation)
-    upright = UP * back * math.tan(0.5 * FIELD_OF_VIEW) if aspect < 1.0 else 0.0
-    look_at = middle - upright * np.array([0.0, sine, cosine])
+    half = back * math.tan(0.5 * FIELD_OF_VIEW)  # of the picture's height
+    aside, upright = covered * aspect * half, UP * half if aspect < 1.0 else 0.0
+    look_at = middle - np.array([aside, upright * sine, upright * cosine])
     return Pose(look_at + back * np.array([0.0, -cosine, sine]), look_at)
 
 
@@ -179,6 +200,8 @@ class Seat:
         self._names: tuple[str, ...] = ()
         self._chosen: viser.GuiDropdownHandle[str] | None = None
         self._to_place = False  # it stands where all pages begin, or where its address says
+        self._aspect = math.nan  # of the picture for which it was placed
+        self._placed = np.full(3, math.nan)
         self._began: float | None = None  # s, when the scene was first seen
         self._own: dict[str, viser.FrameHandle] = {}
         self._view.on_update(self._place_again)
@@ -214,10 +237,12 @@ class Seat:
             moved = rigid.SE3.from_rotation(rigid.SO3.from_z_radians(self._opening_turn())) @ moved
         self._show_own(own_node(f"{world.name}/{name}"), view != COCKPIT)
         world.position, world.wxyz = moved.translation(), moved.rotation().wxyz
-        if self._to_place or (view == VIEWS[0] and self._narrow_at_first):
-            self._to_place = False
-            camera = self._client.camera
-            camera.position, camera.look_at = first_pose(view, (flight, sight), camera.aspect)
+        camera = self._client.camera
+        if self._to_place or (view == VIEWS[0] and self._is_reshaped):
+            self._to_place, self._aspect = False, camera.aspect
+            pose = first_pose(view, (flight, sight), camera.aspect, covered(camera))
+            self._placed = pose.position
+            camera.position, camera.look_at = pose
 
     def _opening_turn(self) -> float:
         """How far the scene is turned in the first seconds in [rad]; it comes to rest smoothly."""
@@ -234,11 +259,11 @@ class Seat:
             frame.visible = visible or own != node
 
     @property
-    def _narrow_at_first(self) -> bool:
-        """Whether a picture that is higher than wide has a first view that is made for others."""
+    def _is_reshaped(self) -> bool:
+        """Whether the picture has another shape than its view is for, which no hand has moved."""
         camera = self._client.camera
-        return camera.aspect < 1.0 and any(
-            np.allclose(camera.position, first, atol=1.0) for first in self._firsts
+        return not abs(camera.aspect - self._aspect) < RESHAPED and any(
+            np.allclose(camera.position, place, atol=1.0) for place in (self._placed, *self._firsts)
         )
 
     def _offer(self, names: tuple[str, ...]) -> None:

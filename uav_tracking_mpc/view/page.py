@@ -28,6 +28,7 @@ import viser
 
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.report.mode_colours import MODE_COLOURS
+from uav_tracking_mpc.view.cameras import covered
 from uav_tracking_mpc.view.panel import PANEL_PART, PanelPart
 from uav_tracking_mpc.view.panel._html import ALARM, badge, block
 from uav_tracking_mpc.view.scene import LIMIT, SCENE_ELEMENT, WIND, Colour, SceneElement
@@ -37,7 +38,6 @@ from uav_tracking_mpc.view.visitors import FLOWN, MISSION, NOW, NOW_TAG, Visitor
 from uav_tracking_mpc.view.watched_flight import FlightSource, Sight, WatchedFlight
 
 PLACE, WIDTH = (15.0, 15.0), 250.0  # pixels from the upper left corner of the scene
-ROOM = 920  # pixels; beside less of a scene it would stand upon the orbit
 ROW = '<div style="display:flex;gap:0.5em;align-items:center">{}<span>{}</span></div>'
 MARK = '<span style="flex:0 0 1.6em;height:0;border-top:3px {} rgb{}"></span>'
 SQUARE = '<span title="{}" style="flex:0 0 0.8em;height:0.8em;background:rgb{}"></span>'
@@ -98,7 +98,7 @@ def add_legend(client: viser.ClientHandle, colour: Colour) -> None:
     with panel.add_tab("What you see"):
         client.gui.add_html(legend(colour))
     panel.float(x=PLACE[0], y=PLACE[1], width=WIDTH)
-    if client.camera.image_width < ROOM:
+    if not covered(client.camera):
         panel.minimize()
 
 

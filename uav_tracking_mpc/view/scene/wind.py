@@ -55,6 +55,8 @@ LONGEST = 0.6  # of a streak, by the distance between two
 PER_SPEED = 0.04  # length of a streak in a wind of 1 m/s by that distance
 HEAD = 0.12  # of a streak's arrow head by that distance
 LOW = 0.4  # height of the field by that of the orbit: beneath what is flown
+# South of the orbit, where the first view has neither legend nor panel, and a phone its middle.
+WORDS = np.array([0.0, -1.2, 0.0])  # where they stand by the radius of the orbit
 
 
 def streaks(speed: float) -> NDArray[np.float64]:
@@ -120,7 +122,7 @@ class Wind(SceneElement):
         drifted = math.fmod(speed * sight.time, spacing) - 0.5 * spacing
         height = ground + LOW * (float(middle[2]) - ground)
         self._place.position, self._field.position = (*middle[:2], height), drifted * along
-        self._field.scale = spacing
+        self._field.scale, self._label.position = spacing, size * WORDS
         if float(np.abs(wind - self._drawn).max()) < CHANGE:
             return
         self._drawn = np.array(wind)
@@ -128,9 +130,6 @@ class Wind(SceneElement):
         self._field.wxyz = (math.cos(half), 0.0, 0.0, math.sin(half))
         self._field.points = streaks(speed).astype(np.float32)
         self._label.text = words(wind)
-        # At a corner of the field: outside of the orbit, away from the words at the target.
-        across = np.array([-along[1], along[0], 0.0])
-        self._label.position = -REACH * size * (along + across)
 
 
 LENGTH = 0.35  # length of the airspeed's arrow by the radius of the orbit
