@@ -23,6 +23,9 @@ CLEAN := env -u PYTHONPATH -u LD_LIBRARY_PATH -u AMENT_PREFIX_PATH -u _ROS_WHEEL
 PYTEST := $(CLEAN) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python -m pytest
 # More than there are cores: tests of nodes and pages mostly wait.
 WORKERS ?= 4
+# A test that hangs, in a library's code too, prints every stack and ends its worker, which counts as
+# a failure. How long a test takes says nothing about the product.
+HUNG := -o faulthandler_timeout=600 -o faulthandler_exit_on_timeout=true
 # Noise of attitude [rad], airspeed and velocity [m/s] of the flight in docs/identification.md.
 NOISY := --set uav_simulator.attitude_noise=0.0087 --set uav_simulator.airspeed_noise=0.3 \
 	--set uav_simulator.velocity_noise=0.3
@@ -38,10 +41,10 @@ view: $(VENV)/view
 
 test: $(VENV)/test
 	@$(MAKE) --no-print-directory -j 2 lint together
-	$(PYTEST) -m "alone and not long" $$(grep -lr --include='test_*.py' mark.alone test)
+	$(PYTEST) $(HUNG) -m "alone and not long" $$(grep -lr --include='test_*.py' mark.alone test)
 
 together: $(VENV)/test
-	$(PYTEST) -m "not alone and not long" -n $(WORKERS) --dist loadfile
+	$(PYTEST) $(HUNG) -m "not alone and not long" -n $(WORKERS) --dist loadfile
 
 test-long: $(VENV)/test
 	$(PYTEST) --hypothesis-profile=full -m "not nodes and not browser" -n 2 --dist loadfile

@@ -108,7 +108,6 @@ setup(
             "pymavlink>=2.4.41",
             "pytest",
             "pytest-rerunfailures",
-            "pytest-timeout",
             "pytest-xdist",
             "python-flint>=0.6",
             "ruff",

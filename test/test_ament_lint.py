@@ -48,7 +48,6 @@ def in_the_root(monkeypatch):
     monkeypatch.chdir(ROOT)
 
 
-@pytest.mark.timeout(600)
 def test_flake8():
     arguments = documented("ament_flake8")
     flake8 = pytest.importorskip("ament_flake8.main")
@@ -56,7 +55,6 @@ def test_flake8():
     assert code == 0, "\n".join(errors)
 
 
-@pytest.mark.timeout(600)
 def test_pep257():
     arguments = documented("ament_pep257")
     pep257 = pytest.importorskip("ament_pep257.main")

@@ -236,7 +236,6 @@ def reader(tmp_path):
 
 @pytest.mark.long
 @pytest.mark.nodes
-@pytest.mark.timeout(3 * 3600)
 def test_every_command_does_what_is_said(reader):
     """The first tutorial from the clone on, then the others and the README in that clone."""
     wrong = []

@@ -57,7 +57,7 @@ KINDS = (
 def test_every_kind_of_field_is_reached():
     reached = set()
 
-    @settings(max_examples=1000)
+    @settings(max_examples=1000, derandomize=True, database=None)  # what is drawn is no chance
     @given(changed(message_of(ODOMETRY)))
     def look(message):
         reached.update(kind for kind in KINDS if kind(message))

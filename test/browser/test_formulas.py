@@ -24,7 +24,7 @@ import pytest
 from PIL import Image
 
 pytest.importorskip("docutils", reason="formulas are converted by docutils")
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
+pytestmark = pytest.mark.browser
 
 FILE = Path(__file__).parents[2] / "docs" / "_extensions" / "mathml.py"
 SIZE = 60  # pixels of a letter

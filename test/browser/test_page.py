@@ -24,7 +24,7 @@ import pytest
 from recorded_bag import write_bag
 from seen_page import PageProcess, SeenPage, save_flight
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
+pytestmark = pytest.mark.browser
 BEGIN, END = 2.0, 14.0  # s, of which there are pictures
 LINE = """canvas => {
     const data = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;

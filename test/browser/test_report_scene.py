@@ -24,7 +24,7 @@ from seen_page import SeenPage
 
 from uav_tracking_mpc.report.mission_report import write_report
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
+pytestmark = pytest.mark.browser
 
 NEXT_FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 

@@ -17,7 +17,7 @@
 import pytest
 from sources import ROOT
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
+pytestmark = pytest.mark.browser
 
 STATIC = ROOT / "docs" / "_static"
 NAME = "uav_tracking_mpc.dynamics.relative_models.kinematics"

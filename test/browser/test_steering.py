@@ -32,7 +32,7 @@ from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.view.panel.mission_file import mission_of
 from uav_tracking_mpc.view.watched_flight import CONTROLLER, SIMULATOR
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
+pytestmark = pytest.mark.browser
 SCREEN = {"width": 1280, "height": 800}
 SLOW = 0.1  # simulated over wall time
 # viser says so of itself wherever the mouse takes hold of something in the scene.

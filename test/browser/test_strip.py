@@ -27,7 +27,7 @@ from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.view.page import COLOURS
 from uav_tracking_mpc.view.watched_flight import CONTROLLER, SILENT, NodeStatus
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
+pytestmark = pytest.mark.browser
 
 
 class Flight(StandInFlight):

@@ -73,7 +73,6 @@ def answers(address):
 
 
 @pytest.mark.nodes
-@pytest.mark.timeout(900)
 def test_the_page_stays_after_the_report_until_ctrl_c(viewed, tmp_path):
     with viewed(8) as flight:
         address = re.search(r"page: (http://127\.0\.0\.1:\d+\S*)", flight.said)[1]
@@ -90,7 +89,6 @@ def test_the_page_stays_after_the_report_until_ctrl_c(viewed, tmp_path):
 
 
 @pytest.mark.nodes
-@pytest.mark.timeout(900)
 def test_a_page_that_dies_ends_no_flight(viewed, tmp_path):
     with viewed(600) as flight:
         os.kill(flight.page, KILL)

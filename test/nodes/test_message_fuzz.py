@@ -31,7 +31,7 @@ from uav_tracking_mpc.nodes.nmpc_controller import NmpcController
 from uav_tracking_mpc.nodes.topics import COMMAND
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 
-pytestmark = [pytest.mark.nodes, pytest.mark.timeout(600)]
+pytestmark = pytest.mark.nodes
 
 SHORT = settings(
     max_examples=2,
@@ -84,7 +84,6 @@ def test_no_message_breaks_the_vehicle(controller):
 
 
 @pytest.mark.long
-@pytest.mark.timeout(0)
 @pytest.mark.parametrize("flight", [ControllerFlight, VehicleFlight])
 def test_no_message_breaks_anything_in_thousands_of_steps(controller, flight):
     fly(flight, LONG)

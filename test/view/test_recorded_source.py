@@ -402,7 +402,6 @@ def measured(words, function):
 
 
 @pytest.mark.long
-@pytest.mark.timeout(7200)
 def test_two_hours_take_a_few_chunks(tmp_path, unpacked):
     write_bag(tmp_path / "short.mcap", 120.0)
     path = tmp_path / "long.mcap"

@@ -28,7 +28,7 @@ from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.view.live_source import FAULTS, LiveSource
 from uav_tracking_mpc.view.watched_flight import CONTROLLER, SILENT, SIMULATOR, TARGET, NodeStatus
 
-pytestmark = [pytest.mark.nodes, pytest.mark.timeout(1500)]
+pytestmark = pytest.mark.nodes
 
 LIMIT = 400.0  # s of wall time for what may take long on a busy machine
 SPEED = 5.0  # simulated over wall time

@@ -85,7 +85,6 @@ def test_a_flight_is_timed_with_and_without_a_page(configuration):
 
 @pytest.mark.nodes
 @pytest.mark.long
-@pytest.mark.timeout(0)
 def test_a_long_view_grows_by_less_than_20_mb(configuration):
     pytest.importorskip("viser")
     study = watched_latency(configuration, [1], LONG, print, turns=1)

@@ -48,7 +48,6 @@ def test_gusts_on_a_straight_way_in_blame_no_sensor():
 
 
 @pytest.mark.long
-@pytest.mark.timeout(7200)
 def test_of_200_flights_none_is_blamed_and_of_200_faults_19_in_20_are_named():
     jobs = [(seed, "") for seed in range(200)]
     jobs += [(200 + k, list(FAULTS)[k % len(FAULTS)]) for k in range(200)]

@@ -56,7 +56,6 @@ def test_a_short_campaign_breaks_nothing(dialect, monkeypatch):
 
 
 @pytest.mark.long
-@pytest.mark.timeout(900)
 @pytest.mark.parametrize("dialect", ["ardupilot", "px4"])
 def test_three_of_every_kind_break_nothing(dialect):
     cases = islice(schedule(LINK_FAULTS, 0, most=1), 3 * len(LINK_FAULTS))
