@@ -20,6 +20,7 @@ import contextlib
 import json
 import os
 import shlex
+import socket
 import sys
 from collections import Counter
 from pathlib import Path
@@ -106,7 +107,6 @@ def test_without_a_home_and_with_an_empty_cache_it_flies_at_once(tmp_path):
     assert "solver compiled" not in output[:flying]
 
 
-STAND_IN = "udpout:127.0.0.1:14560"  # where the tutorial's commands listen
 BY_LINK = ("fly", "--config", "small_uav", "--json", "--link")
 
 
@@ -129,9 +129,13 @@ def test_a_flight_counts_from_when_it_is_engaged_and_tells_of_its_link(tmp_path)
 
 
 def test_the_commands_of_the_tutorial_fly_an_autopilot(tmp_path):
-    """With the simulated autopilot at ArduPlane's port; shorter than it is written."""
-    check, *flights = map(shlex.split, commands(AUTOPILOT))
-    with started("cli.main", "autopilot", "--dialect", "ardupilot", "--connection", STAND_IN):
+    """With the simulated autopilot, at a port that is free; shorter than it is written."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = str(free.getsockname()[1])
+    check, *flights = (shlex.split(line.replace("14560", port)) for line in commands(AUTOPILOT))
+    stand_in = f"udpout:127.0.0.1:{port}"
+    with started("cli.main", "autopilot", "--dialect", "ardupilot", "--connection", stand_in):
         code, output, errors = outcome("cli.main", *check[1:])
         assert code == 0, errors
         assert "ArduPlane" in output
