@@ -47,6 +47,7 @@ STILL = small_uav.parameters(
     "rate_lag=[0, 0, 0]",
     "dead_time=[0, 0, 0]",
     "rate_weights=[0, 0, 0]",
+    "bank_max=1.5",
     "roll_rate_max=50",
     "airspeed_band=10",
     "direction=counter_clockwise",
@@ -103,7 +104,7 @@ def test_without_drift_the_stage_cost_is_that_of_the_paper(direction):
         relative = rng.uniform([150.0, -3.1, -140.0, -1.4, 14.0], [900.0, 3.1, 140.0, 1.4, 32.0])
         inputs = rng.uniform(parameters.input_lower, parameters.input_upper)
         vehicle = vehicle_state(relative, rng.uniform(-np.pi, np.pi), np.zeros(3))
-        state = state_of(vehicle)
+        state = state_of(vehicle, inputs)  # nothing rolls
         cost = stage(state, shares_of(inputs, state, data), data, decision_of(orbit))[1]
         # Distances are smooth where they vanish: 1 cm is added to each, in squares.
         relative[0] = np.hypot(relative[0], SMALL)

@@ -88,6 +88,18 @@ def test_the_roll_rate_is_that_of_the_bank_of_a_coordinated_turn():
     assert limit.flown(MOTION._replace(turn_acceleration=None), [1.0]) is None
 
 
+def test_a_bank_is_bounded_where_it_will_be_half_a_second_on():
+    """Against a difference of banks; a turn whose change is not known is bounded by its input."""
+    limit, step = LIMITS["bank"], 1e-6
+    bound = limit.stage(MOTION, limit.numbers(TARGETS)[0], np)
+    times = np.array([0.0, step])
+    banks = np.arctan((15.0 + 0.3 * times) * (0.2 - 0.4 * times) / 9.80665)
+    assert bound.value == pytest.approx(banks[0] + 0.5 * np.diff(banks)[0] / step, rel=1e-4)
+    planned = np.arctan(0.98 * np.tan(limit.bank_max))
+    assert -bound.lower == bound.upper == pytest.approx(planned)
+    assert limit.stage(MOTION._replace(turn_acceleration=None), [1.0], np) is None
+
+
 def test_the_force_of_a_climb_is_that_of_the_weight_along_the_path():
     flown = LIMITS["force"].flown(MOTION, [])
     assert float(flown.value) == pytest.approx(9.80665 * np.sin(0.1) + 0.3)

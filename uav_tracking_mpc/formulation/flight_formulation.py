@@ -117,7 +117,12 @@ class FlightFormulation:
         self.model = self.model.with_lags(response.lags)
         where = self.flight.where
         # Held commands lag by tau, and by half a step behind what they follow.
-        self._data[:, where["lead"]] = float(self.model.lags[0]) + 0.5 * self.step
+        lag = float(self.model.lags[0])
+        self._data[:, where["lead"]] = lag + 0.5 * self.step
+        # The rate of a lag is greatest at the begin: 1 / tau of the way; its mean over a step T is
+        # (1 - exp(-T / tau)) / T. What follows at once is taken as half a step late.
+        steps = self.step / max(lag, 0.5 * self.step)
+        self._data[:, where["onset"]] = steps / -math.expm1(-steps)
         self._data[:, where["model"]] = self.model.numbers(self.step)
 
     def soften(self, factors: NDArray[np.float64]) -> None:

@@ -81,6 +81,7 @@ OWN_SIZES = {
     "offset_weights": 3,  # of the artificial orbit's distance to the wanted one
     "offset_reach": 3,  # distance at which that cost turns from quadratic to linear
     "lead": 1,  # s by which the orbit's turn rate is fed forward
+    "onset": 1,  # -, turn acceleration at the begin of a stage over its mean
 }
 HELD_SIZES = {
     "held": 2,  # altitude above the target [m] and airspeed [m/s] that the autopilot holds
@@ -172,7 +173,7 @@ class FlightProblem:
             for before, after in zip(state[6:9], following[6:9], strict=True)
         ]
         change = ca.vertcat(changes[0] - orbit.turn_acceleration, changes[1], changes[2])
-        motion = _motion(state)._replace(turn_acceleration=changes[0])
+        motion = _motion(state)._replace(turn_acceleration=told["onset"] * changes[0])
         offset = ca.vertcat(r_a, z_a, v_a) - told["orbit"]
         scaled = [error[0] / 10.0, error[1], error[2] / 10.0, error[3], error[4]]
         free, errors = model.commanded, BANKED_ERRORS if self.holds else len(scaled)

@@ -65,6 +65,11 @@ class YawRate(Limit):
 # -, share of the limit that plans use: within a stage, and while commands take effect, the airspeed
 # moves on, and the limit of the turn rate with it.
 PLANNED_SHARE = 0.98
+# s, over which plans let the bank come near its limit: an aircraft whose roll is of second order
+# passes a limit towards which it still rolls.
+APPROACH_TIME = 0.5
+# rad and rad/s, beyond bank or roll rate, of which the square costs one
+SCALE = 0.05
 LEAST_AIRSPEED = 0.5  # m/s, below which the limit grows no more
 
 
@@ -73,6 +78,7 @@ class Bank(Limit):
     """abs(u_psi) <= g tan(bank_max) / v."""
 
     name = "bank"
+    by_squares = True
     hard_on_orbit = True
     of_rates = True
 
@@ -98,6 +104,17 @@ class Bank(Limit):
         """See :meth:`Limit.inputs`."""
         return {"turn_rate": (None, numbers[0] / xp.fmax(motion.airspeed, LEAST_AIRSPEED))}
 
+    def stage(self, motion: Motion, numbers: Any, xp: ModuleType) -> Bound | None:
+        """See :meth:`Limit.stage`: where the bank will be soon, if it rolls on as it does.
+
+        None where it is not known how the turn rate changes.
+        """
+        if motion.turn_acceleration is None:
+            return None
+        tangent, roll_rate = _rolling(motion)
+        most = xp.atan(numbers[0] / GRAVITY)
+        return Bound(xp.atan(tangent) + APPROACH_TIME * roll_rate, -most, most, scale=SCALE)
+
     def orbit(self, shape: OrbitShape, numbers: Any, xp: ModuleType) -> Bound:
         """See :meth:`Limit.orbit`."""
         lateral = sharpest_turn(shape.radius, shape.airspeed, shape.drift) * shape.airspeed
@@ -111,7 +128,7 @@ class Bank(Limit):
 
 @dataclass(frozen=True)
 class RollRate(Limit):
-    """abs(phi') <= roll_rate_max, in plans as the mean over a stage."""
+    """abs(phi') <= roll_rate_max, in plans at the begin of each stage, where it is greatest."""
 
     name = "roll_rate"
     by_squares = True
@@ -124,7 +141,12 @@ class RollRate(Limit):
         """See :meth:`Limit.stage`; None where it is not known how the turn rate changes."""
         if motion.turn_acceleration is None:
             return None
-        tangent = motion.airspeed * motion.turn_rate / GRAVITY
-        change = motion.airspeed * motion.turn_acceleration + motion.acceleration * motion.turn_rate
-        roll_rate = change / GRAVITY / (1.0 + tangent**2)
-        return Bound(roll_rate, -numbers[0], numbers[0], scale=0.15)
+        _, roll_rate = _rolling(motion)
+        return Bound(roll_rate, -numbers[0], numbers[0], scale=SCALE)
+
+
+def _rolling(motion: Motion) -> tuple[Any, Any]:
+    """Tangent of the bank, and the roll rate in [rad/s]: the equation above."""
+    tangent = motion.airspeed * motion.turn_rate / GRAVITY
+    change = motion.airspeed * motion.turn_acceleration + motion.acceleration * motion.turn_rate
+    return tangent, change / GRAVITY / (1.0 + tangent**2)
