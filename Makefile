@@ -25,7 +25,7 @@ PYTEST := $(CLEAN) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python -m pytest
 WORKERS ?= 4
 # A test that hangs, in a library's code too, prints every stack and ends its worker, which counts as
 # a failure. How long a test takes says nothing about the product.
-HUNG := -o faulthandler_timeout=600 -o faulthandler_exit_on_timeout=true
+HUNG := -o faulthandler_timeout=1000 -o faulthandler_exit_on_timeout=true
 # Noise of attitude [rad], airspeed and velocity [m/s] of the flight in docs/identification.md.
 NOISY := --set uav_simulator.attitude_noise=0.0087 --set uav_simulator.airspeed_noise=0.3 \
 	--set uav_simulator.velocity_noise=0.3

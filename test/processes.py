@@ -90,7 +90,7 @@ def hear(process, words):
         process.said += line
 
 
-def ended(process, stop=None, limit=120.0):
+def ended(process, stop=None, limit=900.0):
     """Exit code and output of a process that ends, by a signal or by itself."""
     if stop is not None:
         process.send_signal(stop)
@@ -109,7 +109,7 @@ def scripted(program, *arguments, missing=(), **how):
     return _outcome([sys.executable, "-c", program, *map(str, arguments)], **how)
 
 
-def _outcome(words, env=None, limit=300.0):
+def _outcome(words, env=None, limit=900.0):
     env = environment() if env is None else env
     finished = subprocess.run(words, capture_output=True, text=True, env=env, timeout=limit)
     return finished.returncode, finished.stdout, finished.stderr

@@ -35,12 +35,9 @@ from uav_tracking_mpc.simulation.closed_loop import simulate
 EXAMPLES = ROOT / "examples"
 
 
-def run(name, *arguments, limit=280):
+def run(name, *arguments):
     finished = subprocess.run(
-        [sys.executable, EXAMPLES / name, *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=limit,
+        [sys.executable, EXAMPLES / name, *map(str, arguments)], capture_output=True, text=True
     )
     assert finished.returncode == 0, finished.stdout + finished.stderr
     return finished.stdout

@@ -56,7 +56,6 @@ def run(*arguments, cwd, **environment):
         capture_output=True,
         text=True,
         env={**os.environ, **environment},
-        timeout=300,
     )
     assert finished.returncode == 0, finished.stdout + finished.stderr
     return finished.stdout
@@ -86,7 +85,6 @@ def test_colcon_builds_an_ament_python_package(checkout):
         capture_output=True,
         text=True,
         env={**os.environ, "PYTHONPATH": str(library)},
-        timeout=60,
     )
     assert node.returncode == 2
     assert "[FATAL] [nmpc_controller]: parameter 'range' is 'far'" in node.stderr

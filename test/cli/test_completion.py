@@ -59,7 +59,7 @@ def completions(line, module="main", tail=""):
         text=True,
         pass_fds=(write,),
         env={**os.environ, **asking(line)},
-        timeout=60,
+        timeout=900,
     )
     os.close(write)
     with os.fdopen(read) as answer:

@@ -89,7 +89,7 @@ def test_a_campaign_may_be_ended_tells_what_it_found_and_leaves_nobody(tmp_path)
     with started(*TORTURE, *words, after="case    0", env=undecided(), apart=True) as process:
         assert len(nodes_of(process.pid)) == 3
         process.send_signal(TERMINATE)
-        printed, errors = process.communicate(timeout=300)
+        printed, errors = process.communicate(timeout=900)
     assert process.returncode == 130
     assert not nodes_of(process.pid)
     summary = json.loads((tmp_path / "torture.json").read_text())

@@ -170,7 +170,7 @@ def test_without_engage_nothing_is_commanded_and_it_says_how(tmp_path):
     how = {"after": "tracking: optimal plan", "env": env, "apart": True}
     with started("cli.main", *BY_LINK, LINK, "--output", tmp_path, **how) as process:
         process.send_signal(INTERRUPT)
-        output, rest = process.communicate(timeout=60)
+        output, rest = process.communicate(timeout=900)
     assert process.returncode == 130
     assert "until somebody engages: `uav_tracking engage --domain-id" in process.said
     assert "interrupted before the autopilot was engaged" in rest
@@ -217,7 +217,7 @@ def launcher():
 
 def test_a_signal_is_passed_on_and_nothing_stays_behind(launcher):
     launcher.send_signal(INTERRUPT)
-    output = launcher.communicate(timeout=60)[0]
+    output = launcher.communicate(timeout=900)[0]
     assert launcher.returncode == 0, output
     assert not any(alive(node) for node in launcher.nodes.values())
     assert "Traceback" not in output
@@ -226,7 +226,7 @@ def test_a_signal_is_passed_on_and_nothing_stays_behind(launcher):
 
 def test_a_node_that_dies_is_named_and_the_rest_is_stopped(launcher):
     os.kill(launcher.nodes["uav_simulator"], KILL)
-    output = launcher.communicate(timeout=60)[0]
+    output = launcher.communicate(timeout=900)[0]
     assert launcher.returncode == 1
     assert "uav_simulator died with exit code -9" in output
     assert not any(alive(node) for node in launcher.nodes.values())
@@ -251,7 +251,7 @@ def test_a_flight_that_is_interrupted_before_it_begins_leaves_nothing(tmp_path):
     flight = ("fly", "--duration", 600, "--output", tmp_path)
     with started("cli.main", *flight, after="domain", apart=True) as process:
         process.send_signal(INTERRUPT)
-        output, errors = process.communicate(timeout=60)
+        output, errors = process.communicate(timeout=900)
     assert (process.returncode, output) == (130, "")
     assert "interrupted" in errors
     assert "Traceback" not in errors
@@ -262,7 +262,7 @@ def test_a_flight_whose_node_died_is_kept_and_reported(tmp_path):
     flight = ("fly", "--duration", 600, "--output", tmp_path)
     with started("cli.main", *flight, after=FLYING, apart=True) as process:
         os.kill(nodes_of(process.pid)["nmpc_controller"], KILL)
-        output, errors = process.communicate(timeout=60)
+        output, errors = process.communicate(timeout=900)
     assert process.returncode == 1, errors
     assert "nmpc_controller died with exit code -9" in errors
     assert "of 600 s were flown" in errors

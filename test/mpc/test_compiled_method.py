@@ -223,7 +223,7 @@ def start(cache: Path, **environment: str) -> subprocess.Popen[str]:
 
 
 def finish(process: subprocess.Popen[str]) -> str:
-    output, errors = process.communicate(timeout=300)
+    output, errors = process.communicate(timeout=900)
     assert process.returncode == 0, errors
     return output
 
@@ -275,7 +275,7 @@ def test_a_signal_ends_the_wait_at_once_and_others_compile_all_the_same(tmp_path
             waiting = start(tmp_path)
             compiler_of(waiting)
         process.send_signal(number)
-        process.communicate(timeout=60)
+        process.communicate(timeout=900)
         assert process.returncode != 0
         assert wait_for(partial(gone, child)), "the compiler outlives the process that wants it"
         assert waiting or not list((tmp_path / "uav_tracking_mpc").glob("newton_*/method.json"))
