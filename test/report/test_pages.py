@@ -40,6 +40,13 @@ def test_markdown_aligns_numbers_and_keeps_bars_inside_cells():
     ]
 
 
+def test_no_zero_is_negative_in_a_column_of_numbers():
+    given = ["-0.000", "-0", "-0.001", "-0.0 %", "0.1 [-0.00, -0.02]", "-10.0"]
+    shown = ["0.000", "0", "-0.001", "0.0 %", "0.1 [0.00, -0.02]", "-10.0"]
+    headings = ["case", *map(str, range(len(given)))]
+    assert Table(headings, [["-0.0", *given]], headings[1:]).rows == [["-0.0", *shown]]
+
+
 def test_the_terminal_shows_every_cell_and_the_caption():
     file = io.StringIO()
     Console(file=file, width=60).print(TABLE)

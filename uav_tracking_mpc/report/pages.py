@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import base64
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import resources
@@ -27,6 +28,9 @@ from jinja2 import Environment, StrictUndefined
 
 from uav_tracking_mpc.report.atomic_write import write_atomically
 
+# A number a little below zero, rounded.
+NEGATIVE_ZERO = re.compile(r"(?<![\w.])-(0(?:\.0+)?)(?![\w.])")
+
 
 @dataclass(frozen=True)
 class Table:
@@ -35,7 +39,7 @@ class Table:
     Attributes:
         headings: Of the columns; a unit in brackets goes to a line of its own in the terminal.
         rows: Cells of every row, as many as there are headings. A row whose first cell is empty
-            belongs to the row above it.
+            belongs to the row above it. Zeros in columns of numbers lose their minus sign.
         numeric: Headings of the columns that are aligned to the right.
         title: Above the table in the terminal.
         caption: Below it.
@@ -46,6 +50,18 @@ class Table:
     numeric: Sequence[str] = ()
     title: str = ""
     caption: str = ""
+
+    def __post_init__(self) -> None:
+        """Zeros have no sign in the columns of numbers."""
+        numbers = [heading in self.numeric for heading in self.headings]
+        rows = [
+            [
+                NEGATIVE_ZERO.sub(r"\1", cell) if number else cell
+                for cell, number in zip(row, numbers, strict=True)
+            ]
+            for row in self.rows
+        ]
+        object.__setattr__(self, "rows", rows)
 
     def __rich__(self) -> Any:
         """The table as rich prints it in the terminal."""
