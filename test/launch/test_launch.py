@@ -51,6 +51,8 @@ from uav_tracking_mpc.cli import launch_tracking
 from uav_tracking_mpc.cli.main import main
 from uav_tracking_mpc.control.record import recorded_parameters, replay
 from uav_tracking_mpc.launch.supervisor import LAST_DOMAIN, SharedMemoryFiles, own_domain
+from uav_tracking_mpc.links import LinkError
+from uav_tracking_mpc.mpc.compiled_method import CompilationError
 from uav_tracking_mpc.nodes.bag_log import flight_log, messages
 from uav_tracking_mpc.nodes.messages.conversions import plan_from_command
 from uav_tracking_mpc.nodes.topics import ALL, COMMAND, DIAGNOSTICS, ODOMETRY, ORBIT, ROSOUT
@@ -146,6 +148,29 @@ def test_the_commands_of_the_tutorial_fly_an_autopilot(tmp_path):
             assert code == 3, errors  # 4 s are not enough
             assert "engaged" in errors
             assert (tmp_path / "report.html").is_file()
+
+
+@pytest.mark.parametrize("failure", [None, CompilationError("no room"), NotImplementedError("erf")])
+def test_an_autopilot_is_flown_by_a_solver_that_is_compiled(tmp_path, capsys, monkeypatch, failure):
+    """Before a node starts; where that cannot be, another solver flies."""
+    done = []
+
+    def compile_flight(tracking):
+        done.append(tracking.solver)
+        if failure:
+            raise failure
+
+    def launch(*_, **__):
+        done.append("launched")
+        raise LinkError("enough")
+
+    monkeypatch.setattr("uav_tracking_mpc.mpc.machine_code.finished", lambda folder: False)
+    monkeypatch.setattr("uav_tracking_mpc.control.guidance.compile_flight", compile_flight)
+    monkeypatch.setattr("uav_tracking_mpc.launch.flight.launch", launch)
+    assert main([*BY_LINK, LINK, "--output", str(tmp_path)]) == 2
+    assert done == ["newton", "launched"]
+    assert "compiling the solver" in (errors := capsys.readouterr().err)
+    assert (str(failure) in errors) is (failure is not None)
 
 
 @pytest.mark.parametrize(

@@ -143,6 +143,13 @@ def test_bank_rate_is_that_of_the_measured_bank_where_there_is_one():
     assert bank_rate_rms(log) == pytest.approx(np.degrees(0.1 * w / np.sqrt(2.0)), rel=5e-3)
 
 
+def test_a_stamp_that_steps_back_is_left_out_of_the_bank_rate():
+    log, w = orbiting(3001, step=0.02), 2.0 * np.pi / 5.0
+    log = replace(log, measured_bank=0.1 * np.sin(w * log.time))
+    log.time[2500] -= 0.03
+    assert bank_rate_rms(log) == pytest.approx(np.degrees(0.1 * w / np.sqrt(2.0)), rel=5e-3)
+
+
 def test_without_samples_there_is_no_bank_rate():
     assert bank_rate_rms(orbiting(10)) is None
 

@@ -179,9 +179,16 @@ def _reported(
 def _inspected(
     configuration: Configuration, arguments: argparse.Namespace, console: Console, stack: ExitStack
 ) -> Configuration:
-    """Look at the autopilot, a simulated one on the stack; what is flown has its limits."""
+    """Look at the autopilot, a simulated one on the stack, and have a solver that is fast enough.
+
+    Returns:
+        What is flown, with the limits of the autopilot.
+    """
+    from uav_tracking_mpc.control.guidance import compile_flight, compiled_into
     from uav_tracking_mpc.launch.flight import autopilot_process
     from uav_tracking_mpc.launch.preflight import preflight, refuse
+    from uav_tracking_mpc.mpc.compiled_method import CompilationError
+    from uav_tracking_mpc.mpc.machine_code import finished
 
     if arguments.simulated:
         place = stack.enter_context(autopilot_process(configuration, console))
@@ -190,4 +197,13 @@ def _inspected(
     for line in preflight_lines(found):
         console.print(line, markup=False, highlight=False, soft_wrap=True)
     refuse(found)
+    tracking = found.configuration.controller
+    try:
+        folder = compiled_into(tracking)
+        if folder is not None and not finished(folder):
+            # An autopilot does not wait while another solver thinks for too long.
+            console.print("compiling the solver, once on this computer: about ten seconds")
+            compile_flight(tracking)
+    except (CompilationError, NotImplementedError) as error:
+        console.print(f"the solver cannot be compiled, another one flies: {error}", markup=False)
     return found.configuration

@@ -203,8 +203,10 @@ def bank_rate_rms(log: FlightLog) -> float | None:
         log: Record of the flight.
     """
     late = np.flatnonzero(_last_third(log))
+    # Stamps of an autopilot may step back for a moment, when its clock is found anew.
+    late = late[np.diff(np.maximum.accumulate(log.time[late]), prepend=-np.inf) > 0.0]
     steps = np.diff(log.time[late])
-    if len(late) < LEAST_SAMPLES or not np.all(steps > 0.0):
+    if len(late) < LEAST_SAMPLES:
         return None
     # Stamps of autopilots are whole milliseconds: samples must not be too close for a rate.
     late = late[:: max(1, math.ceil(SPACING / float(np.median(steps))))]
