@@ -119,8 +119,8 @@ class FlightFormulation:
         # Held commands lag by tau, and by half a step behind what they follow.
         lag = float(self.model.lags[0])
         self._data[:, where["lead"]] = lag + 0.5 * self.step
-        # The rate of a lag is greatest at the begin: 1 / tau of the way; its mean over a step T is
-        # (1 - exp(-T / tau)) / T. What follows at once is taken as half a step late.
+        # What lags by tau behind a step changes by 1 / tau of it per second at the beginning, by
+        # (1 - exp(-T / tau)) / T in the mean over a time T. tau is taken as at least T / 2.
         steps = self.step / max(lag, 0.5 * self.step)
         self._data[:, where["onset"]] = steps / -math.expm1(-steps)
         self._data[:, where["model"]] = self.model.numbers(self.step)

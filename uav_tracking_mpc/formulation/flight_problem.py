@@ -81,7 +81,7 @@ OWN_SIZES = {
     "offset_weights": 3,  # of the artificial orbit's distance to the wanted one
     "offset_reach": 3,  # distance at which that cost turns from quadratic to linear
     "lead": 1,  # s by which the orbit's turn rate is fed forward
-    "onset": 1,  # -, turn acceleration at the begin of a stage over its mean
+    "onset": 1,  # -, turn acceleration at the beginning of a stage over its mean
 }
 HELD_SIZES = {
     "held": 2,  # altitude above the target [m] and airspeed [m/s] that the autopilot holds

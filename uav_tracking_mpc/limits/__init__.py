@@ -60,7 +60,7 @@ class Motion(NamedTuple):
         airspeed: v in [m/s].
         turn_rate: psi' in [rad/s]; None where it does not matter.
         acceleration: v' in [m/s^2]; None where it does not matter.
-        turn_acceleration: psi'' in [rad/s^2], in plans at the begin of a stage; None where unknown.
+        turn_acceleration: psi'' in [rad/s^2], in plans where a stage begins; None where unknown.
     """
 
     x: Any

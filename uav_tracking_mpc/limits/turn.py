@@ -128,7 +128,7 @@ class Bank(Limit):
 
 @dataclass(frozen=True)
 class RollRate(Limit):
-    """abs(phi') <= roll_rate_max, in plans at the begin of each stage, where it is greatest."""
+    """abs(phi') <= roll_rate_max, in plans where each stage begins, since it is greatest there."""
 
     name = "roll_rate"
     by_squares = True
