@@ -21,6 +21,9 @@ import numpy as np
 import pytest
 from stepped_flight import ORBIT, ByController, Nobody, engaged_flight, flight
 
+from uav_tracking_mpc.dynamics.geodesy import LocalFrame
+from uav_tracking_mpc.links.mavlink.findings import position_refusal
+
 OURS = {"ardupilot": "GUIDED", "px4": "OFFBOARD"}
 BOTH = pytest.mark.parametrize("dialect", ["ardupilot", "px4"])
 
@@ -132,6 +135,18 @@ def test_what_does_not_fit_is_refused(dialect, changed, words):
     flown = flight(dialect, **changed)
     assert re.search(words, flown.engage())
     assert flown.sent == []
+
+
+@BOTH
+def test_an_origin_that_is_not_of_this_flight_is_refused_in_words(dialect):
+    flown = flight(dialect)
+    heard = flown.link.heard
+    heard.telemetry.frame = LocalFrame(0.0, 0.0, 0.0)
+    flown.fly(1.0, Nobody())
+    assert re.search(r"position is \d+ km from the origin of map", position_refusal(heard))
+    heard.telemetry.frame = heard.telemetry.home
+    flown.fly(1.0)
+    assert position_refusal(heard) == ""
 
 
 @BOTH

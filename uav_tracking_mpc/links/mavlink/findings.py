@@ -28,7 +28,7 @@ from uav_tracking_mpc.estimation.flight_path import LEAST_AIRSPEED
 from uav_tracking_mpc.links import Inspection
 from uav_tracking_mpc.links.mavlink.dialect import mavlink
 from uav_tracking_mpc.links.mavlink.listener import Listener
-from uav_tracking_mpc.links.mavlink.telemetry import AIRSPEED_SENSOR, Telemetry
+from uav_tracking_mpc.links.mavlink.telemetry import AIRSPEED_SENSOR, FARTHEST, Telemetry
 
 
 class HomeFence(NamedTuple):
@@ -259,6 +259,11 @@ def position_refusal(heard: Listener) -> str:
         return f"no position estimate: the filter's flags are {status.flags:#x}, lack {NEEDED:#x}"
     if telemetry.frame is None:
         return "no home position: it is the origin of map unless another is stated (--origin)"
+    if telemetry.distance > FARTHEST:
+        return (
+            f"the position is {1e-3 * telemetry.distance:.0f} km from the origin of map, must be "
+            f"within {1e-3 * FARTHEST:.0f} km: home may be another aircraft's, or --origin wrong"
+        )
     if telemetry.newest is None:
         missing = "attitude" if telemetry.attitude is None else "position"
         return f"no {missing}: GLOBAL_POSITION_INT and ATTITUDE must both come, close together"

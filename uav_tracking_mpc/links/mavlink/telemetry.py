@@ -219,7 +219,8 @@ DEGREE_SCALE = math.radians(1e-7)  # rad, code: unit of latitude and longitude o
 ATTITUDE_AGE = 0.25  # s that attitude and position may lie apart
 AIRSPEED_AGE = 1.0  # s that airspeed may be older than the position
 STEEPEST = 0.5 * math.pi  # rad, of the pitch
-FARTHEST = 1e6  # m from the origin; beyond it the autopilot's filter has no origin yet
+# m from the origin; beyond it the autopilot's filter has no origin yet, or ours is another's home
+FARTHEST = 1e6
 WIND_AGE = 10.0  # s that a wind counts
 AIRSPEED_SENSOR = mavlink.MAV_SYS_STATUS_SENSOR_DIFFERENTIAL_PRESSURE
 
@@ -260,6 +261,8 @@ class Telemetry:
         throttle: From 0 to 1 [-]; None until it is known.
         direction: Where it flies, and how it turns by its bank.
         newest: The newest measurement.
+        distance: Of the newest position from the origin of ``map`` in [m]; 0 before the first.
+            Beyond :data:`FARTHEST` none is measured.
     """
 
     def __init__(self, clock: AutopilotClock, origin: LocalFrame | None = None) -> None:
@@ -274,6 +277,7 @@ class Telemetry:
         self.altitude: float | None = None
         self.wind: NDArray[np.float64] | None = None
         self.newest: Measurement | None = None
+        self.distance = 0.0
         self.direction = FlightDirection()
         self._accuracies = Accuracies()
         self.throttle: float | None = None
@@ -367,7 +371,8 @@ class Telemetry:
         place = self.frame.position(
             message.lat * DEGREE_SCALE, message.lon * DEGREE_SCALE, self.altitude
         )
-        if not np.linalg.norm(place) <= FARTHEST:
+        self.distance = float(np.linalg.norm(place))
+        if not self.distance <= FARTHEST:
             return None
         turn_rate, elevation_rate = course_rates_from_euler(
             attitude.roll, attitude.pitch, attitude.rates
