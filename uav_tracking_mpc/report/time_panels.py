@@ -61,7 +61,7 @@ def finish(axes: Axes, title: str, label: str, low: float, high: float) -> None:
     """
     axes.set_title(title, loc="left")
     axes.set_ylabel(label)
-    axes.yaxis.set_label_coords(-0.1, 0.5)  # one line down the column, however long the numbers
+    axes.yaxis.set_label_coords(-0.12, 0.5)  # one line down the column, however long the numbers
     axes.set_ylim(low, high)
     if axes.get_yscale() == "linear":
         axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
