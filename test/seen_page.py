@@ -260,21 +260,23 @@ class SeenPage:
 
         self.eventually(agrees, "the pictures agree")
 
-    def pixel_of(self, point) -> tuple[float, float]:
-        """Where a point of ``map`` is seen: right and down from the page's upper left corner."""
+    def pixel_of(self, points):
+        """Where points of ``map`` are seen: right and down from the page's upper left corner.
+
+        Args:
+            points: Shape (..., 3); the answer is an array of shape (..., 2).
+        """
         camera = self._camera
         w, *axis = camera["wxyz"]
-        axis, ray = np.array(axis), np.asarray(point, dtype=float) - camera["position"]
+        axis, ray = np.array(axis), np.asarray(points, dtype=float) - camera["position"]
         # From the world into the camera, which looks along z with y downwards: q* v q.
         across = 2.0 * np.cross(-axis, ray)
-        right, down, ahead = ray + w * across + np.cross(-axis, across)
-        assert ahead > 0.0, "the point is behind the camera"
+        right, down, ahead = np.moveaxis(ray + w * across + np.cross(-axis, across), -1, 0)
+        assert np.all(ahead > 0.0), "a point is behind the camera"
         box = self.page.locator(SCENE).first.bounding_box()
         focal = 0.5 * box["height"] / math.tan(0.5 * camera["fov"])
-        return (
-            box["x"] + 0.5 * box["width"] + focal * right / ahead,
-            box["y"] + 0.5 * box["height"] + focal * down / ahead,
-        )
+        middle = [box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"]]
+        return middle + focal * np.stack([right / ahead, down / ahead], axis=-1)
 
     def drag(self, begin: tuple[float, float], end: tuple[float, float], steps: int = 8) -> None:
         """Press the mouse at a pixel, move it to another one and let go.

@@ -132,12 +132,8 @@ def test_the_orbit_that_is_asked_for_is_seen_either_way_round(seen, flight):
         seen.pixels_unlike(pixels)
         pixels, shares = seen.still_pixels(), []
         for size in (1.0, 0.85):
-            points = centre + size * abs(radius) * circle
-            places = [seen.pixel_of(point) for point in points]
-            near = [
-                pixels[round(row) - 2 : round(row) + 2, round(column) - 2 : round(column) + 2]
-                for column, row in places
-            ]
+            places = seen.pixel_of(centre + size * abs(radius) * circle).round().astype(int)
+            near = [pixels[row - 2 : row + 2, column - 2 : column + 2] for column, row in places]
             away = [np.abs(place - COLOURS[0]).max(axis=2).min(initial=255) for place in near]
             shares.append(np.mean(np.array(away) < 60))
         assert shares[0] > 0.3

@@ -146,6 +146,8 @@ class Ground(SceneElement):
     def _draw(self) -> None:
         self._mine = True
         self.scene.configure_environment_map(None)  # its light washes out colours that tell things
+        # Nothing here casts a shadow, and without a graphics card maps of them are half of a frame.
+        self.scene.configure_default_lights(cast_shadow=False)
         self._place = self.scene.add_frame(self._name, show_axes=False)
         self._grid = self.scene.add_grid(
             f"{self._name}/grid",

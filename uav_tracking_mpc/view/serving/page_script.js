@@ -590,16 +590,19 @@
     const words = make("b", box, {}, "This address holds a mission. Fly it?");
     make("pre", box, {}, mission);
     const end = () => {
+      clearInterval(waiting);
       box.remove();
       history.replaceState(null, "", location.pathname + location.search);
     };
-    button(box, "Fly it", async () => {
-      const query = { page: pageTag()?.dataset.flightPage ?? "", name: now?.name ?? "", mission };
+    const fly = button(box, "Fly it", async () => {
+      const query = { page: pageTag().dataset.flightPage, name: now.name, mission };
       const failed = (error) => ({ refused: error.message });
       const { refused } = await ask("flight/mission", query).catch(failed);
       if (refused) words.textContent = `It is not flown: ${refused}`;
       else end();
     });
+    fly.disabled = true; // until it is known what flies
+    const waiting = setInterval(() => (fly.disabled = !pageTag() || !now?.name), TICK);
     button(box, "Not now", end);
   }
   // ---- begin -----------------------------------------------------------------------------------
