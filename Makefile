@@ -18,8 +18,10 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-# An apt ROS 2 that is sourced in this shell must not mix with the wheels in .venv.
-CLEAN := env -u PYTHONPATH -u LD_LIBRARY_PATH -u AMENT_PREFIX_PATH -u _ROS_WHEELS_BOOTSTRAP_COMPLETE
+# An apt ROS 2 that is sourced in this shell must not mix with the wheels in .venv. And where nothing
+# keeps what Python has compiled, as in many containers, each process of a test compiles it again.
+CLEAN := env -u PYTHONPATH -u LD_LIBRARY_PATH -u AMENT_PREFIX_PATH \
+	-u _ROS_WHEELS_BOOTSTRAP_COMPLETE -u PYTHONDONTWRITEBYTECODE
 PYTEST := $(CLEAN) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python -m pytest
 # More than there are cores: tests of nodes and pages mostly wait.
 WORKERS ?= 4
