@@ -278,6 +278,11 @@ class LiveFlight(FlownFlight):
             return self._sight
 
     @property
+    def seen(self) -> bool:
+        """Whether there was something to see when somebody looked last."""
+        return self._sight is not None
+
+    @property
     def tracking(self) -> TrackingParameters | None:  # type: ignore[override]  # only read
         """What its controller flies by; None before it has answered."""
         return self._parameters.value
@@ -305,7 +310,7 @@ class LiveSource(FlightSource):
     @property
     def words(self) -> str:
         """That nothing flies yet; empty once something does."""
-        if any(flight.sight is not None for flight in self.flights()):
+        if any(flight.seen for flight in self.flights()):
             return ""
         return f"waiting for a flight in domain {self._domain}"
 
