@@ -68,8 +68,9 @@ BOX = """([words, exact]) => {
   const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
   for (let node; (node = walk.nextNode()); ) {
     const text = node.textContent.trim();
-    const {x, y, width, height} = node.parentElement.getBoundingClientRect();
-    if (width * height && (exact ? text === words : text.includes(words))) return {x, y, width, height};
+    const found = node.parentElement.getBoundingClientRect();
+    const same = exact ? text === words : text.includes(words);
+    if (same && found.width * found.height) return found.toJSON();
   }
   return null;
 }"""

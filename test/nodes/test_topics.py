@@ -168,3 +168,13 @@ def test_a_link_takes_frames(nodes):
     node._publish_sighting(1, Sighting(0.0, np.zeros(3), np.ones(3)))
     (track,) = sent[TARGET_ODOMETRY.name]
     assert (track.header.frame_id, track.child_frame_id) == ("odom", "odom")
+
+
+@pytest.mark.nodes
+def test_a_target_is_measured_once_at_each_time(nodes):
+    """A timer that is late fires twice before simulated time goes on."""
+    sent = {}
+    target = nodes.add(keeping(TargetPublisher, sent), use_sim_time=True)
+    for _ in range(2):
+        target._measure()
+    assert len(sent[TARGET.name]) == 1

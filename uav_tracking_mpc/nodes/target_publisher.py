@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from typing import Any
 
@@ -64,6 +65,7 @@ class TargetPublisher(Node):
         self._start = 0 if simulated else self.get_clock().now().nanoseconds
         self._message, self._truth = TARGET.type(), TARGET_TRUTH.type()
         self._position, self._refused = self._target.position(0.0), 0
+        self._measured_at = math.nan
         self._publisher = publish(self, TARGET)
         self._truths = publish(self, TARGET_TRUTH)
         listen(self, TARGET_GOAL, self._on_goal)
@@ -116,6 +118,9 @@ class TargetPublisher(Node):
 
     def _measure(self) -> None:
         now = self._time()
+        if now == self._measured_at:  # a late timer fires twice before simulated time goes on
+            return
+        self._measured_at = now
         self._position = self._target.position(now)
         self._sensor.measure(now)
         self._deliver()
