@@ -16,6 +16,7 @@
 
 import math
 import types
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -170,3 +171,13 @@ def test_the_first_view_follows_the_shape_of_the_picture_until_a_hand_moves_it(p
     assert np.abs(places[1] - places[0]).max() > 10.0
     np.testing.assert_array_equal(places[2], places[1])
     np.testing.assert_array_equal(places[3], places[1] + 50.0)
+
+
+def test_the_first_view_is_framed_again_when_the_orbit_is_known(page):
+    """A record may begin before its controller has told what it flies."""
+    seat, places = cameras.Seat(page, "/world", [np.zeros(3)]), []
+    for seen in (replace(SIGHT, wanted=None), SIGHT, SIGHT):
+        seat.show(("aircraft",), {"aircraft": (FLIGHT, seen)}, None)
+        places.append(np.array(page.camera.position))
+    assert np.abs(places[1] - places[0]).max() > 10.0
+    np.testing.assert_array_equal(places[2], places[1])

@@ -201,6 +201,7 @@ class Seat:
         self._chosen: viser.GuiDropdownHandle[str] | None = None
         self._to_place = False  # it stands where all pages begin, or where its address says
         self._aspect = math.nan  # of the picture for which it was placed
+        self._orbit_known = False  # when it was placed
         self._placed = np.full(3, math.nan)
         self._began: float | None = None  # s, when the scene was first seen
         self._own: dict[str, viser.FrameHandle] = {}
@@ -238,8 +239,9 @@ class Seat:
         self._show_own(own_node(f"{world.name}/{name}"), view != COCKPIT)
         world.position, world.wxyz = moved.translation(), moved.rotation().wxyz
         camera = self._client.camera
-        if self._to_place or (view == VIEWS[0] and self._is_reshaped):
+        if self._to_place or (view == VIEWS[0] and self._is_outdated(sight)):
             self._to_place, self._aspect = False, camera.aspect
+            self._orbit_known = sight.wanted is not None
             pose = first_pose(view, (flight, sight), camera.aspect, covered(camera))
             self._placed = pose.position
             camera.position, camera.look_at = pose
@@ -258,11 +260,16 @@ class Seat:
         for own, frame in self._own.items():
             frame.visible = visible or own != node
 
-    @property
-    def _is_reshaped(self) -> bool:
-        """Whether the picture has another shape than its view is for, which no hand has moved."""
+    def _is_outdated(self, sight: Sight) -> bool:
+        """Whether the view is for another shape, or for no orbit, and no hand has moved it.
+
+        Args:
+            sight: Of the aircraft that is looked at.
+        """
         camera = self._client.camera
-        return not abs(camera.aspect - self._aspect) < RESHAPED and any(
+        reshaped = not abs(camera.aspect - self._aspect) < RESHAPED
+        found = sight.wanted is not None and not self._orbit_known
+        return (reshaped or found) and any(
             np.allclose(camera.position, place, atol=1.0) for place in (self._placed, *self._firsts)
         )
 
