@@ -63,7 +63,8 @@ def seen(chromium, flight):
     context.close()
 
 
-# The elements' whole texts, read in one go: a page that is drawn slowly answers one question late.
+# Where the first text stands that is some words, or has them in it, in one question: a page that is
+# drawn slowly answers each of them late.
 BOX = """([words, exact]) => {
   const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
   for (let node; (node = walk.nextNode()); ) {

@@ -154,8 +154,6 @@ class DropLine(SceneElement):
             color=SHADOW,
             opacity=0.35,
             side="double",
-            cast_shadow=False,
-            receive_shadow=False,
         )
 
     def show(self, sight: Sight) -> None:
@@ -224,12 +222,7 @@ class Rivals(SceneElement):
     def _add(self, law: str) -> tuple[viser.MeshHandle, viser.LabelHandle]:
         place = f"{self.root}/rivals/{law}"
         body = self.scene.add_mesh_simple(
-            f"{place}/body",
-            *joined(fuselage(), wings()),
-            color=RIVAL,
-            opacity=0.55,
-            side="double",
-            cast_shadow=False,
+            f"{place}/body", *joined(fuselage(), wings()), color=RIVAL, opacity=0.55, side="double"
         )
         label = self.scene.add_label(f"{place}/label", "", anchor="bottom-center")
         self._ghosts[law] = body, label

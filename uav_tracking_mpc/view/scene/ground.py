@@ -146,7 +146,8 @@ class Ground(SceneElement):
     def _draw(self) -> None:
         self._mine = True
         self.scene.configure_environment_map(None)  # its light washes out colours that tell things
-        # Nothing here casts a shadow, and without a graphics card maps of them are half of a frame.
+        # The shadow of the aircraft is an element. Without a graphics card, shadows that are
+        # computed from the lights take half of a frame.
         self.scene.configure_default_lights(cast_shadow=False)
         self._place = self.scene.add_frame(self._name, show_axes=False)
         self._grid = self.scene.add_grid(
@@ -161,9 +162,7 @@ class Ground(SceneElement):
             plane_opacity=GROUND_OPACITY,
         )
         self.scene.add_light_ambient(f"{self._name}/light", intensity=AMBIENT)
-        self._sky = self.scene.add_mesh_trimesh(
-            f"{self._name}/sky", sky(), cast_shadow=False, receive_shadow=False
-        )
+        self._sky = self.scene.add_mesh_trimesh(f"{self._name}/sky", sky())
         self._distances = [
             (
                 axis,

@@ -119,13 +119,7 @@ class Limits(SceneElement):
 
     def _add_cylinder(self, place: viser.FrameHandle, shape: Cylinder, label: str) -> Move:
         walls = self.scene.add_mesh_simple(
-            f"{place.name}/wall",
-            *wall(),
-            color=LIMIT,
-            opacity=FAINT_OPACITY,
-            side="double",
-            cast_shadow=False,
-            receive_shadow=False,
+            f"{place.name}/wall", *wall(), color=LIMIT, opacity=FAINT_OPACITY, side="double"
         )
         rings = np.concatenate([ring(), ring() + np.array([0.0, 0.0, 1.0])])
         rim = self.add_lines(f"{place.name}/lines", rings, LIMIT, 1.5, True)
@@ -167,12 +161,7 @@ class Limits(SceneElement):
 
     def _add_ball(self, place: viser.FrameHandle, shape: Ball) -> Move:
         skin = self.scene.add_icosphere(
-            f"{place.name}/skin",
-            radius=shape.radius,
-            color=GREY,
-            opacity=FAINT_OPACITY,
-            cast_shadow=False,
-            receive_shadow=False,
+            f"{place.name}/skin", radius=shape.radius, color=GREY, opacity=FAINT_OPACITY
         )
         rim = self.add_lines(f"{place.name}/lines", ring(), GREY, 1.5, True)
         rim.scale = shape.radius

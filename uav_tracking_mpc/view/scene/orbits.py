@@ -112,8 +112,6 @@ class Plan(SceneElement):
             opacity=0.4,
             lod="off",
             side="double",
-            cast_shadow=False,
-            receive_shadow=False,
             visible=False,
         )
 

@@ -73,8 +73,6 @@ class Target(SceneElement):
             subdivisions=2,
             color=self.colour,
             opacity=0.2,
-            cast_shadow=False,
-            receive_shadow=False,
             visible=False,
         )
         self._label = self.scene.add_label(f"{place}/label", "target", anchor="bottom-center")
@@ -228,8 +226,6 @@ class TargetDrag(SceneElement):
             color=self.colour,
             opacity=0.6,
             side="double",
-            cast_shadow=False,
-            receive_shadow=False,
             visible=False,
         )
         self._hint = self.scene.add_label(
