@@ -105,6 +105,7 @@ def add_legend(client: viser.ClientHandle, colour: Colour) -> None:
 logger = logging.getLogger(__name__)
 
 FRAME_PERIOD = 0.05  # s of wall time between frames
+UNSEEN_PERIOD = 0.2  # s, while no page is open; as often as the past is kept
 COLOURS: tuple[Colour, ...] = (  # Okabe and Ito: told apart by everybody
     (0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (230, 159, 0), (86, 180, 233),
 )  # fmt: skip
@@ -312,7 +313,8 @@ class Page:
             except Exception as error:  # a flight must not end because it is watched
                 if failure != (failure := f"{type(error).__name__}: {error}"):
                     logger.exception("page: a frame was not drawn")
-            due = max(due + FRAME_PERIOD, time.monotonic())
+            seen = bool(self._server.get_clients())
+            due = max(due + (FRAME_PERIOD if seen else UNSEEN_PERIOD), time.monotonic())
             time.sleep(max(due - time.monotonic(), 0.0))
 
     def close(self) -> None:
