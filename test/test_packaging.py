@@ -97,6 +97,7 @@ def assert_whole(library, checkout):
             assert (library / source.relative_to(checkout)).is_file(), source
 
 
+@pytest.mark.long
 def test_colcon_builds_with_links(checkout):
     """setup.py is then a link in build/, and what it reads is not beside it."""
     bases = ["--build-base", "build_links", "--install-base", "install_links"]

@@ -26,7 +26,7 @@ from uav_tracking_mpc.studies.campaign.campaign_run import fly_batch
 
 def test_a_campaign_that_was_killed_goes_on_and_flies_nothing_twice(tmp_path, uav_tracking):
     draw = {**SHORT["draw"], "mission.duration": 5.0}
-    file, output = written(tmp_path, draw=draw, flights=24), tmp_path / "out"
+    file, output = written(tmp_path, draw=draw, flights=12), tmp_path / "out"
     arguments = ("campaign", file, "--workers", 2, "--output", output, "--json")
     with started("cli.main", *arguments) as process:
         assert wait_for(lambda: any(output.glob("batches/*.parquet")))
@@ -35,9 +35,9 @@ def test_a_campaign_that_was_killed_goes_on_and_flies_nothing_twice(tmp_path, ua
     kept = [parquet.read_metadata(path) for path in output.glob("batches/*.parquet")]
     there = sum(batch.num_rows for batch in kept)
     content = uav_tracking.json(*arguments[:-1])
-    assert (content["flights"], content["flown"]) == (24, 24 - there)
+    assert (content["flights"], content["flown"]) == (12, 12 - there)
     assert json.loads((output / "campaign.json").read_text()) == content
-    assert parquet.read_metadata(output / "flights.parquet").num_rows == 24
+    assert parquet.read_metadata(output / "flights.parquet").num_rows == 12
     # From another folder, without a break: the same.
     whole = tmp_path / "whole"
     uav_tracking.told("campaign", file, "--workers", 1, "--output", whole)

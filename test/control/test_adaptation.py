@@ -116,13 +116,14 @@ def test_what_was_learnt_survives_a_change_unless_that_tells_another_response():
 def test_a_dead_time_that_no_parameter_may_have_is_flown_by():
     """Lag and dead time of 2.65 s together, of which the sum alone is known."""
     known = SURE | {"lag_trusted": False}
-    controller = Controller(TOLD, stopwatch=lambda: 0.0)  # the machine may be busy
+    told = dataclasses.replace(TOLD, control_rate=4.0)
+    controller = Controller(told, stopwatch=lambda: 0.0)  # the machine may be busy
     controller.response.estimator.channels[0] = ChannelResponse(1.2, 1.45, **known)
     controller.see_target(0.0, np.zeros(3))
-    for tick in range(1900):
-        here = np.array([300.0, 22.0 * 0.05 * tick, 120.0])
+    for time in np.arange(0.0, 95.0, 0.25):
+        here = np.array([300.0, 22.0 * time, 120.0])
         velocity = np.array([0.0, 22.0, 0.0])
-        state = Measurement(0.05 * tick, here, velocity, np.pi / 2, 0.0, airspeed=22.0)
+        state = Measurement(time, here, velocity, np.pi / 2, 0.0, airspeed=22.0)
         controller.response.estimator.see = lambda *_: None  # knows already
         controller.see_target(state.stamp, here - [300.0, 0.0, 120.0])
         command = controller.step(state, state.stamp)

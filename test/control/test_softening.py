@@ -95,7 +95,7 @@ def test_a_loop_that_cannot_learn_ends_its_cycle_all_the_same():
     assert flown.range_rms_m < 0.5
 
 
-@pytest.mark.parametrize("period", [4.0, 12.0])
+@pytest.mark.parametrize("period", [pytest.param(4.0, marks=pytest.mark.long), 12.0])
 def test_a_target_that_weaves_is_followed_with_the_whole_gain(period):
     told = ("mission.duration=60", f"target_publisher.weave_period={period}")
     assert simulate(mismatched("small_uav", "weaving_target", told)).softened == 1.0

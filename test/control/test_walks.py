@@ -262,7 +262,7 @@ class Walk(RuleBasedStateMachine):
 
 TestWalk = Walk.TestCase
 TestWalk.settings = settings(
-    max_examples=settings.default.max_examples * 2 // 5,  # a walk has a dozen steps
+    max_examples=settings.default.max_examples // 5,  # a walk has a dozen steps
     stateful_step_count=12,
     phases=(Phase.generate,),
 )

@@ -138,6 +138,7 @@ def test_a_flight_counts_from_when_it_is_engaged_and_tells_of_its_link(tmp_path)
     assert counts[ORBIT] > 0.5 * counts[COMMAND] > 5
 
 
+@pytest.mark.long
 def test_the_commands_of_the_tutorial_fly_an_autopilot(tmp_path):
     """With the simulated autopilot, at a port that is free; shorter than it is written."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:

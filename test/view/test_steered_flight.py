@@ -140,6 +140,7 @@ def test_everything_of_a_simulated_flight_can_be_steered(flight):
     assert flight.steering.parameters(SIMULATOR)["speed"] == flight.speed
 
 
+@pytest.mark.long
 def test_it_circles_where_the_target_was_sent(flight):
     goal = np.array([60.0, -40.0, flight.sight.target.truth[2]])
     assert flight.steering.send_target(60.0, -40.0) == ""
@@ -159,6 +160,7 @@ def test_a_range_that_cannot_be_flown_is_refused_in_the_controllers_words(flight
     assert flight.steering.change(CONTROLLER, range=300.0) == ""
 
 
+@pytest.mark.long
 def test_wind_is_flown_in(flight):
     assert flight.steering.change(SIMULATOR, wind=(5.0, 0.0, 0.0)) == ""
     assert flight.wait(lambda: float(flight.told().values.get("drift east [m/s]", 0.0)) > 4.0)
@@ -184,6 +186,7 @@ def test_simulated_time_is_stopped_and_goes_on(flight):
     assert flight.flies(FallbackMode.OPTIMAL)
 
 
+@pytest.mark.long
 def test_commands_are_taken_away_and_given_back(flight):
     assert flight.steering.engage(False) == ""
     assert flight.says("no plan left", SIMULATOR)
@@ -191,6 +194,7 @@ def test_commands_are_taken_away_and_given_back(flight):
     assert flight.circles()
 
 
+@pytest.mark.long
 def test_a_lost_target_is_circled_by_the_law_until_it_is_seen_again(flight):
     assert flight.steering.inject("target lost") == ""
     assert flight.says("kept back", TARGET)
@@ -200,6 +204,7 @@ def test_a_lost_target_is_circled_by_the_law_until_it_is_seen_again(flight):
     assert flight.circles()
 
 
+@pytest.mark.long
 def test_without_a_state_the_plan_is_flown_to_its_end_until_states_come_again(flight):
     assert flight.steering.inject("state lost") == ""
     assert flight.says("kept back", SIMULATOR)

@@ -37,6 +37,7 @@ def test_nothing_is_sent_unless_somebody_engages_and_there_is_something_to_fly(d
     assert flown.autopilot.core.mode == "LOITER"
 
 
+LONG = pytest.mark.long
 SMALL = {  # PX4's small airplane, by its own configuration
     "config": "px4_uav",
     "near": (
@@ -49,10 +50,12 @@ SMALL = {  # PX4's small airplane, by its own configuration
 @pytest.mark.parametrize(
     ("dialect", "scenario", "config", "shaken", "settling", "limits"),
     [
-        ("ardupilot", "wind", {}, (), 25.0, (0.3, 1.0, 5.0, 0.3)),
+        pytest.param("ardupilot", "wind", {}, (), 25.0, (0.3, 1.0, 5.0, 0.3), marks=LONG),
         # The bank jumped by 14 deg from one set-point to the next, by 1.2 deg with a shaking nose.
         ("ardupilot", "wind", {}, (0.3, 1.5, 0.3), 25.0, (1.0, 1.0, 10.0, 1.5)),
-        ("px4", "crosswind", {}, (0.3, 0.0, 0.3), 25.0, (0.3, 1.0, 5.0, 0.3)),
+        pytest.param(
+            *("px4", "crosswind", {}, (0.3, 0.0, 0.3), 25.0, (0.3, 1.0, 5.0, 0.3)), marks=LONG
+        ),
         ("px4", None, SMALL, (), 10.0, (0.3, 1.0, 5.0, 0.3)),
     ],
 )

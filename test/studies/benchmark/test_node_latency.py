@@ -67,6 +67,7 @@ LONG = 600.0  # s
 
 
 @pytest.mark.nodes
+@pytest.mark.long
 def test_a_flight_is_timed_with_and_without_a_page(configuration):
     pytest.importorskip("viser")
     heard = []

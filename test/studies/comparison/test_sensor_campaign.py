@@ -24,18 +24,24 @@ from uav_tracking_mpc.simulation.closed_loop import ClosedLoop
 from uav_tracking_mpc.studies.comparison.scenarios import mismatched, variants
 
 
-@pytest.mark.parametrize("name", ["", "off", "turned", "moved"])
+LONG = pytest.mark.long
+
+
+@pytest.mark.parametrize(
+    "name", ["", "off", pytest.param("turned", marks=LONG), pytest.param("moved", marks=LONG)]
+)
 def test_what_fails_is_named_and_nothing_else(name):
     assert judged(1, name)
 
 
-@pytest.mark.parametrize("seed", [428, 434])
+@pytest.mark.parametrize("seed", [428, pytest.param(434, marks=LONG)])
 def test_gusts_along_a_rigid_aircraft_are_no_fault_of_its_airspeed(seed):
     """They show as airspeed before they move it; those across it show hardly."""
     pytest.importorskip("jsbsim")
     assert judged(seed, "", "jsbsim")
 
 
+@LONG
 def test_gusts_on_a_straight_way_in_blame_no_sensor():
     """All that is known of the wind then comes from one direction."""
     for case in variants(mismatched("small_uav", "gust_light"), "gust_light"):
@@ -47,7 +53,7 @@ def test_gusts_on_a_straight_way_in_blame_no_sensor():
         assert abs(log.error[-1, 0]) < 3.0
 
 
-@pytest.mark.long
+@LONG
 def test_of_200_flights_none_is_blamed_and_of_200_faults_19_in_20_are_named():
     jobs = [(seed, "") for seed in range(200)]
     jobs += [(200 + k, list(FAULTS)[k % len(FAULTS)]) for k in range(200)]

@@ -45,7 +45,7 @@ def flown(campaign, cases):
     return campaign.found
 
 
-@pytest.mark.parametrize("dialect", ["ardupilot", "px4"])
+@pytest.mark.parametrize("dialect", ["ardupilot", pytest.param("px4", marks=pytest.mark.long)])
 def test_a_short_campaign_breaks_nothing(dialect, monkeypatch):
     monkeypatch.setattr(invariants, "RECOVERY_LIMIT", 10.0)
     cases = [next(schedule({kind: LINK_FAULTS[kind]}, 3, most=1)) for kind in SHORT]

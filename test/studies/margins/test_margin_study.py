@@ -77,7 +77,10 @@ def test_still_air_takes_away_what_is_no_error_of_the_aircraft(configuration):
     assert np.abs(log.error[:, 0]).max() < 1.0  # it begins on the orbit
 
 
-@pytest.mark.parametrize(("estimators", "error", "share"), [(False, 0.01, 0.02), (True, 0.1, 0.1)])
+@pytest.mark.parametrize(
+    ("estimators", "error", "share"),
+    [(False, 0.01, 0.02), pytest.param(True, 0.1, 0.1, marks=pytest.mark.long)],
+)
 def test_model_and_flight_agree(configuration, near, estimators, error, share, monkeypatch):
     """Estimators of air and response, which the model does not know, hardly show on the orbit."""
     monkeypatch.setattr(module, "OBSERVED", 20.0)
