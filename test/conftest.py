@@ -94,16 +94,6 @@ def paper_start() -> np.ndarray:
     return np.array(paper_numbers.INITIAL_STATE)
 
 
-def pytest_collection_modifyitems(items):
-    """Files of nodes and pages come first: they wait most, and would be left for the end."""
-
-    def waits(item):
-        return any(item.get_closest_marker(mark) for mark in ("nodes", "browser"))
-
-    waiting = {item.path for item in items if waits(item)}
-    items.sort(key=lambda item: item.path not in waiting)
-
-
 class OptionalModule(pytest.Module):
     """A file of tests, skipped with a word where an extra that it imports is not installed."""
 

@@ -141,6 +141,12 @@ def _main(flight: str, port: str) -> None:
         page.serve(play_on)
 
 
+# Ten frames a second at most: without a graphics card each keeps a processor from other tests.
+FEWER_FRAMES = """
+const next = window.requestAnimationFrame.bind(window);
+window.requestAnimationFrame = (draw) => setTimeout(() => next(draw), 100);
+window.cancelAnimationFrame = clearTimeout;
+"""
 SCENE = "canvas[data-engine]"  # three.js marks what it draws on; plots have canvases, too
 SCENE_ALONE = (
     f"body * {{ visibility: hidden !important; }} {SCENE} {{ visibility: visible !important; }}"
@@ -167,6 +173,7 @@ class SeenPage:
         self.page, self.console, self.errors, self.requests = tab, [], [], []
         self._camera = None
         tab.set_default_timeout(1000.0 * PATIENCE)
+        tab.add_init_script(FEWER_FRAMES)
         tab.on("console", self._note_console)
         tab.on("pageerror", lambda error: self.errors.append(str(error)))
         tab.on("request", lambda request: self.requests.append(request.url))

@@ -239,8 +239,12 @@ def launcher():
         assert set(process.nodes) == {"uav_simulator", "target_publisher", "nmpc_controller"}
         own = {str(process.pid), *map(str, process.nodes.values())}
         others = {path.name for path in Path("/proc").glob("[0-9]*")} - own
-        shared = set().union(*map(mapped, others), {"fastrtps_port7000"})  # by all domains
-        process.files = set().union(*map(mapped, own)) - shared
+        shared = set().union(*map(mapped, others))
+        process.files = {
+            name
+            for name in set().union(*map(mapped, own)) - shared
+            if not name.startswith("fastrtps_port70")  # below the ports of domain 0: all domains'
+        }
         assert process.files or sys.platform != "linux"
         rests = SharedMemoryFiles()
         rests.note(process.nodes.values())

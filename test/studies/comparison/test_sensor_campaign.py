@@ -23,7 +23,6 @@ from sensor_flights import FAULTS, judged
 from uav_tracking_mpc.simulation.closed_loop import ClosedLoop
 from uav_tracking_mpc.studies.comparison.scenarios import mismatched, variants
 
-
 LONG = pytest.mark.long
 
 
