@@ -66,6 +66,23 @@ def received(connection, count=1, timeout=60.0):
     return messages
 
 
+def test_a_peer_that_came_again_from_another_port_is_answered_there_alone(pair, ports, monkeypatch):
+    ours, first = pair
+    first.send(heartbeat())
+    assert received(ours)
+    monkeypatch.setattr(connection.time, "monotonic", lambda now=time.monotonic: now() + 60.0)
+    ours.send(heartbeat())
+    assert received(first)  # nobody else has spoken
+    again = Connection(f"udpout:127.0.0.1:{ports[0]}", component=1)
+    again.speak_as(3)
+    again.send(heartbeat())
+    assert received(ours)
+    ours.send(heartbeat())
+    assert received(again)
+    assert not first.receive(0.0)
+    again.close()
+
+
 def test_messages_go_both_ways(pair):
     ours, theirs = pair
     ours.speak_as(3)

@@ -37,6 +37,7 @@ from uav_tracking_mpc.links.mavlink.dialect import mavlink
 
 OPEN_LIMIT = 2.0  # s to reach the other end of a stream
 DATAGRAM_SIZE = 65535  # bytes
+PEER_AGE = 10.0  # s that a peer may be silent while others speak
 FIRST_BAUD = 1200  # baud, opens a serial port: some kernels miss a rate that does not change
 
 
@@ -121,7 +122,10 @@ class ListeningWire(Wire):
 
 
 class DatagramWire(Wire):
-    """UDP: answers all who were heard where it listens, else speaks to one.
+    """UDP: answers all who were heard of late where it listens, else speaks to one.
+
+    A simulation that starts again, or a router, comes from another port. While nobody speaks, all
+    who spoke last are answered: the way to an aircraft may be open though the way back is not.
 
     Args:
         address: Host and port.
@@ -132,12 +136,12 @@ class DatagramWire(Wire):
     def __init__(self, address: tuple[str, int], listens: bool) -> None:
         super().__init__(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
         self.port.setblocking(False)
-        self._listens, self._peers = listens, set[tuple[str, int]]()
+        self._listens, self._peers = listens, dict[tuple[str, int], float]()
         try:
             if listens:
                 self.port.bind(address)
             else:
-                self._peers.add((socket.gethostbyname(address[0]), address[1]))
+                self._peers[socket.gethostbyname(address[0]), address[1]] = 0.0
         except OSError:
             self.port.close()
             raise
@@ -149,7 +153,10 @@ class DatagramWire(Wire):
         except (BlockingIOError, ConnectionRefusedError):  # nobody listens there yet
             return None
         if self._listens:
-            self._peers.add(peer)
+            now = time.monotonic()
+            if peer not in self._peers:
+                self._peers = {p: last for p, last in self._peers.items() if now - last < PEER_AGE}
+            self._peers[peer] = now
         return data or None
 
     def write(self, frame: bytes) -> None:
