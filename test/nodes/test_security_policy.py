@@ -23,6 +23,7 @@ from node_harness import Nodes
 from paced_link import LINK
 from processes import wait_for
 
+from uav_tracking_mpc.launch.supervisor import own_domain
 from uav_tracking_mpc.settings.configuration import configuration_folder
 
 POLICY = configuration_folder() / "security" / "uav_tracking.policy.xml"
@@ -70,8 +71,19 @@ def asked(nodes):
 
 @pytest.fixture(scope="module")
 def graph():
-    """What each node does: kind and node to names; every clock driven and followed."""
-    nodes = Nodes()
+    """What each node does: kind and node to names; every clock driven and followed.
+
+    In a domain of its own: by a node's name the graph finds any that another file left there.
+    """
+    with own_domain(None) as domain:
+        nodes = Nodes(domain_id=domain)
+        found = told(nodes)
+        nodes.end()
+    return found
+
+
+def told(nodes):
+    """What the graph says once it knows the nodes."""
     nodes.add(NODES["uav_simulator"], publish_clock=True)
     nodes.add(NODES["target_publisher"], use_sim_time=True)
     controller = nodes.add(NODES["nmpc_controller"], use_sim_time=True)
@@ -86,8 +98,7 @@ def graph():
     found[("topics", "subscribe"), "uav_simulator"] |= {name for name, _ in hears}
     for node in ("uav_simulator", "autopilot_link"):  # where tf2_msgs is installed
         found[("topics", "publish"), node] |= {"/tf", "/tf_static"}
-    yield found
-    nodes.end()
+    return found
 
 
 def test_there_is_an_enclave_for_each_node(profiles):
