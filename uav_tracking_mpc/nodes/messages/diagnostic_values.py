@@ -51,7 +51,7 @@ def controller_status(mode: FallbackMode, reason: str, flying: bool) -> tuple[in
     if mode.nominal:
         return OK, f"tracking: {mode.value}", ""
     level = WARN if mode.planned else ERROR
-    return level, f"flying {mode.value}, not the optimal one", reason
+    return level, f"flying {mode.value}", reason
 
 
 def vehicle_status(plan: PlanFollower) -> tuple[int, str]:
