@@ -316,6 +316,8 @@ def main(arguments: Sequence[str]) -> int:
         return not asked.parts or any(part in name for part in asked.parts)
 
     recorded, flown = _read(), [name for name in names() if wanted(name)]
+    if not flown:
+        parser.error(f"no record's name holds {' or '.join(asked.parts)}; one is {names()[0]}")
     found = dict(zip(flown, parallel_map(record, flown, WORKERS, "golden"), strict=True))
     failed = [name for name, content in found.items() if RAISED in content]
     if asked.record and failed:
