@@ -23,6 +23,7 @@ from uav_tracking_mpc.nodes.bag_log import (
     beside_commands,
     last_complaint,
     latency,
+    not_recorded,
     sighted_target,
     simulated_target,
 )
@@ -142,3 +143,20 @@ def complaint(path, *said):
 )
 def test_the_last_error_counts_else_a_warning_that_stands(tmp_path, said, words):
     assert complaint(tmp_path / "flight.mcap", *said) == words
+
+
+@pytest.mark.parametrize(
+    ("sent", "words"), [(10, ""), (11, ""), (40, "10 of 40 commands were recorded"), (None, "")]
+)
+def test_a_record_that_begins_after_the_flight_says_so(tmp_path, sent, words):
+    commands = [
+        (COMMAND, second * SECOND, filled_command(second * SECOND, np.zeros((2, 3))))
+        for second in range(10)
+    ]
+    values = {} if sent is None else {"commands sent": sent}
+    status = filled_status(9 * SECOND, "nmpc_controller", "tracking", OK, values)
+    bag = tmp_path / "flight.mcap"
+    write_messages(bag, [*commands, (DIAGNOSTICS, 9 * SECOND + 1, status)])
+    found = not_recorded(bag)
+    assert found.startswith(words)
+    assert bool(found) is bool(words)

@@ -157,7 +157,7 @@ def _reported(
     whole: bool,
 ) -> int:
     """Report what was flown until its end, until a signal came or a node died; exit code."""
-    from uav_tracking_mpc.nodes.bag_log import flight_log, last_complaint
+    from uav_tracking_mpc.nodes.bag_log import flight_log, last_complaint, not_recorded
     from uav_tracking_mpc.report.metrics import in_short, unsettled
     from uav_tracking_mpc.report.mission_report import write_report
     from uav_tracking_mpc.view.recorded_scene import recorded_scene
@@ -165,6 +165,8 @@ def _reported(
     log = flight_log(bag, configuration)
     metrics = write_report(log, arguments.output, recorded_scene)
     answer(metrics, in_short(metrics, arguments.output), arguments.json)
+    if words := not_recorded(bag):
+        print(words, file=sys.stderr)
     if number is None and whole:
         if words := unsettled(metrics):
             said = f"not settled in {log.duration:.1f} s: {words}", last_complaint(bag)

@@ -62,6 +62,7 @@ from uav_tracking_mpc.settings.simulator import TargetParameters
 from uav_tracking_mpc.simulation.flight_log import CommandCounts, FlightLog, Latency, LinkFigures
 from uav_tracking_mpc.simulation.motions import motion_of
 
+NOT_RECORDED = 0.1  # -, share of the commands that a bag may lack
 REASON = "mode reason"  # value of the controller that says more than its message
 
 
@@ -368,6 +369,29 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
         ),
         tracking=tracking,
         link=None if link is None else link_figures(link),
+    )
+
+
+def not_recorded(path: Path) -> str:
+    """That a tenth of the commands or more is not in a bag, in words; or "".
+
+    On a busy machine it takes seconds until a recorder hears a node. The figures of the flight then
+    count from its first recorded command, when the aircraft may have settled already.
+
+    Args:
+        path: Of the bag.
+    """
+    sent = recorded = 0
+    for topic, _, message in messages(path, COMMAND, DIAGNOSTICS):
+        if topic is COMMAND:
+            recorded += 1
+            continue
+        told = [said.values.get("commands sent", 0) for said in READ[topic](message)]
+        sent = max([sent, *map(int, told)])
+    if sent - recorded < NOT_RECORDED * sent or not sent:
+        return ""
+    return (
+        f"{recorded} of {sent} commands were recorded: the figures leave out what was flown before"
     )
 
 
