@@ -390,9 +390,7 @@ def not_recorded(path: Path) -> str:
         sent = max([sent, *map(int, told)])
     if sent - recorded < NOT_RECORDED * sent or not sent:
         return ""
-    return (
-        f"{recorded} of {sent} commands were recorded: the figures leave out what was flown before"
-    )
+    return f"{recorded} of {sent} commands were recorded: the figures leave out the rest"
 
 
 def last_complaint(path: Path) -> str:

@@ -43,7 +43,7 @@ Sections = dict[str, dict[str, Any]]
 class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
     """Numbers as YAML 1.2 and people write them: 1e3 is one, 1:30 is none.
 
-    By libyaml where PyYAML was built with it: in a fifth of the time.
+    By libyaml where PyYAML was built with it, which is faster.
     """
 
 
