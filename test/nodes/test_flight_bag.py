@@ -117,6 +117,11 @@ def test_a_state_of_no_place_on_this_earth_is_left_out_and_counted(tmp_path):
     assert "2 messages could not be used" in verdict(numbers)
 
 
+def test_a_bag_without_a_state_of_the_flight_is_refused_in_words(tmp_path):
+    with pytest.raises(ValueError, match="holds no state of the aircraft"):
+        fly(tmp_path / "flight.mcap", astray=range(20))
+
+
 def fly_with_link(path, engaged=True, target_system=0):
     """The flight of above by wall time, engaged at its fifth state; the target began before it."""
 

@@ -157,12 +157,16 @@ def _reported(
     whole: bool,
 ) -> int:
     """Report what was flown until its end, until a signal came or a node died; exit code."""
+    from uav_tracking_mpc.launch.supervisor import LaunchError
     from uav_tracking_mpc.nodes.bag_log import flight_log, last_complaint, not_recorded
     from uav_tracking_mpc.report.metrics import in_short, unsettled
     from uav_tracking_mpc.report.mission_report import write_report
     from uav_tracking_mpc.view.recorded_scene import recorded_scene
 
-    log = flight_log(bag, configuration)
+    try:
+        log = flight_log(bag, configuration)
+    except ValueError as error:
+        raise LaunchError(f"no report: {error}") from error
     metrics = write_report(log, arguments.output, recorded_scene)
     answer(metrics, in_short(metrics, arguments.output), arguments.json)
     if words := not_recorded(bag):

@@ -58,7 +58,7 @@ if TYPE_CHECKING:
 
 REAL_TIME = 1.0  # -, simulated over wall time: the factor of a real clock
 START_LIMIT = 120.0  # s of wall time for the first command
-DRAIN_TIME = 0.3  # s of wall time for the nodes' last messages
+DRAIN_TIME = 0.3  # s of wall time without a message, after which no more are waited for
 NOTE_PERIOD = 0.5  # s of wall time between looks at the nodes' shared-memory files
 LOOK_PERIOD = 0.2  # s of wall time between looks at where the flight stands
 REPORT_PERIOD = 5.0  # s of wall time between lines where there is no terminal
@@ -242,7 +242,7 @@ def _fly(
         except LaunchError as error:
             died = error
         finally:
-            supervisor.end(lambda: _drain(supervisor, executor))
+            supervisor.end(lambda: _drain(supervisor, recorder, executor))
         if recorder.progress().time is not None:
             if bag is not None:
                 bag.close()
@@ -276,7 +276,6 @@ def _watch(
         task = bar.add_task("starting", total=duration)
         while not received:
             executor.spin_once(timeout_sec=0.05)
-            supervisor.check()
             now = time.monotonic()
             if now - noted > NOTE_PERIOD:
                 noted = now
@@ -284,6 +283,7 @@ def _watch(
             if now - looked < LOOK_PERIOD:  # decoding costs what the recorder needs to keep up
                 continue
             looked = now
+            supervisor.check()
             for act in follow:
                 act()
             progress = recorder.progress()
@@ -325,13 +325,15 @@ def _how_to_engage(parameters: LinkParameters, domain: int) -> str:
     return words
 
 
-def _drain(supervisor: Supervisor, executor: EventsExecutor) -> None:
-    """Record what the nodes publish last: their diagnostics."""
+def _drain(supervisor: Supervisor, recorder: FlightRecorder, executor: EventsExecutor) -> None:
+    """Record what still waits, and what the nodes publish last: their diagnostics."""
     deadline = time.monotonic() + STOP_LIMIT
     while time.monotonic() < deadline and len(supervisor.dead()) < len(supervisor.processes):
         executor.spin_once(timeout_sec=0.05)
-    deadline = time.monotonic() + DRAIN_TIME
-    while time.monotonic() < deadline:
+    heard, silent = -1, 0.0
+    while recorder.heard > heard or time.monotonic() - silent < DRAIN_TIME:
+        if recorder.heard > heard:
+            heard, silent = recorder.heard, time.monotonic()
         executor.spin_once(timeout_sec=0.05)
 
 

@@ -274,7 +274,7 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
         configuration: What was flown.
 
     Raises:
-        ValueError: The bag holds no command, or none was flown.
+        ValueError: The bag holds no command, none was flown, or it holds no state meanwhile.
     """
     series, unusable = _series(path)
     states, commands = series[ODOMETRY.name], series[COMMAND.name]
@@ -290,9 +290,11 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
         start = engaged[0]
     end = start + round(configuration.mission.duration * 1e9)
     flown = [(each.stamp, each.value) for each in states if start <= each.stamp <= end]
+    if not flown:
+        raise ValueError(f"bag {path} holds no state of the aircraft while commands were flown")
     sent = [each for each in commands if start <= each.stamp <= end]
     # An interrupted flight is as long as it was flown; a whole one may lack its last state.
-    span = (flown[-1][0] - start) * 1e-9 if flown else 0.0
+    span = (flown[-1][0] - start) * 1e-9
     span += 1.0 / configuration.simulator.state_rate
     controller, simulator = (latest.get(node, {}) for node in ("nmpc_controller", "uav_simulator"))
     tracking, stamps = configuration.controller, [stamp for stamp, _ in flown]
@@ -375,8 +377,8 @@ def flight_log(path: Path, configuration: Configuration) -> FlightLog:
 def not_recorded(path: Path) -> str:
     """That a tenth of the commands or more is not in a bag, in words; or "".
 
-    On a busy machine it takes seconds until a recorder hears a node. The figures of the flight then
-    count from its first recorded command, when the aircraft may have settled already.
+    The figures of a flight count from its first recorded command, when the aircraft may have
+    settled already. A recorder that is kept from running for long loses what it could not read.
 
     Args:
         path: Of the bag.

@@ -48,6 +48,7 @@ from uav_tracking_mpc.nodes.topics import (
     AIR_VELOCITY,
     ALL,
     COMMAND,
+    DIAGNOSTICS,
     ENGAGED,
     ODOMETRY,
     STATIC_TRANSFORMS,
@@ -62,7 +63,8 @@ from uav_tracking_mpc.nodes.topics import (
 from uav_tracking_mpc.report.bag import decoded, typestore
 
 SHOWN = (ODOMETRY, AIR_VELOCITY, TARGET, TARGET_ODOMETRY, ENGAGED, TRACKING["solve_time"])
-QUEUE = 100  # messages of a topic; as many as come while a chunk of the bag is compressed
+FLYING = ("nmpc_controller", "target_publisher", "uav_simulator")
+QUEUE = 1000  # messages of a topic: 10 s of a flight at ten times the wall's speed
 METADATA = "metadata.yaml"  # as ROS 2 calls it
 INFINITE = QosTime(*divmod(2**63 - 1, 10**9))
 HERE = (0.0, 0.0, 0.0)  # m, translation to a frame with other axes alone
@@ -235,31 +237,46 @@ class FlightRecorder(Node):
         link: Whether a real autopilot flies: time is then the wall's, and counts from when it is
             engaged.
         options: As those of rclpy's Node.
+
+    Attributes:
+        heard: How many messages came.
     """
 
     def __init__(self, bag: FlightBag | None = None, link: bool = False, **options: Any) -> None:
         super().__init__("flight_recorder", **options)
         self._bag, self._link = bag, link
+        self.heard = 0
         self._latest: dict[str, bytes] = {}
         self._start: int | None = None
         # The simulator's time may wait for this node: it listens to the state, and so releases
-        # the simulator, only when it hears everything else.
-        others = [(topic, self._listen(topic)) for topic in ALL if topic is not ODOMETRY]
+        # the simulator, only when it hears everything else. Both sides must know of each other: a
+        # node whose diagnostics come knows who listens to them, and whoever was announced before.
+        last = (DIAGNOSTICS, ODOMETRY)
+        others = [(topic, self._listen(topic)) for topic in ALL if topic not in last]
         self._needed = [overhearing for topic, overhearing in others if not topic.optional]
+        self._unheard = set() if link else {self._status(name) for name in FLYING}
+        self._listen(DIAGNOSTICS)
         self._waiting = steady_timer(self, 0.05, self._release)
+
+    def _status(self, node: str) -> str:
+        """Name under which a node of this aircraft reports on /diagnostics."""
+        return f"{self.get_namespace()}/{node}: status".lstrip("/")
 
     def _listen(self, topic: Topic) -> FollowingSubscription:
         callback = functools.partial(self._on_message, topic)
         return FollowingSubscription(self, topic, callback, QUEUE, raw=True)
 
     def _release(self) -> None:
-        if self._link or all(each.senders for each in self._needed):
+        if self._link or (not self._unheard and all(each.senders for each in self._needed)):
             self._waiting.cancel()
             self._listen(ODOMETRY)
 
     def _on_message(self, topic: Topic, data: bytes) -> None:
         now = time.time_ns()
+        self.heard += 1
         self._latest[topic.name] = data
+        if self._unheard and topic is DIAGNOSTICS:
+            self._unheard -= {status.name for status in deserialized(topic, data).status}
         if self._start is None and topic is (ENGAGED if self._link else COMMAND):
             self._begin(deserialized(topic, data), now)
         if self._bag is not None:

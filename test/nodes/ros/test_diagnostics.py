@@ -29,6 +29,7 @@ from uav_tracking_mpc.nodes.ros.diagnostics import (
     Diagnostics,
     SteadyStatus,
 )
+from uav_tracking_mpc.nodes.topics import DIAGNOSTICS
 from uav_tracking_mpc.nodes.uav_simulator import UavSimulator
 
 pytestmark = pytest.mark.nodes
@@ -161,3 +162,12 @@ def test_the_simulator_stamps_by_the_time_that_it_makes(nodes, driven):
         assert seconds == pytest.approx(3 / node.parameters.state_rate)
     else:
         assert seconds > 1e9
+
+
+def test_who_begins_to_listen_hears_at_once_how_the_node_is(nodes, monkeypatch):
+    monkeypatch.setattr(diagnostics, "steady_timer", lambda *_: None)  # nothing is repeated
+    Diagnostics(nodes.peer("node"), dict).announce(OK, "fine")
+    for listener in ("first", "second"):
+        heard = nodes.listen(DIAGNOSTICS, by=nodes.peer(listener))[DIAGNOSTICS.name]
+        assert nodes.spin(lambda heard=heard: heard)
+        assert heard[-1].status[0].message == "fine"

@@ -24,9 +24,11 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
@@ -130,7 +132,8 @@ class Diagnostics:
         self.status = SteadyStatus(WARN, "starting")
         self._alarm = ""
         self._unlogged, self._since = "", 0.0  # a warning logged as information, and when [s]
-        self._publisher = publish(node, DIAGNOSTICS)
+        events = PublisherEventCallbacks(matched=self._on_listener)
+        self._publisher = publish(node, DIAGNOSTICS, event_callbacks=events)
         steady_timer(node, 1.0, self._repeat)
 
     def report(self, level: bytes, message: str, reason: str = "") -> None:
@@ -199,6 +202,10 @@ class Diagnostics:
             logger.warning(words)
         else:
             logger.error(words)
+
+    def _on_listener(self, event: Any) -> None:
+        if event.current_count_change > 0:  # who begins to listen hears at once how the node is
+            self.publish()
 
     def _repeat(self) -> None:
         if self._unlogged and time.monotonic() - self._since >= STARTING:

@@ -1,0 +1,48 @@
+"""The recorder begins to listen to the state, for which simulated time waits, as the last."""
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+
+from uav_tracking_mpc.nodes.flight_recorder import FLYING, FlightRecorder
+from uav_tracking_mpc.nodes.topics import ALL, DIAGNOSTICS, ODOMETRY
+
+pytestmark = pytest.mark.nodes
+
+
+def listens(recorder):
+    return any(each.topic_name.endswith(ODOMETRY.name) for each in recorder.subscriptions)
+
+
+def report(name):
+    return DiagnosticArray(status=[DiagnosticStatus(name=f"{name}: status")])
+
+
+@pytest.mark.parametrize("namespace", ["", "red"])
+def test_it_waits_until_each_node_that_flies_knows_of_it(nodes, namespace):
+    """A node that sends before it knows who listens is recorded from its second message on."""
+    recorder = nodes.add(FlightRecorder, namespace=namespace)
+    sender = nodes.peer("sender")
+    publishers = {
+        topic.name: sender.create_publisher(
+            topic.type, topic.name if topic.name[0] == "/" else f"{namespace}/{topic.name}", 10
+        )
+        for topic in ALL
+        if topic is not ODOMETRY
+    }
+    diagnostics = publishers[DIAGNOSTICS.name]
+    assert nodes.spin(lambda: all(each.senders for each in recorder._needed))
+    assert nodes.spin(lambda: diagnostics.get_subscription_count())
+    tell = diagnostics.publish
+    begin = f"{namespace}/".lstrip("/")
+    for name in (*(f"{begin}{name}" for name in FLYING[1:]), f"blue/{FLYING[0]}"):
+        tell(report(name))
+        heard = recorder.heard
+        assert nodes.spin(lambda heard=heard: recorder.heard > heard)
+        recorder._release()
+        assert not listens(recorder)
+    assert nodes.spin(lambda: listens(recorder), also=lambda: tell(report(f"{begin}{FLYING[0]}")))
+
+
+def test_with_a_real_autopilot_it_waits_for_nobody(nodes):
+    recorder = nodes.join(FlightRecorder(link=True, context=nodes.context))
+    assert nodes.spin(lambda: listens(recorder))
