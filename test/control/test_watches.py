@@ -23,6 +23,8 @@ import pytest
 from uav_tracking_mpc.control.event import EventLog, Level
 from uav_tracking_mpc.control.watches import (
     LONGEST,
+    MARGIN,
+    AirspeedMargin,
     LimitCycleWatch,
     OrbitShortfall,
     OscillationReport,
@@ -30,6 +32,7 @@ from uav_tracking_mpc.control.watches import (
 from uav_tracking_mpc.dynamics.air import GRAVITY
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.estimation.channel_response import ChannelResponse
+from uav_tracking_mpc.parameters.specification import changed
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation.closed_loop import simulate
 
@@ -194,3 +197,56 @@ def test_a_gale_that_the_bank_cannot_hold_is_told_in_flight(monkeypatch):
     monkeypatch.setattr(EventLog, "add", lambda self, level, text: words.append(text))
     simulate(load_configuration("small_uav", overrides))
     assert sum(text.startswith("limits and drift leave no orbit of 180.0 m") for text in words) == 1
+
+
+ASKED = load_configuration("small_uav").controller  # airspeed of 14 to 32, 22 on the orbit
+
+
+def margins(*deviations, asked=ASKED):
+    """What is flown by at each standard deviation; and the words."""
+    events, flown = EventLog(), asked
+    margin = AirspeedMargin(events)
+    for deviation in deviations:
+        flown = margin.flown(asked, deviation) or flown
+        yield flown, [event.words for event in events.take()]
+
+
+def test_what_is_not_known_of_the_airspeed_is_kept_from_the_least_one():
+    slow = changed(ASKED, {"airspeed": 15.0})
+    (few, begins), (same, _), (more, _), (many, _), (known, ends) = margins(
+        0.8, 0.9, 2.0, 10.0, 0.0, asked=slow
+    )
+    assert same is few
+    for flown, raised in ((few, MARGIN * 0.8), (more, MARGIN * 2.0), (many, 9.0)):
+        assert flown.airspeed == pytest.approx(14.0 + raised)  # at most the middle
+        assert flown.airspeed_min == pytest.approx(14.0 + 0.5 * raised)
+    assert known is slow
+    assert (begins, ends) == (
+        ["the airspeed is not known: 16.0 m/s or more is flown"],
+        ["the airspeed is known again"],
+    )
+    ((quick, _),) = margins(2.0)
+    assert quick.airspeed == ASKED.airspeed  # that is enough
+
+
+def test_the_margin_ends_where_the_orbit_would_become_too_sharp():
+    sharp = changed(ASKED, {"range": 128.0, "airspeed": 15.0})
+    ((flown, _),) = margins(10.0, asked=sharp)
+    assert 15.0 < flown.airspeed < 19.0
+    assert not flown.envelope.refusal(flown.orbit, np.zeros(3))
+
+
+@pytest.mark.parametrize("deviation", [math.nan, -1.0])
+def test_a_deviation_that_is_none_changes_nothing(deviation):
+    ((flown, words),) = margins(deviation)
+    assert flown is ASKED
+    assert words == []
+
+
+def test_without_an_airspeed_a_slow_orbit_does_not_begin_below_stall():
+    """By its velocity over ground it is too quick; without the margin it sinks to 10 m/s."""
+    overrides = ["nmpc_controller.airspeed=15", "mission.duration=12",
+                 "uav_simulator.wind=[-6, 0, 0]", "uav_simulator.gust_intensity=15.4",
+                 "uav_simulator.airspeed_fault=silent"]  # fmt: skip
+    log = simulate(load_configuration("small_uav", overrides))
+    assert np.min(log.vehicle[:, 5]) > ASKED.airspeed_min

@@ -54,7 +54,7 @@ from uav_tracking_mpc.control.guidance import (
     law_of,
     nearest_direction,
 )
-from uav_tracking_mpc.control.watches import OrbitShortfall
+from uav_tracking_mpc.control.watches import AirspeedMargin, OrbitShortfall
 from uav_tracking_mpc.dynamics.orbit import orbit_about
 from uav_tracking_mpc.dynamics.vehicle import Response
 from uav_tracking_mpc.estimation.measurement import Measurement
@@ -198,6 +198,7 @@ class Controller:
         self.drift, self.events = np.zeros(3), EventLog()
         self.response = ResponseAdaptation(parameters, self.events)
         self._plan, self._shortfall = PlanMemory(), OrbitShortfall(self.events)
+        self._margin, self._flown = AirspeedMargin(self.events), parameters
         self._shaper = CommandShaper(parameters, self.events)
         self.reset()
         self._choose()
@@ -262,7 +263,8 @@ class Controller:
             self._direction = None
         self._shaper.change(parameters)
         self.rate.rate, self._gate.timeout = parameters.control_rate, parameters.state_timeout
-        self.parameters = parameters
+        self.parameters = self._flown = parameters
+        self._margin.forget()
         self._choose()
         self.events.add(Level.INFO, f"from now on {self.orbit.in_short}, {parameters.direction}")
 
@@ -273,12 +275,24 @@ class Controller:
             if self.formulation is not None:
                 self.formulation.respond(response)
 
+    def _keep_margin(self) -> None:
+        """Fly no slower than is safe by what is known of the airspeed."""
+        flown = self._margin.flown(self.parameters, self.navigator.airspeed_deviation)
+        if flown is None:
+            return
+        self._flown = flown
+        if self.formulation is not None:
+            self.formulation.change(flown)
+            self.formulation.respond(self.response.flown)
+        self._shaper.change(flown)
+        self._choose()
+
     def _choose(self) -> None:
         """Fly the orbit that is asked for, in the nearest direction once that is chosen."""
-        orbit, law = self.parameters.orbit, self._law_class
+        orbit, law = self._flown.orbit, self._law_class
         self.orbit = dataclasses.replace(orbit, direction=self._direction or orbit.direction)
-        self._loiter = law_about(VectorField, self.orbit, self.parameters)
-        self._law = None if law is None else law_about(law, self.orbit, self.parameters)
+        self._loiter = law_about(VectorField, self.orbit, self._flown)
+        self._law = None if law is None else law_about(law, self.orbit, self._flown)
 
     def see_air(self, stamp: float, airspeed: float) -> None:
         """Take in an airspeed that comes beside the measurements: see :meth:`AirData.see`.
@@ -355,6 +369,7 @@ class Controller:
         factors = self.response.soften(stamp)
         if factors is not None and self.formulation is not None:
             self.formulation.soften(factors)
+        self._keep_margin()
         command = self._answer(measurement, vehicle)
         taken = self._stopwatch() - begin
         if taken > self.parameters.state_timeout:

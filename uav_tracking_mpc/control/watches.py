@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What goes wrong without failing, in words: limit cycles, and another orbit than asked for.
+"""What goes wrong without failing: limit cycles, another orbit than asked for, no airspeed.
 
 A command in gusts or after noise swings as well as a loop at its limit of stability, but neither at
 one period nor with one amplitude.
@@ -20,6 +20,7 @@ one period nor with one amplitude.
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections import deque
 from collections.abc import Sequence
@@ -33,6 +34,8 @@ from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.dynamics.vehicle import followed
 from uav_tracking_mpc.estimation.channel_response import CHANNELS, ChannelResponse
 from uav_tracking_mpc.formulation.formulation import Plan
+from uav_tracking_mpc.parameters.specification import ParameterError, changed
+from uav_tracking_mpc.settings.tracking import TrackingParameters
 
 LEAST_AMPLITUDE = 0.05  # g across the path: 3 deg of bank
 HALF_CYCLES = 9  # that must be alike, four periods and a half
@@ -43,6 +46,8 @@ ENDING = 2.0  # -, times these, or periods without a swing, when it ends
 AVERAGING = 8.0  # s, time constant of the mean about which it swings
 FORCED = 0.3  # -, share of a swing that the target's acceleration must have to be its cause
 FORCED_TIME = 15.0  # s, in which the memory of the target's acceleration falls to 1/e
+MARGIN = 2.5  # -, standard deviations of an airspeed that is not measured
+MARGIN_STEP = 0.5  # m/s, by which it changes
 CROSSING = 0.3  # -, of the least amplitude, by which a swing must pass the mean
 
 
@@ -241,6 +246,63 @@ def _cause(channel: ChannelResponse, delay: float) -> str:
 # orbit that stays may still change.
 NOTABLE_ORBIT = 1.0, 2.0, 0.5
 LASTING = 10.0  # s for which it must have been different, and the same
+
+
+class AirspeedMargin:
+    """Keeps an orbit away from the least airspeed while wind and ground velocity stand in for it.
+
+    By :data:`MARGIN` standard deviations of what they tell, at most up to the middle of the band;
+    plans keep half of that.
+
+    Args:
+        events: Where to tell.
+    """
+
+    def __init__(self, events: EventLog) -> None:
+        self._events, self._told = events, False
+        self.forget()
+
+    def forget(self) -> None:
+        """Other parameters are flown by, without a margin."""
+        self._raised = 0.0
+
+    def flown(self, asked: TrackingParameters, deviation: float) -> TrackingParameters | None:
+        """What is to be flown by from now on.
+
+        Args:
+            asked: What the user wants.
+            deviation: Standard deviation of the airspeed in [m/s]; 0 while it is measured.
+
+        Returns:
+            None where that has not changed.
+        """
+        wanted = min(MARGIN * deviation, 0.5 * (asked.airspeed_max - asked.airspeed_min))
+        wanted = wanted if wanted >= MARGIN_STEP else 0.0
+        if abs(wanted - self._raised) < MARGIN_STEP and (wanted > 0.0) == (self._raised > 0.0):
+            return None
+        self._raised = wanted
+        if self._told != (wanted > 0.0):
+            self._told = wanted > 0.0
+            words = (
+                f"the airspeed is not known: {asked.airspeed_min + wanted:.1f} m/s or more is flown"
+            )
+            self._events.add(Level.INFO, words if self._told else "the airspeed is known again")
+        return faster(asked, wanted) if wanted > 0.0 else asked
+
+
+def faster(asked: TrackingParameters, raised: float) -> TrackingParameters:
+    """Parameters with an orbit above the least airspeed, as far as the bank allows it.
+
+    Args:
+        asked: What the user wants.
+        raised: By how much it is to be above in [m/s].
+    """
+    for share in (1.0, 0.75, 0.5, 0.25):
+        orbit = max(asked.airspeed, asked.airspeed_min + share * raised)
+        values = {"airspeed_min": asked.airspeed_min + 0.5 * share * raised, "airspeed": orbit}
+        with contextlib.suppress(ParameterError):
+            return changed(asked, values)
+    return asked
 
 
 class OrbitShortfall:

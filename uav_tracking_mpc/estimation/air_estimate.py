@@ -57,7 +57,8 @@ BLIND = 100.0  # m/s, standard deviation of what is not measured
 LONGEST_GAP = 2.0  # s without a measurement, after which the position begins anew
 MAIN, NO_AIRSPEED, NO_HEADING = range(3)  # filters: what they go by
 LANES = ("main", "no_airspeed", "no_heading")
-LEVEL_WIND = DIAGONAL[W.start : W.stop - 1].tolist()  # of their covariance
+# Of their covariance
+LEVEL_WIND, LEVEL_GUST = (DIAGONAL[each.start : each.stop - 1].tolist() for each in (W, G))
 
 SEEN = Layout(
     elapsed=1, position=3, placed=1, ground=3, heading=1, path_angle=1, airspeed=1, measured=1,
@@ -75,7 +76,7 @@ MEMORY = Layout(
 )
 FOUND = Layout(
     position=3, angles=2, airspeed=1, rates=3, wind=3, trend=3, gust=3, times=3,
-    states=4, changed=1, without=3, known=1,
+    states=4, changed=1, without=3, known=1, deviation=1,
 )  # fmt: skip
 
 
@@ -136,6 +137,11 @@ class AirEstimate:
     def wind_without_airspeed(self) -> tuple[NDArray[np.float64], bool]:
         """Mean wind without the airspeed, shape (3,), in [m/s]; whether it is known."""
         return self._found.without.copy(), bool(self._found.known[0])
+
+    @property
+    def deviation_without_airspeed(self) -> float:
+        """Standard deviation of what ground velocity and wind tell of the airspeed, in [m/s]."""
+        return float(self._found.deviation[0])
 
     @property
     def mean_wind(self) -> NDArray[np.float64]:
@@ -328,6 +334,7 @@ def _step() -> ca.Function:
 
     main, blind = LANE.parts(after[MAIN]), LANE.parts(after[NO_AIRSPEED])
     state = main.state
+    unknown = ca.mmax(blind.triangle[LEVEL_WIND]) + ca.mmax(blind.triangle[LEVEL_GUST])
     quick, gust = wind_filter.lasting_gust(
         wind_filter.QUICK.parts(known.quick), dt, state[G], ahead[MAIN]
     )
@@ -354,6 +361,7 @@ def _step() -> ca.Function:
         changed=changed,
         without=blind.state[W],
         known=ca.mmax(blind.triangle[LEVEL_WIND]) <= sensor_check.WIND_KNOWN**2,
+        deviation=ca.sqrt(ca.fmax(unknown, 0.0)),
     )
     results = [MEMORY.joined(remembered), FOUND.joined(found)]
     return ca.Function("air_estimate", [memory, measured], results)

@@ -140,6 +140,13 @@ class Navigator:
         """Whether the airspeed is measured and believed."""
         return not self.air.missing and self.air_estimate.health.states[AIRSPEED] == USED
 
+    @property
+    def airspeed_deviation(self) -> float:
+        """Standard deviation of what stands in for the airspeed in [m/s]; 0 while that is used."""
+        if self.airspeed_known or not self._estimating:
+            return 0.0
+        return self.air_estimate.deviation_without_airspeed
+
     def complaints(self) -> list[str]:
         """What has become of the sensors since it was asked last, in words."""
         words = self.air.complaint(self._estimating)
