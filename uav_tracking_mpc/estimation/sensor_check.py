@@ -251,10 +251,10 @@ def air_checked(
     known.explained = ca.if_else(compared[AIRSPEED], followed, explained)
     known.reasons = ca.if_else(known_winds, agreed, ca.vertcat(*reasons))
     gate = GATE + DEVIATIONS * ca.sqrt(known.jumps[1 + AIRSPEED]) + MOVES * moved
-    # Until the two have been compared for some time the wind may be what is wrong.
+    # When the comparison begins, the wind may still be what is wrong.
     early = known.weight[AIRSPEED] < PRIOR_TIME + LASTING
     gate += early * DEVIATIONS * wind_deviations[AIRSPEED]
-    far = ca.logic_and(elapsed > 0.0, ca.fabs(residuals[AIRSPEED]) > gate)
+    far = ca.logic_and(known.weight[AIRSPEED] > 0.0, ca.fabs(residuals[AIRSPEED]) > gate)
     no_airspeed = ca.logic_or(known.reasons[AIRSPEED] > 0.0, far)
     no_heading = known.reasons[HEADING] > 0.0
     way = ca.if_else(no_airspeed, air[0], air[1])

@@ -189,7 +189,7 @@ class State(PanelPart):
             before = now = None
         since = "" if now is None else faint(f"for {now.lasted}")
         flown = f'<span style="font-size:1.2em">{mode_badge(sight.mode)}</span> {since}'
-        self._now.content = block(table([[flown, clock(sight.time)]]))
+        self._now.content = block(flown)
         self._before.content = block(
             html.escape(sight.reason),
             "" if before is None else faint(f"before: {mode_words(before.mode)}, {before.lasted}"),

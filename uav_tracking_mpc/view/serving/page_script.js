@@ -18,6 +18,7 @@
   "use strict";
   const record = window.__FLIGHT_RECORD__; // null on a live page
   const OLD = 2.0; // s after which the picture counts as old
+  const EPOCH = 1e8; // s from which on a clock counts from 1970
   const PATIENCE = 10000; // ms that an answer may take
   const TICK = 250; // ms between looks at how old the picture is
   const QUICK = 50, SLOW = 200, HIDDEN = 1000; // ms between questions
@@ -26,6 +27,7 @@
   const NARROW = 700, LOW = 500; // pixels: smaller pages begin with a folded strip
   const PHONE = 500, SHORT = 900; // pixels: narrower, the panel begins folded; lower, one lane
   const LANE = 38, BAND = 10, AXIS = 16, LEFT = 132, RIGHT = 20; // pixels
+  const FONT = '11px system-ui, "DejaVu Sans", sans-serif';
   const COCKPIT = "from the cockpit"; // as view/cameras.py calls it
   const HALF_VIEW = (25 * Math.PI) / 180; // of the cockpit's camera, upright
   // Of the errors' weights: Okabe and Ito's, told apart by everybody.
@@ -64,6 +66,7 @@
   };
   const clock = (seconds) => {
     if (seconds === null || !Number.isFinite(seconds)) return "-";
+    if (seconds > EPOCH) return new Date(1000 * seconds).toISOString().slice(11, 21); // UTC
     const tenths = Math.round(Math.abs(seconds) * 10);
     const [h, m, s] = [Math.floor(tenths / 36000), Math.floor(tenths / 600) % 60, tenths % 600];
     const rest = (s / 10).toFixed(1).padStart(4, "0");
@@ -147,8 +150,7 @@
     resize();
   }
   function resize() {
-    const height = BAND + 4 + lanes.length * LANE + AXIS;
-    const scale = devicePixelRatio || 1;
+    const height = BAND + 4 + lanes.length * LANE + AXIS, scale = devicePixelRatio || 1;
     canvas.style.height = `${height}px`;
     canvas.width = Math.round(innerWidth * scale);
     canvas.height = Math.round(height * scale);
@@ -168,8 +170,7 @@
   }
   const player = () => document.querySelector("input[inputmode=decimal]"); // of viser's replay
   function seek(time) {
-    const [begin, end] = span();
-    const to = Math.min(Math.max(time, begin), end);
+    const [begin, end] = span(), to = Math.min(Math.max(time, begin), end);
     dirty = true;
     if (record) {
       const field = player();
@@ -218,8 +219,7 @@
   async function poll() {
     playOn(performance.now() - polled);
     polled = performance.now();
-    const query = { dark: Number(dark.matches) };
-    const tag = pageTag();
+    const query = { dark: Number(dark.matches) }, tag = pageTag();
     if (tag) query.page = tag.dataset.flightPage;
     if (tag && !begun) foldPanel(tag);
     if (asked !== null) query.time = asked.toFixed(3);
@@ -279,9 +279,9 @@
       if (banner.textContent !== wrong[1]) banner.textContent = wrong[1];
       banner.className = ["know", "attend", "wrong"][wrong[0]];
     }
-    const sight = now?.sight;
-    const still = !now?.past && performance.now() - stood.since > 1000;
-    const past = Boolean(now?.past), why = sight?.reason ? `: ${sight.reason}` : "";
+    const sight = now?.sight, past = Boolean(now?.past);
+    const still = !past && performance.now() - stood.since > 1000;
+    const why = sight?.reason ? `: ${sight.reason}` : "";
     const mode = sight ? now.modes[sight.mode][0] : "waiting";
     const warning = restarted || wrong?.[0] === 2 ? "⚠ " : "";
     const title = past ? "past" : warning + mode + (still && !warning ? ", still" : "");
@@ -347,12 +347,11 @@
     }
     if (!dirty || isFolded()) return;
     dirty = false;
-    const pen = canvas.getContext("2d");
-    const style = getComputedStyle(document.documentElement);
+    const pen = canvas.getContext("2d"), style = getComputedStyle(document.documentElement);
     const [ink, quiet, line, blue, pastInk] =
       ["ink", "quiet", "line", "blue", "past"].map((name) => style.getPropertyValue(`--f-${name}`));
     pen.clearRect(0, 0, innerWidth, canvas.height);
-    pen.font = '11px system-ui, "DejaVu Sans", sans-serif';
+    pen.font = FONT;
     pen.textBaseline = "middle";
     const rows = drawn.rows, time = shownTime(), foot = canvas.clientHeight - AXIS;
     drawModes(pen, rows);
@@ -402,15 +401,14 @@
     if (shares) return drawShares(pen, top, rows, current, colours);
     const at = column(name), value = rows[current][at];
     pen.fillStyle = colours.ink;
-    pen.font = '600 12px system-ui, "DejaVu Sans", sans-serif';
+    pen.font = `600 ${FONT}`;
     pen.fillText(value === null ? "not known" : words(value), 8, top + 27);
-    pen.font = '11px system-ui, "DejaVu Sans", sans-serif';
+    pen.font = FONT;
     const scaled = (number) => (log ? Math.log10(Math.max(number, 1e-6)) : number);
-    let [low, high] = [Infinity, -Infinity];
-    for (const row of rows.filter((each) => each[at] !== null))
-      [low, high] = [Math.min(low, scaled(row[at])), Math.max(high, scaled(row[at]))];
-    if (low > high) return;
-    if (zero) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
+    const known = rows.filter((row) => row[at] !== null).map((row) => scaled(row[at]));
+    if (!known.length) return;
+    if (zero) known.push(0);
+    let [low, high] = [Math.min(...known), Math.max(...known)];
     const more = Math.max(least - (high - low), 0) / 2; // what hardly changes is drawn quietly
     [low, high] = [low - more, high + more];
     const y = (number) => top + LANE - 5 - ((number - low) / (high - low)) * (LANE - 10);
@@ -487,8 +485,7 @@
     const wanted = hudByHand ?? now?.view === COCKPIT;
     hudButton.setAttribute("aria-pressed", wanted);
     const scene = document.querySelector("canvas[data-engine]");
-    hud.toggleAttribute("hidden", !(wanted && sight && scene));
-    if (!(wanted && sight && scene)) return;
+    if (hud.toggleAttribute("hidden", !(wanted && sight && scene))) return;
     const box = scene.getBoundingClientRect();
     // On a phone the panel covers the lower part of the scene.
     const panel = document.querySelector("[data-flight-panel]")?.getBoundingClientRect();
@@ -512,8 +509,7 @@
   function horizon(sight, w, h) {
     const bank = sight.readings.Bank[1], path = sight.readings["Path angle"][1];
     if (bank === null || path === null) return label(w / 2, h / 2, "attitude not known");
-    const focal = (0.5 * h) / Math.tan(HALF_VIEW);
-    const half = Math.min(0.16 * w, 0.25 * h, 150);
+    const focal = (0.5 * h) / Math.tan(HALF_VIEW), half = Math.min(0.16 * w, 0.25 * h, 150);
     let rungs = "";
     for (let angle = -30; angle <= 30; angle += 5) {
       const y = focal * Math.tan(((path - angle) * Math.PI) / 180);
@@ -529,8 +525,7 @@
     );
   }
   function bankScale(sight, w, h, off) {
-    const [, bank, , least, most] = sight.readings.Bank;
-    const radius = Math.min(0.34 * h, 190, off);
+    const [, bank, , least, most] = sight.readings.Bank, radius = Math.min(0.34 * h, 190, off);
     const spoke = (angle, from, to, kind) =>
       `<g transform="rotate(${angle})">${line(0, -from, 0, -to, kind)}</g>`;
     let marks = "";
@@ -550,11 +545,9 @@
     const { Airspeed, Altitude, Range } = sight.readings;
     let drawing = tape(w / 2 - off, h, Airspeed, 0.5, -1, "airspeed", "m/s") +
       tape(w / 2 + off, h, Altitude, 5, 1, "height", "m");
-    const error = Range[2];
+    const error = Range[2], bottom = Math.min(h / 2 + Math.min(0.36 * h, 190) + 12, h - 50);
     const wind = sight.wind === null ? "wind not known" : sight.wind < 0.05 ? "no wind"
       : `wind ${sight.wind.toFixed(1)} m/s from ${sight.wind_from.toFixed(0)}°`;
-    const y = h / 2 + Math.min(0.36 * h, 190) + 12;
-    const bottom = Math.min(y, h - 50);
     drawing += label(w / 2, bottom, error === null ? "range error not known"
       : `range error ${error >= 0.05 ? "+" : ""}${shown(error)} m`, "middle", 'data-hud="range"');
     drawing += label(w / 2, bottom + 18, now.modes[sight.mode][0], "middle", 'data-hud="mode"');
@@ -562,10 +555,9 @@
     return drawing;
   }
   function tape(x, h, [unit, value, error, least, most], step, side, name) {
-    const half = Math.min(0.3 * h, 150);
+    const half = Math.min(0.3 * h, 150), pixels = half / (8 * step); // eight marks up, eight down
     let marks = line(x, h / 2 - half, x, h / 2 + half);
     if (value === null) return marks + label(x, h / 2, `${name} not known`);
-    const pixels = half / (8 * step); // eight marks up, eight down
     const y = (number) => h / 2 - (number - value) * pixels;
     for (let k = Math.ceil(value / step - 8); k <= value / step + 8; k++) {
       const long = k % 4 === 0;
