@@ -173,3 +173,9 @@ def test_on_a_phone_panel_and_strip_are_folded_and_unfold(chromium, page):
     seen.eventually(lambda: "aircraft" in seen.page.title(), "the script has asked again")
     assert camera.is_visible()
     context.close()
+
+
+def test_a_real_flight_has_the_time_of_day(seen, flight):
+    """Its clock counts from 1970: hours since then say nothing."""
+    flight.seen[:] = [sight(1_764_180_000.5)]
+    seen.wait_for_element("#flight-time", "18:00:00.5")

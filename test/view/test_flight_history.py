@@ -100,10 +100,15 @@ def test_a_long_flight_is_thinned_from_its_begin_to_its_end():
     assert np.ptp(np.diff(rows)) < 1e-6
 
 
-def test_only_what_is_new_is_told():
-    history = noted([0.0, 1.0, 2.0])
-    assert [row[0] for row in strict(history.as_json(0.5))["rows"]] == [1.0, 2.0]
-    assert strict(history.as_json(2.0))["rows"] == []
+@pytest.mark.parametrize("begin", [0.0, 1_764_180_000.123_456], ids=["simulated", "real"])
+def test_only_what_is_new_is_told(begin):
+    """By the time of the last row, to the last digit: a real clock counts from 1970."""
+    times = [begin + PAST_PERIOD * k for k in range(4)]
+    history = noted(times)
+    told = [row[0] for row in strict(history.as_json())["rows"]]
+    assert told == times
+    for k, time in enumerate(told):
+        assert [row[0] for row in strict(history.as_json(time))["rows"]] == told[k + 1 :]
 
 
 def test_frames_that_come_seldom_leave_no_gap():

@@ -34,7 +34,14 @@ from numpy.typing import NDArray
 from uav_tracking_mpc.control.fallback import FallbackMode
 from uav_tracking_mpc.settings.tracking import TrackingParameters
 from uav_tracking_mpc.view.cameras import FirstView, Seat, Watched
-from uav_tracking_mpc.view.flight_history import MODES, FlightHistory, legend, told, weighted_errors
+from uav_tracking_mpc.view.flight_history import (
+    EXACT,
+    MODES,
+    FlightHistory,
+    legend,
+    told,
+    weighted_errors,
+)
 from uav_tracking_mpc.view.panel.mission_file import fly_and_tell
 from uav_tracking_mpc.view.panel.readings import readings
 from uav_tracking_mpc.view.watched_flight import (
@@ -107,7 +114,7 @@ def figures(sight: Sight, tracking: TrackingParameters | None) -> dict[str, Any]
         for reading in readings(sight, tracking)
     }
     return {
-        "time": told(sight.time, 9),
+        "time": told(sight.time, EXACT),
         "mode": MODES.index(sight.mode),
         "reason": sight.reason,
         "readings": shown,
@@ -337,7 +344,7 @@ class Visitors:
             "view": view,
             "record": None if clock is None else [clock.begin, clock.end],
             "past": shown is not self._watched,
-            "live": None if live is None else told(live[1].time, 9),
+            "live": None if live is None else told(live[1].time, EXACT),
             "alert": (1, self._source.words) if live is None else alert_of(live[1], clock),
             "sight": figures(shown[name][1], shown[name][0].tracking) if name in shown else None,
             **legend(),
