@@ -104,6 +104,9 @@ class Constant:
     def change(self, parameters):
         pass
 
+    def respond(self, response):
+        pass
+
     def solve(self, situation, forecast, orbit, elapsed):
         status = Status.CONVERGED if self.converges else Status.FAILED
         nothing = np.zeros((0, 3))

@@ -256,16 +256,12 @@ class Controller:
         parameters = changed(self.parameters, values)
         self.check(parameters)
         self.navigator.change(parameters)
-        if self.formulation is not None:
-            self.formulation.change(parameters)
-        self._respond(self.response.tell(parameters))
         if parameters.direction != self.parameters.direction:
             self._direction = None
-        self._shaper.change(parameters)
         self.rate.rate, self._gate.timeout = parameters.control_rate, parameters.state_timeout
-        self.parameters = self._flown = parameters
+        self.parameters = parameters
         self._margin.forget()
-        self._choose()
+        self._fly_by(parameters, self.response.tell(parameters))
         self.events.add(Level.INFO, f"from now on {self.orbit.in_short}, {parameters.direction}")
 
     def _respond(self, response: Response | None) -> None:
@@ -278,12 +274,14 @@ class Controller:
     def _keep_margin(self) -> None:
         """Fly no slower than is safe by what is known of the airspeed."""
         flown = self._margin.flown(self.parameters, self.navigator.airspeed_deviation)
-        if flown is None:
-            return
+        if flown is not None:
+            self._fly_by(flown, self.response.flown)
+
+    def _fly_by(self, flown: TrackingParameters, response: Response | None) -> None:
         self._flown = flown
         if self.formulation is not None:
             self.formulation.change(flown)
-            self.formulation.respond(self.response.flown)
+        self._respond(response)
         self._shaper.change(flown)
         self._choose()
 
