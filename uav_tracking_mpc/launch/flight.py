@@ -58,7 +58,7 @@ if TYPE_CHECKING:
 
 REAL_TIME = 1.0  # -, simulated over wall time: the factor of a real clock
 START_LIMIT = 120.0  # s of wall time for the first command
-DRAIN_TIME = 0.3  # s of wall time without a message, after which no more are waited for
+DRAIN_TIME = 0.3  # s of wall time without a state or command: no more wait for the recorder
 NOTE_PERIOD = 0.5  # s of wall time between looks at the nodes' shared-memory files
 LOOK_PERIOD = 0.2  # s of wall time between looks at where the flight stands
 REPORT_PERIOD = 5.0  # s of wall time between lines where there is no terminal
@@ -330,7 +330,7 @@ def _drain(supervisor: Supervisor, recorder: FlightRecorder, executor: EventsExe
     deadline = time.monotonic() + STOP_LIMIT
     while time.monotonic() < deadline and len(supervisor.dead()) < len(supervisor.processes):
         executor.spin_once(timeout_sec=0.05)
-    heard, silent = -1, 0.0
+    heard, silent = -1, 0.0  # others may go on publishing what is theirs
     while recorder.heard > heard or time.monotonic() - silent < DRAIN_TIME:
         if recorder.heard > heard:
             heard, silent = recorder.heard, time.monotonic()

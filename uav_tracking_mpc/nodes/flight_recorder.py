@@ -239,7 +239,7 @@ class FlightRecorder(Node):
         options: As those of rclpy's Node.
 
     Attributes:
-        heard: How many messages came.
+        heard: How many states and commands came.
     """
 
     def __init__(self, bag: FlightBag | None = None, link: bool = False, **options: Any) -> None:
@@ -273,7 +273,7 @@ class FlightRecorder(Node):
 
     def _on_message(self, topic: Topic, data: bytes) -> None:
         now = time.time_ns()
-        self.heard += 1
+        self.heard += topic in (ODOMETRY, COMMAND)
         self._latest[topic.name] = data
         if self._unheard and topic is DIAGNOSTICS:
             self._unheard -= {status.name for status in deserialized(topic, data).status}
