@@ -281,13 +281,12 @@ class AirspeedMargin:
         if abs(wanted - self._raised) < MARGIN_STEP and (wanted > 0.0) == (self._raised > 0.0):
             return None
         self._raised = wanted
+        flown = faster(asked, wanted) if wanted > 0.0 else asked
         if self._told != (wanted > 0.0):
             self._told = wanted > 0.0
-            words = (
-                f"the airspeed is not known: {asked.airspeed_min + wanted:.1f} m/s or more is flown"
-            )
+            words = f"the airspeed is not known: {flown.airspeed:.1f} m/s or more is flown"
             self._events.add(Level.INFO, words if self._told else "the airspeed is known again")
-        return faster(asked, wanted) if wanted > 0.0 else asked
+        return flown
 
 
 def faster(asked: TrackingParameters, raised: float) -> TrackingParameters:

@@ -37,7 +37,7 @@ from uav_tracking_mpc.view.watched_flight import PAST_PERIOD, PlayClock, Sight, 
 
 MOST = 6000  # sights that are kept: after 20 min every second one goes, and so on
 MOST_EVENTS = 1000  # changes of mode and reports of nodes that are kept
-EXACT = 17  # digits of a time, which may count from 1970: what is told by it is asked for by it
+EXACT = 17  # digits that a time needs, for it may count from 1970 and is asked for again
 SAME = 1e-6  # s by which times may miss each other
 FILLING = 0.005  # s of wall time a frame in which a record is read for its strip
 MODES = (None, *MODE_COLOURS)
