@@ -252,12 +252,15 @@ def turn_rate_from_bank(bank: float, airspeed: float) -> float:
 
 
 def quaternion_from_euler(roll: float, pitch: float, yaw: float) -> list[float]:
-    """Attitude of a Forward-Right-Down body in North-East-Down axes.
+    """Attitude by turns about z, the new y and the newest x.
+
+    In an autopilot's axes yaw is clockwise from North and pitch nose up; of ``base_link`` in
+    ``map`` yaw is the heading psi and pitch is nose down, -chi.
 
     Args:
         roll: Right wing down in [rad].
-        pitch: Nose up in [rad].
-        yaw: Clockwise from North in [rad].
+        pitch: About y in [rad].
+        yaw: About z in [rad].
 
     Returns:
         Unit quaternion (w, x, y, z), the order of MAVLink.

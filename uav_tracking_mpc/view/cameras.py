@@ -143,8 +143,10 @@ def scene_pose(view: str, sight: Sight) -> rigid.SE3:
         return rigid.SE3.identity()
     if view in (ORBIT, ABOVE):
         return rigid.SE3.from_translation(-centre(sight) * [1.0, 1.0, 0.0])
-    turned = attitude(sight) if view == COCKPIT else rigid.SO3.identity()
-    return rigid.SE3.from_rotation_and_translation(turned, sight.position).inverse()
+    if view == COCKPIT:
+        turned = rigid.SO3(np.array(attitude(sight)))
+        return rigid.SE3.from_rotation_and_translation(turned, sight.position).inverse()
+    return rigid.SE3.from_translation(-sight.position)
 
 
 def look_at_whole(camera: viser.InitialCameraConfig, flight: WatchedFlight, log: FlightLog) -> bool:

@@ -21,9 +21,10 @@ weights stay. Around the best weights so far each one is raised and lowered by a
 best of all these is gone on from. Where none is better the factor
 becomes its square root. Weights without the margins that are asked, by the model in still air and
 around the orbit in the scenario of the mismatches, are not flown; while there are no others, the
-search goes towards larger margins. What flies is judged by mismatches, by range RMS and bank-rate
-RMS, each as a share s of what is asked of the flight: the cost is the mean of log2(1 + s), which is
-1 where all is just what is asked, and in which one flight that fails does not drown the others.
+search goes towards larger margins. What flies is judged by mismatches, by range RMS, bank-rate RMS
+and settling time, each as a share s of what is asked of the flight: the cost is the mean of
+log2(1 + s), which is 1 where all is just what is asked, and in which one flight that fails does not
+drown the others.
 """
 
 from __future__ import annotations
@@ -60,8 +61,10 @@ FLIGHTS = {
         name: (ASKED[name].range_rms, ASKED[name].bank_rate_rms)
         for name in ("lag_0.5", "lag_2", "noise_2", "sensor_noise")
     },
+    "gust_light": (0.3, 4.5),
     "gust_moderate": (0.7, 8.0),
 }
+SETTLING = 25.0  # s until the range error stays below 10 m, that is asked of each flight
 DURATION, SETTLED_AFTER = 150.0, 90.0  # s, of a flight and until it counts
 SIZES = {"state_weights": 5, "input_weights": 3, "rate_weights": 3, "offset_weights": 3}  # how many
 # Indices, in the order of SIZES, of weights that are scaled together: range, then each of the
@@ -73,6 +76,7 @@ ROUNDS = 12  # of the search, at most
 AZIMUTHS = (0.0, 0.5 * math.pi, math.pi, 1.5 * math.pi)  # rad, at which the orbit is frozen
 
 UNFLYABLE = 1e9  # -, cost of a flight that came to nothing
+MEASURES = ("range_rms_m", "bank_rate_rms_dps", "settling_s")
 SHOWN = ("range", "input_weights", "rate_weights")  # in the table
 CAPTION = (
     "delay, gain: least margin of any channel, in still air and in wind; cost: 1 where every "
@@ -223,10 +227,11 @@ def _fly(task: tuple[str, str, tuple[str, ...]]) -> Measures | None:
 def _cost(flights: dict[str, Measures | None]) -> float:
     shares = []
     for name, flight in flights.items():
-        if flight is None:
+        if flight is None or flight.settling_s is None:
             return UNFLYABLE
         range_rms, bank_rate = FLIGHTS[name]
         shares += [flight.range_rms_m / range_rms, flight.bank_rate_rms_dps / bank_rate]
+        shares.append(flight.settling_s / SETTLING)
     return sum(math.log2(1.0 + share) for share in shares) / len(shares)
 
 
@@ -272,8 +277,7 @@ def _numbers(candidate: Candidate) -> dict[str, Any]:
         "shortfalls": candidate.shortfalls,
         "cost": candidate.cost,
         "flights": {
-            name: flight
-            and {"range_rms_m": flight.range_rms_m, "bank_rate_rms_dps": flight.bank_rate_rms_dps}
+            name: flight and {measure: getattr(flight, measure) for measure in MEASURES}
             for name, flight in candidate.flights.items()
         },
     }

@@ -20,9 +20,9 @@ import math
 
 import numpy as np
 import viser
-import viser.transforms as rigid
 
 from uav_tracking_mpc.control.fallback import FallbackMode
+from uav_tracking_mpc.dynamics.frames import quaternion_from_euler
 from uav_tracking_mpc.report.mode_colours import mode_colour, mode_words
 from uav_tracking_mpc.view.scene import (
     GREY,
@@ -64,17 +64,14 @@ def wings() -> Mesh:
     return joined(*surfaces)
 
 
-def attitude(sight: Sight) -> rigid.SO3:
-    """Rotation from ``base_link`` to ``map``; a bank that is not known counts as none.
+def attitude(sight: Sight) -> list[float]:
+    """Of ``base_link`` in ``map``, quaternion w, x, y, z; a bank that is not known counts as none.
 
     Args:
         sight: Of this aircraft.
     """
-    return (
-        rigid.SO3.from_z_radians(sight.heading)
-        @ rigid.SO3.from_y_radians(-sight.path_angle)
-        @ rigid.SO3.from_x_radians(sight.bank if math.isfinite(sight.bank) else 0.0)
-    )
+    bank = sight.bank if math.isfinite(sight.bank) else 0.0
+    return quaternion_from_euler(bank, -sight.path_angle, sight.heading)
 
 
 def caption(name: str, mode: FallbackMode | None) -> str:
@@ -124,7 +121,7 @@ class Airframe(SceneElement):
         if not self._place.visible:
             return
         size = SHARE * extent(self.flight, sight)
-        self._place.position, self._body.wxyz = sight.position, attitude(sight).wxyz
+        self._place.position, self._body.wxyz = sight.position, attitude(sight)
         self._fuselage.scale = self._wings.scale = size
         self._wings.color = mode_colour(sight.mode)
         self._label.position = (0.0, 0.0, 0.5 * size)
@@ -165,7 +162,7 @@ class DropLine(SceneElement):
         size, height = extent(self.flight, sight), float(sight.position[2]) - ground_height(sight)
         if not finite(height, sight.heading):
             return
-        self._shadow.wxyz = rigid.SO3.from_z_radians(sight.heading).wxyz
+        self._shadow.wxyz = quaternion_from_euler(0.0, 0.0, sight.heading)
         if abs(height - self._drawn) < STEP * size:
             return
         self._drawn = height
@@ -210,11 +207,7 @@ class Rivals(SceneElement):
                 continue
             body, label = self._ghosts.get(law) or self._add(law)
             body.position, body.scale = rival.position, size
-            body.wxyz = (
-                rigid.SO3.from_z_radians(rival.heading)
-                @ rigid.SO3.from_y_radians(-rival.path_angle)
-                @ rigid.SO3.from_x_radians(rival.bank)
-            ).wxyz
+            body.wxyz = quaternion_from_euler(rival.bank, -rival.path_angle, rival.heading)
             # Words at heights of their own: where all fly well they fly at one place.
             label.position = np.add(rival.position, (0.0, 0.0, (0.5 + APART * rank) * size))
             label.text = rival_caption(rival)

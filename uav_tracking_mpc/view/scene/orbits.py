@@ -22,10 +22,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import viser
-import viser.transforms as rigid
 from numpy.typing import ArrayLike, NDArray
 
 from uav_tracking_mpc.dynamics.air import GRAVITY
+from uav_tracking_mpc.dynamics.frames import quaternion_from_euler
 from uav_tracking_mpc.dynamics.orbit import FlownOrbit
 from uav_tracking_mpc.report.mode_colours import mode_colour
 from uav_tracking_mpc.view.scene import SceneElement, chevrons, extent, finite, joined, paint, ring
@@ -161,13 +161,10 @@ def ghosts(
         stage = round(share * (len(plan) - 1))
         step, before = max(stage - 1, 0), max(stage - 2, 0)
         turned = float(course[step] - course[before]) / max(float(lengths[step]), 1e-6)
-        attitude = (
-            rigid.SO3.from_z_radians(float(course[step]))
-            @ rigid.SO3.from_y_radians(-math.atan2(float(steps[step, 2]), float(lengths[step])))
-            @ rigid.SO3.from_x_radians(-math.atan(speed * speed * turned / GRAVITY))
-        )
+        bank = -math.atan(speed * speed * turned / GRAVITY)
+        climb = math.atan2(float(steps[step, 2]), float(lengths[step]))
         places.append(plan[stage])
-        turns.append(attitude.wxyz)
+        turns.append(quaternion_from_euler(bank, -climb, float(course[step])))
     return np.array(places, dtype=np.float32), np.array(turns, dtype=np.float32)
 
 

@@ -21,11 +21,10 @@
   const EPOCH = 1e8; // s from which on a clock counts from 1970
   const PATIENCE = 10000; // ms that an answer may take
   const TICK = 250; // ms between looks at how old the picture is
-  const QUICK = 50, SLOW = 200, HIDDEN = 1000; // ms between questions
-  const STRIP_PERIOD = 1000; // ms between questions for new rows
+  const QUICK = 50, SLOW = 200, HIDDEN = 1000, ROWS = 1000; // ms between questions; for new rows
   const MOST = 8000; // rows that are kept
-  const NARROW = 700, LOW = 500; // pixels: smaller pages begin with a folded strip
-  const PHONE = 500, SHORT = 900; // pixels: narrower, the panel begins folded; lower, one lane
+  // Pixels. A strip begins folded below NARROW or LOW, the panel below PHONE; below SHORT, one lane.
+  const NARROW = 700, PHONE = 500, LOW = 500, SHORT = 900;
   const LANE = 38, BAND = 10, AXIS = 16, LEFT = 132, RIGHT = 20; // pixels
   const FONT = '11px system-ui, "DejaVu Sans", sans-serif';
   const COCKPIT = "from the cockpit"; // as view/cameras.py calls it
@@ -77,7 +76,6 @@
     (value ?? null) === null ? "-" : (Number(value.toFixed(digits)) || 0).toFixed(digits);
   const tilted = (bank) =>
     `${Math.abs(bank).toFixed(1)}°` + (Math.abs(bank) < 0.05 ? "" : bank > 0 ? " right" : " left");
-  const rgb = (colour) => `rgb(${colour.join(",")})`;
   const column = (name) => drawn.columns.indexOf(name);
   const dark = matchMedia("(prefers-color-scheme: dark)");
   // ---- elements --------------------------------------------------------------------------------
@@ -194,11 +192,6 @@
     playing = !playing;
     tell();
   }
-  function playOn(wall) {
-    if (!playing) return;
-    asked += wall / 1000;
-    if (asked >= span()[1]) goLive();
-  }
   // ---- the server ------------------------------------------------------------------------------
   let polled = performance.now(), ticked = polled;
   function tick() {
@@ -217,7 +210,7 @@
   /** It names this page to its server. */
   const pageTag = () => [...document.querySelectorAll("[data-flight-page]")].at(-1);
   async function poll() {
-    playOn(performance.now() - polled);
+    if (playing && (asked += (performance.now() - polled) / 1000) >= span()[1]) goLive();
     polled = performance.now();
     const query = { dark: Number(dark.matches) }, tag = pageTag();
     if (tag) query.page = tag.dataset.flightPage;
@@ -247,7 +240,7 @@
       const since = drawn.rows.length ? { since: drawn.rows.at(-1)[0] } : {};
       await ask("flight/flown", { name: drawn.name, ...since }).then(take, () => {}); // as above
     }
-    setTimeout(pollRows, STRIP_PERIOD);
+    setTimeout(pollRows, ROWS);
   }
   const forget = (name) => (drawn = { ...drawn, name, generation: null, rows: [], events: [] });
   function take(answer) {
@@ -330,15 +323,7 @@
     return near.slice(-6).map(([time, , text]) => `${clock(time)} ${text}`).join("\n");
   }
   /** Index of the last row at a time. */
-  function rowAt(time) {
-    let [low, high] = [0, drawn.rows.length];
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if (drawn.rows[middle][0] <= time + 1e-6) low = middle + 1;
-      else high = middle;
-    }
-    return Math.max(low - 1, 0);
-  }
+  const rowAt = (time) => Math.max(drawn.rows.findLastIndex((row) => row[0] <= time + 1e-6), 0);
   function drawStrip() {
     requestAnimationFrame(drawStrip);
     if (record && shownTime() !== stood.time) {
@@ -372,10 +357,8 @@
     pen.fillStyle = now?.past ? pastInk : ink;
     pen.fillRect(placeOf(time) - 1, 0, 2, foot);
     if (asked !== null && Math.abs(asked - time) > 1) {
-      pen.setLineDash([3, 3]); // on its way there
-      pen.strokeStyle = pastInk;
-      pen.strokeRect(placeOf(asked), 0, 0, foot);
-      pen.setLineDash([]);
+      pen.fillStyle = pastInk; // on its way there
+      for (let y = 0; y < foot; y += 6) pen.fillRect(placeOf(asked) - 0.5, y, 1, 3);
     }
     canvas.setAttribute("aria-valuemin", span()[0].toFixed(1));
     canvas.setAttribute("aria-valuemax", span()[1].toFixed(1));
@@ -388,7 +371,7 @@
       let last = k;
       while (last < rows.length && rows[last][mode] === rows[k][mode]) last++;
       const end = last < rows.length ? rows[last][0] : Math.max(rows.at(-1)[0], now?.live ?? 0);
-      pen.fillStyle = rgb(drawn.modes[rows[k][mode]][1]);
+      pen.fillStyle = `rgb(${drawn.modes[rows[k][mode]][1]})`;
       const x = placeOf(rows[k][0]);
       pen.fillRect(x, 0, Math.max(placeOf(Math.min(end, span()[1])) - x, 1), BAND);
       k = last;
@@ -400,8 +383,7 @@
     pen.fillText(name, 8, top + 11);
     if (shares) return drawShares(pen, top, rows, current, colours);
     const at = column(name), value = rows[current][at];
-    pen.fillStyle = colours.ink;
-    pen.font = `600 ${FONT}`;
+    [pen.fillStyle, pen.font] = [colours.ink, `600 ${FONT}`];
     pen.fillText(value === null ? "not known" : words(value), 8, top + 27);
     pen.font = FONT;
     const scaled = (number) => (log ? Math.log10(Math.max(number, 1e-6)) : number);
@@ -436,10 +418,11 @@
   /** The share of each weighted error in their sum, one above the other. */
   function drawShares(pen, top, rows, current, colours) {
     const first = drawn.columns.length - TERMS.length, height = LANE - 6;
-    for (let x = 0; x < across(); x += 1) {
+    for (let x = 0, k = 0; x < across(); x += 1) {
       const time = timeAt(left() + x);
       if (time > rows.at(-1)[0]) break;
-      const terms = rows[rowAt(time)].slice(first);
+      while (rows[k + 1]?.[0] <= time) k++;
+      const terms = rows[k].slice(first);
       const sum = terms.reduce((total, each) => total + (each ?? 0), 0);
       if (!(sum > 0)) continue;
       let y = top + 3;
@@ -493,9 +476,8 @@
     const [w, h] = [box.width, Math.max(Math.min(box.height, below), 160)];
     const beside = panel?.width && panel.left > 0.55 * w ? panel.left - w / 2 - 100 : 0.5 * w - 92;
     const off = Math.max(Math.min(0.3 * w, 300, beside), 60); // of the tapes
-    Object.assign(hud.style, { left: `${box.left}px`, top: `${box.top}px` });
-    hud.setAttribute("width", w);
-    hud.setAttribute("height", h);
+    const place = { left: box.left, top: box.top, width: w, height: h };
+    for (const [name, pixels] of Object.entries(place)) hud.style[name] = `${pixels}px`;
     hud.innerHTML = horizon(sight, w, h) + bankScale(sight, w, h, off) + tapes(sight, w, h, off);
   }
   const line = (x1, y1, x2, y2, kind = "") =>
