@@ -169,13 +169,11 @@ class Navigator:
                 SI units; None if it is not known.
         """
         known = self.target.time
-        before = None if known is None else self.target.predict(max(time, known))
+        before = None if known is None else self.target.ahead([max(time, known)])
         taken = self.target.update(time, position, velocity, covariance)
         if taken and before is not None:
-            after = self.target.predict(time)
-            self._faded = self._fading(time)
-            self._faded += before.position - after.position, before.velocity - after.velocity
-            self._fade_begin = time
+            corrected = np.subtract(before, self.target.ahead([time]))[:2, 0]
+            self._faded, self._fade_begin = self._fading(time) + corrected, time
         return taken
 
     def _fading(self, time: float) -> NDArray[np.float64]:

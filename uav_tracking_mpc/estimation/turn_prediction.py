@@ -31,6 +31,7 @@ it.
 from __future__ import annotations
 
 import functools
+import threading
 
 import casadi as ca
 import numpy as np
@@ -60,13 +61,12 @@ def predict_turn(
     Returns:
         Shape (3, n, 3): positions, velocities, accelerations.
     """
-    # Threads share the function, and no array of it.
-    turns = BufferedFunction(_turns(len(leads)))
+    turns = _kept.of(len(leads))
     told = state.reshape(-1), covariance[2, 2], turn_rate, leads
     for kept, values in zip(turns.arguments, told, strict=True):
         kept[:] = values
     turns.evaluate()
-    return turns.results[0].reshape(len(leads), 3, 3).swapaxes(0, 1)
+    return turns.results[0].reshape(len(leads), 3, 3).swapaxes(0, 1).copy()
 
 
 def turned(motion: ca.SX, variance: ca.SX, turn_rate: ca.SX, lead: ca.SX) -> list[ca.SX]:
@@ -133,4 +133,12 @@ def _turns(count: int) -> ca.Function:
     return turn.map("turns", "serial", count, [0, 1, 2], [])
 
 
+class _Kept(threading.local):
+    """Threads share the functions, and no array of them."""
+
+    def __init__(self) -> None:
+        self.of = functools.lru_cache(maxsize=8)(lambda count: BufferedFunction(_turns(count)))
+
+
+_kept = _Kept()
 _turns(1)  # that of every measurement: made before a flight, not in it
