@@ -251,7 +251,9 @@ def turn_rate_from_bank(bank: float, airspeed: float) -> float:
     return -GRAVITY * math.tan(bank) / airspeed
 
 
-def quaternion_from_euler(roll: float, pitch: float, yaw: float) -> list[float]:
+def quaternion_from_euler(
+    roll: float, pitch: float, yaw: float
+) -> tuple[float, float, float, float]:
     """Attitude by turns about z, the new y and the newest x.
 
     In an autopilot's axes yaw is clockwise from North and pitch nose up; of ``base_link`` in
@@ -268,9 +270,9 @@ def quaternion_from_euler(roll: float, pitch: float, yaw: float) -> list[float]:
     (sr, cr), (sp, cp), (sy, cy) = (
         (math.sin(0.5 * angle), math.cos(0.5 * angle)) for angle in (roll, pitch, yaw)
     )
-    return [
+    return (
         cr * cp * cy + sr * sp * sy,
         sr * cp * cy - cr * sp * sy,
         cr * sp * cy + sr * cp * sy,
         cr * cp * sy - sr * sp * cy,
-    ]
+    )

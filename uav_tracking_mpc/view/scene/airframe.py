@@ -64,7 +64,7 @@ def wings() -> Mesh:
     return joined(*surfaces)
 
 
-def attitude(sight: Sight) -> list[float]:
+def attitude(sight: Sight) -> tuple[float, float, float, float]:
     """Of ``base_link`` in ``map``, quaternion w, x, y, z; a bank that is not known counts as none.
 
     Args:
