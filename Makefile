@@ -46,7 +46,7 @@ test: $(VENV)/test
 	$(PYTEST) $(HUNG) -m "alone and not long" $$(grep -lr --include='test_*.py' mark.alone test)
 
 together: $(VENV)/test
-	$(PYTEST) $(HUNG) -m "not alone and not long" -n $(WORKERS) --dist loadfile
+	$(PYTEST) $(HUNG) -m "not alone and not long" -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 
 test-long: $(VENV)/test
 	$(PYTEST) --hypothesis-profile=full -m "not nodes and not browser" -n 2 --dist loadfile
