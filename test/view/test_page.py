@@ -16,6 +16,7 @@
 
 import numpy as np
 import pytest
+import viser
 from example_flights import orbiting
 from watched_flight_stand_in import StandInFlight, StandInSource, StandInSteering, sight
 
@@ -132,6 +133,33 @@ def test_a_failing_element_is_switched_off_and_the_others_are_drawn(page, instal
     )
     assert "failing: ZeroDivisionError: of a user&#x27;s own" in words(page)
     assert "Airspeed" in words(page)
+
+
+class Standing(SceneElement):
+    """Sets the same place in each frame."""
+
+    def add(self):
+        self.frame = self.scene.add_frame(f"{self.root}/standing")
+
+    def show(self, sight):
+        self.frame.position = (1.0, 2.0, 3.0)
+
+
+def test_what_stands_is_not_told_again_and_what_a_page_has_moved_is_put_back(
+    page, installed, monkeypatch
+):
+    installed(SCENE_ELEMENT, Standing)
+    told = []
+    place = viser.SceneNodeHandle.position
+    setter = property(place.fget, lambda self, to: (told.append(self.name), place.fset(self, to)))
+    monkeypatch.setattr(viser.SceneNodeHandle, "position", setter)
+    frames(page)
+    assert told.count("/world/aircraft/standing") == 2  # made and placed
+    assert told.count("/world/aircraft/aircraft") == 5
+    frame = page._server.scene.get_handle_by_name("/world/aircraft/standing")
+    frame._impl.position[:] = 9.0  # as viser does when a page moves it
+    frames(page)
+    np.testing.assert_allclose(frame.position, [1.0, 2.0, 3.0])
 
 
 @pytest.mark.parametrize(

@@ -24,6 +24,7 @@ from collections.abc import Callable
 from html import escape
 from typing import Any
 
+import numpy as np
 import viser
 
 from uav_tracking_mpc.control.fallback import FallbackMode
@@ -171,9 +172,29 @@ class _Noting:
         def add(*args: Any, **kwargs: Any) -> Any:
             handle = found(*args, **kwargs)
             self.added[id(handle)] = handle  # handles have no hash
-            return handle
+            return _Sparing(handle) if isinstance(handle, viser.SceneNodeHandle) else handle
 
         return add
+
+
+class _Sparing:
+    """A node of the scene that is told only what is not so yet.
+
+    Elements set all of their properties in each frame, of which few change; viser takes ten times
+    as long to find that out. What it knows is asked, so that what a page has moved is put back.
+    """
+
+    def __init__(self, node: viser.SceneNodeHandle) -> None:
+        object.__setattr__(self, "_node", node)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._node, name)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        known = getattr(self._node, name)
+        plain = isinstance(value, bool | int | float | str)
+        if not (known == value if plain else np.array_equal(known, value)):
+            setattr(self._node, name, value)
 
 
 def elements_of(
