@@ -51,10 +51,10 @@ DISPLAY = re.compile(r"(view|report)/(?!metrics|bag).*|studies/.*(figures?|page)
 # Patterns of the unit and of words of the comment for each kind; the first that fits decides.
 KINDS = (
     ("code", "", r"\b([Cc]odes?|bits?|flags?|type_mask|[Ii]ndex|[Ii]ndices|[Cc]olumns)\b"),
-    ("sensor noise", "", r"\b(noise|accuracy)\b"),
+    ("sensor noise", r"(?!m?s$|-).*", r"\b(noise|accuracy|standard deviations?)\b"),
     ("probability", "", r"\b(probability|confidence|p-value|quantiles)\b"),
     ("tolerance", "", r"\b(tolerance|rounding|smooth|relative|violation|iterate|pivot)\b"),
-    ("physical", "", r"\b(standard|WGS 84|of dry air|international|convention)\b"),
+    ("physical", "", r"\b(standard(?! dev)|WGS 84|of dry air|international|convention)\b"),
     ("paper", "", r"\((28|58|59|60)\)|Table 1|Section 6"),
     ("time", r"m?s|ns|us|Hz", ""),
     ("gain", r"1/s.*|.* per .*", ""),

@@ -33,8 +33,8 @@ from uav_tracking_mpc.settings.tracking import PREDICTIVE, TrackingParameters
 TAKING_OVER = 5.0  # s after an aircraft begins to fly the commands, in which nothing is learnt
 PERIOD = 0.5  # s between changes of what is flown
 SPEED = 0.2  # s of lag or dead time, or share of the gain, by which it changes in a second
-# An estimate replaces what was told if it differs by more than this in [s], [s] and [-], and by
-# more than so many standard deviations; what was told comes back below half of it.
+# s, s, - and -: an estimate replaces what was told if it differs by more than this, and by more
+# than so many standard deviations; what was told comes back below half of it.
 LEAST_LAG, LEAST_DELAY, LEAST_GAIN, SIGNIFICANT = 0.03, 0.015, 0.03, 2.0
 ROUNDING = 1e-4  # s, to which what is flown follows
 

@@ -83,7 +83,7 @@ COMPARED = 60.0  # s, memory of the gusts
 PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts taken at first, and how much that weighs
 AGREEING, AGREED_FOR = 0.5, 5.0  # -, s: share of the limits to be kept to, to be used again
 STUCK_FOR, STUCK_CHANGE = 1.0, 0.4  # s and m/s: of a reading, and of the speed meanwhile
-AIRSPEED, HEADING = 0, 1
+AIRSPEED, HEADING = 0, 1  # indices of the sensors
 # Residuals (r, c) in m/s by the wind without airspeed, then by that without heading: without noise,
 # as of some seconds ago, and what lasts; and mean squares of what gusts make of them.
 AIR_CHECK = Layout(

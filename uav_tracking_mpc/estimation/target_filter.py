@@ -40,7 +40,7 @@ from uav_tracking_mpc.estimation.turn_prediction import predict_turn
 
 GATE = 16.27  # -, chi-square of 3 degrees of freedom: one good position in a thousand is left out
 FIRST_GATE = 4.0 * GATE  # -, of the second position of a track, which knows no velocity yet
-RIVAL_SPEED = 2.0  # times the standard deviation of the velocity: it may be fast, not noisy
+RIVAL_SPEED = 2.0  # -, times the standard deviation of the velocity: it may be fast, not noisy
 JUMP = 3  # positions left out in a row that agree: the target is there
 FORGOTTEN = 300.0  # s without a position after which nothing is left of the track
 REPEATED = 0.5  # s in which the same position of a target that moves is an old one, sent again
