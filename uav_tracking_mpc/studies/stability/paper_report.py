@@ -407,7 +407,7 @@ HEADINGS = ("quantity", "where", "printed", "printed A", "with (11)", "exact", "
 
 _INTRODUCTION = """# Errata of the paper
 
-Every number that Sections 3, 5 and 6 of the paper print, beside its recomputed value. The main
+This page recomputes every number that Sections 3, 5 and 6 of the paper print. The main
 results: the printed certificate fails its own condition (41) by a factor of 4.8; the published
 simulation cannot have enforced the terminal constraint (16e); the printed terminal level is
 nevertheless inside the region in which the terminal cost decreases.
@@ -432,8 +432,8 @@ _CLOSING = r"""
   (41) approaches it as $\rho$ grows.
 - (57) prints $c_2/c_3$. The argument needs $c_2$ divided by a lower bound of $V_N$, which is
   $\xi |x|^2$ in the norm of $P_\rho$.
-- A level in a row "where ... stops" is the lowest at which a state is known that violates the
-  condition. `uav_tracking stability` proves how far each condition holds.
+- A level in a row "where ... stops" is the lowest level at which a violating state is known.
+  `uav_tracking stability` proves how far each condition holds.
 """
 
 # Mathematics of the rows, which the terminal prints as it stands, for a page that renders it.
