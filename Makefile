@@ -27,7 +27,9 @@ PYTEST := $(CLEAN) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python -m pytest
 WORKERS ?= 4
 # A test that hangs, in a library's code too, prints every stack and ends its worker, which counts as
 # a failure. How long a test takes says nothing about the product.
-HUNG := -o faulthandler_timeout=1000 -o faulthandler_exit_on_timeout=true
+HUNG = -o faulthandler_timeout=$(LONGEST) -o faulthandler_exit_on_timeout=true
+LONGEST := 1000
+test-long: LONGEST := 10000
 # Noise of attitude [rad], airspeed and velocity [m/s] of the flight in docs/identification.md.
 NOISY := --set uav_simulator.attitude_noise=0.0087 --set uav_simulator.airspeed_noise=0.3 \
 	--set uav_simulator.velocity_noise=0.3
@@ -49,8 +51,8 @@ together: $(VENV)/test
 	$(PYTEST) $(HUNG) -m "not alone and not long" -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 
 test-long: $(VENV)/test
-	$(PYTEST) --hypothesis-profile=full -m "not nodes and not browser" -n 2 --dist loadfile
-	$(PYTEST) --hypothesis-profile=full -m "nodes and long" --durations=0 --durations-min=60
+	$(PYTEST) $(HUNG) --hypothesis-profile=full -m "not nodes and not browser" -n 2 --dist loadfile
+	$(PYTEST) $(HUNG) --hypothesis-profile=full -m "nodes and long" --durations=0 --durations-min=60
 	$(CLEAN) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python test/on_every_processor.py -m "not nodes and not browser and not long" -n 2
 
 size:
