@@ -39,7 +39,8 @@ class Flight:
         self.events, self.time = EventLog(), 0.0
         self.softening = Softening(self.events)
 
-    def fly(self, seconds, swings, delays=DELAYS, going_on=(True, True)):
+    def fly(self, seconds, swings, delays=DELAYS, going_on=None):
+        going_on = going_on or tuple(swing is not None for swing in swings)
         for _ in range(round(seconds / 0.1)):
             self.time += 0.1
             self.softening.follow(self.time, swings, going_on, delays, GAINS)
@@ -67,6 +68,14 @@ def test_the_gain_comes_back_only_so_far_that_it_stays_quiet():
     back = flight.fly(100.0, STILL)[0]
     assert 1.0 < back < STEP
     assert flight.fly(600.0, STILL)[0] == back
+
+
+def test_the_gain_stays_as_it_is_while_the_target_swings_as_well():
+    """Whether the loop is quiet cannot be told then."""
+    flight = Flight()
+    flight.fly(0.1, SWING)
+    assert flight.fly(100.0, STILL, going_on=(True, False))[0] == STEP
+    assert flight.fly(100.0, STILL)[0] < STEP
 
 
 def test_another_response_is_another_loop():

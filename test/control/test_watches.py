@@ -110,8 +110,11 @@ UNKNOWN = [ChannelResponse()] * 3
 KNOWN = [ChannelResponse(lag=0.3, dead_time=0.2, trusted=True)] * 3
 
 
-def told(channels, delays, axis=0, quiet=10.0):
-    """Events of a swing by 20 deg of bank, or as much across the path, in 2 s."""
+def told(channels, delays, axis=0, quiet=10.0, target=math.inf):
+    """Events of a swing by 20 deg of bank, or as much across the path, in 2 s.
+
+    From a time on the target accelerates as much.
+    """
     events = EventLog()
     report = OscillationReport(events)
     rate = GRAVITY / AIRSPEED * math.tan(math.radians(20.0))
@@ -120,7 +123,8 @@ def told(channels, delays, axis=0, quiet=10.0):
         time = 0.05 * tick
         inputs = [0.0, 0.0]
         inputs[axis] = rate * math.sin(math.pi * time) if time < 20.0 else 0.0
-        report.see(time, tuple(inputs), AIRSPEED, channels, delays)
+        forced = AIRSPEED * rate if time >= target else 0.0
+        report.see(time, tuple(inputs), AIRSPEED, channels, delays, forced)
         during = report.words(axis) if time < 20.0 else during
     return events.take(), during, report
 
@@ -134,6 +138,13 @@ def test_period_amplitude_and_end_are_told():
     assert "+-20 deg of bank" in during
     assert end == (Level.INFO, "the limit cycle of the turn rate has ended")
     assert report.words(0) == report.words(1) == "none"
+
+
+def test_a_target_that_begins_to_swing_ends_no_limit_cycle():
+    (begin,), _, report = told(UNKNOWN, [0.5] * 3, quiet=0.0, target=18.0)
+    assert begin.words.startswith("limit cycle of the turn rate")
+    assert report.swings == (None, None)
+    assert report.going_on[0]
 
 
 @pytest.mark.parametrize(

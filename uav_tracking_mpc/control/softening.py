@@ -84,8 +84,9 @@ class Softening:
 
         Args:
             time: Now in [s].
-            swings: Of turn rate and path-angle rate; None where there is none.
-            going_on: Whether each of them goes on, rather than dies away.
+            swings: Of turn rate and path-angle rate; None where there is none, or where the target
+                swings as much: the gain then stays as it is.
+            going_on: Whether the aircraft's swing goes on, rather than dies away.
             delays: Lag plus dead time of each channel as they are flown by, shape (3,), in [s].
             gains: Of each channel, likewise, shape (3,), [-].
 
@@ -97,9 +98,9 @@ class Softening:
         changed = False
         for axis, (channel, swing) in enumerate(zip(self._channels, swings, strict=True)):
             flown = float(delays[axis]), float(gains[axis])
-            if swing is not None:
+            if swing is not None or going_on[axis]:
                 channel.quiet_since = time
-                if going_on[axis]:
+                if swing is not None and going_on[axis]:
                     self._soften(axis, channel, time, swing, flown)
             elif channel.factor > 1.0 and time - channel.quiet_since >= QUIET:
                 self._return(axis, channel, elapsed, flown)
