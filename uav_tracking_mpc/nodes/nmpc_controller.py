@@ -74,7 +74,7 @@ BY_HAND = (TARGET, TARGET_ODOMETRY)  # what people publish, without a stamp
 MARGIN_PATIENCE = 3.0  # s, in which a flight begins before its margins are judged
 MARGIN_REST = 1.0  # s without another change, after which they are judged anew
 BEGINNING = 1_000_000_000  # ns; before this zero is a time of a simulation that has just begun
-DRAIN = 0.3  # s after a stop in which the queued messages arrive, on a busy machine too
+DRAIN = 0.1  # s after a stop in which the queued messages arrive
 STALL_MARGIN = 0.15  # s, by which the watchdog may be late without the process having stood still
 
 
