@@ -48,7 +48,7 @@ test: $(VENV)/test
 	$(PYTEST) $(HUNG) -m "alone and not long" $$(grep -lr --include='test_*.py' mark.alone test)
 
 together: $(VENV)/test
-	$(PYTEST) $(HUNG) -m "not alone and not long" -n $(WORKERS) --dist loadfile --no-loadscope-reorder
+	$(PYTEST) $(HUNG) -m "not alone and not long" -n $(WORKERS) --dist loadfile
 
 test-long: $(VENV)/test
 	$(PYTEST) $(HUNG) --hypothesis-profile=full -m "not nodes and not browser" -n 2 --dist loadfile

@@ -48,8 +48,6 @@ os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
 # A shell that runs this in the background has it ignored, and children would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
-WAITING = ("nodes", "browser")  # marks
-
 settings.register_profile(
     "quick",
     max_examples=25,
@@ -94,15 +92,6 @@ def weights() -> tuple[np.ndarray, np.ndarray]:
 def paper_start() -> np.ndarray:
     """x_o of Section 6: (r, theta, z, chi, v)."""
     return np.array(paper_numbers.INITIAL_STATE)
-
-
-def pytest_collection_modifyitems(items):
-    """Files with processes or a browser come first: they wait much, and quick ones fill the end.
-
-    By name, so that not all browsers are open at once.
-    """
-    slow = {each.path for each in items for mark in each.iter_markers() if mark.name in WAITING}
-    items.sort(key=lambda item: (item.path not in slow, item.path.name, item.path))
 
 
 class OptionalModule(pytest.Module):
