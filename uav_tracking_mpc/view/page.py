@@ -180,8 +180,8 @@ class _Noting:
 class _Sparing:
     """A node of the scene that is told only what is not so yet.
 
-    Elements set all of their properties in each frame, of which few change; viser takes ten times
-    as long to find that out. What it knows is asked, so that what a page has moved is put back.
+    Elements set all of their properties in each frame, of which few change, and viser converts each
+    value before it compares. What it knows is asked, so that what a page has moved is put back.
     """
 
     def __init__(self, node: viser.SceneNodeHandle) -> None:
