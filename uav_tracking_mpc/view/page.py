@@ -191,9 +191,7 @@ class _Sparing:
         return getattr(self._node, name)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        known = getattr(self._node, name)
-        plain = isinstance(value, bool | int | float | str)
-        if not (known == value if plain else np.array_equal(known, value)):
+        if not np.array_equal(getattr(self._node, name), value):
             setattr(self._node, name, value)
 
 
