@@ -68,7 +68,7 @@ class _TimedNodes:
         for space, result in zip(spaces, self._results, strict=True):
             given = ["--ros-args", "--params-file", str(parameters), "--log-level", "WARN"]
             given += ["-r", f"__ns:=/{space}"] if space else []
-            timed = [*given, "-p", f"round_trips:={result}", "-p", "start_on_command:=true"]
+            timed = [str(result), *given, "-p", "start_on_command:=true"]
             for name, module, arguments in (
                 (CONTROLLER, PROCESSES, [CONTROLLER, *given]),
                 ("target_publisher", "uav_tracking_mpc.nodes.target_publisher", given),

@@ -87,7 +87,6 @@ class RoundTrips:
             self.times.append((begin, time.perf_counter() - begin))
 
 
-RESULT = "round_trips"  # parameter: file that the times are written to
 WARM_UP = 10.0  # s of flight that do not count; the file is there afterwards
 
 
@@ -97,13 +96,13 @@ class TimedSimulator(UavSimulator):
     The echo's states are sent half a period after the simulator's own.
 
     Args:
-        options: As those of rclpy's Node.
+        result: The file.
     """
 
-    def __init__(self, **options: Any) -> None:
+    def __init__(self, result: str) -> None:
         self.trips, self.echo = RoundTrips(), RoundTrips()
-        super().__init__(**options)
-        self._result = Path(self.declare_parameter(RESULT, "").value)
+        super().__init__()
+        self._result = Path(result)
         self._flown_from: int | None = None  # stamp of the first command [ns]
         self._echoes = publish(self, ECHO_ODOMETRY), publish(self, ECHO_AIR_VELOCITY)
         listen(self, ECHO_COMMAND, lambda data: self.echo.arrive(command_stamp(data)), raw=True)
@@ -200,6 +199,8 @@ if __name__ == "__main__":
         page(*given)
     elif name == "page_reader":
         page_reader(*given)
+    elif name == "nmpc_controller":
+        sys.exit(run(name, timed_controller, given))
     else:
-        nodes = {"nmpc_controller": timed_controller, "uav_simulator": TimedSimulator}
-        sys.exit(run(name, nodes[name], given))
+        result, *given = given
+        sys.exit(run(name, lambda: TimedSimulator(result), given))
