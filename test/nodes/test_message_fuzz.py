@@ -18,6 +18,8 @@ No middleware in between: what a run finds, it finds again. In the suite a few f
 long`` flies a hundred long ones.
 """
 
+import gc
+
 import numpy as np
 import pytest
 from controller_flight import CONFIGURATION, ControllerFlight
@@ -61,6 +63,8 @@ def controller():
         )
         yield ControllerFlight
         ControllerFlight.harness.node.destroy_node()
+        ControllerFlight.harness = VehicleFlight.harness = None
+        gc.collect()  # a participant that stays would meet those of the tests that follow
 
 
 def fly(flight, how):
