@@ -37,6 +37,9 @@ from uav_tracking_mpc.symbolic.functions import BufferedFunction
 # between both and met half-heartedly; linear beyond, or far away it would drown everything else.
 OFFSET_REACH = np.array([0.01, 0.01, 0.03])
 LEAST_SOFTENED = 0.01  # -, weight of a rate from which on a loop is softened that has none
+# -, times the weight of changes of the turn rate: the roll loop of an autopilot swings near 1 Hz,
+# which no lag and dead time tell. In turbulence ArduPlane rolls less by it and errs less.
+HELD_SOFTNESS = 8.0
 
 
 class FlightFormulation:
@@ -132,6 +135,8 @@ class FlightFormulation:
 
     def _rate_weights(self) -> NDArray[np.float64]:
         told = np.array(self.parameters.rate_weights)
+        if self.flight.holds:
+            told[0] *= HELD_SOFTNESS
         return np.where(self._factors > 1.0, self._factors * np.maximum(told, LEAST_SOFTENED), told)
 
     def reset(self) -> None:
