@@ -59,7 +59,7 @@ size:
 	@$(PYTHON) test/size.py
 
 golden: $(VENV)/test
-	$(CLEAN) $(BIN)/python test/golden/golden.py $(if $(RECORD),--record)
+	$(CLEAN) OPENBLAS_CORETYPE=Haswell $(BIN)/python test/golden/golden.py $(if $(RECORD),--record)
 
 mutants: $(VENV)/mutants
 	$(CLEAN) $(BIN)/python test/mutant_trial.py $(if $(AGAINST),--against $(AGAINST))

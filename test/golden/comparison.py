@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 # Quantity, names, and what may differ between processors: an absolute part in the unit, a share
@@ -30,14 +30,15 @@ from typing import Any, NamedTuple
 TOLERANCES = (
     ("time", r"\[s\]$|_s$", (0.06, 0.0), (0.21, 0.0)),  # multiples of the states' period
     ("angle", r"\[rad\]$|_rad$", (1e-8, 0.0), (5e-2, 0.0)),
-    ("rate", r"\[rad/s\]$", (1e-7, 0.0), (5e-2, 0.0)),
+    ("rate", r"\[rad/s\]$", (1e-7, 0.0), (0.2, 0.0)),
     ("position", r"\[m\]$|_m$", (1e-6, 1e-9), (1.0, 5e-3)),
     ("speed", r"\[m/s\]$|_mps$", (1e-7, 1e-9), (0.15, 5e-3)),
-    ("acceleration", r"\[m/s\^2\]$", (1e-7, 0.0), (5e-2, 0.0)),
+    ("acceleration", r"\[m/s\^2\]$", (1e-7, 0.0), (2.0, 0.0)),
     ("bank rate", r"_dps$", (1e-6, 1e-7), (0.5, 5e-2)),
-    ("cost", r"^cost$", (1e-8, 1e-6), (5.0, 5e-2)),
+    ("cost", r"^cost$", (1e-8, 1e-6), (5.0, 0.8)),
     ("figure", r"", (1e-9, 1e-4), (1e-3, 1e-2)),  # proof levels, margins, gains
 )
+AMPLIFIED = 3.0  # -, times the greatest difference of the twins
 # Measured with the wall's clock: only that they are there is compared.
 WALL_TIME = re.compile(r"_us$|^solve_time$")
 # Equal on the same processor alone: it tells bit for bit from almost.
@@ -103,6 +104,27 @@ def differences(
         if _is_number(recorded) and _is_number(found) and WALL_TIME.search(_name(place)):
             return
         yield Difference(place, recorded, found, *_size(recorded, found, place))
+
+
+def amplified(beyond: Sequence[Difference], found: Any, twins: Sequence[Any]) -> list[Difference]:
+    """Of the differences those that the least other begin of the same flight does not explain.
+
+    A flight that amplifies the last bit is another one on each processor. What its twins differ by
+    among themselves, by name of the value, says how far; a few of them show a third of it at least.
+
+    Args:
+        beyond: Differences beyond their tolerance.
+        found: The record now.
+        twins: The same from beside.
+    """
+    explained: dict[str, float] = {}
+    for twin in twins:
+        for each in differences(found, twin):
+            name = _name(each.place)
+            explained[name] = max(explained.get(name, 0.0), each.size)
+    return [
+        each for each in beyond if each.size > AMPLIFIED * explained.get(_name(each.place), 0.0)
+    ]
 
 
 def _name(place: tuple[str | int, ...]) -> str:

@@ -15,7 +15,7 @@
 import math
 
 import pytest
-from golden.comparison import MISSING, differences
+from golden.comparison import MISSING, amplified, differences
 
 RECORD = {
     "flight digest": "ab",
@@ -94,3 +94,14 @@ def test_wall_time_is_not_compared():
 
 def test_a_digest_alone_tells_another_bit_and_no_other_behaviour():
     assert only({**RECORD, "flight digest": "cd"}).size == 0.0
+
+
+def test_what_the_least_other_begin_changes_as_much_is_no_other_behaviour():
+    now, twin = {**RECORD, "range_rms_m": 0.7, "sent": 81}, {**RECORD, "range_rms_m": 0.8}
+    beyond = list(differences(RECORD, now))
+    assert {each.place for each in beyond} == {("range_rms_m",), ("sent",)}
+    assert [each.place for each in amplified(beyond, now, [now, {**twin, "sent": 81}])] == [
+        ("sent",)
+    ]
+    assert not amplified(beyond, now, [twin])
+    assert len(amplified(beyond, now, [now])) == 2
