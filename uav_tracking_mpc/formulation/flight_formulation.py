@@ -38,8 +38,8 @@ from uav_tracking_mpc.symbolic.functions import BufferedFunction
 OFFSET_REACH = np.array([0.01, 0.01, 0.03])
 LEAST_SOFTENED = 0.01  # -, weight of a rate from which on a loop is softened that has none
 # -, times the weight of changes of the turn rate: the roll loop of an autopilot swings near 1 Hz,
-# which no lag and dead time tell. In turbulence ArduPlane rolls and errs a third less by it.
-HELD_SOFTNESS = 8.0
+# which no lag and dead time tell. In a steady wind ArduPlane rolls half as much by it.
+HELD_SOFTNESS = 4.0
 
 
 class FlightFormulation:
