@@ -108,7 +108,7 @@ def record(name: str, beside: float = 0.0) -> Any:
 
     Args:
         name: One of :func:`names`.
-        beside: By how much the aircraft begins further east in [m].
+        beside: By how much the aircraft begins further east in [m], where it can.
     """
     try:
         return _content(name, beside)
@@ -118,9 +118,7 @@ def record(name: str, beside: float = 0.0) -> Any:
 
 def _content(name: str, beside: float) -> Any:
     if name in COMMANDS:
-        config = name.split()[-1]
-        config = config if config in CONFIGURATIONS else "small_uav"
-        content = json.loads(_run(*COMMANDS[name], *_moved(config, beside)))
+        content = json.loads(_run(*COMMANDS[name]))
         content = _keys(content) if name == "benchmark" else content
     elif name == "fly":
         content = _flown(*SETTINGS)
@@ -134,17 +132,12 @@ def _content(name: str, beside: float) -> Any:
     return json.loads(json.dumps(content), parse_constant=str)
 
 
-def _moved(config: str, beside: float) -> tuple[str, ...]:
-    """Words of a command that let the aircraft begin elsewhere; none where it does not."""
-    if not beside:
-        return ()
-    east, *rest = load_configuration(config).simulator.initial_position
-    return "--set", f"uav_simulator.initial_position={[east + beside, *rest]}"
-
-
 def _simulated(config: str, kind: str, law: str, beside: float) -> dict[str, Any]:
     """Fly without ROS; the record of the controller is that of a node, without wall times."""
-    told = [f"nmpc_controller.law={law}", PATIENT, *_moved(config, beside)[1:]]
+    told = [f"nmpc_controller.law={law}", PATIENT]
+    if beside:
+        east, *rest = load_configuration(config).simulator.initial_position
+        told.append(f"uav_simulator.initial_position={[east + beside, *rest]}")
     kind, _, name = kind.partition(" ")
     if config == "paper" and kind != "mission":
         told.append("mission.plant=vehicle")  # the Euler plant knows neither wind nor motion
@@ -317,10 +310,8 @@ def _report(recorded: dict[str, Any], found: dict[str, Any]) -> Iterator[tuple[s
 
 
 def _can_begin_beside(name: str) -> bool:
-    """Whether a record is of flights that are simulated here."""
-    return name.startswith("compare") or (
-        name.split(": ")[0] in CONFIGURATIONS and (not name.endswith(": simulate"))
-    )
+    """Whether a record is of a flight that is simulated here."""
+    return name.split(": ")[0] in CONFIGURATIONS and not name.endswith(": simulate")
 
 
 def _twin(task: tuple[str, float]) -> Any:

@@ -104,7 +104,8 @@ def test_after_a_rest_the_first_command_comes_from_an_optimal_plan(flight):
 def test_a_vehicle_that_falls_silent_is_told_at_once_and_nobody_else_is_blamed(flight):
     """Of wall time, for the clock is real, control periods pass in silence: they are counted.
 
-    It is the vehicle's state that is missing: nobody's clock is wrong, no target is refused.
+    It is the vehicle's state that is missing: nobody's clock is wrong, no target is refused once
+    that is told. A busy machine may tell it later than a target's stamp is too far ahead.
     """
     flight.add_all(speed=None, target_timeout=1.0)
     assert flight.commanded(40)
@@ -118,8 +119,10 @@ def test_a_vehicle_that_falls_silent_is_told_at_once_and_nobody_else_is_blamed(f
     assert said.count(words) <= 2  # the event, and the second that it may stand
     assert flight.tells("vehicle state is lost")
     assert "uav/odometry" in flight.told()[0]
-    assert flight.spin(lambda: report.deadlines_missed > before + 5)
-    assert report.refused == 0
+    refused = report.refused
+    # Of two control periods each: longer than a target may be ahead of a state.
+    assert flight.spin(lambda: report.deadlines_missed > before + 20)
+    assert report.refused == refused
 
 
 def own_objects():
