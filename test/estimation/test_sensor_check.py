@@ -209,6 +209,13 @@ def test_a_wind_that_changes_across_may_have_changed_along(check):
     assert circled(check, drifting, 100.0, 140.0, explained=moving)[2] == [["", ""]]
 
 
+def test_a_wind_that_is_soon_found_elsewhere_is_no_airspeed_that_jumps(check):
+    """As in turbulence, where the wind that is found without an airspeed is hardly known."""
+    rising = lambda time: right(time) + min(2.0 * (time - 100.0), 4.0)  # noqa: E731
+    moving = lambda time: np.array([min(2.0 * (time - 100.0), 4.0), 0.0, 0.0])  # noqa: E731
+    assert circled(check, rising, 100.0, 105.0, explained=moving)[2] == [["", ""]]
+
+
 VELOCITY_STEP = 0.1
 EXPECTED = np.array([20.0, 0.0, 0.0])
 ODD_ONE = np.add(EXPECTED, (0.0, 2.0 * ODD, 0.0))

@@ -88,7 +88,7 @@ AIRSPEED, HEADING = 0, 1  # indices of the sensors
 # as of some seconds ago, and what lasts; and mean squares of what gusts make of them.
 AIR_CHECK = Layout(
     reasons=2, agreed=2, now=4, before=4, lasting=4, jumps=4, offsets=4, weight=2, explained=3,
-    moved=1, reading=1, stood=1, gained=1, speed=1,
+    recent=3, moved=1, reading=1, stood=1, gained=1, speed=1,
 )  # fmt: skip
 
 
@@ -231,8 +231,10 @@ def air_checked(
     moved = ca.fmax(
         ca.norm_2(explained - known.explained), known.moved * ca.exp(-elapsed / CHANGES)
     )
-    share = ca.fmin(elapsed / CHANGES, 1.0)
-    followed = known.explained + share * (explained - known.explained)
+    followed, recent = (
+        value + ca.fmin(elapsed / time, 1.0) * (explained - value)
+        for value, time in ((known.explained, CHANGES), (known.recent, CHANGE_TIME))
+    )
     agreed, after = _compared(
         known,
         elapsed,
@@ -241,6 +243,7 @@ def air_checked(
         ca.vertcat(*residuals),
         ca.vertcat(*TURNED) * wind_deviations,
         MOVES * moved,
+        ca.norm_2(explained - recent),
     )
     for name, value in vars(after).items():
         before = getattr(known, name)
@@ -249,6 +252,7 @@ def air_checked(
     known.weight = ca.if_else(known_winds, after.weight, 0.0)
     known.moved = ca.if_else(compared[AIRSPEED], moved, 0.0)
     known.explained = ca.if_else(compared[AIRSPEED], followed, explained)
+    known.recent = ca.if_else(compared[AIRSPEED], recent, explained)
     known.reasons = ca.if_else(known_winds, agreed, ca.vertcat(*reasons))
     gate = GATE + DEVIATIONS * ca.sqrt(known.jumps[1 + AIRSPEED]) + MOVES * moved
     # When the comparison begins, the wind may still be what is wrong.
@@ -295,6 +299,7 @@ def _compared(
     residuals: ca.SX,
     turned: ca.SX,
     changes: ca.SX,
+    lately: ca.SX,
 ) -> tuple[ca.SX, SimpleNamespace]:
     """States of both sensors, and the rest of what is known, after residuals have been followed."""
     begins = _of_residuals(weight == 0.0)
@@ -311,7 +316,8 @@ def _compared(
         own, other = 3 * which, 1 + which  # of the residuals: its own one, and the other one
         usual = ca.sqrt(known.jumps[other] + turned[which] ** 2)
         usual = ca.fmax(DEVIATIONS * usual, OWN_DEVIATIONS * ca.sqrt(known.jumps[own]))
-        most = LEAST_JUMP + usual
+        # In turbulence a wind that is not well known goes quickly elsewhere: no sensor has jumped.
+        most = LEAST_JUMP + usual + (lately if which == AIRSPEED else 0.0)
         most = ca.fmax(most, DOMINANCE * ca.fabs(jumps[other]))
         least = LEAST_OFFSET + DEVIATIONS * ca.sqrt(known.offsets[other])
         least = changes + ca.fmax(least, DOMINANCE * ca.fabs(lasting[other]))
