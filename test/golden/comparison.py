@@ -36,7 +36,6 @@ TOLERANCES = (
     ("acceleration", r"\[m/s\^2\]$", (1e-7, 0.0), (2.0, 0.0)),
     ("bank rate", r"_dps$", (1e-6, 1e-7), (0.5, 5e-2)),
     ("cost", r"^cost$", (1e-8, 1e-6), (5.0, 0.8)),
-    ("commands", r"^off_plan$", (6.0, 0.0), (6.0, 0.0)),  # solves at the limit of iterations
     ("figure", r"", (1e-9, 1e-4), (1e-3, 1e-2)),  # proof levels, margins, gains
 )
 AMPLIFIED = 3.0  # -, times the greatest difference of the twins
@@ -138,10 +137,9 @@ def _size(recorded: Any, found: Any, place: tuple[str | int, ...]) -> tuple[str,
     if DIGEST.search(name) and isinstance(recorded, str) and isinstance(found, str):
         return "digest", 0.0
     numbers = _is_number(recorded) and _is_number(found)
-    quantity, _, *parts = next(row for row in TOLERANCES if re.search(row[1], name))
-    counts = isinstance(recorded, int) and isinstance(found, int) and quantity != "commands"
-    if not numbers or counts:
+    if not numbers or (isinstance(recorded, int) and isinstance(found, int)):
         return "value", math.inf
+    quantity, _, *parts = next(row for row in TOLERANCES if re.search(row[1], name))
     absolute, share = parts[jsbsim]
     change = abs(found - recorded)
     if quantity == "angle":
