@@ -13,6 +13,7 @@
 # limitations under the License.
 
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -109,10 +110,23 @@ def test_two_guidances_that_alternate_are_blended(shaper):
     np.testing.assert_allclose(sent[-2:], [middle, middle], atol=0.1 * np.max(PLAN[0] - LAW[0]))
 
 
-def test_after_silence_the_command_comes_as_it_is(shaper):
+def test_once_all_is_forgotten_the_command_comes_as_it_is(shaper):
     shaper.shape(0.0, PLAN, 0.5, 22.0, FallbackMode.OPTIMAL)
     shaper.reset()
     np.testing.assert_array_equal(shaper.shape(0.1, LAW, 1.0, 22.0, FallbackMode.LOITER), LAW)
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_after_a_break_the_turn_goes_on_from_the_one_that_is_flown(shaper, known):
+    shaper.shape(0.0, LAW, 1.0, 22.0, FallbackMode.LOITER)
+    shaper.pause()
+    flown = replace(situation(), rates=np.array([0.04, 0.2, 0.1])) if known else None
+    begin = 0.04 if known else PLAN[0, 0]
+    for time in (9.0, 9.1, 9.5):
+        shaped = shaper.shape(time, PLAN, 0.5, 22.0, FallbackMode.OPTIMAL, present=flown)
+        share = math.exp(-(time - 9.0) / FADE_TIME)
+        assert shaped[0, 0] == pytest.approx(PLAN[0, 0] + share * (begin - PLAN[0, 0]))
+        np.testing.assert_array_equal(shaped[:, 1:], PLAN[:, 1:])
 
 
 AMPLITUDES = np.array([0.06, 0.05, 1.0])

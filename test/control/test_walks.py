@@ -68,7 +68,7 @@ class Flight(ClosedLoop):
         self.formulation = Faulty(FlightFormulation(CONFIGURATION.controller, small_uav.solver()))
         self.lost, self.engaged, self.slow, self.quiet, self.spent = set(), True, 0.0, 0.0, 0.0
         super().__init__(CONFIGURATION, self.formulation)
-        self.stamps, self.commands, self.mode, self.plan = [], 0, None, None
+        self.stamps, self.commands, self.changes, self.plan = [], 0, None, None
 
     def _new_controller(self, formulation):
         return Controller(CONFIGURATION.controller, formulation, self.steady)
@@ -137,8 +137,8 @@ class Flight(ClosedLoop):
         else:
             assert len(command.inputs) == 1
             wanted = None
-        if mode is not self.mode:
-            self.mode, self.quiet = mode, command.stamp
+        if modes.changes != self.changes:  # into silence and out of it too
+            self.changes, self.quiet = modes.changes, command.stamp
         if wanted is not None and command.stamp - self.quiet > 3.0 * FADE_TIME:
             lower, upper = limits(self.controller.parameters, self.plant.state[5])
             off = np.abs(command.inputs[0] - np.clip(wanted, lower, upper))

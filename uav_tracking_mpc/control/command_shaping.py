@@ -16,7 +16,8 @@ r"""Commands inside their limits, without jumps, with a small test signal where 
 
 What is sent is what is wanted plus an offset that always decays. Where what is wanted jumps, since
 another kind of guidance or other parameters are flown, the offset takes up the jump: the command
-goes on from where it was, and converges to what is wanted however often that changes.
+goes on from where it was, and converges to what is wanted however often that changes. After a break
+the turn goes on from the one that the aircraft flies.
 
 From the test signal a flight tells how the aircraft answers commands. Each channel flies doublets:
 plus the amplitude for a time d, minus the amplitude for the same time, so that heading, path angle
@@ -259,8 +260,13 @@ class CommandShaper:
         self._wanted: NDArray[np.float64] | None = None
         self._mode = FallbackMode.SILENCE
         self._offset, self._time = np.zeros(3), 0.0
-        self._changed = False
+        self._changed = self._broken = False
         self.excitation.reset()
+
+    def pause(self) -> None:
+        """Nothing is commanded for a while: the next command goes on from the turn flown then."""
+        self.reset()
+        self._broken = True
 
     def shape(
         self,
@@ -270,6 +276,7 @@ class CommandShaper:
         airspeed: float,
         mode: FallbackMode,
         surplus: float = 0.0,
+        present: Situation | None = None,
     ) -> NDArray[np.float64]:
         """Inputs to be sent.
 
@@ -281,6 +288,7 @@ class CommandShaper:
             mode: Where the inputs come from.
             surplus: What the aircraft turns quicker than its bank says, in [rad/s]: one that turns
                 slower is not banked beyond the limit for it.
+            present: What the aircraft flies; None where that is not known.
 
         Returns:
             Finite inputs inside their limits, shape (n, 3).
@@ -294,6 +302,9 @@ class CommandShaper:
         self._offset *= math.exp(-max(0.0, time - self._time) / FADE_TIME)
         if self._wanted is not None and (other or self._changed):
             self._offset += self._wanted - inside[0]
+        if self._broken and present is not None:
+            self._offset[TURN] = present.rates[TURN] - inside[0, TURN]
+        self._broken = False
         self._wanted, self._time, self._mode, self._changed = inside[0], time, mode, False
         if not self._offset.any():
             return inside

@@ -407,7 +407,7 @@ class Controller:
         self._silence(reason)
 
     def _silence(self, reason: str) -> None:
-        self._shaper.reset()
+        self._shaper.pause()
         self._select(Available(state=False, trouble=reason))
 
     def _believe(
@@ -499,7 +499,7 @@ class Controller:
     ) -> Command:
         (inputs, step), mode, reason = told, self.modes.mode, self.modes.reason
         inputs, surplus = inputs / self.response.flown.gains, self.navigator.air.surplus
-        inputs = self._shaper.shape(stamp, inputs, step, airspeed, mode, surplus)
+        inputs = self._shaper.shape(stamp, inputs, step, airspeed, mode, surplus, now)
         inputs = self._shaper.excitation.added(stamp, inputs, mode, self.orbit, now)
         flown = None
         if now is not None:  # the drift is the wind less the target's velocity
