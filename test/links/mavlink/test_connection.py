@@ -198,6 +198,22 @@ def test_lost_messages_are_counted_and_late_ones_are_not(pair):
     assert ours.lost == 2 + 3  # 252 and 253; 255, 0 and 1
 
 
+def test_messages_that_are_not_known_here_are_not_lost(pair):
+    """A newer autopilot sends some beside each of those that are known."""
+    ours, theirs = pair
+    ours.watched, parser = 3, theirs._wire.mav
+    for number in range(0, 12, 3):
+        parser.seq = number
+        theirs.send(heartbeat())
+        for other in (number + 1, number + 2):
+            header = bytes([0xFD, 4, 0, 0, other, 3, 1, *(60000).to_bytes(3, "little")])
+            theirs._wire.write(header + bytes(6))
+    parser.seq = 14  # 12 and 13 are lost
+    theirs.send(heartbeat())
+    assert len(received(ours, 5)) == 5
+    assert ours.lost == 2
+
+
 def test_a_closed_connection_says_so(pair):
     ours, _ = pair
     ours.close()

@@ -28,6 +28,7 @@ import select
 import socket
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -262,6 +263,9 @@ class Connection:
         self._system = 255
         self._sending = threading.Lock()
         self._last: dict[tuple[int, int], int] = {}
+        self._unknown: Counter[tuple[int, int]] = (
+            Counter()
+        )  # since the last known one
         self._begin = self.now()
         self._wire: Any = None
         place = place_of(self.address)
@@ -387,9 +391,14 @@ class Connection:
         for message in messages:
             if message.get_type() == "BAD_DATA":
                 self.bad += 1
-            elif message.get_msgId() in mavlink.mavlink_map:  # others have no checksum to be known
+            elif message.get_msgId() in mavlink.mavlink_map:
                 self._count(message)
                 good.append(message)
+            else:  # a newer autopilot's: without its definition its checksum cannot be tested
+                frame = message.get_msgbuf()
+                sender = frame[5:7] if frame[0] == mavlink.PROTOCOL_MARKER_V2 else frame[3:5]
+                if sender[0] == self.watched:
+                    self._unknown[sender[0], sender[1]] += 1
         return good
 
     def _count(self, message: Any) -> None:
@@ -398,8 +407,8 @@ class Connection:
         if sender[0] == self.watched and sender in self._last:
             gap = (number - self._last[sender] - 1) % SEQUENCE
             if gap < SEQUENCE // 2:  # otherwise it is late or doubled
-                self.lost += gap
-        self._last[sender] = number
+                self.lost += max(0, gap - self._unknown[sender])
+        self._last[sender], self._unknown[sender] = number, 0
 
     def send(self, message: Any) -> None:
         """Send a message; a wire that is lost takes it without a word, receiving tells.
