@@ -263,9 +263,7 @@ class Connection:
         self._system = 255
         self._sending = threading.Lock()
         self._last: dict[tuple[int, int], int] = {}
-        self._unknown: Counter[tuple[int, int]] = (
-            Counter()
-        )  # since the last known one
+        self._unknown: Counter[tuple[int, int]] = Counter()  # since the last known one
         self._begin = self.now()
         self._wire: Any = None
         place = place_of(self.address)
