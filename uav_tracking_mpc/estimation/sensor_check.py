@@ -316,8 +316,9 @@ def _compared(
         own, other = 3 * which, 1 + which  # of the residuals: its own one, and the other one
         usual = ca.sqrt(known.jumps[other] + turned[which] ** 2)
         usual = ca.fmax(DEVIATIONS * usual, OWN_DEVIATIONS * ca.sqrt(known.jumps[own]))
-        # In turbulence a wind that is not well known goes quickly elsewhere: no sensor has jumped.
-        most = LEAST_JUMP + usual + (lately if which == AIRSPEED else 0.0)
+        if which == AIRSPEED:  # in turbulence a wind that is not well known goes quickly elsewhere
+            usual = ca.fmax(usual, lately)
+        most = LEAST_JUMP + usual
         most = ca.fmax(most, DOMINANCE * ca.fabs(jumps[other]))
         least = LEAST_OFFSET + DEVIATIONS * ca.sqrt(known.offsets[other])
         least = changes + ca.fmax(least, DOMINANCE * ca.fabs(lasting[other]))
