@@ -38,7 +38,7 @@ from uav_tracking_mpc.symbolic.functions import BufferedFunction
 OFFSET_REACH = np.array([0.01, 0.01, 0.03])
 LEAST_SOFTENED = 0.01  # -, weight of a rate from which on a loop is softened that has none
 # -, times the weight of changes of the turn rate: the roll loop of an autopilot swings near 1 Hz,
-# which no lag and dead time tell. In a steady wind ArduPlane rolls half as much by it.
+# which no lag and dead time tell. In a steady wind ArduPlane rolls a third as much by it.
 HELD_SOFTNESS = 16.0
 
 
