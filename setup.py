@@ -43,6 +43,7 @@ setup(
     package_data={
         f"{NAME}.config": [
             "*.yaml",
+            "*.xml",
             "certificates/*.json",
             "campaigns/*.yaml",
             "scenarios/*.yaml",
@@ -54,7 +55,7 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
-        (f"share/{NAME}/config", glob("config/*.yaml")),
+        (f"share/{NAME}/config", glob("config/*.yaml") + glob("config/*.xml")),
         (f"share/{NAME}/config/airframes/aerosonde", glob("config/airframes/aerosonde/*.xml")),
         (f"share/{NAME}/config/campaigns", glob("config/campaigns/*.yaml")),
         (f"share/{NAME}/config/certificates", glob("config/certificates/*.json")),

@@ -35,6 +35,7 @@ from hypothesis import HealthCheck, settings
 from uav_tracking_mpc.dynamics import paper_numbers
 from uav_tracking_mpc.dynamics.orbit import Orbit
 from uav_tracking_mpc.launch.supervisor import own_domain
+from uav_tracking_mpc.nodes.ros.ros_environment import stay_on_this_machine
 
 # One domain for nodes in this process and one for its children: who was killed is remembered for
 # 20 s, and on one machine Fast DDS finds only so many participants, which this process uses up.
@@ -42,7 +43,8 @@ from uav_tracking_mpc.launch.supervisor import own_domain
 _claims = ExitStack()
 os.environ["ROS_DOMAIN_ID"] = str(_claims.enter_context(own_domain(None)))
 os.environ["DOMAIN_OF_PROCESSES"] = str(_claims.enter_context(own_domain(None)))
-os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+os.environ.pop("ROS_AUTOMATIC_DISCOVERY_RANGE", None)
+stay_on_this_machine()
 os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
 
 # A shell that runs this in the background has it ignored, and children would inherit that.

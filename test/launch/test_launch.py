@@ -50,7 +50,7 @@ from test_commands import AUTOPILOT, commands
 from uav_tracking_mpc.cli import launch_tracking
 from uav_tracking_mpc.cli.main import main
 from uav_tracking_mpc.control.record import recorded_parameters, replay
-from uav_tracking_mpc.launch.supervisor import LAST_DOMAIN, SharedMemoryFiles, own_domain
+from uav_tracking_mpc.launch.supervisor import LAST_DOMAIN, own_domain
 from uav_tracking_mpc.links import LinkError
 from uav_tracking_mpc.mpc.compiled_method import CompilationError
 from uav_tracking_mpc.nodes.bag_log import flight_log, messages
@@ -212,23 +212,12 @@ def test_without_engage_nothing_is_commanded_and_it_says_how(tmp_path):
     assert not (tmp_path / "mission.mcap").exists()
 
 
-def mapped(process):
-    """Names of the Fast DDS files that a process maps."""
+def shared_memory(process):
+    """Files of Fast DDS in shared memory that a process maps."""
     with contextlib.suppress(OSError):
         lines = Path(f"/proc/{process}/maps").read_text(errors="replace").splitlines()
-        return {Path(line.split()[-1]).name for line in lines if "/dev/shm/fastrtps" in line}
-    return set()
-
-
-def left_behind(names):
-    """Which of these files, their locks and semaphores still lie there though nobody uses them."""
-    used = set().union(*(mapped(path.name) for path in Path("/proc").glob("[0-9]*")))
-    return {
-        file
-        for name in names - used
-        for file in (name, f"{name}_el", f"sem.{name}_mutex")
-        if (Path("/dev/shm") / file).exists()
-    }
+        return [line.split()[-1] for line in lines if "/dev/shm/fastrtps" in line]
+    return []
 
 
 @pytest.fixture
@@ -237,20 +226,10 @@ def launcher():
     with started("cli.launch_tracking", *words, after=after, env=undecided()) as process:
         process.nodes = nodes_of(process.pid)
         assert set(process.nodes) == {"uav_simulator", "target_publisher", "nmpc_controller"}
-        own = {str(process.pid), *map(str, process.nodes.values())}
-        others = {path.name for path in Path("/proc").glob("[0-9]*")} - own
-        shared = set().union(*map(mapped, others))
-        process.files = {
-            name
-            for name in set().union(*map(mapped, own)) - shared
-            if not name.startswith("fastrtps_port70")  # below the ports of domain 0: all domains'
-        }
-        assert process.files or sys.platform != "linux"
-        rests = SharedMemoryFiles()
-        rests.note(process.nodes.values())
+        # A process that is killed would leave them as they were at that moment.
+        assert not any(map(shared_memory, [process.pid, *process.nodes.values()]))
         yield process
     assert wait_for(lambda: not any(alive(node) for node in process.nodes.values()))
-    rests.remove_orphans()  # a killed launcher cannot
 
 
 def test_a_signal_is_passed_on_and_nothing_stays_behind(launcher):
@@ -259,7 +238,6 @@ def test_a_signal_is_passed_on_and_nothing_stays_behind(launcher):
     assert launcher.returncode == 0, output
     assert not any(alive(node) for node in launcher.nodes.values())
     assert "Traceback" not in output
-    assert not left_behind(launcher.files)
 
 
 def test_a_node_that_dies_is_named_and_the_rest_is_stopped(launcher):
@@ -268,7 +246,6 @@ def test_a_node_that_dies_is_named_and_the_rest_is_stopped(launcher):
     assert launcher.returncode == 1
     assert "uav_simulator died with exit code -9" in output
     assert not any(alive(node) for node in launcher.nodes.values())
-    assert not left_behind(launcher.files)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells children of the death")

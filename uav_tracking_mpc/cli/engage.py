@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import re
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -77,11 +76,11 @@ def flight_requests(
         ConnectionError: A node is not there, or does not answer.
         DomainValueError: The exported domain is not allowed.
     """
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     from uav_tracking_mpc.nodes.ros.process import BackgroundNode
-    from uav_tracking_mpc.nodes.ros.ros_environment import exported_domain
+    from uav_tracking_mpc.nodes.ros.ros_environment import exported_domain, stay_on_this_machine
     from uav_tracking_mpc.nodes.watching import NoAnswerError, SteeringRequests, asking_node
 
+    stay_on_this_machine()
     asked = arguments.domain_id
     domain = (exported_domain() or 0) if asked is None else asked
     spun = BackgroundNode(asking_node, domain)

@@ -48,8 +48,9 @@ def run(arguments: argparse.Namespace) -> int:
     """
     if arguments.domain_id is not None:
         os.environ["ROS_DOMAIN_ID"] = str(arguments.domain_id)
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     from uav_tracking_mpc.nodes.monitor import Monitor
     from uav_tracking_mpc.nodes.ros.process import run as run_node
+    from uav_tracking_mpc.nodes.ros.ros_environment import stay_on_this_machine
 
+    stay_on_this_machine()
     return run_node("monitor", Monitor, ["--ros-args", "-r", f"__ns:={arguments.namespace}"])

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import os
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -89,9 +88,10 @@ def _recorded(arguments: argparse.Namespace) -> FlightSource:
 
 
 def _live(arguments: argparse.Namespace) -> FlightSource:
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    from uav_tracking_mpc.nodes.ros.ros_environment import stay_on_this_machine
     from uav_tracking_mpc.view.live_source import LiveSource
 
+    stay_on_this_machine()
     return LiveSource(arguments.domain_id)
 
 

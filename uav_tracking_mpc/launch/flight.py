@@ -38,7 +38,6 @@ from uav_tracking_mpc.launch.supervisor import (
     STOP_LIMIT,
     LaunchError,
     NodeProcess,
-    SharedMemoryFiles,
     Supervisor,
     supervised,
 )
@@ -59,7 +58,6 @@ if TYPE_CHECKING:
 REAL_TIME = 1.0  # -, simulated over wall time: the factor of a real clock
 START_LIMIT = 120.0  # s of wall time for the first command
 DRAIN_TIME = 0.3  # s of wall time without a state or command: no more wait for the recorder
-NOTE_PERIOD = 0.5  # s of wall time between looks at the nodes' shared-memory files
 LOOK_PERIOD = 0.2  # s of wall time between looks at where the flight stands
 REPORT_PERIOD = 5.0  # s of wall time between lines where there is no terminal
 COMMAND = "uav_tracking_mpc.cli.main"  # module of the page and of the simulated autopilot
@@ -268,7 +266,6 @@ def _watch(
     """Spin the recorder and show progress until the mission ends, a signal comes or a node dies."""
     duration = configuration.mission.duration
     begin = shown = looked = time.monotonic()
-    noted = 0.0
     columns = TextColumn("{task.description}"), TextColumn("{task.percentage:3.0f}%")
     with Progress(
         *columns, console=console, transient=True, disable=not console.is_terminal
@@ -277,9 +274,6 @@ def _watch(
         while not received:
             executor.spin_once(timeout_sec=0.05)
             now = time.monotonic()
-            if now - noted > NOTE_PERIOD:
-                noted = now
-                supervisor.note_shared_memory()
             if now - looked < LOOK_PERIOD:  # decoding costs what the recorder needs to keep up
                 continue
             looked = now
@@ -382,10 +376,7 @@ def page_process(
     try:
         yield stay
     finally:
-        files = SharedMemoryFiles()
-        files.note([process.identity])
         process.stop(signal.SIGTERM)
-        files.remove_orphans()
 
 
 @contextmanager

@@ -29,17 +29,20 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from rich.console import Console
 
-from uav_tracking_mpc.nodes.ros.ros_environment import VARIABLE, ensure_log_folder
+from uav_tracking_mpc.nodes.ros.ros_environment import (
+    VARIABLE,
+    ensure_log_folder,
+    stay_on_this_machine,
+)
 from uav_tracking_mpc.settings.configuration import Configuration
 
 FIRST_DOMAIN, LAST_DOMAIN = 1, 101  # what Linux's ephemeral ports leave free
-FOLDER = Path("/dev/shm")
 STOP_LIMIT = 5.0  # s of wall time for a node to end after a signal
 NODES = SIMULATOR, TARGET, CONTROLLER = "uav_simulator", "target_publisher", "nmpc_controller"
 LINK = "autopilot_link"  # in the simulator's place
@@ -78,49 +81,6 @@ def own_domain(domain: int | None) -> Iterator[int]:
             yield candidate
             return
     raise DomainError(f"all ROS domains from {FIRST_DOMAIN} to {LAST_DOMAIN} are in use")
-
-
-class SharedMemoryFiles:
-    """Remembers which files a group of processes maps, and removes them when nobody does.
-
-    On systems without /proc and /dev/shm it does nothing.
-    """
-
-    def __init__(self) -> None:
-        self._seen: set[Path] = set()
-
-    def note(self, processes: Iterable[int]) -> None:
-        """Remember the files that processes map now.
-
-        Args:
-            processes: Their process ids.
-        """
-        for process in processes:
-            self._seen |= _mapped(Path(f"/proc/{process}"))
-
-    def remove_orphans(self) -> None:
-        """Remove every remembered file that no other living process maps.
-
-        This process itself is done with them, though Fast DDS keeps some open until it ends.
-        """
-        for process in Path("/proc").glob("[0-9]*"):
-            if process.name != str(os.getpid()):
-                self._seen -= _mapped(process)
-        for file in self._seen:
-            # Its lock and its semaphore are never mapped: they go with the file that they guard.
-            for name in (file.name, f"{file.name}_el", f"sem.{file.name}_mutex"):
-                with suppress(OSError):
-                    (FOLDER / name).unlink()
-        self._seen.clear()
-
-
-def _mapped(process: Path) -> set[Path]:
-    try:
-        lines = (process / "maps").read_text(errors="replace").splitlines()
-    except OSError:  # it has ended, or belongs to somebody else
-        return set()
-    names = {line.rpartition(" ")[2] for line in lines if f" {FOLDER}/" in line}
-    return {Path(name) for name in names if "fastrtps" in name}
 
 
 class NodeProcess:
@@ -224,7 +184,6 @@ class Supervisor:
         self._parameters = folder / "parameters.yaml"
         self._console = console
         self._commands: dict[str, tuple[str, tuple[str, ...]]] = {}
-        self._files = SharedMemoryFiles()
 
     def start(self, name: str, module: str, arguments: Sequence[str] = ()) -> None:
         """Start a node.
@@ -295,7 +254,6 @@ class Supervisor:
         Args:
             name: Of the node.
         """
-        self.note_shared_memory()
         self.processes.pop(name).stop(signal.SIGKILL)
 
     def freeze(self, name: str) -> None:
@@ -330,11 +288,6 @@ class Supervisor:
             words = "; ".join(f"{name} died with exit code {code}" for name, code in dead.items())
             raise LaunchError(words)
 
-    def note_shared_memory(self) -> None:
-        """Remember the shared-memory files in use: a killed process cannot remove its own."""
-        identities = [process.identity for process in self.processes.values()]
-        self._files.note([os.getpid(), *identities])
-
     def end(self, meanwhile: Callable[[], None] = lambda: None) -> None:
         """End every process.
 
@@ -342,7 +295,6 @@ class Supervisor:
             meanwhile: Called once when all of them were told to end, before those that do not are
                 killed.
         """
-        self.note_shared_memory()
         for process in self.processes.values():
             # SIGTERM, not SIGINT: a node that is still loading ends on it without a traceback.
             process.send_signal(signal.SIGTERM)
@@ -351,14 +303,10 @@ class Supervisor:
         while self.processes:
             self.processes.popitem()[1].stop(signal.SIGTERM)
 
-    def remove_shared_memory(self) -> None:
-        """Remove the files that killed processes left behind, once ROS is shut down here too."""
-        self._files.remove_orphans()
-
 
 @contextmanager
 def supervised(console: Console, domain: int | None = None) -> Iterator[Supervisor]:
-    """ROS in this process and a supervisor; everything is ended and removed at the end.
+    """ROS in this process and a supervisor; everything is ended at the end.
 
     Args:
         console: Where the nodes' output goes.
@@ -373,13 +321,8 @@ def supervised(console: Console, domain: int | None = None) -> Iterator[Supervis
     """
     with own_domain(domain) as claimed, tempfile.TemporaryDirectory() as folder:
         before = os.environ.get(VARIABLE)
-        os.environ.update(
-            ROS_DOMAIN_ID=str(claimed),
-            ROS_AUTOMATIC_DISCOVERY_RANGE=os.environ.get(
-                "ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"
-            ),
-            RCUTILS_COLORIZED_OUTPUT="0",
-        )
+        os.environ.update(ROS_DOMAIN_ID=str(claimed), RCUTILS_COLORIZED_OUTPUT="0")
+        stay_on_this_machine()
         if changed := ensure_log_folder():
             console.print(changed, highlight=False, soft_wrap=True)
         import rclpy
@@ -392,7 +335,6 @@ def supervised(console: Console, domain: int | None = None) -> Iterator[Supervis
         finally:
             supervisor.end()
             rclpy.try_shutdown()
-            supervisor.remove_shared_memory()
             # A later launch of this process is to choose anew.
             if before is None:
                 os.environ.pop(VARIABLE, None)

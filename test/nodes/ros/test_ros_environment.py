@@ -12,18 +12,23 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What ROS finds in the environment: a log folder, a domain."""
+"""What ROS finds in the environment: a log folder, a domain, how far it goes."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
 from uav_tracking_mpc.cli.program import explanation
 from uav_tracking_mpc.nodes.ros import ros_environment
-from uav_tracking_mpc.nodes.ros.ros_environment import DomainValueError, exported_domain
+from uav_tracking_mpc.nodes.ros.ros_environment import (
+    DomainValueError,
+    exported_domain,
+    stay_on_this_machine,
+)
 
 
 @pytest.fixture
@@ -70,6 +75,45 @@ def test_what_is_exported_is_respected(home, monkeypatch, variable, below):
     assert ros_environment.ensure_log_folder() == ""
     assert (wanted / below).is_dir()
     assert os.environ[variable] == str(wanted)
+
+
+@pytest.fixture
+def reach(monkeypatch):
+    """Exports these variables and no others that say how far ROS goes; returns what then holds."""
+    names = ("ROS_AUTOMATIC_DISCOVERY_RANGE", "FASTRTPS_DEFAULT_PROFILES_FILE")
+
+    def exported(**values):
+        for name in (*names, "RMW_IMPLEMENTATION"):
+            monkeypatch.setenv(name, "")  # put back at the end, whatever the product does
+            monkeypatch.delenv(name)
+        for name, value in values.items():
+            monkeypatch.setenv(name, value)
+        stay_on_this_machine()
+        return tuple(os.environ.get(name) for name in names)
+
+    return exported
+
+
+def test_ros_stays_on_this_machine_without_shared_memory(reach):
+    how_far, profile = reach()
+    assert how_far == "SYSTEM_DEFAULT"  # as the profile says
+    transports = ElementTree.parse(profile).getroot()
+    space = "{http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles}"
+    assert [each.text for each in transports.iter(f"{space}type")] == ["UDPv4"]
+    assert {each.text for each in transports.iter(f"{space}address")} == {"127.0.0.1"}
+
+
+@pytest.mark.parametrize(
+    ("values", "then"),
+    [
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}, ("SUBNET", None)),
+        ({"FASTRTPS_DEFAULT_PROFILES_FILE": "mine.xml"}, ("LOCALHOST", "mine.xml")),
+        ({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}, ("LOCALHOST", None)),
+        ({"RMW_IMPLEMENTATION": "rmw_fastrtps_dynamic_cpp"}, None),
+    ],
+)
+def test_how_far_ros_goes_is_the_users_choice(reach, values, then):
+    assert reach(**values) == (then or reach())
 
 
 @pytest.mark.parametrize(("text", "domain"), [("", None), ("0", 0), (" 42 ", 42), ("232", 232)])

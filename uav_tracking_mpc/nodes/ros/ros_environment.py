@@ -72,6 +72,29 @@ def refusal_of_ros(error: BaseException) -> str:
     return f"ROS does not start: {' '.join(words.split())}"
 
 
+RANGE, PROFILES = "ROS_AUTOMATIC_DISCOVERY_RANGE", "FASTRTPS_DEFAULT_PROFILES_FILE"
+
+
+def stay_on_this_machine() -> None:
+    """Let ROS stay on this machine, unless the environment says how far it goes.
+
+    Fast DDS is given sockets of the loopback alone (``config/loopback.xml``). What ROS calls
+    LOCALHOST uses shared memory, too, whatever FASTDDS_BUILTIN_TRANSPORTS says: a process that is
+    killed leaves it as it was at that moment, and others may hear nothing new from then on
+    (eProsima/Fast-DDS#5469). Processes that are started from here inherit the choice.
+    """
+    if RANGE in os.environ:
+        return
+    from uav_tracking_mpc.settings.configuration import configuration_folder
+
+    fast = os.environ.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fastrtps")
+    if fast and PROFILES not in os.environ:
+        os.environ[PROFILES] = str(configuration_folder() / "loopback.xml")
+        os.environ[RANGE] = "SYSTEM_DEFAULT"
+    else:
+        os.environ[RANGE] = "LOCALHOST"
+
+
 LOG_VARIABLE = "ROS_LOG_DIR"
 
 

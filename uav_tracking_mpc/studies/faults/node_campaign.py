@@ -305,7 +305,6 @@ class NodeCampaign(FaultCampaign):
                 yield now
 
     def _sample_resources(self, now: float) -> None:
-        self.supervisor.note_shared_memory()
         for name, process in self.supervisor.processes.items():
             used = usage(process.identity) if name in NODES else None
             if used is not None:
