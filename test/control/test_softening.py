@@ -18,11 +18,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import small_uav
 
 from uav_tracking_mpc.control.event import EventLog
 from uav_tracking_mpc.control.guidance import formulation_of
 from uav_tracking_mpc.control.softening import MOST, QUIET, STEP, Softening
 from uav_tracking_mpc.control.watches import Swing
+from uav_tracking_mpc.estimation.forecast import steady_forecast
 from uav_tracking_mpc.settings.configuration import load_configuration
 from uav_tracking_mpc.simulation.closed_loop import simulate
 from uav_tracking_mpc.studies.comparison.measures import measures
@@ -117,4 +119,5 @@ def test_weights_of_rates_are_multiplied_in_the_problem():
     formulation.soften(np.array([8.0, 1.0, 1.0]))
     told = parameters.rate_weights
     expected = [8.0 * told[0], *told[1:]]
-    assert formulation._data[0, where] == pytest.approx(expected)
+    ahead = steady_forecast(small_uav.situation(300.0, 0.0, 120.0, 1.6), parameters.horizon)
+    assert formulation.data(ahead, parameters.orbit)[0, where] == pytest.approx(expected)

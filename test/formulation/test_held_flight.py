@@ -118,6 +118,23 @@ def test_what_was_told_is_forgotten_with_the_plan():
     np.testing.assert_allclose(data[0][flight.flight.where["held"]], [120.0, 22.0])
 
 
+def test_in_gusts_the_turn_rate_is_changed_more_gently():
+    """Plans from a metre inside the orbit, in calm air and in ever stronger gusts."""
+    radius = HELD.orbit.radius
+    rates = (22.0 / radius, 0.0, 0.0)
+    start = small_uav.situation(radius - 1.0, 0.0, 120.0, np.pi / 2.0, rates=rates)
+    flight = formulation()
+    ahead = steady_forecast(start, HELD.horizon)
+    changes = []
+    for walk in (0.0, 0.1, 0.5, 1.0, 5.0, np.inf):
+        flight.reset()
+        plan = flight.solve(start, replace(ahead, gust_walk=walk), HELD.orbit, None)
+        assert plan.solution.converged
+        changes.append(np.abs(np.diff(plan.inputs[:, 0])).max())
+    assert changes[0] == changes[1] > 1.4 * changes[2] > 1.4**2 * changes[3]
+    assert changes[3] == changes[4] == changes[5]
+
+
 def test_constants_of_the_autopilot_may_change_in_flight():
     start = small_uav.situation(450.0, 30.0, 90.0, 2.8)
     flight = formulation()

@@ -76,7 +76,7 @@ MEMORY = Layout(
 )
 FOUND = Layout(
     position=3, angles=2, airspeed=1, rates=3, wind=3, trend=3, gust=3, times=3,
-    states=4, changed=1, without=3, known=1, deviation=1,
+    states=4, changed=1, without=3, known=1, deviation=1, walk=1,
 )  # fmt: skip
 
 
@@ -90,6 +90,7 @@ class AircraftInAir(NamedTuple):
         trend: How the mean wind changes, shape (3,), in [m/s^2].
         gust: That lasts, shape (3,), in [m/s].
         correlation_times: How long gusts last on each axis, shape (3,), in [s].
+        gust_walk: Intensity of level gusts in [m^2/s^3].
     """
 
     vehicle: NDArray[np.float64]
@@ -98,6 +99,7 @@ class AircraftInAir(NamedTuple):
     trend: NDArray[np.float64]
     gust: NDArray[np.float64]
     correlation_times: NDArray[np.float64]
+    gust_walk: float
 
 
 class AirEstimate:
@@ -241,6 +243,7 @@ class AirEstimate:
             found.trend.copy(),
             found.gust.copy(),
             found.times.copy(),
+            float(found.walk[0]),
         )
 
 
@@ -362,6 +365,7 @@ def _step() -> ca.Function:
         without=blind.state[W],
         known=ca.mmax(blind.triangle[LEVEL_WIND]) <= sensor_check.WIND_KNOWN**2,
         deviation=ca.sqrt(ca.fmax(unknown, 0.0)),
+        walk=walks[0],
     )
     results = [MEMORY.joined(remembered), FOUND.joined(found)]
     return ca.Function("air_estimate", [memory, measured], results)

@@ -32,11 +32,13 @@ class Forecast:
         target: Position in ``map``, shape (N + 1, 3), in [m].
         drift: c, shape (N + 1, 3), in [m/s].
         drift_rate: c', shape (N + 1, 3), in [m/s^2].
+        gust_walk: Intensity of level gusts in [m^2/s^3]; infinite where nothing is known of them.
     """
 
     target: NDArray[np.float64]
     drift: NDArray[np.float64]
     drift_rate: NDArray[np.float64]
+    gust_walk: float = 0.0
 
 
 def steady_forecast(situation: Situation, stages: int) -> Forecast:

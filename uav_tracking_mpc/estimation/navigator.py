@@ -230,13 +230,14 @@ class Navigator:
         self._follow_acceleration(time)
         air = self._aircraft_in_air(measurement, vehicle, ground)
         np.add(self._stages, delay, out=self._times[1:])
-        blowing = air[2:]
+        blowing = air[2:6]
         faded = self._fading(time).reshape(-1)
         ahead = self._outlook(motion, turning, faded, blowing, self._times)
         target, drift, drift_rate = (rows[0] for rows in ahead)
         present = Situation(air.vehicle, target, drift, drift_rate, air.rates)
         self.wind = air.wind + air.gust
-        forecast = Forecast(*(rows[1:] for rows in ahead))
+        targets, drifts, drift_rates = (rows[1:] for rows in ahead)
+        forecast = Forecast(targets, drifts, drift_rates, air.gust_walk)
         if delay == 0.0:
             return Estimate(present, present, forecast)
         return Estimate(present, self._at_effect(time, delay, present, forecast), forecast)
@@ -255,7 +256,7 @@ class Navigator:
         if not measurement.placed:
             raise ValueError("no position is measured")
         wind = measurement.ground_velocity - vehicle_model.velocity(vehicle)
-        return AircraftInAir(vehicle, rates, wind, np.zeros(3), np.zeros(3), np.ones(3))
+        return AircraftInAir(vehicle, rates, wind, np.zeros(3), np.zeros(3), np.ones(3), math.inf)
 
     def _at_effect(
         self, time: float, delay: float, present: Situation, forecast: Forecast

@@ -25,6 +25,7 @@ from uav_tracking_mpc.dynamics.orbit import COUNTER_CLOCKWISE, Orbit
 from uav_tracking_mpc.dynamics.vehicle import Response
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.situation import Situation
+from uav_tracking_mpc.estimation.wind_filter import GUST_WALK
 from uav_tracking_mpc.formulation.flight_problem import DECISION_SCALE, FlightProblem, part_of
 from uav_tracking_mpc.formulation.formulation import Plan, SolverMaker, solver_of
 from uav_tracking_mpc.laws.vector_field import VectorField
@@ -37,9 +38,9 @@ from uav_tracking_mpc.symbolic.functions import BufferedFunction
 # between both and met half-heartedly; linear beyond, or far away it would drown everything else.
 OFFSET_REACH = np.array([0.01, 0.01, 0.03])
 LEAST_SOFTENED = 0.01  # -, weight of a rate from which on a loop is softened that has none
-# -, times the weight of changes of the turn rate: the roll loop of an autopilot swings near 1 Hz,
-# which no lag and dead time tell. In a steady wind ArduPlane rolls a third as much by it.
-HELD_SOFTNESS = 16.0
+# -, times the weight of changes of the turn rate, in calm air and from moderate gusts on: an
+# autopilot's roll loop swings near 1 Hz, which no lag and dead time tell, and gusts keep it going.
+HELD_SOFTNESS = 4.0, 16.0
 
 
 class FlightFormulation:
@@ -98,7 +99,6 @@ class FlightFormulation:
         parts = {
             "state_weights": parameters.state_weights,
             "input_weights": parameters.input_weights,
-            "rate_weights": self._rate_weights(),
             "airspeed_band": parameters.airspeed
             * (1.0 + parameters.airspeed_band * np.array([-1.0, 1.0])),
             "offset_weights": parameters.offset_weights,
@@ -131,12 +131,12 @@ class FlightFormulation:
     def soften(self, factors: NDArray[np.float64]) -> None:
         """See :meth:`Formulation.soften`."""
         self._factors = factors.copy()
-        self._data[:, self.flight.where["rate_weights"]] = self._rate_weights()
 
-    def _rate_weights(self) -> NDArray[np.float64]:
+    def _rate_weights(self, gust_walk: float) -> NDArray[np.float64]:
         told = np.array(self.parameters.rate_weights)
         if self.flight.holds:
-            told[0] *= HELD_SOFTNESS
+            least, most = HELD_SOFTNESS
+            told[0] *= min(max(least, most * gust_walk / GUST_WALK), most)
         return np.where(self._factors > 1.0, self._factors * np.maximum(told, LEAST_SOFTENED), told)
 
     def reset(self) -> None:
@@ -200,6 +200,7 @@ class FlightFormulation:
         data, where = self._data, self.flight.where
         data[:, where["drift"]] = forecast.drift
         data[:, where["drift_rate"]] = forecast.drift_rate
+        data[:, where["rate_weights"]] = self._rate_weights(forecast.gust_walk)
         data[:, where["orbit"]] = orbit.range, orbit.altitude, orbit.speed
         data[:, where["sense"]] = 1.0 if orbit.direction == COUNTER_CLOCKWISE else -1.0
         if self.flight.holds:

@@ -200,7 +200,8 @@ class FlightParameters(ModelParameters, ProblemParameters):
     rate_weights: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0),
         "Of the rates of change of turn rate, path-angle rate and acceleration, with the "
-        "artificial orbit. With autopilot_holds the first counts sixteen times.",
+        "artificial orbit. With autopilot_holds the first counts four times in calm air, sixteen "
+        "times from moderate gusts on.",
         size=3,
         lower=0.0,
         upper=1e9,
