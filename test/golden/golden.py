@@ -68,6 +68,7 @@ COMMAND = "import sys; from uav_tracking_mpc.cli.main import main; sys.exit(main
 STOPPED = "import time; time.perf_counter = lambda: 0.0; "  # no proof runs out of time
 # Of each kind of row one: all of them fly one by one below.
 ROWS = ("lag_2", "gust_light", "zigzag", "airspeed_zero", "position_jumps", "dropout_circling")
+HELD = ("wind", "gusts")  # scenarios of an autopilot that holds altitude and airspeed
 COMMANDS: dict[str, tuple[str, ...]] = {
     **{f"compare {name}": ("compare", "--config", name, *SHORT) for name in CONFIGURATIONS},
     "compare --mismatch": ("compare", "--mismatch", *ROWS, *SHORT),
@@ -100,6 +101,7 @@ def names() -> list[str]:
         for kind, law in kinds
         if not (config == "paper" and kind.partition(" ")[2] in SENSOR_FAULTS)  # slower than wind
     ]
+    flights += [f"small_uav: held {name}: {PREDICTIVE}" for name in HELD]
     missions = [f"{config}: mission: {law}" for config in CONFIGURATIONS for law in law_names()]
     missions += [f"{config}: simulate" for config in CONFIGURATIONS]
     return [*COMMANDS, "fly", *missions, *flights, "bag"]
@@ -143,6 +145,8 @@ def _simulated(config: str, kind: str, law: str, beside: float) -> dict[str, Any
     kind, _, name = kind.partition(" ")
     if config == "paper" and kind != "mission":
         told.append("mission.plant=vehicle")  # the Euler plant knows neither wind nor motion
+    if kind == "held":
+        told += ["mission.plant=held", "nmpc_controller.autopilot_holds=true"]
     told.append(f"mission.duration={MISMATCHED if kind == 'mismatch' else FLIGHT}")
     if kind == "mismatch":
         configuration = mismatched(config, name, tuple(told))
