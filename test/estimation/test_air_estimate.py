@@ -91,6 +91,17 @@ def test_in_steady_wind_everything_else_is_nothing():
     assert abs(filter_.heading_bias) < 1e-3
 
 
+def test_on_a_straight_way_the_wind_ahead_stays_unknown_without_the_airspeed():
+    """So a sound airspeed stays in use, however long the way and however strong the wind."""
+    filter_, (along, wind) = AirFilter(), np.array([[SPEED, 0.0, 0.0], [8.0, 0.0, 0.0]])
+    for k in range(round(600.0 / STEP)):
+        filter_.see(k * STEP, k * STEP * (along + wind), along + wind, along)
+        assert filter_.found.vehicle[5] == pytest.approx(SPEED, abs=0.1)
+    _, known = filter_.wind_without_airspeed
+    assert not known
+    assert filter_.health.states["airspeed"] == "used"
+
+
 def test_a_bias_of_the_ground_velocity_shows_beside_the_positions():
     filter_, _ = flown(20.0, bias=(2.0, -1.0, 0.5))
     np.testing.assert_allclose(filter_.ground_velocity_bias, [2.0, -1.0, 0.5], atol=0.05)

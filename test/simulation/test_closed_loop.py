@@ -129,6 +129,17 @@ def test_the_small_aircraft_settles_on_its_orbit_within_its_limits():
     assert force.max() < 1.01 * 3.0 and force.min() > 1.01 * -1.5
 
 
+def test_on_a_long_way_the_small_aircraft_keeps_its_height_and_airspeed():
+    """Against the wind from 1.5 km: a minute straight ahead, 20 m below the wanted altitude."""
+    far = "uav_simulator.initial_position=[1500.0, 0.0, 100.0]"
+    told = far, "mission.duration=80.0", BUDGET
+    states = simulate(load_configuration("small_uav", told, "wind")).vehicle
+    assert states[:, 2].min() > 80.0
+    assert states[-1, 2] == pytest.approx(120.0, abs=1.0)
+    assert states[:, 5].max() < 1.18 * 22.0  # the band of 17 %
+    assert states[:, 5].min() > 0.98 * 22.0
+
+
 def test_the_small_aircraft_follows_a_target_in_wind():
     """Target at 5 m/s, wind of 8 m/s with gusts, measured with noise and gaps."""
     log = flight(

@@ -53,7 +53,7 @@ from uav_tracking_mpc.symbolic.functions import BufferedFunction
 from uav_tracking_mpc.symbolic.layout import Layout
 
 LEAST_LEVEL = 0.1  # -, share of the airspeed, below which the wind tells nothing of it
-BLIND = 100.0  # m/s, standard deviation of what is not measured
+BLIND = 1e4  # m/s, standard deviation of what is not measured: over hours of it nothing is known
 LONGEST_GAP = 2.0  # s without a measurement, after which the position begins anew
 MAIN, NO_AIRSPEED, NO_HEADING = range(3)  # filters: what they go by
 LANES = ("main", "no_airspeed", "no_heading")
