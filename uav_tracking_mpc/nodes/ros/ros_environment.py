@@ -88,8 +88,8 @@ def stay_on_this_machine() -> None:
     from uav_tracking_mpc.settings.configuration import configuration_folder
 
     fast = os.environ.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fastrtps")
-    if fast and PROFILES not in os.environ:
-        os.environ[PROFILES] = str(configuration_folder() / "loopback.xml")
+    profile = str(configuration_folder() / "loopback.xml")
+    if fast and os.environ.setdefault(PROFILES, profile) == profile:
         os.environ[RANGE] = "SYSTEM_DEFAULT"
     else:
         os.environ[RANGE] = "LOCALHOST"
