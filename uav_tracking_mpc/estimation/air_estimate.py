@@ -53,7 +53,9 @@ from uav_tracking_mpc.symbolic.functions import BufferedFunction
 from uav_tracking_mpc.symbolic.layout import Layout
 
 LEAST_LEVEL = 0.1  # -, share of the airspeed, below which the wind tells nothing of it
-BLIND = 1e4  # m/s, standard deviation of what is not measured: over hours of it nothing is known
+# m/s, standard deviations of what is not measured. Along the way enough that in hours nothing is
+# known of the wind there; of a heading no more than what a linearised turn bears.
+BLIND, WITHOUT_AIRSPEED = 100.0, 1e4
 LONGEST_GAP = 2.0  # s without a measurement, after which the position begins anew
 MAIN, NO_AIRSPEED, NO_HEADING = range(3)  # filters: what they go by
 LANES = ("main", "no_airspeed", "no_heading")
@@ -380,11 +382,9 @@ def _loose(heading: ca.SX, airspeed: ca.SX | float, across: ca.SX | float) -> ca
         across: Whether the heading is not.
     """
     east, north = ca.cos(heading), ca.sin(heading)
-    return (
-        ca.vertcat(
-            ca.horzcat(airspeed * east, -across * north),
-            ca.horzcat(airspeed * north, across * east),
-            ca.SX.zeros(1, 2),
-        )
-        * BLIND
+    along, across = WITHOUT_AIRSPEED * airspeed, BLIND * across
+    return ca.vertcat(
+        ca.horzcat(along * east, -across * north),
+        ca.horzcat(along * north, across * east),
+        ca.SX.zeros(1, 2),
     )
