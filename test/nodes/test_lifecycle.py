@@ -209,7 +209,7 @@ def test_with_autostart_that_ends_the_process():
 
 def test_what_is_compiled_changes_after_cleanup_alone_and_the_rest_while_inactive(flying):
     refusal = flying.set(limit_penalty=500.0)
-    assert "must stay 1000.0 while the controller is configured" in refusal
+    assert "must stay 2000.0 while the controller is configured" in refusal
     assert flying.change("deactivate")
     assert flying.set(range=340.0) == ""
     assert flying.set(horizon=30)
