@@ -51,6 +51,7 @@ import contextlib
 import io
 import math
 import pickle
+import re
 import subprocess
 import sys
 import threading
@@ -211,7 +212,7 @@ class SeenPage:
         """Wait until the page knows that its server is gone."""
         self.eventually(lambda: self._camera is None, "the websocket is closed")
 
-    def wait_for_text(self, words: str) -> None:
+    def wait_for_text(self, words: str | re.Pattern[str]) -> None:
         """Wait until the panel or a notice shows words."""
         self.page.get_by_text(words).first.wait_for(state="visible")
 
