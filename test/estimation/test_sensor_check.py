@@ -61,13 +61,13 @@ class AirCheck(Evaluated):
     """Of airspeed and heading; the time is that of the last call."""
 
     def __init__(self, settled=0.0):
-        def check(known, dt, heading, reading, present, level, air, deviation, moved, forward):
+        def check(known, dt, heading, reading, present, level, air, deviation, moved, rates):
             air = air[:2], air[2:]
-            seen = heading, reading, present, level, air, deviation, settled, moved, forward
+            seen = heading, reading, present, level, air, deviation, settled, moved, rates
             after, _, *by_wind = air_checked(known, dt, *seen)
             return after, *by_wind
 
-        super().__init__(check, AIR_CHECK, initial_air_check(), [1, 1, 1, 1, 1, 4, 2, 3, 1])
+        super().__init__(check, AIR_CHECK, initial_air_check(), [1, 1, 1, 1, 1, 4, 2, 3, 3])
         self.time = 0.0
 
     @property
@@ -75,17 +75,17 @@ class AirCheck(Evaluated):
         codes = self.layout.parts(self.memory).reasons
         return ["" if code == 0.0 else STATES[int(code)] for code in codes]
 
-    def judge(self, time, heading, reading, level, air, deviations, explained, acceleration):
+    def judge(self, time, heading, reading, level, air, deviations, explained, rates):
         elapsed, self.time = time - self.time, time
         present = reading is not None
         seen = heading, reading or 0.0, present, level, np.concatenate(air), deviations
-        turned, along = self(elapsed, *seen, explained, acceleration)
+        turned, along = self(elapsed, *seen, explained, rates)
         return float(turned[0]), float(along[0])
 
 
 def circled(check, reading, begin=0.0, end=100.0, heading_error=0.0, gust=None, **more):
     """Circle in a wind that is known; what was gone by at last, and the reasons on the way."""
-    reasons, acceleration = [], more.get("acceleration", 0.0)
+    reasons, rates = [], [TURN, 0.0, more.get("acceleration", 0.0)]
     explained = more.get("explained", lambda time: np.zeros(3))
     for k in range(round(begin / STEP), round(end / STEP)):
         time = k * STEP
@@ -97,7 +97,7 @@ def circled(check, reading, begin=0.0, end=100.0, heading_error=0.0, gust=None, 
         seen = math.remainder(heading + heading_error, 2.0 * math.pi)
         measured = reading(time)
         airs, deviations = [air, by_airspeed], [more.get("deviation", 0.1)] * 2
-        known = airs, deviations, explained(time), acceleration
+        known = airs, deviations, explained(time), rates
         by_wind = check.judge(time, seen, measured, 1.0, *known)
         out = check.reasons
         gone_by = by_wind[0] if out[HEADING] else seen, by_wind[1] if out[AIRSPEED] else measured
@@ -190,6 +190,21 @@ def test_gusts_are_no_fault(period):
     check = AirCheck()
     circled(check, right, gust=blowing)
     assert circled(check, right, 100.0, 300.0, gust=blowing)[2] == [["", ""]]
+
+
+@pytest.mark.parametrize("lasting", [STEP, 2.0, 5.0])
+@pytest.mark.parametrize("change", [-9.0, 9.0])
+@pytest.mark.parametrize("along", [True, False])
+def test_a_front_of_the_wind_is_no_fault(check, along, change, lasting):
+    """It changes the ground velocity; what the sensors read changes as the aircraft is flown."""
+    begin = 100.0
+    direction = TURN * begin + (0.0 if along else 0.5 * math.pi)
+
+    def front(time):
+        share = min(max((time - begin) / lasting, 0.0), 1.0)
+        return share * change * np.array([math.cos(direction), math.sin(direction)])
+
+    assert circled(check, right, begin, begin + 6.0, gust=front)[2] == [["", ""]]
 
 
 def test_a_wind_that_turns_is_no_fault(check):

@@ -287,7 +287,7 @@ def _step() -> ca.Function:
         wind_deviations,
         meters.weight >= noise_meter.MEMORY,
         ca.vertcat((blind[W] + blind[G])[:2], blind[BETA] * seen.airspeed),
-        seen.rates[2],
+        seen.rates,
     )
     reasons = AIR_CHECK.parts(air).reasons
     by_wind = turned, along / level

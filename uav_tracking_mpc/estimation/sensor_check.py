@@ -30,7 +30,9 @@ Each of these two sensors is judged by a wind that was found without it. By that
 fails shows on its own residual alone, while gusts and a wind that changes show on both as the
 aircraft turns. A sensor is left out when its residual has jumped within a few seconds, or has
 stayed away from zero for longer, by more than the other residual and the change of that wind
-explain: a wind that has changed where it is seen may have changed where it is not. An airspeed that
+explain: a wind that has changed where it is seen may have changed where it is not. To have jumped
+it must itself have changed otherwise than the aircraft is accelerated or turns: where that is what
+the ground velocity has done, the air has changed. An airspeed that
 stays the same to the last bit though the aircraft has been accelerated is left out too. Ground
 velocity and wind stand in for a sensor until it agrees again.
 
@@ -81,14 +83,18 @@ CHANGES, MOVES = 40.0, 3.0
 WIND_KNOWN, WIND_IN_GUSTS = 1.5, 2.5
 COMPARED = 60.0  # s, memory of the gusts
 PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts taken at first, and how much that weighs
+# -, shares of a jump that are the sensor's own: to name it, and to take that back
+OWN_SHARE, LEAST_SHARE = 0.5, 0.25
 AGREEING, AGREED_FOR = 0.5, 5.0  # -, s: share of the limits to be kept to, to be used again
 STUCK_FOR, STUCK_CHANGE = 1.0, 0.4  # s and m/s: of a reading, and of the speed meanwhile
 AIRSPEED, HEADING = 0, 1  # indices of the sensors
 # Residuals (r, c) in m/s by the wind without airspeed, then by that without heading: without noise,
-# as of some seconds ago, and what lasts; and mean squares of what gusts make of them.
+# as of some seconds ago, and what lasts; and mean squares of what gusts make of them. Of both
+# sensors' own changes in m/s what is taken for noise so far, what is a jump, what lasts.
 AIR_CHECK = Layout(
     reasons=2, agreed=2, now=4, before=4, lasting=4, jumps=4, offsets=4, weight=2, explained=3,
-    recent=3, moved=1, reading=1, stood=1, gained=1, speed=1,
+    recent=3, moved=1, reading=1, stood=1, gained=1, speed=1, heading=1, rough=2, own=2,
+    drifted=1,
 )  # fmt: skip
 
 
@@ -189,7 +195,7 @@ def air_checked(
     wind_deviations: ca.SX,
     settled: ca.SX,
     explained: ca.SX,
-    acceleration: ca.SX,
+    rates: ca.SX,
 ) -> tuple[ca.SX, list[ca.SX], ca.SX, ca.SX]:
     """What is known after airspeed and heading, which of them is left out, and what the wind tells.
 
@@ -209,15 +215,19 @@ def air_checked(
         settled: Whether the flight has lasted so long that no wind will be known better.
         explained: Of the estimate that owes nothing to the airspeed what it holds for wind and
             gust, and for the heading's bias times airspeed, shape (3,), in [m/s].
-        acceleration: That is commanded and flown in [m/s^2].
+        rates: psi' as measured in [rad/s], chi' [rad/s], v' as commanded and flown in [m/s^2].
     """
     known = SimpleNamespace(**vars(known))
+    turned = ca.remainder(heading - known.heading, math.tau) - elapsed * rates[0]
+    gained = level * (reading - known.reading - elapsed * rates[2])
+    own = ca.vertcat(gained, -ca.norm_2(air[1]) * turned)  # as residuals change with them
+    known.heading = heading
     along = air[0][0] * ca.cos(heading) + air[0][1] * ca.sin(heading)
     reason, is_heading = ca.vertsplit(known.reasons)
     was_silent = reason == CODE[SILENT]
     reason = ca.if_else(was_silent, CODE[USED], reason)
     weight = ca.if_else(ca.logic_and(present, was_silent), 0.0, known.weight)
-    reason = _stuck(known, elapsed, reason, reading, along, acceleration)
+    reason = _stuck(known, elapsed, reason, reading, along, rates[2])
     reasons = [ca.if_else(present, reason, CODE[SILENT]), is_heading]
 
     residuals = []
@@ -241,6 +251,7 @@ def air_checked(
         reasons,
         weight,
         ca.vertcat(*residuals),
+        own,
         ca.vertcat(*TURNED) * wind_deviations,
         MOVES * moved,
         ca.norm_2(explained - recent),
@@ -258,7 +269,9 @@ def air_checked(
     # When the comparison begins, the wind may still be what is wrong.
     early = known.weight[AIRSPEED] < PRIOR_TIME + LASTING
     gate += early * DEVIATIONS * wind_deviations[AIRSPEED]
-    far = ca.logic_and(known.weight[AIRSPEED] > 0.0, ca.fabs(residuals[AIRSPEED]) > gate)
+    error = ca.fabs(residuals[AIRSPEED])
+    own = ca.sign(residuals[AIRSPEED]) * (known.own[AIRSPEED] + known.rough[AIRSPEED])
+    far = (known.weight[AIRSPEED] > 0.0) * (error > gate) * (own > OWN_SHARE * error)
     no_airspeed = ca.logic_or(known.reasons[AIRSPEED] > 0.0, far)
     no_heading = known.reasons[HEADING] > 0.0
     way = ca.if_else(no_airspeed, air[0], air[1])
@@ -297,12 +310,14 @@ def _compared(
     reasons: list[ca.SX],
     weight: ca.SX,
     residuals: ca.SX,
+    own: ca.SX,
     turned: ca.SX,
     changes: ca.SX,
     lately: ca.SX,
 ) -> tuple[ca.SX, SimpleNamespace]:
     """States of both sensors, and the rest of what is known, after residuals have been followed."""
-    begins = _of_residuals(weight == 0.0)
+    fresh = weight == 0.0
+    begins = _of_residuals(fresh)
     now = ca.if_else(begins, residuals, known.now)
     before = ca.if_else(begins, residuals, known.before)
     lasting = ca.if_else(begins, 0.0, known.lasting)
@@ -310,12 +325,17 @@ def _compared(
     now += ca.fmin(elapsed / SMOOTHING, 1.0) * (residuals - now)
     before += elapsed / CHANGE_TIME * (now - before)
     lasting += elapsed / LASTING * (now - lasting)
+    drifted = (1.0 - elapsed / CHANGES) * known.drifted + own[AIRSPEED]
+    drifted = ca.if_else(fresh[AIRSPEED], 0.0, drifted)
     jumps, agreed, reasons = now - before, [], list(reasons)
+    rough = ca.if_else(fresh, 0.0, known.rough + own)
+    smooth = ca.fmin(elapsed / SMOOTHING, 1.0) * rough
+    owned = (1.0 - elapsed / CHANGE_TIME) * (ca.if_else(fresh, 0.0, known.own) + smooth)
     again = [ca.SX(0.0)] * 2
     for which in (AIRSPEED, HEADING):
-        own, other = 3 * which, 1 + which  # of the residuals: its own one, and the other one
+        its, other = 3 * which, 1 + which  # of the residuals: its own one, and the other one
         usual = ca.sqrt(known.jumps[other] + turned[which] ** 2)
-        usual = ca.fmax(DEVIATIONS * usual, OWN_DEVIATIONS * ca.sqrt(known.jumps[own]))
+        usual = ca.fmax(DEVIATIONS * usual, OWN_DEVIATIONS * ca.sqrt(known.jumps[its]))
         if which == AIRSPEED:  # in turbulence a wind that is not well known goes quickly elsewhere
             usual = ca.fmax(usual, lately)
         most = LEAST_JUMP + usual
@@ -324,12 +344,16 @@ def _compared(
         least = changes + ca.fmax(least, DOMINANCE * ca.fabs(lasting[other]))
         reason = reasons[which]
         free = ca.logic_and(reason == CODE[USED], reasons[1 - which] == CODE[USED])
-        jumped = ca.fabs(jumps[own]) > most
-        off = ca.fabs(lasting[own]) > least
+        jumped, by_sensor = ca.fabs(jumps[its]) > most, ca.sign(jumps[its]) * owned[which]
+        by_air = jumped * (by_sensor < LEAST_SHARE * ca.fabs(jumps[its]))
+        jumped = ca.logic_and(jumped, by_sensor > OWN_SHARE * ca.fabs(jumps[its]))
+        off = ca.fabs(lasting[its]) > least
         # A bias from the start has been found by then, and is none of this.
-        off = off * (weight[AIRSPEED] >= COMPARED) if which == AIRSPEED else ca.SX(0.0)
+        drifts = ca.sign(lasting[its]) * drifted > OWN_SHARE * ca.fabs(lasting[its])
+        drifts *= weight[AIRSPEED] >= COMPARED
+        off = off * drifts if which == AIRSPEED else ca.SX(0.0)
         found = ca.if_else(jumped, CODE[JUMPED], off * CODE[OFF])
-        agrees = ca.fabs(now[own]) < AGREEING * ca.fmin(most, least)
+        agrees = ca.fabs(now[its]) < AGREEING * ca.fmin(most, least)
         if which == AIRSPEED:
             agrees = ca.logic_and(agrees, known.stood < STUCK_FOR)
         for_long = ca.if_else(agrees, known.agreed[which] + elapsed, 0.0)
@@ -337,7 +361,8 @@ def _compared(
         again[which] = ca.logic_and(wrong, for_long > AGREED_FOR)
         agreed.append(ca.if_else(wrong, for_long, 0.0))
         reason = ca.if_else(free, found, reason)
-        reasons[which] = ca.if_else(again[which], CODE[USED], reason)
+        by_air *= reason == CODE[JUMPED]
+        reasons[which] = ca.if_else(ca.logic_or(again[which], by_air), CODE[USED], reason)
     anew = ca.vertcat(*again, *again)
     before, lasting = (ca.if_else(anew, now, value) for value in (before, lasting))
     used = [reason == CODE[USED] for reason in reasons]
@@ -348,6 +373,9 @@ def _compared(
         lasting=lasting,
         weight=weight,
         agreed=ca.vertcat(*agreed),
+        rough=rough - smooth,
+        own=owned,
+        drifted=drifted,
         jumps=known.jumps + share * ((now - before) ** 2 - known.jumps),
         offsets=known.offsets + share * (lasting**2 - known.offsets),
     )

@@ -14,12 +14,16 @@
 
 """Random flights: a sensor that fails is named, no other is, and airspeed limits are kept."""
 
+import dataclasses
+import math
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
+import numpy as np
 import pytest
 from sensor_flights import FAULTS, judged
 
+from uav_tracking_mpc import load_configuration
 from uav_tracking_mpc.simulation.closed_loop import ClosedLoop
 from uav_tracking_mpc.studies.comparison.scenarios import mismatched, variants
 
@@ -38,6 +42,34 @@ def test_gusts_along_a_rigid_aircraft_are_no_fault_of_its_airspeed(seed):
     """They show as airspeed before they move it; those across it show hardly."""
     pytest.importorskip("jsbsim")
     assert judged(seed, "", "jsbsim")
+
+
+@pytest.mark.parametrize(
+    ("plant", "angle"),
+    [("vehicle", 0.5), pytest.param("vehicle", 1.5, marks=LONG), ("jsbsim", 0.5), ("jsbsim", 1.5)],
+)
+def test_a_front_of_the_wind_keeps_the_airspeed(plant, angle):
+    """9 m/s in 4 s along the flight: as an airspeed that jumps, until the aircraft is moved by it.
+
+    Whoever believes the ground velocity instead slows down, or speeds up, by as much.
+    """
+    if plant == "jsbsim":
+        pytest.importorskip("jsbsim")
+    begin, lasts = 90.0, 4.0
+    told = [f"mission.plant={plant}", "target_publisher.motion=stationary"]
+    told += ["uav_simulator.wind=[0.0, 0.0, 0.0]", "nmpc_controller.solve_time_max=10.0"]
+    blows = 9.0 * np.array([math.cos(angle * math.pi), math.sin(angle * math.pi), 0.0])
+    front = tuple(
+        (begin + share * lasts, f"uav_simulator.wind={(share * blows).tolist()}")
+        for share in np.linspace(0.05, 1.0, 20)
+    )
+    loop = ClosedLoop(dataclasses.replace(load_configuration("small_uav", told), changes=front))
+    while loop.time < begin + 30.0:
+        flown = loop.tick().truth.airspeed
+        assert loop.time < begin or flown == pytest.approx(22.0, abs=4.0)
+    news = [(each.sensor, each.state) for each in loop.log(loop.time).sensors]
+    assert news in ([], [("airspeed", "jumped"), ("airspeed", "used")])  # and soon
+    assert flown == pytest.approx(22.0, abs=1.0)
 
 
 @LONG
