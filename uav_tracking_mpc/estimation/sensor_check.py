@@ -215,7 +215,8 @@ def air_checked(
         settled: Whether the flight has lasted so long that no wind will be known better.
         explained: Of the estimate that owes nothing to the airspeed what it holds for wind and
             gust, and for the heading's bias times airspeed, shape (3,), in [m/s].
-        rates: psi' as measured in [rad/s], chi' [rad/s], v' as commanded and flown in [m/s^2].
+        rates: psi' as measured in [rad/s], 0 where nothing tells it; chi' [rad/s]; v' as commanded
+            and flown in [m/s^2].
     """
     known = SimpleNamespace(**vars(known))
     turned = ca.remainder(heading - known.heading, math.tau) - elapsed * rates[0]
@@ -252,6 +253,7 @@ def air_checked(
         weight,
         ca.vertcat(*residuals),
         own,
+        ca.logic_not(rates[0] == 0.0),
         ca.vertcat(*TURNED) * wind_deviations,
         MOVES * moved,
         ca.norm_2(explained - recent),
@@ -311,6 +313,7 @@ def _compared(
     weight: ca.SX,
     residuals: ca.SX,
     own: ca.SX,
+    turn_told: ca.SX,
     turned: ca.SX,
     changes: ca.SX,
     lately: ca.SX,
@@ -345,6 +348,8 @@ def _compared(
         reason = reasons[which]
         free = ca.logic_and(reason == CODE[USED], reasons[1 - which] == CODE[USED])
         jumped, by_sensor = ca.fabs(jumps[its]) > most, ca.sign(jumps[its]) * owned[which]
+        if which == HEADING:  # what the turn explains is not known
+            by_sensor = ca.if_else(turn_told, by_sensor, ca.fabs(jumps[its]))
         by_air = jumped * (by_sensor < LEAST_SHARE * ca.fabs(jumps[its]))
         jumped = ca.logic_and(jumped, by_sensor > OWN_SHARE * ca.fabs(jumps[its]))
         off = ca.fabs(lasting[its]) > least

@@ -24,6 +24,7 @@ import pytest
 from sensor_flights import FAULTS, judged
 
 from uav_tracking_mpc import load_configuration
+from uav_tracking_mpc.estimation.navigator import Navigator
 from uav_tracking_mpc.simulation.closed_loop import ClosedLoop
 from uav_tracking_mpc.studies.comparison.scenarios import mismatched, variants
 
@@ -70,6 +71,26 @@ def test_a_front_of_the_wind_keeps_the_airspeed(plant, angle):
     news = [(each.sensor, each.state) for each in loop.log(loop.time).sensors]
     assert news in ([], [("airspeed", "jumped"), ("airspeed", "used")])  # and soon
     assert flown == pytest.approx(22.0, abs=1.0)
+
+
+@pytest.mark.parametrize("sign", [1.0, pytest.param(-1.0, marks=LONG)])
+def test_a_heading_that_jumps_is_named_without_a_turn_rate(sign, monkeypatch):
+    """The turn itself would otherwise count as what the heading has changed for no reason."""
+    told = Navigator.estimate
+    monkeypatch.setattr(
+        Navigator,
+        "estimate",
+        lambda self, seen, *rest: told(self, dataclasses.replace(seen, turn_rate=0.0), *rest),
+    )
+    direction = "clockwise" if sign > 0.0 else "counter_clockwise"
+    told_too = [f"nmpc_controller.direction={direction}", "uav_simulator.wind=[5.0, 3.0, 0.0]"]
+    config = load_configuration("small_uav", told_too)
+    jump = ((120.0, f"uav_simulator.heading_bias={sign * 0.4}"),)
+    loop = ClosedLoop(dataclasses.replace(config, changes=jump))
+    while loop.time < 122.0:
+        loop.tick()
+    news = [(each.sensor, each.state) for each in loop.log(loop.time).sensors]
+    assert news == [("heading", "jumped")]
 
 
 @LONG
