@@ -63,7 +63,7 @@ class AirCheck(Evaluated):
     def __init__(self, settled=0.0):
         def check(known, dt, heading, reading, present, level, air, deviation, moved, rates):
             air = air[:2], air[2:]
-            seen = heading, reading, present, level, air, deviation, settled, moved, rates
+            seen = heading, reading, present, level, air, deviation, settled, moved, rates, 0.0
             after, _, *by_wind = air_checked(known, dt, *seen)
             return after, *by_wind
 

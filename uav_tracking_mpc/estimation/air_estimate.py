@@ -288,6 +288,7 @@ def _step() -> ca.Function:
         meters.weight >= noise_meter.MEMORY,
         ca.vertcat((blind[W] + blind[G])[:2], blind[BETA] * seen.airspeed),
         seen.rates,
+        RATE_AIDED.parts(known.aided).bias[0],
     )
     reasons = AIR_CHECK.parts(air).reasons
     by_wind = turned, along / level

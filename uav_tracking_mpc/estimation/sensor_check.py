@@ -196,6 +196,7 @@ def air_checked(
     settled: ca.SX,
     explained: ca.SX,
     rates: ca.SX,
+    turn_bias: ca.SX,
 ) -> tuple[ca.SX, list[ca.SX], ca.SX, ca.SX]:
     """What is known after airspeed and heading, which of them is left out, and what the wind tells.
 
@@ -217,9 +218,11 @@ def air_checked(
             gust, and for the heading's bias times airspeed, shape (3,), in [m/s].
         rates: psi' as measured in [rad/s], 0 where nothing tells it; chi' [rad/s]; v' as commanded
             and flown in [m/s^2].
+        turn_bias: What psi' is known to tell too much in [rad/s].
     """
     known = SimpleNamespace(**vars(known))
-    turned = ca.remainder(heading - known.heading, math.tau) - elapsed * rates[0]
+    turned = ca.remainder(heading - known.heading, math.tau)
+    turned -= elapsed * (rates[0] - turn_bias)
     gained = level * (reading - known.reading - elapsed * rates[2])
     own = ca.vertcat(gained, -ca.norm_2(air[1]) * turned)  # as residuals change with them
     known.heading = heading

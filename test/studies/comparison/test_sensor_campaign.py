@@ -73,21 +73,22 @@ def test_a_front_of_the_wind_keeps_the_airspeed(plant, angle):
     assert flown == pytest.approx(22.0, abs=1.0)
 
 
-@pytest.mark.parametrize("sign", [1.0, pytest.param(-1.0, marks=LONG)])
-def test_a_heading_that_jumps_is_named_without_a_turn_rate(sign, monkeypatch):
-    """The turn itself would otherwise count as what the heading has changed for no reason."""
-    told = Navigator.estimate
-    monkeypatch.setattr(
-        Navigator,
-        "estimate",
-        lambda self, seen, *rest: told(self, dataclasses.replace(seen, turn_rate=0.0), *rest),
-    )
-    direction = "clockwise" if sign > 0.0 else "counter_clockwise"
-    told_too = [f"nmpc_controller.direction={direction}", "uav_simulator.wind=[5.0, 3.0, 0.0]"]
-    config = load_configuration("small_uav", told_too)
-    jump = ((120.0, f"uav_simulator.heading_bias={sign * 0.4}"),)
-    loop = ClosedLoop(dataclasses.replace(config, changes=jump))
-    while loop.time < 122.0:
+@pytest.mark.parametrize(("told", "bias"), [(0.0, 0.0), (1.0, 0.1)])
+@pytest.mark.parametrize("direction", ["clockwise", "counter_clockwise"])
+def test_a_heading_that_jumps_is_named_whatever_tells_the_turn(told, bias, direction, monkeypatch):
+    """No gyro, or one that is 6 deg/s off: neither is what the heading has changed by itself."""
+    estimate = Navigator.estimate
+
+    def of_gyro(self, seen, *rest):
+        turn = told * seen.turn_rate + bias
+        return estimate(self, dataclasses.replace(seen, turn_rate=turn), *rest)
+
+    monkeypatch.setattr(Navigator, "estimate", of_gyro)
+    overrides = [f"nmpc_controller.direction={direction}", "uav_simulator.wind=[5.0, 3.0, 0.0]"]
+    jump = ((60.0, "uav_simulator.heading_bias=0.3"),)
+    config = dataclasses.replace(load_configuration("small_uav", overrides), changes=jump)
+    loop = ClosedLoop(config)
+    while loop.time < 62.0:
         loop.tick()
     news = [(each.sensor, each.state) for each in loop.log(loop.time).sensors]
     assert news == [("heading", "jumped")]
