@@ -247,6 +247,20 @@ def test_the_margin_ends_where_the_orbit_would_become_too_sharp():
     assert not flown.envelope.refusal(flown.orbit, np.zeros(3))
 
 
+def test_an_airspeed_that_may_be_too_high_is_kept_as_far_above_the_least_one():
+    events = EventLog()
+    margin = AirspeedMargin(events)
+    assert margin.flown(ASKED, 0.0, 8.0 / MARGIN) is None  # 22 m/s are enough
+    for doubt, orbit in ((9.0, 23.0), (20.0, 26.6)):  # at most 0.7 of the band
+        flown = margin.flown(ASKED, 0.0, doubt / MARGIN)
+        assert flown.airspeed == pytest.approx(orbit)
+    assert margin.flown(ASKED, 0.0, 0.0) is ASKED
+    assert [event.words for event in events.take()] == [
+        "the airspeed is in doubt: 23.0 m/s or more is flown",
+        "the airspeed is known again",
+    ]
+
+
 @pytest.mark.parametrize("deviation", [math.nan, -1.0])
 def test_a_deviation_that_is_none_changes_nothing(deviation):
     ((flown, words),) = margins(deviation)

@@ -171,3 +171,28 @@ def test_quick_rolls_that_the_nose_does_not_follow_contradict_nothing():
     for k in range(3000):
         path.of(body(STEP * k, math.radians(20.0) * math.sin(5.0 * STEP * k)), AIRSPEED)
     assert not path.contradicted
+
+
+def test_without_a_ground_velocity_pitch_and_height_tell_the_climb():
+    """One of the wrong sign would have the aircraft climb when it sinks, and flown into the ground.
+
+    The angle of attack is 0.1 rad, in air that begins to rise meanwhile.
+    """
+    path, height, worst = FlightPath(), 0.0, 0.0
+    for k in range(round(60.0 / STEP)):
+        time = k * STEP
+        flown = 0.15 * math.sin(0.5 * time)
+        climb = AIRSPEED * math.sin(flown) + (0.5 if time > 30.0 else 0.0)
+        height += STEP * climb
+        path.velocity_failed = time > 20.0
+        up = -climb if path.velocity_failed else climb
+        position = np.array([0.0, 0.0, math.nan if 40.0 < time < 45.0 else height])
+        if math.isnan(position[2]):
+            position[:] = math.nan
+        velocity = np.array([AIRSPEED, 0.0, up])
+        seen = body(time, 0.0, position=position, ground_velocity=velocity, path_angle=flown + 0.1)
+        error = AIRSPEED * path.of(seen, AIRSPEED).path_angle - climb
+        if time > 1.0:
+            worst = max(worst, abs(error))
+    assert worst < 0.6
+    assert abs(error) < 0.05

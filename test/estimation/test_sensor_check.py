@@ -63,7 +63,8 @@ class AirCheck(Evaluated):
     def __init__(self, settled=0.0):
         def check(known, dt, heading, reading, present, level, air, deviation, moved, rates):
             air = air[:2], air[2:]
-            seen = heading, reading, present, level, air, deviation, settled, moved, rates, 0.0
+            seen = heading, reading, present, level, air, deviation, settled, moved
+            seen = *seen, (rates[0], 1.0), rates[2]
             after, _, *by_wind = air_checked(known, dt, *seen)
             return after, *by_wind
 

@@ -273,7 +273,7 @@ class Controller:
 
     def _keep_margin(self) -> None:
         """Fly no slower than is safe by what is known of the airspeed."""
-        flown = self._margin.flown(self.parameters, self.navigator.airspeed_deviation)
+        flown = self._margin.flown(self.parameters, *self.navigator.airspeed_uncertainty)
         if flown is not None:
             self._fly_by(flown, self.response.flown)
 

@@ -47,6 +47,7 @@ AVERAGING = 8.0  # s, time constant of the mean about which it swings
 FORCED = 0.3  # -, share of a swing that the target's acceleration must have to be its cause
 FORCED_TIME = 15.0  # s, in which the memory of the target's acceleration falls to 1/e
 MARGIN = 2.5  # -, standard deviations of an airspeed that is not measured
+BAND = 0.5, 0.7  # -, share of the airspeed band it takes at most: not measured, and in doubt
 MARGIN_STEP = 0.5  # m/s, by which it changes
 CROSSING = 0.3  # -, of the least amplitude, by which a swing must pass the mean
 
@@ -249,10 +250,11 @@ LASTING = 10.0  # s for which it must have been different, and the same
 
 
 class AirspeedMargin:
-    """Keeps an orbit away from the least airspeed while wind and ground velocity stand in for it.
+    """Keeps an orbit away from the least airspeed while the airspeed is not known, or not for sure.
 
-    By :data:`MARGIN` standard deviations of what they tell, at most up to the middle of the band;
-    plans keep half of that.
+    By :data:`MARGIN` standard deviations of what wind and ground velocity tell, at most up to the
+    middle of the band; plans keep half of that. By as much of what they contradict an airspeed that
+    is still believed, where the orbit would be nearer to the limit.
 
     Args:
         events: Where to tell.
@@ -266,17 +268,24 @@ class AirspeedMargin:
         """Other parameters are flown by, without a margin."""
         self._raised = 0.0
 
-    def flown(self, asked: TrackingParameters, deviation: float) -> TrackingParameters | None:
+    def flown(
+        self, asked: TrackingParameters, deviation: float, doubt: float = 0.0
+    ) -> TrackingParameters | None:
         """What is to be flown by from now on.
 
         Args:
             asked: What the user wants.
             deviation: Standard deviation of the airspeed in [m/s]; 0 while it is measured.
+            doubt: By how much a measured one may be too high in [m/s].
 
         Returns:
             None where that has not changed.
         """
-        wanted = min(MARGIN * deviation, 0.5 * (asked.airspeed_max - asked.airspeed_min))
+        band = asked.airspeed_max - asked.airspeed_min
+        wanted = min(MARGIN * deviation, BAND[0] * band)
+        safe = min(MARGIN * doubt, BAND[1] * band)
+        if safe > max(wanted, asked.airspeed - asked.airspeed_min):
+            wanted = safe
         wanted = wanted if wanted >= MARGIN_STEP else 0.0
         if abs(wanted - self._raised) < MARGIN_STEP and (wanted > 0.0) == (self._raised > 0.0):
             return None
@@ -284,7 +293,8 @@ class AirspeedMargin:
         flown = faster(asked, wanted) if wanted > 0.0 else asked
         if self._told != (wanted > 0.0):
             self._told = wanted > 0.0
-            words = f"the airspeed is not known: {flown.airspeed:.1f} m/s or more is flown"
+            state = "in doubt" if doubt > 0.0 else "not known"
+            words = f"the airspeed is {state}: {flown.airspeed:.1f} m/s or more is flown"
             self._events.add(Level.INFO, words if self._told else "the airspeed is known again")
         return flown
 

@@ -48,6 +48,7 @@ class AirData:
             and path angle as well, by which it is judged.
         wind_known: Whether it is known well enough for that.
         failed: Whether the airspeed is known to be wrong: the path then goes by the wind alone.
+        velocity_failed: Whether the ground velocity is: the path then goes by pitch and height.
     """
 
     def __init__(self, timeout: float) -> None:
@@ -71,7 +72,7 @@ class AirData:
         self._path.reset()
         self._first: float | None = None  # stamp of the first measurement; -inf after an airspeed
         self.wind = np.zeros(3)
-        self.wind_known = self.failed = False
+        self.wind_known = self.failed = self.velocity_failed = False
 
     def see(self, stamp: float, airspeed: float) -> None:
         """Take in a measured airspeed.
@@ -107,6 +108,7 @@ class AirData:
         if airspeed is not None or self._first is None:
             self._first = measurement.stamp if airspeed is None else -math.inf
         self.awaited = self.missing and measurement.stamp - self._first < self.timeout
+        self._path.velocity_failed = self.velocity_failed
         if airspeed is not None:
             measurement = self._path.of(measurement, self._plausible(measurement, airspeed))
             return measurement, measurement.state(airspeed)
@@ -124,7 +126,7 @@ class AirData:
         return self._path.surplus
 
     def _plausible(self, measurement: Measurement, airspeed: float) -> float:
-        if not self.wind_known:
+        if not self.wind_known or self.velocity_failed:
             return airspeed
         expected, gusts = self._expected(measurement), 0.0 if self.failed else GUSTS
         return min(max(airspeed, expected - gusts), expected + gusts)

@@ -64,7 +64,7 @@ LEVEL_WIND, LEVEL_GUST = (DIAGONAL[each.start : each.stop - 1].tolist() for each
 
 SEEN = Layout(
     elapsed=1, position=3, placed=1, ground=3, heading=1, path_angle=1, airspeed=1, measured=1,
-    rates=3, noise=3, position_noise=3, velocity_noise=3, scales=3,
+    rates=3, turn=1, turn_told=1, noise=3, position_noise=3, velocity_noise=3, scales=3,
 )  # fmt: skip
 MEMORY = Layout(
     **dict.fromkeys(LANES, LANE.size),
@@ -116,6 +116,8 @@ class AirEstimate:
         self._memory, seen = np.zeros(MEMORY.size), np.zeros(SEEN.size)
         self._known, self._seen = MEMORY.parts(self._memory), SEEN.parts(seen)
         self._filter = LANE.parts(self._known.main)
+        self._rate_bias = RATE_AIDED.parts(self._known.aided).bias
+        self._doubt = AIR_CHECK.parts(self._known.air).doubt
         self._step = BufferedFunction(_step(), [self._memory, seen])
         self._found = FOUND.parts(self._step.results[1])
         self.reset()
@@ -146,6 +148,11 @@ class AirEstimate:
     def deviation_without_airspeed(self) -> float:
         """Standard deviation of what ground velocity and wind tell of the airspeed, in [m/s]."""
         return float(self._found.deviation[0])
+
+    @property
+    def airspeed_doubt(self) -> float:
+        """By how much an airspeed may be too high that is still used, in [m/s]."""
+        return float(self._doubt[0])
 
     @property
     def mean_wind(self) -> NDArray[np.float64]:
@@ -201,6 +208,8 @@ class AirEstimate:
         seen.path_angle[0] = measurement.path_angle if missing else vehicle[4]
         seen.airspeed[0], seen.measured[0] = vehicle[5], not missing
         seen.rates[:] = rates
+        turn, nose = rates[0] - self._rate_bias[0], measurement.nose_rate
+        seen.turn_told[0], seen.turn[0] = (rates[0], turn) if nose is None else (nose, nose)
         seen.noise[:] = noise.heading, noise.path_angle, noise.airspeed
         seen.position_noise[:], seen.velocity_noise[:] = noise.position, noise.velocity
         seen.scales[:2], seen.scales[2] = scales.long, scales.short
@@ -287,8 +296,8 @@ def _step() -> ca.Function:
         wind_deviations,
         meters.weight >= noise_meter.MEMORY,
         ca.vertcat((blind[W] + blind[G])[:2], blind[BETA] * seen.airspeed),
-        seen.rates,
-        RATE_AIDED.parts(known.aided).bias[0],
+        (seen.turn, ca.logic_not(seen.turn_told == 0.0)),
+        seen.rates[2],
     )
     reasons = AIR_CHECK.parts(air).reasons
     by_wind = turned, along / level

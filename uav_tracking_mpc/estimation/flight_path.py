@@ -47,6 +47,14 @@ of second order, which a steady change passes without an error:
 .. math::
 
     \dot w = a + 2 \omega_w (w_m - w), \quad \dot a = \omega_w^2 (w_m - w)
+
+While the ground velocity is known to be wrong, the climb is that of the pitch and of a steady part
+c, which angle of attack and rising air make; the height h tells it:
+
+.. math::
+
+    w_m = v \sin\theta + c, \quad \dot h = w_m + 2 \omega_h (h_m - h), \quad
+    \dot c = \omega_h^2 (h_m - h)
 """
 
 from __future__ import annotations
@@ -72,6 +80,7 @@ ROLLING = 3.0  # s, over which quick rolls, which the nose does not follow, canc
 CONTRADICTION = 0.01  # rad^2/s^2; slipping into a turn makes a quarter of it
 STEEPEST = 1.5  # rad, of a bank or a pitch, beyond which no turn is coordinated
 QUICK_CLIMB = 8.0  # rad/s, where the climb is commanded: it delays by little
+STEADY_CLIMB = 0.7  # rad/s, omega_h
 SLOW_CLIMB = 0.5  # rad/s, where an autopilot holds the altitude, and the rest is turbulence
 
 
@@ -150,6 +159,38 @@ class Climb:
         self.rate = faded * (slope + frequency * error)
 
 
+class ClimbByPitch:
+    """Follows what one aircraft climbs by besides where its nose points."""
+
+    def __init__(self) -> None:
+        self._steady, self._height, self._time = 0.0, math.nan, -math.inf
+
+    def see(self, time: float, by_pitch: float, measured: float, height: float) -> None:
+        """Take in a climb, while it can be believed.
+
+        Args:
+            time: Of the measurement in [s].
+            by_pitch: v sin(theta) in [m/s].
+            measured: Positive up, in [m/s].
+            height: In [m]; no number (NaN) where it is not known.
+        """
+        step, self._time, self._height = time - self._time, time, height
+        share = 1.0 - math.exp(-STEADY_CLIMB * step) if step <= LONGEST_STEP else 1.0
+        self._steady += share * (measured - by_pitch - self._steady)
+
+    def without(self, time: float, by_pitch: float, height: float) -> float:
+        """Climb in [m/s] without a measured one; the arguments as of :meth:`see`."""
+        step, self._time = min(time - self._time, LONGEST_STEP), time
+        self._height += step * (by_pitch + self._steady)
+        error = height - self._height
+        if math.isnan(self._height):
+            self._height = height
+        elif not math.isnan(error):
+            self._height += 2.0 * STEADY_CLIMB * step * error
+            self._steady += STEADY_CLIMB**2 * step * error
+        return by_pitch + self._steady
+
+
 class FlightPath:
     """Makes measurements of the body ones of the path through the air.
 
@@ -159,6 +200,7 @@ class FlightPath:
 
     Attributes:
         climb_frequency: Up to which changes of the climb count, in [rad/s].
+        velocity_failed: Whether the ground velocity is known to be wrong, and with it the climb.
     """
 
     def __init__(self) -> None:
@@ -167,7 +209,8 @@ class FlightPath:
 
     def reset(self) -> None:
         """Forget the aircraft."""
-        self._direction, self._climb = FlightDirection(), Climb()
+        self._direction, self._climb, self._pitched = FlightDirection(), Climb(), ClimbByPitch()
+        self.velocity_failed = False
         self._contradiction, self._time, self._nose = 0.0, -math.inf, 0.0
         self._by_bank = self._by_nose = 0.0  # rad/s, smoothed
 
@@ -197,6 +240,11 @@ class FlightPath:
             return measurement
         time, direction, climb = measurement.stamp, self._direction, self._climb
         east, north, up = measurement.ground_velocity.tolist()
+        by_pitch, height = airspeed * math.sin(pitch), float(measurement.position[2])
+        if self.velocity_failed:
+            up = self._pitched.without(time, by_pitch, height)
+        else:
+            self._pitched.see(time, by_pitch, up, height)
         climb.see(time, up, self.climb_frequency)
         path_angle = math.asin(min(max(climb.value / airspeed, -1.0), 1.0))
         nose = measurement.heading + past_nose(bank, pitch, path_angle)
@@ -223,6 +271,7 @@ class FlightPath:
             turn_rate=direction.rate,
             path_angle_rate=climb.rate / airspeed,
             axis=Axis.AIR_VELOCITY,
+            nose_rate=measurement.turn_rate,
         )
 
 

@@ -31,7 +31,7 @@ from uav_tracking_mpc.estimation.command_history import CommandHistory
 from uav_tracking_mpc.estimation.forecast import Forecast
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.outlook import FADE_TIME, Outlook
-from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, SILENT, USED
+from uav_tracking_mpc.estimation.sensor_health import AIRSPEED, SILENT, USED, VELOCITY
 from uav_tracking_mpc.estimation.situation import Situation
 from uav_tracking_mpc.estimation.target_filter import REWIND, TargetFilter
 from uav_tracking_mpc.settings.tracking import TrackingParameters
@@ -141,11 +141,16 @@ class Navigator:
         return not self.air.missing and self.air_estimate.health.states[AIRSPEED] == USED
 
     @property
-    def airspeed_deviation(self) -> float:
-        """Standard deviation of what stands in for the airspeed in [m/s]; 0 while that is used."""
-        if self.airspeed_known or not self._estimating:
-            return 0.0
-        return self.air_estimate.deviation_without_airspeed
+    def airspeed_uncertainty(self) -> tuple[float, float]:
+        """Standard deviation of what stands in for the airspeed, 0 while that is used, in [m/s].
+
+        And by how much one that is used may be too high.
+        """
+        if not self._estimating:
+            return 0.0, 0.0
+        if self.airspeed_known:
+            return 0.0, self.air_estimate.airspeed_doubt
+        return self.air_estimate.deviation_without_airspeed, 0.0
 
     def complaints(self) -> list[str]:
         """What has become of the sensors since it was asked last, in words."""
@@ -251,7 +256,9 @@ class Navigator:
             known = measurement, vehicle, rates, ground, self.air.missing
             found = self.air_estimate.update(*known)
             self.air.wind, self.air.wind_known = self.air_estimate.wind_without_airspeed
-            self.air.failed = self.air_estimate.health.states[AIRSPEED] not in (USED, SILENT)
+            states = self.air_estimate.health.states
+            self.air.failed = states[AIRSPEED] not in (USED, SILENT)
+            self.air.velocity_failed = states[VELOCITY] != USED
             return found
         if not measurement.placed:
             raise ValueError("no position is measured")

@@ -77,7 +77,7 @@ DOMINANCE = 3.0  # -, by which the residual of a sensor that fails exceeds the o
 TURNED = 0.3, 0.7
 # s, and share of what the wind without airspeed has changed in it: it may have changed as much
 # along the heading, where it was not seen
-CHANGES, MOVES = 40.0, 3.0
+CHANGES, MOVES = 40.0, 1.0
 # m/s: standard deviation of the wind from which on there is something to compare; and once the
 # flight has lasted, in gusts that let no wind be known better
 WIND_KNOWN, WIND_IN_GUSTS = 1.5, 2.5
@@ -85,16 +85,18 @@ COMPARED = 60.0  # s, memory of the gusts
 PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts taken at first, and how much that weighs
 # -, shares of a jump that are the sensor's own: to name it, and to take that back
 OWN_SHARE, LEAST_SHARE = 0.5, 0.25
+DOUBT = 1.5  # m/s, by which an airspeed may seem too high: in gusts that is none of its own
 AGREEING, AGREED_FOR = 0.5, 5.0  # -, s: share of the limits to be kept to, to be used again
 STUCK_FOR, STUCK_CHANGE = 1.0, 0.4  # s and m/s: of a reading, and of the speed meanwhile
 AIRSPEED, HEADING = 0, 1  # indices of the sensors
 # Residuals (r, c) in m/s by the wind without airspeed, then by that without heading: without noise,
 # as of some seconds ago, and what lasts; and mean squares of what gusts make of them. Of both
-# sensors' own changes in m/s what is taken for noise so far, what is a jump, what lasts.
+# sensors' own changes in m/s what is taken for noise so far, what is a jump, what lasts. By how
+# much in m/s an airspeed may be too high that nobody has found wrong yet.
 AIR_CHECK = Layout(
     reasons=2, agreed=2, now=4, before=4, lasting=4, jumps=4, offsets=4, weight=2, explained=3,
     recent=3, moved=1, reading=1, stood=1, gained=1, speed=1, heading=1, rough=2, own=2,
-    drifted=1,
+    drifted=1, doubt=1,
 )  # fmt: skip
 
 
@@ -195,8 +197,8 @@ def air_checked(
     wind_deviations: ca.SX,
     settled: ca.SX,
     explained: ca.SX,
-    rates: ca.SX,
-    turn_bias: ca.SX,
+    turn: tuple[ca.SX, ca.SX],
+    acceleration: ca.SX,
 ) -> tuple[ca.SX, list[ca.SX], ca.SX, ca.SX]:
     """What is known after airspeed and heading, which of them is left out, and what the wind tells.
 
@@ -216,14 +218,13 @@ def air_checked(
         settled: Whether the flight has lasted so long that no wind will be known better.
         explained: Of the estimate that owes nothing to the airspeed what it holds for wind and
             gust, and for the heading's bias times airspeed, shape (3,), in [m/s].
-        rates: psi' as measured in [rad/s], 0 where nothing tells it; chi' [rad/s]; v' as commanded
-            and flown in [m/s^2].
-        turn_bias: What psi' is known to tell too much in [rad/s].
+        turn: How the heading turns by the gyros, in [rad/s]; and whether anything tells it.
+        acceleration: v' as commanded and flown in [m/s^2].
     """
     known = SimpleNamespace(**vars(known))
     turned = ca.remainder(heading - known.heading, math.tau)
-    turned -= elapsed * (rates[0] - turn_bias)
-    gained = level * (reading - known.reading - elapsed * rates[2])
+    turned -= elapsed * turn[0]
+    gained = level * (reading - known.reading - elapsed * acceleration)
     own = ca.vertcat(gained, -ca.norm_2(air[1]) * turned)  # as residuals change with them
     known.heading = heading
     along = air[0][0] * ca.cos(heading) + air[0][1] * ca.sin(heading)
@@ -231,7 +232,7 @@ def air_checked(
     was_silent = reason == CODE[SILENT]
     reason = ca.if_else(was_silent, CODE[USED], reason)
     weight = ca.if_else(ca.logic_and(present, was_silent), 0.0, known.weight)
-    reason = _stuck(known, elapsed, reason, reading, along, rates[2])
+    reason = _stuck(known, elapsed, reason, reading, along, acceleration)
     reasons = [ca.if_else(present, reason, CODE[SILENT]), is_heading]
 
     residuals = []
@@ -256,7 +257,7 @@ def air_checked(
         weight,
         ca.vertcat(*residuals),
         own,
-        ca.logic_not(rates[0] == 0.0),
+        turn[1],
         ca.vertcat(*TURNED) * wind_deviations,
         MOVES * moved,
         ca.norm_2(explained - recent),
@@ -333,6 +334,9 @@ def _compared(
     lasting += elapsed / LASTING * (now - lasting)
     drifted = (1.0 - elapsed / CHANGES) * known.drifted + own[AIRSPEED]
     drifted = ca.if_else(fresh[AIRSPEED], 0.0, drifted)
+    doubt = ca.fmax(ca.fmin(now[AIRSPEED], drifted) - DOUBT, 0.0)
+    doubt *= weight[AIRSPEED] >= PRIOR_TIME + LASTING
+    doubt = ca.fmax(doubt, known.doubt * (1.0 - elapsed / LASTING))
     jumps, agreed, reasons = now - before, [], list(reasons)
     rough = ca.if_else(fresh, 0.0, known.rough + own)
     smooth = ca.fmin(elapsed / SMOOTHING, 1.0) * rough
@@ -384,6 +388,7 @@ def _compared(
         rough=rough - smooth,
         own=owned,
         drifted=drifted,
+        doubt=doubt,
         jumps=known.jumps + share * ((now - before) ** 2 - known.jumps),
         offsets=known.offsets + share * (lasting**2 - known.offsets),
     )
