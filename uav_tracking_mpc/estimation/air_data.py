@@ -48,6 +48,7 @@ class AirData:
             and path angle as well, by which it is judged.
         wind_known: Whether it is known well enough for that.
         failed: Whether the airspeed is known to be wrong: the path then goes by the wind alone.
+        nose_rate: How the nose turns in [rad/s], where it is the bank that tells how the path does.
         velocity_failed: Whether the ground velocity is: the path then goes by pitch and height.
     """
 
@@ -73,6 +74,7 @@ class AirData:
         self._first: float | None = None  # stamp of the first measurement; -inf after an airspeed
         self.wind = np.zeros(3)
         self.wind_known = self.failed = self.velocity_failed = False
+        self.nose_rate: float | None = None
 
     def see(self, stamp: float, airspeed: float) -> None:
         """Take in a measured airspeed.
@@ -109,12 +111,17 @@ class AirData:
             self._first = measurement.stamp if airspeed is None else -math.inf
         self.awaited = self.missing and measurement.stamp - self._first < self.timeout
         self._path.velocity_failed = self.velocity_failed
+        if airspeed is None:
+            plausible = self._expected(measurement)
+        else:
+            plausible = self._plausible(measurement, airspeed)
+        of_path = self._path.of(measurement, plausible)
+        self.nose_rate = None if of_path is measurement else measurement.turn_rate
         if airspeed is not None:
-            measurement = self._path.of(measurement, self._plausible(measurement, airspeed))
-            return measurement, measurement.state(airspeed)
+            return of_path, of_path.state(airspeed)
         east, north, up = (float(value) for value in measurement.ground_velocity)
         speed = math.sqrt(east**2 + north**2 + up**2)
-        measurement = self._path.of(measurement, self._expected(measurement))
+        measurement = of_path
         if not speed > SLOW:
             return measurement, measurement.state(speed)
         heading, path_angle = math.atan2(north, east), math.atan2(up, math.hypot(east, north))

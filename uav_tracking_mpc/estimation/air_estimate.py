@@ -186,6 +186,7 @@ class AirEstimate:
         rates: NDArray[np.float64],
         ground: float,
         missing: bool,
+        nose_rate: float | None = None,
     ) -> AircraftInAir:
         """Take in a measurement.
 
@@ -195,6 +196,7 @@ class AirEstimate:
             rates: psi' and chi' as measured in [rad/s], v' as commanded in [m/s^2], shape (3,).
             ground: Height of the ground in ``map`` in [m], for the length of the gusts.
             missing: Whether there is no airspeed.
+            nose_rate: How the nose turns by the gyros in [rad/s], where psi' is not by them.
 
         Raises:
             ValueError: There has been no position since the flight began.
@@ -208,8 +210,8 @@ class AirEstimate:
         seen.path_angle[0] = measurement.path_angle if missing else vehicle[4]
         seen.airspeed[0], seen.measured[0] = vehicle[5], not missing
         seen.rates[:] = rates
-        turn, nose = rates[0] - self._rate_bias[0], measurement.nose_rate
-        seen.turn_told[0], seen.turn[0] = (rates[0], turn) if nose is None else (nose, nose)
+        told, bias = (rates[0], self._rate_bias[0]) if nose_rate is None else (nose_rate, 0.0)
+        seen.turn_told[0], seen.turn[0] = told, told - bias
         seen.noise[:] = noise.heading, noise.path_angle, noise.airspeed
         seen.position_noise[:], seen.velocity_noise[:] = noise.position, noise.velocity
         seen.scales[:2], seen.scales[2] = scales.long, scales.short

@@ -271,7 +271,6 @@ class FlightPath:
             turn_rate=direction.rate,
             path_angle_rate=climb.rate / airspeed,
             axis=Axis.AIR_VELOCITY,
-            nose_rate=measurement.turn_rate,
         )
 
 

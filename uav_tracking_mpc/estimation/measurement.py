@@ -33,8 +33,7 @@ NOISE_LIMITS = {
 }
 
 
-NUMBERS = ("stamp", "heading", "path_angle", "turn_rate", "path_angle_rate")
-OPTIONAL = ("airspeed", "bank", "nose_rate")
+NUMBERS = ("stamp", "heading", "path_angle", "turn_rate", "path_angle_rate", "airspeed", "bank")
 
 
 class MeasurementError(ValueError):
@@ -103,8 +102,6 @@ class Measurement:
         axis: Which axis is measured. The controller flies the air velocity: that of a body whose
             bank is told is found from bank and climb, and a body without one is taken to point
             along it (:mod:`~uav_tracking_mpc.estimation.flight_path`).
-        nose_rate: How the gyros tell that the nose turns in [rad/s], where ``turn_rate`` is another
-            one; else None.
 
     Raises:
         MeasurementError: A value is not finite, or not of its shape.
@@ -121,7 +118,6 @@ class Measurement:
     noise: SensorNoise = SILENT
     bank: float | None = None
     axis: Axis = Axis.BODY
-    nose_rate: float | None = None
 
     def __post_init__(self) -> None:
         """Refuse what is no measurement; copy the vectors, which must not change afterwards."""
@@ -133,9 +129,9 @@ class Measurement:
                     f"{name} is {getattr(self, name)!r}, must be three finite numbers"
                 )
             object.__setattr__(self, name, vector)
-        for name in (*NUMBERS, *OPTIONAL):
+        for name in NUMBERS:
             value = getattr(self, name)
-            if not (value is None and name in OPTIONAL) and not math.isfinite(value):
+            if not (value is None and name in ("airspeed", "bank")) and not math.isfinite(value):
                 raise MeasurementError(f"{name} is {value!r}, must be a finite number")
 
     @property
