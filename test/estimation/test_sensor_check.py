@@ -23,17 +23,20 @@ import pytest
 from uav_tracking_mpc.estimation.sensor_check import (
     AIR_CHECK,
     AIRSPEED,
+    CONTRARY_TIME,
     HEADING,
     JUMP,
     JUMP_TIME,
     ODD,
     POSITION_CHECK,
     VELOCITY_CHECK,
+    WAY_CHECK,
     WINDOW,
     air_checked,
     initial_air_check,
     position_checked,
     velocity_checked,
+    way_checked,
 )
 from uav_tracking_mpc.estimation.sensor_health import STATES
 
@@ -281,6 +284,62 @@ def test_an_odd_velocity_between_good_ones_is_forgotten(velocities):
     for _ in range(5):
         assert judged(velocities, EXPECTED, ODD_ONE, 0.5 * WINDOW)[-1] == LEFT_OUT
         assert judged(velocities, EXPECTED, EXPECTED, VELOCITY_STEP) == [USED]
+
+
+def way_check(position, velocity):
+    memory = np.zeros(WAY_CHECK.size)
+    known = WAY_CHECK.parts(memory)
+    known.begin[:], known.before[:] = position, velocity
+    return Evaluated(way_checked, WAY_CHECK, memory, [1, 3, 1, 3, 1])
+
+
+def contradicted(measured, duration, moved=lambda time: 0.0, fresh=True, check=None, begin=0.0):
+    """Verdicts of flying to the East, with positions that are elsewhere; and the check."""
+    if check is None:
+        check = way_check(np.zeros(3), measured)
+    found = []
+    for k in range(1, round(duration / STEP)):
+        time = begin + k * STEP
+        position = time * EXPECTED + np.array([0.0, moved(time), 0.0])
+        found.append(bool(check(STEP, position, fresh, measured, 0.1)[0]))
+    return found, check
+
+
+@pytest.mark.parametrize("gain", [-1.0, 0.0, 0.8, 1.2, 2.0])
+def test_a_velocity_that_positions_contradict_for_seconds_is_left_out(gain):
+    found, check = contradicted(gain * EXPECTED, 10.0)
+    assert found.index(True) * STEP == pytest.approx(CONTRARY_TIME, abs=3.0 * STEP)
+    assert all(found[found.index(True) :])
+    again, _ = contradicted(EXPECTED, 3.0, check=check, begin=10.0)
+    assert not any(again[round(2.0 * WINDOW / STEP) + 2 :])
+
+
+@pytest.mark.parametrize(
+    "moved",
+    [
+        lambda time: 0.0,
+        lambda time: 8.0 * (time // 4.0),  # jumps
+        lambda time: 10.0 * (time % 8.0 < 1.5),  # spikes
+        lambda time: 2.0 * time,  # drifts
+        lambda time: 0.1 * math.sin(37.0 * time),
+    ],
+)
+def test_positions_that_fail_for_a_moment_contradict_no_velocity(moved):
+    assert not any(contradicted(EXPECTED, 40.0, moved)[0])
+
+
+@pytest.mark.parametrize("step", [0.02, 1.0])
+def test_a_turn_that_is_seldom_measured_contradicts_nothing(step):
+    check = way_check([0.0, -55.0, 0.0], [22.0, 0.0, 0.0])
+    for k in range(1, round(30.0 / step)):
+        angle = 0.4 * k * step
+        position = 55.0 * np.array([math.sin(angle), -math.cos(angle), 0.0])
+        velocity = 22.0 * np.array([math.cos(angle), math.sin(angle), 0.0])
+        assert not check(step, position, True, velocity, 0.1)[0]
+
+
+def test_positions_that_repeat_themselves_contradict_nothing():
+    assert not any(contradicted(2.0 * EXPECTED, 10.0, fresh=False)[0])
 
 
 def placed(offset, duration, present=True):

@@ -37,7 +37,12 @@ from uav_tracking_mpc.dynamics.air import gust_scales
 from uav_tracking_mpc.estimation import noise_meter, rate_aided, sensor_check, wind_filter
 from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.rate_aided import RATE_AIDED
-from uav_tracking_mpc.estimation.sensor_check import AIR_CHECK, POSITION_CHECK, VELOCITY_CHECK
+from uav_tracking_mpc.estimation.sensor_check import (
+    AIR_CHECK,
+    POSITION_CHECK,
+    VELOCITY_CHECK,
+    WAY_CHECK,
+)
 from uav_tracking_mpc.estimation.sensor_health import (
     AIRSPEED,
     HEADING,
@@ -73,6 +78,7 @@ MEMORY = Layout(
     aided=RATE_AIDED.size,
     air=AIR_CHECK.size,
     velocity=VELOCITY_CHECK.size,
+    way=WAY_CHECK.size,
     place=POSITION_CHECK.size,
     ground=3,
 )
@@ -234,7 +240,9 @@ class AirEstimate:
             wind_filter.begin_position(parts, seen.position, seen.position_noise)
         motion = np.concatenate([seen.heading, seen.path_angle, seen.airspeed])
         rate_aided.begin_values(RATE_AIDED.parts(known.aided), motion, seen.rates, seen.noise)
-        known.velocity[:] = known.place[:] = 0.0
+        known.velocity[:] = known.place[:] = known.way[:] = 0.0
+        way = WAY_CHECK.parts(known.way)
+        way.begin[:], way.before[:] = seen.position, seen.ground
         POSITION_CHECK.parts(known.place).last[:], known.ground[:] = np.nan, seen.ground
 
     def _taken(self) -> AircraftInAir:
@@ -278,6 +286,14 @@ def _step() -> ca.Function:
     velocity, odd, changed = sensor_check.velocity_checked(
         VELOCITY_CHECK.parts(known.velocity), dt, seen.position, seen.ground, expected, deviation
     )
+    position_noise = ca.fmax(
+        ca.sqrt(meters.held[wind_filter.POSITION]), ca.mmax(seen.position_noise)
+    )
+    fresh = seen.placed * (ca.sumsqr(seen.position - place.last) > 0.0)
+    way, contrary = sensor_check.way_checked(
+        WAY_CHECK.parts(known.way), dt, seen.position, fresh, seen.ground, position_noise
+    )
+    odd, changed = ca.logic_or(odd, contrary), ca.logic_and(changed, ca.logic_not(contrary))
     used_ground = ca.if_else(odd, expected, seen.ground)
 
     # Airspeed and heading
@@ -311,9 +327,8 @@ def _step() -> ca.Function:
 
     # Position
     carried = state[P] + dt * (0.5 * (known.ground + used_ground) - state[B])
-    deviation = ca.fmax(ca.sqrt(meters.held[wind_filter.POSITION]), ca.mmax(seen.position_noise))
     placed, code, used, moved = sensor_check.position_checked(
-        place, dt, seen.position, seen.placed, carried, deviation
+        place, dt, seen.position, seen.placed, carried, position_noise
     )
     placed.faded += ca.if_else(moved, state[P] - seen.position, 0.0)
     position = ca.if_else(used, seen.position, carried)
@@ -362,6 +377,7 @@ def _step() -> ca.Function:
         aided=RATE_AIDED.joined(aided),
         air=air,
         velocity=velocity,
+        way=way,
         place=POSITION_CHECK.joined(placed),
         ground=used_ground,
     )

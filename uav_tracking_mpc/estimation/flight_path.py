@@ -62,8 +62,6 @@ from __future__ import annotations
 import dataclasses
 import math
 
-import numpy as np
-
 from uav_tracking_mpc.dynamics.frames import turn_rate_from_bank
 from uav_tracking_mpc.estimation.measurement import Axis, Measurement
 
@@ -239,13 +237,16 @@ class FlightPath:
         if max(abs(bank), abs(pitch)) > STEEPEST:
             return measurement
         time, direction, climb = measurement.stamp, self._direction, self._climb
-        east, north, up = measurement.ground_velocity.tolist()
+        ground_velocity = measurement.ground_velocity.copy()
+        up = float(ground_velocity[2])
         by_pitch, height = airspeed * math.sin(pitch), float(measurement.position[2])
         if self.velocity_failed:
             up = self._pitched.without(time, by_pitch, height)
         else:
             self._pitched.see(time, by_pitch, up, height)
         climb.see(time, up, self.climb_frequency)
+        if not self.velocity_failed:  # else it shall not agree because it was replaced
+            ground_velocity[2] = climb.value
         path_angle = math.asin(min(max(climb.value / airspeed, -1.0), 1.0))
         nose = measurement.heading + past_nose(bank, pitch, path_angle)
         by_bank = turn_rate_from_bank(bank, airspeed)
@@ -265,7 +266,7 @@ class FlightPath:
             return measurement
         return dataclasses.replace(
             measurement,
-            ground_velocity=np.array([east, north, climb.value]),
+            ground_velocity=ground_velocity,
             heading=direction.heading,
             path_angle=path_angle,
             turn_rate=direction.rate,

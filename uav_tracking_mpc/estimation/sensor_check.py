@@ -59,6 +59,11 @@ ODD_DEVIATIONS = 4.0  # -, standard deviations of what is expected, that it may 
 WINDOW = 1.0  # s after which positions tell which of the two velocities was flown
 VELOCITY_CHECK = Layout(odd=1, begin=3, by_measured=3, by_expected=3)
 
+# m/s, and standard deviations of positions, by which the way flown may differ from that velocity
+# in each window; and s for which it then does: a position that jumps, and back, takes two windows
+CONTRARY, CONTRARY_DEVIATIONS, CONTRARY_TIME = 3.0, 6.0, 3.0
+WAY_CHECK = Layout(time=1, begin=3, way=3, before=3, contrary=1)
+
 # Positions that are elsewhere by more than this and so many standard deviations of their noise are
 # left out for a time. If they stay there, what is told of the aircraft's place goes there gently.
 JUMP, JUMP_DEVIATIONS, JUMP_TIME, FADE_TIME = 2.0, 6.0, 2.0, 10.0  # m, -, s, s
@@ -146,6 +151,48 @@ def velocity_checked(
         by_expected=ca.if_else(judged, 0.0, by_expected),
     )
     return VELOCITY_CHECK.joined(after), ca.logic_and(far, ca.logic_not(changed)), changed
+
+
+def way_checked(
+    known: SimpleNamespace,
+    elapsed: ca.SX,
+    position: ca.SX,
+    fresh: ca.SX,
+    measured: ca.SX,
+    deviation: ca.SX,
+) -> tuple[ca.SX, ca.SX]:
+    """What is known after a ground velocity, and whether positions have long contradicted it.
+
+    One that is off by less than what counts as odd is believed at first, and with it a wind that
+    does not blow. Positions that fail do so for a moment, or repeat themselves.
+
+    Args:
+        known: By :data:`WAY_CHECK`: for how long this window lasts [s], where it began, the way by
+            the velocity since then [m], the velocity before [m/s], for how long windows have
+            contradicted it [s].
+        elapsed: Since the measurement before in [s].
+        position: As measured, shape (3,), in [m].
+        fresh: 1 where one is measured that is not the one before, else 0.
+        measured: Shape (3,), in [m/s].
+        deviation: Standard deviation of the noise of positions on the worst axis in [m].
+    """
+    time, way = known.time + elapsed, known.way + 0.5 * elapsed * (known.before + measured)
+    full = fresh * (time >= WINDOW)
+    limit = CONTRARY * time + CONTRARY_DEVIATIONS * deviation
+    error = ca.norm_2(position - known.begin - way)
+    long = known.contrary >= CONTRARY_TIME
+    kept = ca.logic_and(long, error > AGREEING * limit)
+    contrary = ca.if_else(error > limit, ca.fmin(known.contrary + time, CONTRARY_TIME), 0.0)
+    contrary = ca.if_else(kept, known.contrary, contrary)
+    begins = ca.logic_or(full, ca.logic_not(fresh))
+    after = SimpleNamespace(
+        time=ca.if_else(begins, 0.0, time),
+        begin=ca.if_else(begins, position, known.begin),
+        way=ca.if_else(begins, 0.0, way),
+        before=measured,
+        contrary=ca.if_else(full, contrary, known.contrary),
+    )
+    return WAY_CHECK.joined(after), after.contrary >= CONTRARY_TIME
 
 
 def position_checked(

@@ -107,6 +107,36 @@ def test_a_heading_that_jumps_is_named_whatever_tells_the_turn(told, bias, direc
     assert news == [("heading", "jumped")]
 
 
+@pytest.mark.parametrize(
+    ("plant", "wrong"),
+    [
+        ("vehicle", "velocity_gain=1.5"),
+        pytest.param("vehicle", "velocity_bias=[-7.0, -7.0, 0.0]", marks=LONG),
+        ("jsbsim", "velocity_gain=0.0"),
+        pytest.param("jsbsim", "velocity_bias=[0.0, 0.0, -4.0]", marks=LONG),
+    ],
+)
+def test_a_ground_velocity_that_positions_contradict_is_flown_without(plant, wrong):
+    """It is believed at first, and with it a wind that does not blow."""
+    if plant == "jsbsim":
+        pytest.importorskip("jsbsim")
+    overrides = [f"mission.plant={plant}", "uav_simulator.wind=[5.0, 3.0, 0.0]"]
+    overrides += ["uav_simulator.gust_intensity=7.7", "nmpc_controller.solve_time_max=10.0"]
+    changes = ((60.0, f"uav_simulator.{wrong}"),)
+    config = dataclasses.replace(load_configuration("small_uav", overrides), changes=changes)
+    loop = ClosedLoop(config)
+    while loop.time < 120.0:
+        loop.tick()
+    log = loop.log(120.0)
+    named = [each for each in log.sensors if each.sensor == "ground velocity"]
+    assert [each.state for each in named] == ["off"]
+    assert 60.0 <= named[0].time < 63.5
+    assert {each.sensor for each in log.sensors} <= {"ground velocity", "position"}
+    assert np.abs(log.error[log.time > 90.0, 0]).max() < 2.0
+    airspeeds = log.vehicle[log.time > 60.0, 5]
+    assert 19.0 < airspeeds.min() <= airspeeds.max() < 25.0
+
+
 @LONG
 def test_gusts_on_a_straight_way_in_blame_no_sensor():
     """All that is known of the wind then comes from one direction."""
