@@ -62,7 +62,8 @@ VELOCITY_CHECK = Layout(odd=1, begin=3, by_measured=3, by_expected=3)
 # m/s, and standard deviations of positions, by which the way flown may differ from that velocity
 # in each window; and s for which it then does: a position that jumps, and back, takes two windows
 CONTRARY, CONTRARY_DEVIATIONS, CONTRARY_TIME = 3.0, 6.0, 3.0
-WAY_CHECK = Layout(time=1, begin=3, way=3, before=3, contrary=1)
+ALIKE = 0.5  # -, cosine between differences of successive windows: those of jumps go anywhere
+WAY_CHECK = Layout(time=1, begin=3, way=3, before=3, error=3, contrary=1)
 
 # Positions that are elsewhere by more than this and so many standard deviations of their noise are
 # left out for a time. If they stay there, what is told of the aircraft's place goes there gently.
@@ -168,8 +169,8 @@ def way_checked(
 
     Args:
         known: By :data:`WAY_CHECK`: for how long this window lasts [s], where it began, the way by
-            the velocity since then [m], the velocity before [m/s], for how long windows have
-            contradicted it [s].
+            the velocity since then [m], the velocity before [m/s], by how much the way of the
+            window before differed [m], for how long windows have contradicted the velocity [s].
         elapsed: Since the measurement before in [s].
         position: As measured, shape (3,), in [m].
         fresh: 1 where one is measured that is not the one before, else 0.
@@ -179,10 +180,13 @@ def way_checked(
     time, way = known.time + elapsed, known.way + 0.5 * elapsed * (known.before + measured)
     full = fresh * (time >= WINDOW)
     limit = CONTRARY * time + CONTRARY_DEVIATIONS * deviation
-    error = ca.norm_2(position - known.begin - way)
+    difference = position - known.begin - way
+    error, error_before = ca.norm_2(difference), ca.norm_2(known.error)
+    along = ca.dot(difference, known.error) > ALIKE * error * error_before
     long = known.contrary >= CONTRARY_TIME
     kept = ca.logic_and(long, error > AGREEING * limit)
-    contrary = ca.if_else(error > limit, ca.fmin(known.contrary + time, CONTRARY_TIME), 0.0)
+    contrary = ca.fmin(ca.if_else(along, known.contrary, 0.0) + time, CONTRARY_TIME)
+    contrary = ca.if_else(error > limit, contrary, 0.0)
     contrary = ca.if_else(kept, known.contrary, contrary)
     begins = ca.logic_or(full, ca.logic_not(fresh))
     after = SimpleNamespace(
@@ -190,6 +194,7 @@ def way_checked(
         begin=ca.if_else(begins, position, known.begin),
         way=ca.if_else(begins, 0.0, way),
         before=measured,
+        error=ca.if_else(full, difference, known.error),
         contrary=ca.if_else(full, contrary, known.contrary),
     )
     return WAY_CHECK.joined(after), after.contrary >= CONTRARY_TIME
