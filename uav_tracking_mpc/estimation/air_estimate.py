@@ -39,6 +39,7 @@ from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.rate_aided import RATE_AIDED
 from uav_tracking_mpc.estimation.sensor_check import (
     AIR_CHECK,
+    COMPASS_CHECK,
     POSITION_CHECK,
     VELOCITY_CHECK,
     WAY_CHECK,
@@ -46,6 +47,7 @@ from uav_tracking_mpc.estimation.sensor_check import (
 from uav_tracking_mpc.estimation.sensor_health import (
     AIRSPEED,
     HEADING,
+    JUMPED,
     POSITION,
     SILENT,
     STATES,
@@ -77,6 +79,7 @@ MEMORY = Layout(
     quick=wind_filter.QUICK.size,
     aided=RATE_AIDED.size,
     air=AIR_CHECK.size,
+    compass=COMPASS_CHECK.size,
     velocity=VELOCITY_CHECK.size,
     way=WAY_CHECK.size,
     place=POSITION_CHECK.size,
@@ -84,7 +87,7 @@ MEMORY = Layout(
 )
 FOUND = Layout(
     position=3, angles=2, airspeed=1, rates=3, wind=3, trend=3, gust=3, times=3,
-    states=4, changed=1, without=3, known=1, deviation=1, walk=1,
+    states=4, snapped=1, changed=1, without=3, known=1, deviation=1, walk=1,
 )  # fmt: skip
 
 
@@ -240,7 +243,8 @@ class AirEstimate:
             wind_filter.begin_position(parts, seen.position, seen.position_noise)
         motion = np.concatenate([seen.heading, seen.path_angle, seen.airspeed])
         rate_aided.begin_values(RATE_AIDED.parts(known.aided), motion, seen.rates, seen.noise)
-        known.velocity[:] = known.place[:] = known.way[:] = 0.0
+        known.velocity[:] = known.place[:] = known.way[:] = known.compass[:] = 0.0
+        COMPASS_CHECK.parts(known.compass).heading[:] = seen.heading
         way = WAY_CHECK.parts(known.way)
         way.begin[:], way.before[:] = seen.position, seen.ground
         POSITION_CHECK.parts(known.place).last[:], known.ground[:] = np.nan, seen.ground
@@ -253,6 +257,8 @@ class AirEstimate:
             if STATES[int(code)] not in (USED, SILENT) and code != before[LANES.index(lane) - 1]:
                 self._known.main[:] = getattr(self._known, lane)
             self.health.states[name] = STATES[int(code)]
+        if found.snapped[0]:
+            self.health.states[HEADING] = JUMPED
         for name, code in zip((POSITION, VELOCITY), self._states[2:], strict=True):
             self.health.states[name] = STATES[int(code)]
         if found.changed[0]:
@@ -297,6 +303,17 @@ def _step() -> ca.Function:
     used_ground = ca.if_else(odd, expected, seen.ground)
 
     # Airspeed and heading
+    told = ca.logic_not(seen.turn_told == 0.0)
+    alone = ca.logic_or(ca.logic_not(seen.measured), AIR_CHECK.parts(known.air).reasons[0] > 0.0)
+    variance = rate_aided.METERS.layout.parts(RATE_AIDED.parts(known.aided).meters).held[0]
+    compass, heading, snapped = sensor_check.compass_checked(
+        COMPASS_CHECK.parts(known.compass),
+        dt,
+        seen.heading,
+        seen.turn,
+        ca.logic_and(alone, told),
+        ca.fmax(ca.sqrt(variance), seen.noise[0]),
+    )
     level = ca.fmax(ca.cos(seen.path_angle), LEAST_LEVEL)
     u = [(used_ground - lane.state[B] - lane.state[W])[:2] for lane in lanes[1:]]
     level_wind = [lane.triangle[LEVEL_WIND] for lane in lanes[1:]]
@@ -306,7 +323,7 @@ def _step() -> ca.Function:
     air, out, turned, along = sensor_check.air_checked(
         AIR_CHECK.parts(known.air),
         dt,
-        seen.heading,
+        heading,
         seen.airspeed,
         seen.measured,
         ca.fmax(level * (1.0 - state[ALPHA]), LEAST_LEVEL),
@@ -314,12 +331,12 @@ def _step() -> ca.Function:
         wind_deviations,
         meters.weight >= noise_meter.MEMORY,
         ca.vertcat((blind[W] + blind[G])[:2], blind[BETA] * seen.airspeed),
-        (seen.turn, ca.logic_not(seen.turn_told == 0.0)),
+        (seen.turn, told),
         seen.rates[2],
     )
     reasons = AIR_CHECK.parts(air).reasons
     by_wind = turned, along / level
-    heading = ca.if_else(out[1], by_wind[0], seen.heading)
+    heading = ca.if_else(out[1], by_wind[0], heading)
     airspeed = ca.if_else(out[0], by_wind[1], seen.airspeed)
     motion = ca.vertcat(heading, seen.path_angle, airspeed)
     aided = rate_aided.smoothed(RATE_AIDED.parts(known.aided), dt, motion, seen.rates, seen.noise)
@@ -376,6 +393,7 @@ def _step() -> ca.Function:
         quick=quick,
         aided=RATE_AIDED.joined(aided),
         air=air,
+        compass=compass,
         velocity=velocity,
         way=way,
         place=POSITION_CHECK.joined(placed),
@@ -391,6 +409,7 @@ def _step() -> ca.Function:
         gust=gust,
         times=ahead[MAIN].times,
         states=ca.vertcat(reasons, code, odd * sensor_check.CODE["off"]),
+        snapped=snapped,
         changed=changed,
         without=blind.state[W],
         known=ca.mmax(blind.triangle[LEVEL_WIND]) <= sensor_check.WIND_KNOWN**2,

@@ -70,6 +70,11 @@ WAY_CHECK = Layout(time=1, begin=3, way=3, before=3, error=3, contrary=1)
 JUMP, JUMP_DEVIATIONS, JUMP_TIME, FADE_TIME = 2.0, 6.0, 2.0, 10.0  # m, -, s, s
 POSITION_CHECK = Layout(jumped=1, faded=3, last=3)
 
+# rad, rad/s since the measurement before, and standard deviations of the heading, which no aircraft
+# turns unless its gyros tell it
+SNAP, SNAP_RATE, SNAP_DEVIATIONS = 0.1, 0.3, 8.0
+COMPASS_CHECK = Layout(heading=1, snapped=1)
+
 # Airspeed and heading
 SMOOTHING, CHANGE_TIME, LASTING = 0.7, 4.0, 7.0  # s: of noise, of a jump, of what lasts
 LEAST_JUMP, LEAST_OFFSET = 1.0, 0.8  # m/s
@@ -236,6 +241,34 @@ def position_checked(
         last=ca.if_else(present, position, known.last),
     )
     return after, code, used, moved
+
+
+def compass_checked(
+    known: SimpleNamespace,
+    elapsed: ca.SX,
+    heading: ca.SX,
+    turn: ca.SX,
+    alone: ca.SX,
+    deviation: ca.SX,
+) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """What is known after a heading, the heading without its jumps, and whether it has jumped.
+
+    Without an airspeed there is nothing else to compare a heading with.
+
+    Args:
+        known: By :data:`COMPASS_CHECK`: the heading before, and by how much it has jumped, [rad].
+        elapsed: Since then in [s].
+        heading: As measured in [rad].
+        turn: By the gyros in [rad/s].
+        alone: Whether no airspeed is used, and the gyros tell the turn.
+        deviation: Standard deviation of the heading's noise in [rad].
+    """
+    jump = ca.remainder(heading - known.heading - elapsed * turn, math.tau)
+    most = SNAP + SNAP_RATE * elapsed + SNAP_DEVIATIONS * deviation
+    snapped = ca.remainder(known.snapped + (ca.fabs(jump) > most) * jump, math.tau)
+    snapped = ca.if_else(alone, snapped, 0.0)
+    after = SimpleNamespace(heading=heading, snapped=snapped)
+    return COMPASS_CHECK.joined(after), heading - snapped, ca.fabs(snapped) > AGREEING * SNAP
 
 
 def air_checked(
