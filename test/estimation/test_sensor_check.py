@@ -23,7 +23,9 @@ import pytest
 from uav_tracking_mpc.estimation.sensor_check import (
     AIR_CHECK,
     AIRSPEED,
+    COMPASS_CHECK,
     CONTRARY_TIME,
+    FOLLOWER,
     HEADING,
     JUMP,
     JUMP_TIME,
@@ -33,6 +35,8 @@ from uav_tracking_mpc.estimation.sensor_check import (
     WAY_CHECK,
     WINDOW,
     air_checked,
+    compass_checked,
+    followed,
     initial_air_check,
     position_checked,
     velocity_checked,
@@ -340,6 +344,46 @@ def test_a_turn_that_is_seldom_measured_contradicts_nothing(step):
 
 def test_positions_that_repeat_themselves_contradict_nothing():
     assert not any(contradicted(2.0 * EXPECTED, 10.0, fresh=False)[0])
+
+
+def compass_verdicts(headings, turn, step=STEP, alone=1.0, deviation=0.0):
+    """Headings that are gone by, and whether they have jumped."""
+    memory = np.zeros(COMPASS_CHECK.size)
+    COMPASS_CHECK.parts(memory).heading[:] = headings[0]
+    check = Evaluated(compass_checked, COMPASS_CHECK, memory, [1, 1, 1, 1, 1])
+    found = [check(step, heading, turn, alone, deviation) for heading in headings]
+    return [float(heading[0]) for heading, _ in found], [bool(jumped[0]) for _, jumped in found]
+
+
+def test_a_heading_that_jumps_without_a_turn_is_taken_back():
+    times = STEP * np.arange(200)
+    true, jumped = 0.3 * times, (times > 3.0) & (times < 7.0)
+    gone_by, named = compass_verdicts(true + 0.5 * jumped, 0.3)
+    assert gone_by == pytest.approx(true)
+    assert named == jumped.tolist()
+    gone_by, named = compass_verdicts(true + 0.5 * jumped, 0.3, alone=0.0)
+    assert gone_by == pytest.approx(true + 0.5 * jumped)  # for others to judge
+    assert not any(named)
+
+
+@pytest.mark.parametrize(("step", "noise"), [(0.05, 0.05), (1.0, 0.0)])
+def test_a_noisy_heading_and_one_that_is_seldom_measured_jump_nowhere(step, noise):
+    times = step * np.arange(400)
+    seen = 0.4 * np.sin(0.5 * times) + np.random.default_rng(1).normal(0.0, noise, 400)
+    assert not any(compass_verdicts(seen, 0.0, step, deviation=noise)[1])
+
+
+def test_positions_alone_tell_the_velocity_of_an_aircraft_that_turns():
+    memory = np.zeros(FOLLOWER.size)
+    check = Evaluated(followed, FOLLOWER, memory, [1, 3, 1, 3])
+    wind = np.array([3.0, 0.0, 0.0])
+    for k in range(round(20.0 / STEP)):
+        angle = 0.25 * k * STEP
+        position = 88.0 * np.array([math.sin(angle), -math.cos(angle), 0.0])
+        velocity = 22.0 * np.array([math.cos(angle), math.sin(angle), 0.0])
+        turning = 0.25 * np.array([-velocity[1], velocity[0], 0.0])
+        (by_positions,) = check(STEP, position + k * STEP * wind, 1.0, turning)
+    assert by_positions == pytest.approx(velocity + wind, abs=0.3)
 
 
 def placed(offset, duration, present=True):

@@ -49,6 +49,7 @@ class AirData:
         wind_known: Whether it is known well enough for that.
         failed: Whether the airspeed is known to be wrong: the path then goes by the wind alone.
         nose_rate: How the nose turns in [rad/s], where it is the bank that tells how the path does.
+        flown: Airspeed as it is estimated in [m/s].
         velocity_failed: Whether the ground velocity is: the path then goes by pitch and height.
     """
 
@@ -75,6 +76,7 @@ class AirData:
         self.wind = np.zeros(3)
         self.wind_known = self.failed = self.velocity_failed = False
         self.nose_rate: float | None = None
+        self.flown = 0.0
 
     def see(self, stamp: float, airspeed: float) -> None:
         """Take in a measured airspeed.
@@ -112,7 +114,7 @@ class AirData:
         self.awaited = self.missing and measurement.stamp - self._first < self.timeout
         self._path.velocity_failed = self.velocity_failed
         if airspeed is None:
-            plausible = self._expected(measurement)
+            plausible = self.flown if self.velocity_failed else self._expected(measurement)
         else:
             plausible = self._plausible(measurement, airspeed)
         of_path = self._path.of(measurement, plausible)

@@ -40,6 +40,7 @@ from uav_tracking_mpc.estimation.rate_aided import RATE_AIDED
 from uav_tracking_mpc.estimation.sensor_check import (
     AIR_CHECK,
     COMPASS_CHECK,
+    FOLLOWER,
     POSITION_CHECK,
     VELOCITY_CHECK,
     WAY_CHECK,
@@ -80,6 +81,7 @@ MEMORY = Layout(
     aided=RATE_AIDED.size,
     air=AIR_CHECK.size,
     compass=COMPASS_CHECK.size,
+    follower=FOLLOWER.size,
     velocity=VELOCITY_CHECK.size,
     way=WAY_CHECK.size,
     place=POSITION_CHECK.size,
@@ -247,6 +249,8 @@ class AirEstimate:
         COMPASS_CHECK.parts(known.compass).heading[:] = seen.heading
         way = WAY_CHECK.parts(known.way)
         way.begin[:], way.before[:] = seen.position, seen.ground
+        follower = FOLLOWER.parts(known.follower)
+        follower.place[:], follower.velocity[:] = seen.position, seen.ground
         POSITION_CHECK.parts(known.place).last[:], known.ground[:] = np.nan, seen.ground
 
     def _taken(self) -> AircraftInAir:
@@ -300,11 +304,17 @@ def _step() -> ca.Function:
         WAY_CHECK.parts(known.way), dt, seen.position, fresh, seen.ground, position_noise
     )
     odd, changed = ca.logic_or(odd, contrary), ca.logic_and(changed, ca.logic_not(contrary))
+    alone = ca.logic_or(ca.logic_not(seen.measured), AIR_CHECK.parts(known.air).reasons[0] > 0.0)
+    turning = seen.rates[0] * ca.vertcat(-main.air[1], main.air[0], 0.0)
+    follower, by_positions = sensor_check.followed(
+        FOLLOWER.parts(known.follower), dt, seen.position, fresh, turning
+    )
+    # Without an airspeed what is expected is what was expected before.
+    expected = ca.if_else(alone, by_positions, expected)
     used_ground = ca.if_else(odd, expected, seen.ground)
 
     # Airspeed and heading
     told = ca.logic_not(seen.turn_told == 0.0)
-    alone = ca.logic_or(ca.logic_not(seen.measured), AIR_CHECK.parts(known.air).reasons[0] > 0.0)
     variance = rate_aided.METERS.layout.parts(RATE_AIDED.parts(known.aided).meters).held[0]
     compass, heading, snapped = sensor_check.compass_checked(
         COMPASS_CHECK.parts(known.compass),
@@ -366,7 +376,8 @@ def _step() -> ca.Function:
         no_airspeed = 1.0 if which == NO_AIRSPEED else out[0]
         loose = _loose(heading, no_airspeed, 1.0 if which == NO_HEADING else out[1])
         ahead.append(wind_filter.predicted(lane, dt, velocity_through, seen.scales, loose, walks))
-    ground = ca.if_else(odd, wind_filter.expected_velocity(ahead[MAIN]), seen.ground)
+    expected = ca.if_else(alone, by_positions, wind_filter.expected_velocity(ahead[MAIN]))
+    ground = ca.if_else(odd, expected, seen.ground)
     sample = wind_filter.sampled(ahead[MAIN], position, ground)
     told, told_velocity = seen.position_noise**2, seen.velocity_noise**2
     told_mean = ca.sum1(told) / 3.0
@@ -377,7 +388,7 @@ def _step() -> ca.Function:
         ca.fmax(variances[wind_filter.POSITION] * share, wind_filter.POSITION_NOISE**2),
         *[ca.fmax(variances[k], wind_filter.VELOCITY_NOISE**2) for k in (0, 0, 1)],
     )
-    noise[3:] += odd * BLIND**2
+    noise[3:] += odd * ca.if_else(alone, sensor_check.FOLLOWED_DEVIATION, BLIND) ** 2
     read = ca.vertcat(position, ground)
     after = [wind_filter.corrected(lane, read, noise) for lane in ahead]
 
@@ -394,6 +405,7 @@ def _step() -> ca.Function:
         aided=RATE_AIDED.joined(aided),
         air=air,
         compass=compass,
+        follower=follower,
         velocity=velocity,
         way=way,
         place=POSITION_CHECK.joined(placed),

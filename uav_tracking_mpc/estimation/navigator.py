@@ -259,6 +259,7 @@ class Navigator:
             states = self.air_estimate.health.states
             self.air.failed = states[AIRSPEED] not in (USED, SILENT)
             self.air.velocity_failed = states[VELOCITY] != USED
+            self.air.flown = float(found.vehicle[5])
             return found
         if not measurement.placed:
             raise ValueError("no position is measured")

@@ -65,6 +65,10 @@ CONTRARY, CONTRARY_DEVIATIONS, CONTRARY_TIME = 3.0, 6.0, 3.0
 ALIKE = 0.5  # -, cosine between differences of successive windows: those of jumps go anywhere
 WAY_CHECK = Layout(time=1, begin=3, way=3, before=3, error=3, contrary=1)
 
+# What positions alone tell of the ground velocity: up to which frequency, and how exactly
+FOLLOWED, FOLLOWED_DEVIATION = 1.0, 1.0  # rad/s, m/s
+FOLLOWER = Layout(place=3, velocity=3)
+
 # Positions that are elsewhere by more than this and so many standard deviations of their noise are
 # left out for a time. If they stay there, what is told of the aircraft's place goes there gently.
 JUMP, JUMP_DEVIATIONS, JUMP_TIME, FADE_TIME = 2.0, 6.0, 2.0, 10.0  # m, -, s, s
@@ -203,6 +207,26 @@ def way_checked(
         contrary=ca.if_else(full, contrary, known.contrary),
     )
     return WAY_CHECK.joined(after), after.contrary >= CONTRARY_TIME
+
+
+def followed(
+    known: SimpleNamespace, elapsed: ca.SX, position: ca.SX, fresh: ca.SX, acceleration: ca.SX
+) -> tuple[ca.SX, ca.SX]:
+    """What is known after a position, and the velocity over ground by positions, in [m/s].
+
+    Args:
+        known: By :data:`FOLLOWER`.
+        elapsed: Since the measurement before in [s].
+        position: As measured, shape (3,), in [m].
+        fresh: 1 where one is measured that is not the one before, else 0.
+        acceleration: In which the aircraft turns, shape (3,), in [m/s^2].
+    """
+    velocity = known.velocity + elapsed * acceleration
+    place = known.place + 0.5 * elapsed * (known.velocity + velocity)
+    error = fresh * (position - place)
+    velocity += FOLLOWED**2 * elapsed * error
+    after = SimpleNamespace(place=place + 2.0 * FOLLOWED * elapsed * error, velocity=velocity)
+    return FOLLOWER.joined(after), velocity
 
 
 def position_checked(

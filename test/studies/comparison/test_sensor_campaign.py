@@ -137,6 +137,37 @@ def test_a_ground_velocity_that_positions_contradict_is_flown_without(plant, wro
     assert 19.0 < airspeeds.min() <= airspeeds.max() < 25.0
 
 
+@pytest.mark.parametrize(
+    ("plant", "wrong", "sensor"),
+    [
+        ("jsbsim", "heading_bias=0.5", "heading"),
+        ("jsbsim", "velocity_gain=0.0", "ground velocity"),
+        ("vehicle", "velocity_gain=1.5", "ground velocity"),
+        pytest.param("vehicle", "heading_bias=-0.15", "heading", marks=LONG),
+        pytest.param("jsbsim", "velocity_gain=-1.0", "ground velocity", marks=LONG),
+        pytest.param("vehicle", "velocity_bias=[-6.0, 4.0, 0.0]", "ground velocity", marks=LONG),
+    ],
+)
+def test_an_aircraft_without_an_airspeed_bears_one_more_failure(plant, wrong, sensor):
+    """The gyros tell that a heading jumps, and positions alone how the aircraft moves."""
+    if plant == "jsbsim":
+        pytest.importorskip("jsbsim")
+    overrides = [f"mission.plant={plant}", "uav_simulator.wind=[5.0, 3.0, 0.0]"]
+    overrides += ["uav_simulator.airspeed_fault=silent", "nmpc_controller.solve_time_max=10.0"]
+    changes = ((60.0, f"uav_simulator.{wrong}"),)
+    config = dataclasses.replace(load_configuration("small_uav", overrides), changes=changes)
+    loop = ClosedLoop(config)
+    while loop.time < 120.0:
+        loop.tick()
+    log = loop.log(120.0)
+    named = [each for each in log.sensors if each.sensor == sensor]
+    assert [each.state for each in named] == ["jumped" if sensor == "heading" else "off"]
+    assert 60.0 <= named[0].time < 63.5
+    assert np.abs(log.error[log.time > 100.0, 0]).max() < 1.5
+    airspeeds = log.vehicle[log.time > 60.0, 5]
+    assert 14.0 <= airspeeds.min() <= airspeeds.max() <= 32.0
+
+
 @LONG
 def test_gusts_on_a_straight_way_in_blame_no_sensor():
     """All that is known of the wind then comes from one direction."""
