@@ -373,17 +373,18 @@ def test_a_noisy_heading_and_one_that_is_seldom_measured_jump_nowhere(step, nois
     assert not any(compass_verdicts(seen, 0.0, step, deviation=noise)[1])
 
 
-def test_positions_alone_tell_the_velocity_of_an_aircraft_that_turns():
+@pytest.mark.parametrize("step", [STEP, 2.0])
+def test_positions_alone_tell_the_velocity_of_an_aircraft_that_turns(step):
     memory = np.zeros(FOLLOWER.size)
     check = Evaluated(followed, FOLLOWER, memory, [1, 3, 1, 3])
     wind = np.array([3.0, 0.0, 0.0])
-    for k in range(round(20.0 / STEP)):
-        angle = 0.25 * k * STEP
+    for k in range(round(40.0 / step)):
+        angle = 0.25 * k * step
         position = 88.0 * np.array([math.sin(angle), -math.cos(angle), 0.0])
         velocity = 22.0 * np.array([math.cos(angle), math.sin(angle), 0.0])
         turning = 0.25 * np.array([-velocity[1], velocity[0], 0.0])
-        (by_positions,) = check(STEP, position + k * STEP * wind, 1.0, turning)
-    assert by_positions == pytest.approx(velocity + wind, abs=0.3)
+        (by_positions,) = check(step, position + k * step * wind, 1.0, turning)
+    assert by_positions == pytest.approx(velocity + wind, abs=6.0 * step)
 
 
 def placed(offset, duration, present=True):

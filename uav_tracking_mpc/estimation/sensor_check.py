@@ -224,8 +224,9 @@ def followed(
     velocity = known.velocity + elapsed * acceleration
     place = known.place + 0.5 * elapsed * (known.velocity + velocity)
     error = fresh * (position - place)
-    velocity += FOLLOWED**2 * elapsed * error
-    after = SimpleNamespace(place=place + 2.0 * FOLLOWED * elapsed * error, velocity=velocity)
+    step = ca.fmin(elapsed, 0.5 / FOLLOWED)  # else it would not come to rest
+    velocity += FOLLOWED**2 * step * error
+    after = SimpleNamespace(place=place + 2.0 * FOLLOWED * step * error, velocity=velocity)
     return FOLLOWER.joined(after), velocity
 
 
