@@ -47,7 +47,7 @@ AVERAGING = 8.0  # s, time constant of the mean about which it swings
 FORCED = 0.3  # -, share of a swing that the target's acceleration must have to be its cause
 FORCED_TIME = 15.0  # s, in which the memory of the target's acceleration falls to 1/e
 MARGIN = 2.5  # -, standard deviations of an airspeed that is not measured
-BAND = 0.5, 0.7  # -, share of the airspeed band it takes at most: not measured, and in doubt
+UNKNOWN_SHARE, DOUBT_SHARE = 0.5, 0.7  # -, of the airspeed band, that the margin takes at most
 MARGIN_STEP = 0.5  # m/s, by which it changes
 CROSSING = 0.3  # -, of the least amplitude, by which a swing must pass the mean
 
@@ -282,8 +282,8 @@ class AirspeedMargin:
             None where that has not changed.
         """
         band = asked.airspeed_max - asked.airspeed_min
-        wanted = min(MARGIN * deviation, BAND[0] * band)
-        safe = min(MARGIN * doubt, BAND[1] * band)
+        wanted = min(MARGIN * deviation, UNKNOWN_SHARE * band)
+        safe = min(MARGIN * doubt, DOUBT_SHARE * band)
         if safe > max(wanted, asked.airspeed - asked.airspeed_min):
             wanted = safe
         wanted = wanted if wanted >= MARGIN_STEP else 0.0

@@ -49,7 +49,7 @@ class AirData:
         wind_known: Whether it is known well enough for that.
         failed: Whether the airspeed is known to be wrong: the path then goes by the wind alone.
         nose_rate: How the nose turns in [rad/s], where it is the bank that tells how the path does.
-        flown: Airspeed as it is estimated in [m/s].
+        estimated: Airspeed that was estimated last in [m/s].
         velocity_failed: Whether the ground velocity is: the path then goes by pitch and height.
     """
 
@@ -76,7 +76,7 @@ class AirData:
         self.wind = np.zeros(3)
         self.wind_known = self.failed = self.velocity_failed = False
         self.nose_rate: float | None = None
-        self.flown = 0.0
+        self.estimated = 0.0
 
     def see(self, stamp: float, airspeed: float) -> None:
         """Take in a measured airspeed.
@@ -114,7 +114,7 @@ class AirData:
         self.awaited = self.missing and measurement.stamp - self._first < self.timeout
         self._path.velocity_failed = self.velocity_failed
         if airspeed is None:
-            plausible = self.flown if self.velocity_failed else self._expected(measurement)
+            plausible = self.estimated if self.velocity_failed else self._expected(measurement)
         else:
             plausible = self._plausible(measurement, airspeed)
         of_path = self._path.of(measurement, plausible)
@@ -123,11 +123,10 @@ class AirData:
             return of_path, of_path.state(airspeed)
         east, north, up = (float(value) for value in measurement.ground_velocity)
         speed = math.sqrt(east**2 + north**2 + up**2)
-        measurement = of_path
         if not speed > SLOW:
-            return measurement, measurement.state(speed)
+            return of_path, of_path.state(speed)
         heading, path_angle = math.atan2(north, east), math.atan2(up, math.hypot(east, north))
-        return measurement, np.array([*measurement.position, heading, path_angle, speed])
+        return of_path, np.array([*measurement.position, heading, path_angle, speed])
 
     @property
     def surplus(self) -> float:

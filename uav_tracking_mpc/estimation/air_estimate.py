@@ -299,29 +299,30 @@ def _step() -> ca.Function:
     position_noise = ca.fmax(
         ca.sqrt(meters.held[wind_filter.POSITION]), ca.mmax(seen.position_noise)
     )
-    fresh = seen.placed * (ca.sumsqr(seen.position - place.last) > 0.0)
+    fresh = sensor_check.is_fresh(place, seen.position, seen.placed)
     way, contrary = sensor_check.way_checked(
         WAY_CHECK.parts(known.way), dt, seen.position, fresh, seen.ground, position_noise
     )
     odd, changed = ca.logic_or(odd, contrary), ca.logic_and(changed, ca.logic_not(contrary))
-    alone = ca.logic_or(ca.logic_not(seen.measured), AIR_CHECK.parts(known.air).reasons[0] > 0.0)
+    refused = AIR_CHECK.parts(known.air).reasons[sensor_check.AIRSPEED] > 0.0
+    no_airspeed_used = ca.logic_or(ca.logic_not(seen.measured), refused)
     turning = seen.rates[0] * ca.vertcat(-main.air[1], main.air[0], 0.0)
     follower, by_positions = sensor_check.followed(
         FOLLOWER.parts(known.follower), dt, seen.position, fresh, turning
     )
-    # Without an airspeed what is expected is what was expected before.
-    expected = ca.if_else(alone, by_positions, expected)
-    used_ground = ca.if_else(odd, expected, seen.ground)
+    # Without an airspeed the expected velocity would confirm itself: positions replace it.
+    instead = ca.if_else(no_airspeed_used, by_positions, expected)
+    used_ground = ca.if_else(odd, instead, seen.ground)
 
     # Airspeed and heading
-    told = ca.logic_not(seen.turn_told == 0.0)
+    turn_told = ca.logic_not(seen.turn_told == 0.0)
     variance = rate_aided.METERS.layout.parts(RATE_AIDED.parts(known.aided).meters).held[0]
     compass, heading, snapped = sensor_check.compass_checked(
         COMPASS_CHECK.parts(known.compass),
         dt,
         seen.heading,
         seen.turn,
-        ca.logic_and(alone, told),
+        ca.logic_and(no_airspeed_used, turn_told),
         ca.fmax(ca.sqrt(variance), seen.noise[0]),
     )
     level = ca.fmax(ca.cos(seen.path_angle), LEAST_LEVEL)
@@ -341,7 +342,7 @@ def _step() -> ca.Function:
         wind_deviations,
         meters.weight >= noise_meter.MEMORY,
         ca.vertcat((blind[W] + blind[G])[:2], blind[BETA] * seen.airspeed),
-        (seen.turn, told),
+        (seen.turn, turn_told),
         seen.rates[2],
     )
     reasons = AIR_CHECK.parts(air).reasons
@@ -376,8 +377,8 @@ def _step() -> ca.Function:
         no_airspeed = 1.0 if which == NO_AIRSPEED else out[0]
         loose = _loose(heading, no_airspeed, 1.0 if which == NO_HEADING else out[1])
         ahead.append(wind_filter.predicted(lane, dt, velocity_through, seen.scales, loose, walks))
-    expected = ca.if_else(alone, by_positions, wind_filter.expected_velocity(ahead[MAIN]))
-    ground = ca.if_else(odd, expected, seen.ground)
+    expected = wind_filter.expected_velocity(ahead[MAIN])
+    ground = ca.if_else(odd, ca.if_else(no_airspeed_used, by_positions, expected), seen.ground)
     sample = wind_filter.sampled(ahead[MAIN], position, ground)
     told, told_velocity = seen.position_noise**2, seen.velocity_noise**2
     told_mean = ca.sum1(told) / 3.0
@@ -388,7 +389,7 @@ def _step() -> ca.Function:
         ca.fmax(variances[wind_filter.POSITION] * share, wind_filter.POSITION_NOISE**2),
         *[ca.fmax(variances[k], wind_filter.VELOCITY_NOISE**2) for k in (0, 0, 1)],
     )
-    noise[3:] += odd * ca.if_else(alone, sensor_check.FOLLOWED_DEVIATION, BLIND) ** 2
+    noise[3:] += odd * ca.if_else(no_airspeed_used, sensor_check.FOLLOWED_DEVIATION, BLIND) ** 2
     read = ca.vertcat(position, ground)
     after = [wind_filter.corrected(lane, read, noise) for lane in ahead]
 

@@ -142,9 +142,10 @@ class Navigator:
 
     @property
     def airspeed_uncertainty(self) -> tuple[float, float]:
-        """Standard deviation of what stands in for the airspeed, 0 while that is used, in [m/s].
+        """What is not known of the airspeed: two numbers in [m/s], of which one at least is 0.
 
-        And by how much one that is used may be too high.
+        The standard deviation of what stands in for one that is not used; and by how much one that
+        is used may be too high.
         """
         if not self._estimating:
             return 0.0, 0.0
@@ -259,7 +260,7 @@ class Navigator:
             states = self.air_estimate.health.states
             self.air.failed = states[AIRSPEED] not in (USED, SILENT)
             self.air.velocity_failed = states[VELOCITY] != USED
-            self.air.flown = float(found.vehicle[5])
+            self.air.estimated = float(found.vehicle[5])
             return found
         if not measurement.placed:
             raise ValueError("no position is measured")

@@ -100,7 +100,7 @@ COMPARED = 60.0  # s, memory of the gusts
 PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts taken at first, and how much that weighs
 # -, shares of a jump that are the sensor's own: to name it, and to take that back
 OWN_SHARE, LEAST_SHARE = 0.5, 0.25
-DOUBT = 1.5  # m/s, by which an airspeed may seem too high: in gusts that is none of its own
+DOUBT = 1.5  # m/s, by which a sound airspeed may read more than the wind explains
 AGREEING, AGREED_FOR = 0.5, 5.0  # -, s: share of the limits to be kept to, to be used again
 STUCK_FOR, STUCK_CHANGE = 1.0, 0.4  # s and m/s: of a reading, and of the speed meanwhile
 AIRSPEED, HEADING = 0, 1  # indices of the sensors
@@ -171,10 +171,10 @@ def way_checked(
     measured: ca.SX,
     deviation: ca.SX,
 ) -> tuple[ca.SX, ca.SX]:
-    """What is known after a ground velocity, and whether positions have long contradicted it.
+    """What is known after a ground velocity, and whether positions contradict it.
 
-    One that is off by less than what counts as odd is believed at first, and with it a wind that
-    does not blow. Positions that fail do so for a moment, or repeat themselves.
+    They do if for :data:`CONTRARY_TIME` the way flown in each window differs, to the same side.
+    Positions that fail do so for a moment, or repeat themselves.
 
     Args:
         known: By :data:`WAY_CHECK`: for how long this window lasts [s], where it began, the way by
@@ -219,7 +219,7 @@ def followed(
         elapsed: Since the measurement before in [s].
         position: As measured, shape (3,), in [m].
         fresh: 1 where one is measured that is not the one before, else 0.
-        acceleration: In which the aircraft turns, shape (3,), in [m/s^2].
+        acceleration: By which the velocity turns, shape (3,), in [m/s^2].
     """
     velocity = known.velocity + elapsed * acceleration
     place = known.place + 0.5 * elapsed * (known.velocity + velocity)
@@ -228,6 +228,11 @@ def followed(
     velocity += FOLLOWED**2 * step * error
     after = SimpleNamespace(place=place + 2.0 * FOLLOWED * step * error, velocity=velocity)
     return FOLLOWER.joined(after), velocity
+
+
+def is_fresh(known: SimpleNamespace, position: ca.SX, present: ca.SX) -> ca.SX:
+    """Whether a position in [m] is measured that is not the last one in ``known``."""
+    return present * (ca.sumsqr(position - known.last) > 0.0)
 
 
 def position_checked(
@@ -249,8 +254,7 @@ def position_checked(
         carried: Where the ground velocity leads, shape (3,), in [m].
         deviation: Standard deviation of the noise on the worst axis in [m].
     """
-    same = ca.logic_not(ca.sumsqr(position - known.last) > 0.0)
-    repeated = ca.logic_and(present, same)
+    repeated = ca.logic_and(present, ca.logic_not(is_fresh(known, position, present)))
     far = ca.norm_2(position - carried) > JUMP + JUMP_DEVIATIONS * deviation
     far = ca.logic_and(present, far)
     jumped = ca.if_else(far, known.jumped + elapsed, 0.0)

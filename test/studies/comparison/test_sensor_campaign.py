@@ -31,6 +31,20 @@ from uav_tracking_mpc.studies.comparison.scenarios import mismatched, variants
 LONG = pytest.mark.long
 
 
+def flown_two_minutes(plant, setting, wrong):
+    """Log of a flight in wind with a setting of the simulator, and another from 60 s on."""
+    if plant == "jsbsim":
+        pytest.importorskip("jsbsim")
+    overrides = [f"mission.plant={plant}", "uav_simulator.wind=[5.0, 3.0, 0.0]"]
+    overrides += [f"uav_simulator.{setting}", "nmpc_controller.solve_time_max=10.0"]
+    changes = ((60.0, f"uav_simulator.{wrong}"),)
+    config = dataclasses.replace(load_configuration("small_uav", overrides), changes=changes)
+    loop = ClosedLoop(config)
+    while loop.time < 120.0:
+        loop.tick()
+    return loop.log(120.0)
+
+
 @pytest.mark.parametrize(
     "name", ["", "off", pytest.param("turned", marks=LONG), pytest.param("moved", marks=LONG)]
 )
@@ -118,16 +132,7 @@ def test_a_heading_that_jumps_is_named_whatever_tells_the_turn(told, bias, direc
 )
 def test_a_ground_velocity_that_positions_contradict_is_flown_without(plant, wrong):
     """It is believed at first, and with it a wind that does not blow."""
-    if plant == "jsbsim":
-        pytest.importorskip("jsbsim")
-    overrides = [f"mission.plant={plant}", "uav_simulator.wind=[5.0, 3.0, 0.0]"]
-    overrides += ["uav_simulator.gust_intensity=7.7", "nmpc_controller.solve_time_max=10.0"]
-    changes = ((60.0, f"uav_simulator.{wrong}"),)
-    config = dataclasses.replace(load_configuration("small_uav", overrides), changes=changes)
-    loop = ClosedLoop(config)
-    while loop.time < 120.0:
-        loop.tick()
-    log = loop.log(120.0)
+    log = flown_two_minutes(plant, "gust_intensity=7.7", wrong)
     named = [each for each in log.sensors if each.sensor == "ground velocity"]
     assert [each.state for each in named] == ["off"]
     assert 60.0 <= named[0].time < 63.5
@@ -150,16 +155,7 @@ def test_a_ground_velocity_that_positions_contradict_is_flown_without(plant, wro
 )
 def test_an_aircraft_without_an_airspeed_bears_one_more_failure(plant, wrong, sensor):
     """The gyros tell that a heading jumps, and positions alone how the aircraft moves."""
-    if plant == "jsbsim":
-        pytest.importorskip("jsbsim")
-    overrides = [f"mission.plant={plant}", "uav_simulator.wind=[5.0, 3.0, 0.0]"]
-    overrides += ["uav_simulator.airspeed_fault=silent", "nmpc_controller.solve_time_max=10.0"]
-    changes = ((60.0, f"uav_simulator.{wrong}"),)
-    config = dataclasses.replace(load_configuration("small_uav", overrides), changes=changes)
-    loop = ClosedLoop(config)
-    while loop.time < 120.0:
-        loop.tick()
-    log = loop.log(120.0)
+    log = flown_two_minutes(plant, "airspeed_fault=silent", wrong)
     named = [each for each in log.sensors if each.sensor == sensor]
     assert [each.state for each in named] == ["jumped" if sensor == "heading" else "off"]
     assert 60.0 <= named[0].time < 63.5
