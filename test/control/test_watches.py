@@ -233,7 +233,7 @@ def test_what_is_not_known_of_the_airspeed_is_kept_from_the_least_one():
         assert flown.airspeed_min == pytest.approx(14.0 + 0.5 * raised)
     assert known is slow
     assert (begins, ends) == (
-        ["the airspeed is not known: 16.0 m/s or more is flown"],
+        ["the airspeed is not known: the orbit is flown at 16.0 m/s"],
         ["the airspeed is known again"],
     )
     ((quick, _),) = margins(2.0)
@@ -247,18 +247,36 @@ def test_the_margin_ends_where_the_orbit_would_become_too_sharp():
     assert not flown.envelope.refusal(flown.orbit, np.zeros(3))
 
 
-def test_an_airspeed_that_may_be_too_high_is_kept_as_far_above_the_least_one():
-    events = EventLog()
-    margin = AirspeedMargin(events)
-    assert margin.flown(ASKED, 0.0, 8.0 / MARGIN) is None  # 22 m/s are enough
-    for doubt, orbit in ((9.0, 23.0), (20.0, 26.6)):  # at most 0.7 of the band
-        flown = margin.flown(ASKED, 0.0, doubt / MARGIN)
-        assert flown.airspeed == pytest.approx(orbit)
-    assert margin.flown(ASKED, 0.0, 0.0) is ASKED
+@pytest.mark.parametrize(
+    ("which", "limit", "asked", "orbits"),
+    [(0, 14.0, 22.0, (23.0, 26.6)), (1, 32.0, 24.0, (23.0, 19.4))],
+)
+def test_an_airspeed_in_doubt_is_kept_as_far_from_the_limit(which, limit, asked, orbits):
+    """Above the least one where it may be too high, below the greatest where it may be too low."""
+    events, space = EventLog(), abs(asked - limit)
+    margin, asked = AirspeedMargin(events), changed(ASKED, {"airspeed": asked})
+
+    def flown(doubt):
+        return margin.flown(asked, 0.0, (0.0, doubt / MARGIN) if which else (doubt / MARGIN, 0.0))
+
+    assert flown(space) is None  # that is enough
+    for doubt, orbit in zip((9.0, 20.0), orbits, strict=True):  # at most 0.7 of the band
+        by = flown(doubt)
+        assert by.airspeed == pytest.approx(orbit)
+        kept = (by.airspeed_min, by.airspeed_max)[which]
+        assert kept == pytest.approx(0.5 * (limit + orbit))
+        assert (by.airspeed_max, by.airspeed_min)[which] == 46.0 - limit
+    assert flown(0.0) is asked
     assert [event.words for event in events.take()] == [
-        "the airspeed is in doubt: 23.0 m/s or more is flown",
+        "the airspeed is in doubt: the orbit is flown at 23.0 m/s",
         "the airspeed is known again",
     ]
+
+
+def test_an_airspeed_that_is_not_known_is_kept_from_the_greatest_one_too():
+    ((flown, _),) = margins(2.0, asked=changed(ASKED, {"airspeed": 30.0}))
+    assert flown.airspeed == pytest.approx(32.0 - MARGIN * 2.0)
+    assert flown.airspeed_max == pytest.approx(32.0 - 0.5 * MARGIN * 2.0)
 
 
 @pytest.mark.parametrize("deviation", [math.nan, -1.0])

@@ -131,6 +131,7 @@ def test_an_airspeed_that_jumps_is_left_out_until_it_agrees(check, wrong):
     assert airspeed == pytest.approx(AIRSPEED_FLOWN)
     assert reasons[-1] == ["jumped", ""]
     assert circled(check, right, 130.0, 150.0)[2][-1] == ["", ""]
+    assert not check.layout.parts(check.memory).doubts.any()  # nothing of it is left
 
 
 def test_in_gusts_a_wind_that_will_not_be_known_better_judges_once_the_flight_has_lasted():

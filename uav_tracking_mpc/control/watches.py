@@ -47,7 +47,7 @@ AVERAGING = 8.0  # s, time constant of the mean about which it swings
 FORCED = 0.3  # -, share of a swing that the target's acceleration must have to be its cause
 FORCED_TIME = 15.0  # s, in which the memory of the target's acceleration falls to 1/e
 MARGIN = 2.5  # -, standard deviations of an airspeed that is not measured
-UNKNOWN_SHARE, DOUBT_SHARE = 0.5, 0.7  # -, of the airspeed band, that the margin takes at most
+UNKNOWN_SHARE, DOUBT_SHARE = 0.5, 0.7  # -, of the airspeed band, that a margin takes at most
 MARGIN_STEP = 0.5  # m/s, by which it changes
 CROSSING = 0.3  # -, of the least amplitude, by which a swing must pass the mean
 
@@ -250,7 +250,7 @@ LASTING = 10.0  # s for which it must have been different, and the same
 
 
 class AirspeedMargin:
-    """Keeps an orbit away from the least airspeed while the airspeed is not known, or not for sure.
+    """Keeps an orbit away from both airspeed limits while the airspeed is not known for sure.
 
     By :data:`MARGIN` standard deviations of what wind and ground velocity tell, at most up to the
     middle of the band; plans keep half of that. By as much of what they contradict an airspeed that
@@ -266,51 +266,60 @@ class AirspeedMargin:
 
     def forget(self) -> None:
         """Other parameters are flown by, without a margin."""
-        self._raised = 0.0
+        self._margins = [0.0, 0.0]
 
     def flown(
-        self, asked: TrackingParameters, deviation: float, doubt: float = 0.0
+        self, asked: TrackingParameters, deviation: float, doubts: tuple[float, float] = (0.0, 0.0)
     ) -> TrackingParameters | None:
         """What is to be flown by from now on.
 
         Args:
             asked: What the user wants.
             deviation: Standard deviation of the airspeed in [m/s]; 0 while it is measured.
-            doubt: By how much a measured one may be too high in [m/s].
+            doubts: By how much a measured one may be too high, and too low, in [m/s].
 
         Returns:
             None where that has not changed.
         """
         band = asked.airspeed_max - asked.airspeed_min
-        wanted = min(MARGIN * deviation, UNKNOWN_SHARE * band)
-        safe = min(MARGIN * doubt, DOUBT_SHARE * band)
-        if safe > max(wanted, asked.airspeed - asked.airspeed_min):
-            wanted = safe
-        wanted = wanted if wanted >= MARGIN_STEP else 0.0
-        if abs(wanted - self._raised) < MARGIN_STEP and (wanted > 0.0) == (self._raised > 0.0):
+        unknown = min(MARGIN * deviation, UNKNOWN_SHARE * band)
+        spaces = asked.airspeed - asked.airspeed_min, asked.airspeed_max - asked.airspeed
+        margins = []
+        for doubt, space, before in zip(doubts, spaces, self._margins, strict=True):
+            safe = min(MARGIN * doubt, DOUBT_SHARE * band)
+            wanted = safe if safe > max(unknown, space) else unknown
+            wanted = wanted if wanted >= MARGIN_STEP else 0.0
+            same = abs(wanted - before) < MARGIN_STEP and (wanted > 0.0) == (before > 0.0)
+            margins.append(before if same else wanted)
+        if margins == self._margins:
             return None
-        self._raised = wanted
-        flown = faster(asked, wanted) if wanted > 0.0 else asked
-        if self._told != (wanted > 0.0):
-            self._told = wanted > 0.0
-            state = "in doubt" if doubt > 0.0 else "not known"
-            words = f"the airspeed is {state}: {flown.airspeed:.1f} m/s or more is flown"
-            self._events.add(Level.INFO, words if self._told else "the airspeed is known again")
+        self._margins, unsure = margins, any(margins)
+        flown = kept_away(asked, *margins) if unsure else asked
+        if self._told != unsure:
+            self._told = unsure
+            state = "in doubt" if any(doubts) else "not known"
+            words = f"the airspeed is {state}: the orbit is flown at {flown.airspeed:.1f} m/s"
+            self._events.add(Level.INFO, words if unsure else "the airspeed is known again")
         return flown
 
 
-def faster(asked: TrackingParameters, raised: float) -> TrackingParameters:
-    """Parameters with an orbit above the least airspeed, as far as the bank allows it.
+def kept_away(asked: TrackingParameters, above: float, below: float) -> TrackingParameters:
+    """Parameters with an orbit away from the limits of the airspeed, as far as the bank allows it.
 
     Args:
         asked: What the user wants.
-        raised: By how much it is to be above in [m/s].
+        above: The least airspeed, in [m/s].
+        below: The greatest one, in [m/s].
     """
+    least, most = asked.airspeed_min, asked.airspeed_max
     for share in (1.0, 0.75, 0.5, 0.25):
-        orbit = max(asked.airspeed, asked.airspeed_min + share * raised)
-        values = {"airspeed_min": asked.airspeed_min + 0.5 * share * raised, "airspeed": orbit}
+        orbit = min(max(asked.airspeed, least + share * above), most - share * below)
+        band = {
+            "airspeed_min": least + 0.5 * share * above,
+            "airspeed_max": most - 0.5 * share * below,
+        }
         with contextlib.suppress(ParameterError):
-            return changed(asked, values)
+            return changed(asked, {**band, "airspeed": orbit})
     return asked
 
 

@@ -128,7 +128,7 @@ class AirEstimate:
         self._known, self._seen = MEMORY.parts(self._memory), SEEN.parts(seen)
         self._filter = LANE.parts(self._known.main)
         self._rate_bias = RATE_AIDED.parts(self._known.aided).bias
-        self._doubt = AIR_CHECK.parts(self._known.air).doubt
+        self._doubts = AIR_CHECK.parts(self._known.air).doubts
         self._step = BufferedFunction(_step(), [self._memory, seen])
         self._found = FOUND.parts(self._step.results[1])
         self.reset()
@@ -161,9 +161,10 @@ class AirEstimate:
         return float(self._found.deviation[0])
 
     @property
-    def airspeed_doubt(self) -> float:
-        """By how much an airspeed may be too high that is still used, in [m/s]."""
-        return float(self._doubt[0])
+    def airspeed_doubts(self) -> tuple[float, float]:
+        """By how much an airspeed that is still used may be too high, and too low, in [m/s]."""
+        high, low = self._doubts.tolist()
+        return high, low
 
     @property
     def mean_wind(self) -> NDArray[np.float64]:

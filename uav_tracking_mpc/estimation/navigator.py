@@ -141,17 +141,18 @@ class Navigator:
         return not self.air.missing and self.air_estimate.health.states[AIRSPEED] == USED
 
     @property
-    def airspeed_uncertainty(self) -> tuple[float, float]:
-        """What is not known of the airspeed: two numbers in [m/s], of which one at least is 0.
+    def airspeed_uncertainty(self) -> tuple[float, tuple[float, float]]:
+        """What is not known of the airspeed, in [m/s].
 
-        The standard deviation of what stands in for one that is not used; and by how much one that
-        is used may be too high.
+        The standard deviation of what stands in for one that is not used, else 0; and by how much
+        one that is used may be too high, and too low.
         """
+        sure = 0.0, 0.0
         if not self._estimating:
-            return 0.0, 0.0
+            return 0.0, sure
         if self.airspeed_known:
-            return 0.0, self.air_estimate.airspeed_doubt
-        return self.air_estimate.deviation_without_airspeed, 0.0
+            return 0.0, self.air_estimate.airspeed_doubts
+        return self.air_estimate.deviation_without_airspeed, sure
 
     def complaints(self) -> list[str]:
         """What has become of the sensors since it was asked last, in words."""

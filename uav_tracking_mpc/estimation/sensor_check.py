@@ -100,18 +100,18 @@ COMPARED = 60.0  # s, memory of the gusts
 PRIOR, PRIOR_TIME = 0.5, 3.0  # m/s, s: gusts taken at first, and how much that weighs
 # -, shares of a jump that are the sensor's own: to name it, and to take that back
 OWN_SHARE, LEAST_SHARE = 0.5, 0.25
-DOUBT = 1.5  # m/s, by which a sound airspeed may read more than the wind explains
+DOUBT = 1.5  # m/s, by which a sound airspeed may read otherwise than the wind explains
 AGREEING, AGREED_FOR = 0.5, 5.0  # -, s: share of the limits to be kept to, to be used again
 STUCK_FOR, STUCK_CHANGE = 1.0, 0.4  # s and m/s: of a reading, and of the speed meanwhile
 AIRSPEED, HEADING = 0, 1  # indices of the sensors
 # Residuals (r, c) in m/s by the wind without airspeed, then by that without heading: without noise,
 # as of some seconds ago, and what lasts; and mean squares of what gusts make of them. Of both
 # sensors' own changes in m/s what is taken for noise so far, what is a jump, what lasts. By how
-# much in m/s an airspeed may be too high that nobody has found wrong yet.
+# much in m/s an airspeed may be too high, and too low, that nobody has found wrong yet.
 AIR_CHECK = Layout(
     reasons=2, agreed=2, now=4, before=4, lasting=4, jumps=4, offsets=4, weight=2, explained=3,
     recent=3, moved=1, reading=1, stood=1, gained=1, speed=1, heading=1, rough=2, own=2,
-    drifted=1, doubt=1,
+    drifted=1, doubts=2,
 )  # fmt: skip
 
 
@@ -336,8 +336,7 @@ def air_checked(
         acceleration: v' as commanded and flown in [m/s^2].
     """
     known = SimpleNamespace(**vars(known))
-    turned = ca.remainder(heading - known.heading, math.tau)
-    turned -= elapsed * turn[0]
+    turned = ca.remainder(heading - known.heading, math.tau) - elapsed * turn[0]
     gained = level * (reading - known.reading - elapsed * acceleration)
     own = ca.vertcat(gained, -ca.norm_2(air[1]) * turned)  # as residuals change with them
     known.heading = heading
@@ -439,18 +438,20 @@ def _compared(
     """States of both sensors, and the rest of what is known, after residuals have been followed."""
     fresh = weight == 0.0
     begins = _of_residuals(fresh)
-    now = ca.if_else(begins, residuals, known.now)
-    before = ca.if_else(begins, residuals, known.before)
+    now, before = (ca.if_else(begins, residuals, each) for each in (known.now, known.before))
     lasting = ca.if_else(begins, 0.0, known.lasting)
-    weight = ca.fmin(ca.if_else(weight == 0.0, PRIOR_TIME, weight) + elapsed, COMPARED)
+    weight = ca.fmin(ca.if_else(fresh, PRIOR_TIME, weight) + elapsed, COMPARED)
     now += ca.fmin(elapsed / SMOOTHING, 1.0) * (residuals - now)
     before += elapsed / CHANGE_TIME * (now - before)
     lasting += elapsed / LASTING * (now - lasting)
     drifted = (1.0 - elapsed / CHANGES) * known.drifted + own[AIRSPEED]
     drifted = ca.if_else(fresh[AIRSPEED], 0.0, drifted)
-    doubt = ca.fmax(ca.fmin(now[AIRSPEED], drifted) - DOUBT, 0.0)
-    doubt *= weight[AIRSPEED] >= PRIOR_TIME + LASTING
-    doubt = ca.fmax(doubt, known.doubt * (1.0 - elapsed / LASTING))
+    high_low = ca.vertcat(1.0, -1.0)
+    doubts = ca.fmin(high_low * now[AIRSPEED], high_low * drifted) - DOUBT
+    doubts *= weight[AIRSPEED] >= PRIOR_TIME + LASTING
+    # It goes once the residual has gone: what has changed fades, and gusts may hide it for a while.
+    fading = ca.fmax(high_low * lasting[AIRSPEED], known.doubts * (1.0 - elapsed / LASTING))
+    doubts = ca.fmax(doubts, ca.fmin(known.doubts, fading))
     jumps, agreed, reasons = now - before, [], list(reasons)
     rough = ca.if_else(fresh, 0.0, known.rough + own)
     smooth = ca.fmin(elapsed / SMOOTHING, 1.0) * rough
@@ -462,8 +463,7 @@ def _compared(
         usual = ca.fmax(DEVIATIONS * usual, OWN_DEVIATIONS * ca.sqrt(known.jumps[its]))
         if which == AIRSPEED:  # in turbulence a wind that is not well known goes quickly elsewhere
             usual = ca.fmax(usual, lately)
-        most = LEAST_JUMP + usual
-        most = ca.fmax(most, DOMINANCE * ca.fabs(jumps[other]))
+        most = ca.fmax(LEAST_JUMP + usual, DOMINANCE * ca.fabs(jumps[other]))
         least = LEAST_OFFSET + DEVIATIONS * ca.sqrt(known.offsets[other])
         least = changes + ca.fmax(least, DOMINANCE * ca.fabs(lasting[other]))
         reason = reasons[which]
@@ -502,7 +502,7 @@ def _compared(
         rough=rough - smooth,
         own=owned,
         drifted=drifted,
-        doubt=doubt,
+        doubts=ca.if_else(again[AIRSPEED], 0.0, doubts),
         jumps=known.jumps + share * ((now - before) ** 2 - known.jumps),
         offsets=known.offsets + share * (lasting**2 - known.offsets),
     )

@@ -33,6 +33,10 @@ INSTEAD = {
     POSITION: "the ground velocity carries the last one on",
     VELOCITY: "air velocity and wind stand in for it",
 }
+WITHOUT_AIRSPEED = INSTEAD | {
+    HEADING: "the gyros carry the one before on",
+    VELOCITY: "positions alone tell how the aircraft moves",
+}
 
 
 class SensorHealth:
@@ -53,10 +57,12 @@ class SensorHealth:
 
     def news(self) -> Iterator[str]:
         """What has become of the sensors since it was asked last, in words."""
+        alone = self.states[AIRSPEED] != USED
         for sensor, state in self.states.items():
             if state != self._told[sensor]:
                 self._told[sensor] = state
-                instead = "" if state == USED else f": {INSTEAD[sensor]}"
+                words = (WITHOUT_AIRSPEED if alone else INSTEAD)[sensor]
+                instead = "" if state == USED else f": {words}"
                 yield f"{sensor} {SAID[state]}{instead}"
 
     def values(self) -> dict[str, str]:
