@@ -30,7 +30,8 @@ TARGET = np.array([0.0, 0.0, 0.0])
 
 def fly(duration: float = 60.0) -> np.ndarray:
     """Distance to the target at every tick in [m], shape (n,)."""
-    controller = Controller(load_configuration("small_uav").controller)
+    parameters = load_configuration("small_uav").controller
+    controller = Controller(parameters, stopwatch=lambda: 0.0)  # simulated time waits for answers
     position, heading, path_angle, speed = np.array([600.0, 0.0, 100.0]), math.pi, 0.0, 22.0
     turn_rate, path_rate, acceleration = 0.0, 0.0, 0.0
     distances = []

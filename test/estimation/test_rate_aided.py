@@ -24,12 +24,16 @@ STEP = 0.05
 
 
 class Heading:
-    """The filter of the heading, evaluated; the other quantities stand still."""
+    """The filter of the heading, evaluated; the other quantities stand still.
 
-    def __init__(self):
+    Args:
+        biased: Whether the rate may have a bias.
+    """
+
+    def __init__(self, biased=True):
         known, parts = RATE_AIDED.symbol("known")
         symbols = ca.SX.sym("dt"), *[ca.SX.sym(name, 3) for name in ("x", "rate", "told")]
-        after = RATE_AIDED.joined(smoothed(parts, *symbols))
+        after = RATE_AIDED.joined(smoothed(parts, *symbols, ca.DM(3 * [biased])))
         self._update = ca.Function("update", [known, *symbols], [after])
         self._known, self._begun = initial(), False
 
@@ -74,6 +78,20 @@ def test_noise_is_smoothed_by_the_rate_though_nobody_tells_how_much_there_is():
     aided, errors = filtered(count=4000, noise=0.02, bias=0.035)
     assert np.sqrt(np.mean(errors[2000:] ** 2)) < 0.2 * 0.02
     assert aided.parts.bias[0] == pytest.approx(0.035, abs=2e-3)
+
+
+def test_a_rate_that_lags_at_first_has_no_bias_where_it_can_have_none():
+    """As of a path that bends while its filter begins: half a second would tell of 0.1 rad/s."""
+    found = {}
+    for biased in (True, False):
+        aided = Heading(biased)
+        for k in range(100):
+            time = k * STEP
+            angle, rate = -0.1 * min(2.0 * time, 1.0), -0.2 * (0.25 < time < 0.5)
+            aided.update(STEP, angle, rate, 0.0)
+        found[biased] = abs(aided.parts.value[0] - angle), abs(aided.parts.bias[0])
+    assert found[False] == pytest.approx((0.0, 0.0), abs=1e-4)
+    assert found[True][1] > 0.02
 
 
 def test_what_begins_anew_is_where_it_is_measured_and_keeps_the_bias():

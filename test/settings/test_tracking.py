@@ -73,6 +73,22 @@ def test_an_autopilot_that_holds_altitude_and_airspeed_leaves_the_turn_to_be_com
     assert law.vehicle.commanded == 1
 
 
+@pytest.mark.parametrize(
+    ("lags", "dead_times", "lags_flown", "dead_times_flown"),
+    [
+        ((0.3, 0.13, 0.16), (0.17, 0.2, 0.1), (0.3, 0.13, 0.16), (0.17, 0.2, 0.1)),
+        ((0.5, 0.3, 0.3), (0.1, 0.65, 0.1), (0.15, 0.3, 0.0), (0.45, 0.65, 0.45)),
+    ],
+)
+def test_dead_times_far_apart_are_brought_together_at_the_cost_of_the_lag(
+    lags, dead_times, lags_flown, dead_times_flown
+):
+    told = TrackingParameters(**ARTIFICIAL, rate_lag=lags, dead_time=dead_times)
+    flown = told.flown_by(told.response)
+    assert flown.lags.tolist() == pytest.approx(lags_flown)
+    assert flown.dead_times.tolist() == pytest.approx(dead_times_flown)
+
+
 def test_the_envelope_has_every_limit():
     parameters = TrackingParameters(height_min=20.0, fence_radius=900.0, fence_centre=(3.0, 4.0))
     envelope = parameters.envelope

@@ -159,6 +159,21 @@ def test_the_small_aircraft_follows_a_target_in_wind():
     assert log.commands.failsafe == 0
 
 
+@pytest.mark.parametrize("dead_times", [[0.1, 0.65, 0.1], [0.6, 0.2, 0.1], [0.17, 0.2, 0.7]])
+def test_a_channel_that_answers_late_makes_no_other_one_swing_with_each_command(dead_times):
+    """One of them went to and fro by 0.12 to 2.7 of its unit from a command to the next."""
+    lags = [0.5, 0.3, 0.3] if dead_times[0] == 0.1 else [0.3, 0.13, 0.16]
+    overrides = [f"{node}.dead_time={dead_times}" for node in ("nmpc_controller", "uav_simulator")]
+    overrides += [f"{node}.rate_lag={lags}" for node in ("nmpc_controller", "uav_simulator")]
+    overrides += ["nmpc_controller.response_estimation=false", "mission.duration=30.0"]
+    log = simulate(load_configuration("small_uav", overrides))
+    changes = np.diff(log.inputs, axis=0)
+    there_and_back = np.minimum(np.abs(changes[1:]), np.abs(changes[:-1]))
+    there_and_back *= changes[1:] * changes[:-1] < 0.0
+    assert np.all(there_and_back.max(axis=0) < 0.08)
+    assert abs(log.error[-1][0]) < 0.5
+
+
 def test_bearing_error_near_the_half_turn_is_flown_through():
     """Started flying straight away from where it should: theta error close to pi."""
     log = flight(

@@ -99,7 +99,8 @@ class ResponseAdaptation:
         return None if _same(before, self.flown) else self.flown
 
     def _begin(self) -> None:
-        self.flown = self._told.response
+        self._learnt = self._told.response
+        self.flown = self._told.flown_by(self._learnt)
         self._time: float | None = None
         # Whether estimates replace what was told: of lag, delay, gain of each channel.
         self._replaced = np.zeros((3, 3), dtype=bool)
@@ -137,7 +138,8 @@ class ResponseAdaptation:
         estimating = before.response_estimation, parameters.response_estimation
         if estimating[0] != estimating[1] or not _same(before.response, parameters.response):
             self._begin()
-        return None if _same(self.flown, parameters.response) else self.flown
+        told = parameters.flown_by(parameters.response)
+        return None if _same(self.flown, told) else self.flown
 
     def delay(self, axis: int) -> float:
         """Lag plus dead time that a channel is flown by, in [s].
@@ -245,27 +247,27 @@ class ResponseAdaptation:
         before = self.flown
         for axis, channel in enumerate(self.channels):
             self._follow(axis, channel, most)
+        self.flown = self._told.flown_by(self._learnt)
         return None if _same(before, self.flown) else self.flown
 
     def _follow(self, axis: int, channel: ChannelResponse, most: float) -> None:
         """Move one channel by at most so many [s], or so much gain."""
         told = self._told.response
         told_lag, told_dead_time = float(told.lags[axis]), float(told.dead_times[axis])
-        lags, dead_times, gains = (values.copy() for values in self.flown)
-        lag, delay, gain = float(lags[axis]), self.delay(axis), float(gains[axis])
-        if channel.gain_trusted:
-            least = LEAST_GAIN, channel.gain_deviation
-            gain = self._wanted((axis, 2), channel.gain, 1.0, *least)
-        gains[axis] += min(max(gain - gains[axis], -most), most)
-        self.flown = Response(lags, dead_times, gains)
-        wanted_lag, wanted_delay = lag, delay
-        if channel.trusted:
-            least = LEAST_DELAY, channel.delay_deviation
-            told_delay = told_lag + told_dead_time
-            wanted_delay = self._wanted((axis, 1), channel.delay, told_delay, *least)
-        if channel.lag_trusted:
-            least = LEAST_LAG, channel.lag_deviation
-            wanted_lag = self._wanted((axis, 0), channel.lag, told_lag, *least)
+        lags, dead_times, gains = (values.copy() for values in self._learnt)
+        lag, gain = float(lags[axis]), float(gains[axis])
+        delay = lag + float(dead_times[axis])
+        known = channel.gain_trusted, channel.gain, channel.gain_deviation
+        wanted = self._wanted((axis, 2), known, gain, 1.0, LEAST_GAIN)
+        gains[axis] += min(max(wanted - gain, -most), most)
+        self._learnt = Response(lags, dead_times, gains)
+        told_delay = told_lag + told_dead_time
+        known = channel.trusted, channel.delay, channel.delay_deviation
+        wanted_delay = self._wanted((axis, 1), known, delay, told_delay, LEAST_DELAY)
+        share = told_lag / told_delay if told_delay else 0.0
+        likely = told_lag if channel.lag_trusted else share * wanted_delay
+        known = channel.lag_trusted, channel.lag, channel.lag_deviation
+        wanted_lag = self._wanted((axis, 0), known, lag, likely, LEAST_LAG)
         if max(abs(wanted_lag - lag), abs(wanted_delay - delay)) < ROUNDING:
             return
         delay += min(max(wanted_delay - delay, -most), most)
@@ -275,12 +277,31 @@ class ResponseAdaptation:
         off = abs(lags[axis] - told_lag), abs(dead_times[axis] - told_dead_time)
         if max(off) < ROUNDING:
             lags[axis], dead_times[axis] = told_lag, told_dead_time
-        self.flown = Response(lags, dead_times, gains)
+        self._learnt = Response(lags, dead_times, gains)
 
     def _wanted(
-        self, which: tuple[int, int], found: float, told: float, least: float, deviation: float
+        self,
+        which: tuple[int, int],
+        estimate: tuple[bool, float, float],
+        flown: float,
+        told: float,
+        least: float,
     ) -> float:
-        """The estimate where it contradicts what was told, else that."""
+        """The estimate where it is trusted and contradicts what was told.
+
+        What was learnt stays until an estimate contradicts it, be it a trusted one or not.
+
+        Args:
+            which: Axis; lag, delay or gain.
+            estimate: Whether it is trusted; its value and standard deviation.
+            flown: What is flown by.
+            told: What was told.
+            least: By how much a trusted one must differ.
+        """
+        trusted, found, deviation = estimate
+        if not trusted:
+            self._replaced[which] &= abs(found - flown) <= SIGNIFICANT * deviation
+            return flown if self._replaced[which] else told
         needed = 0.5 * least if self._replaced[which] else max(least, SIGNIFICANT * deviation)
         self._replaced[which] = abs(found - told) > needed
         return found if self._replaced[which] else told

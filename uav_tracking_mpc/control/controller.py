@@ -167,7 +167,7 @@ class Controller:
     Args:
         parameters: What to fly and how. Measurements must come more often than ``state_timeout``.
         formulation: Of these parameters; made from them by default.
-        stopwatch: Clock in [s] with which the controller measures how long it takes.
+        stopwatch: Clock in [s] of how long answers take; constant where a simulation waits for one.
 
     Attributes:
         formulation: The optimal control problem; None where a guidance law is flown.

@@ -72,7 +72,7 @@ LEVEL_WIND, LEVEL_GUST = (DIAGONAL[each.start : each.stop - 1].tolist() for each
 
 SEEN = Layout(
     elapsed=1, position=3, placed=1, ground=3, heading=1, path_angle=1, airspeed=1, measured=1,
-    rates=3, turn=1, turn_told=1, noise=3, position_noise=3, velocity_noise=3, scales=3,
+    rates=3, biased=3, turn=1, turn_told=1, noise=3, position_noise=3, velocity_noise=3, scales=3,
 )  # fmt: skip
 MEMORY = Layout(
     **dict.fromkeys(LANES, LANE.size),
@@ -131,6 +131,7 @@ class AirEstimate:
         self._doubts = AIR_CHECK.parts(self._known.air).doubts
         self._step = BufferedFunction(_step(), [self._memory, seen])
         self._found = FOUND.parts(self._step.results[1])
+        self._seen.biased[2] = True
         self.reset()
 
     def reset(self) -> None:
@@ -223,7 +224,7 @@ class AirEstimate:
         seen.airspeed[0], seen.measured[0] = vehicle[5], not missing
         seen.rates[:] = rates
         told, bias = (rates[0], self._rate_bias[0]) if nose_rate is None else (nose_rate, 0.0)
-        seen.turn_told[0], seen.turn[0] = told, told - bias
+        seen.turn_told[0], seen.turn[0], seen.biased[:2] = told, told - bias, nose_rate is None
         seen.noise[:] = noise.heading, noise.path_angle, noise.airspeed
         seen.position_noise[:], seen.velocity_noise[:] = noise.position, noise.velocity
         seen.scales[:2], seen.scales[2] = scales.long, scales.short
@@ -351,7 +352,9 @@ def _step() -> ca.Function:
     heading = ca.if_else(out[1], by_wind[0], heading)
     airspeed = ca.if_else(out[0], by_wind[1], seen.airspeed)
     motion = ca.vertcat(heading, seen.path_angle, airspeed)
-    aided = rate_aided.smoothed(RATE_AIDED.parts(known.aided), dt, motion, seen.rates, seen.noise)
+    aided = rate_aided.smoothed(
+        RATE_AIDED.parts(known.aided), dt, motion, seen.rates, seen.noise, seen.biased
+    )
     heading, path_angle, airspeed = ca.vertsplit(aided.value)
 
     # Position

@@ -104,7 +104,7 @@ class Navigator:
             self._step = BufferedFunction(step_function(parameters.vehicle))
         self._model = parameters.vehicle
         self._estimating = parameters.air_estimation
-        self.respond(parameters.response)
+        self.respond(parameters.flown_by(parameters.response))
         self._stages = parameters.horizon_step * np.arange(parameters.horizon + 1)
         if len(self._times) != len(self._stages) + 1:
             self._times = np.zeros(len(self._stages) + 1)

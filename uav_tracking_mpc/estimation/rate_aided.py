@@ -74,7 +74,12 @@ def begin_values(
 
 
 def smoothed(
-    known: SimpleNamespace, elapsed: ca.SX, measured: ca.SX, rates: ca.SX, told: ca.SX
+    known: SimpleNamespace,
+    elapsed: ca.SX,
+    measured: ca.SX,
+    rates: ca.SX,
+    told: ca.SX,
+    biased: ca.SX,
 ) -> SimpleNamespace:
     """What is known after a measurement, by :data:`RATE_AIDED`; angles are not wrapped.
 
@@ -84,14 +89,16 @@ def smoothed(
         measured: Heading, path angle [rad] and airspeed [m/s], shape (3,).
         rates: Of these, shape (3,).
         told: Standard deviations of their noise by the source, shape (3,); 0 where unknown.
+        biased: Whether the rates may have a bias, shape (3,): those of a sensor do.
     """
     advance = 0.5 * (known.rate + rates) * elapsed
     integral = known.integral + advance
-    value = known.value + advance - known.bias * elapsed
+    bias, xb, bb = (biased * each for each in (known.bias, known.xb, known.bb))
+    value = known.value + advance - bias * elapsed
     spread = ca.DM(RATE_NOISE) ** 2 * elapsed
-    xx = known.xx + elapsed * (elapsed * known.bb - 2.0 * known.xb) + spread
-    xb = known.xb - elapsed * known.bb
-    bb = known.bb + BIAS_WALK * spread
+    xx = known.xx + elapsed * (elapsed * bb - 2.0 * xb) + spread
+    xb = xb - elapsed * bb
+    bb = bb + BIAS_WALK * spread
     innovation = measured - value
     for axis in range(ANGLES):
         innovation[axis] = ca.remainder(innovation[axis], math.tau)
@@ -102,7 +109,7 @@ def smoothed(
     most = DEVIATIONS * ca.sqrt(total)  # a jump is no bias of the rate
     return SimpleNamespace(
         value=value + gain_x * innovation,
-        bias=known.bias + gain_b * ca.fmax(-most, ca.fmin(innovation, most)),
+        bias=bias + gain_b * ca.fmax(-most, ca.fmin(innovation, most)),
         rate=rates,
         integral=integral,
         xx=xx - gain_x * xx,

@@ -113,7 +113,7 @@ class FlightFormulation:
             if limit.on_ground
         ]
         self.solver.time_limit = parameters.solve_time_max
-        self.respond(parameters.response)
+        self.respond(parameters.flown_by(parameters.response))
 
     def respond(self, response: Response) -> None:
         """See :meth:`Formulation.respond`."""

@@ -211,7 +211,7 @@ class OrbitLoop:
     def _take(self, parameters: TrackingParameters) -> None:
         self.parameters, law = parameters, law_of(parameters)
         self._law = None if law is None else law_about(law, parameters.orbit, parameters)
-        self.told = parameters.response
+        self.told, self._predicted = parameters.response, parameters.flown_by(parameters.response)
         if self._formulation is not None:
             unhurried = replace(parameters, solve_time_max=SOLVE_TIME_MAX)
             self._formulation.change(unhurried)
@@ -272,9 +272,9 @@ class OrbitLoop:
             ArithmeticError: The guidance has no answer there.
         """
         plant, period = plant or self.told, 1.0 / self.parameters.control_rate
-        predicted = None if self._formulation is None else frozen.dynamics(self.told.lags)
+        predicted = None if self._formulation is None else frozen.dynamics(self._predicted.lags)
         true = frozen.dynamics(plant.lags)
-        return sampled_loop(period, self.gain(frozen), true, plant, predicted, self.told)
+        return sampled_loop(period, self.gain(frozen), true, plant, predicted, self._predicted)
 
     def margins(self, frozen: FrozenOrbit, plant: Response | None = None) -> LoopMargins:
         """Margins of the sampled loop near an orbit; all 0 where it is not stable.

@@ -64,6 +64,7 @@ NEAREST = "nearest"  # direction: the nearer one where the flight begins
 PREDICTIVE = "nmpc"  # law: none, the optimal control problem is solved
 LAGGED, HELD = "lagged", "held"  # vehicle models, all inputs commanded and the bank alone
 SOLVERS = ("newton", "ipopt")
+DEAD_TIMES_APART = 0.2  # s, of two channels; with 0.4 the loop may swing
 LimitParameters: Any = gathered("LimitParameters", LIMIT.own().values())
 ModelParameters: Any = gathered("ModelParameters", VEHICLE_MODEL.own().values())
 
@@ -293,6 +294,22 @@ class FlightParameters(ModelParameters, ProblemParameters):
         dead_times = np.array(self.dead_time)
         dead_times[self.vehicle.commanded :] = 0.0
         return Response(self.vehicle.lags, dead_times, np.ones(3))
+
+    def flown_by(self, response: Response) -> Response:
+        """What plans are made with: the lag of a channel that answers much earlier is dead time.
+
+        A plan begins when the last channel answers. If the commands of another one have acted long
+        before, each plan takes back what the one before it has just sent, and the loop swings with
+        every command.
+
+        Args:
+            response: Of the aircraft.
+        """
+        lags, dead_times, gains = response
+        longer = np.maximum(dead_times, dead_times.max() - DEAD_TIMES_APART)
+        longer[self.vehicle.commanded :] = 0.0
+        quicker = self.vehicle.with_lags(np.maximum(lags - (longer - dead_times), 0.0))
+        return Response(quicker.lags, longer, gains)
 
 
 @dataclass(frozen=True)
