@@ -39,6 +39,8 @@ FAULTS = {
     "zero": ("airspeed", lambda r: {"airspeed_bias": -50.0}),
     "silent": ("airspeed", lambda r: {"airspeed_fault": "silent"}),
     "turned": ("heading", lambda r: {"heading_bias": either(r, 0.35, 3.0)}),
+    "held": ("heading", lambda r: {"heading_fault": "stuck"}),
+    "still": ("ground velocity", lambda r: {"velocity_fault": "stuck"}),
     "reversed": ("ground velocity", lambda r: {"velocity_gain": -1.0}),
     "frozen": ("position", lambda r: {"position_fault": "frozen"}),
     "lost": ("position", lambda r: {"position_fault": "silent"}),

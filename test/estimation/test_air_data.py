@@ -56,6 +56,30 @@ def test_what_is_no_airspeed_is_refused(stamp, airspeed):
         air.see(stamp, airspeed)
 
 
+@pytest.mark.parametrize(
+    ("turn", "every", "stuck"),
+    [
+        (0.07, None, True),
+        (0.3, None, True),
+        (0.0, None, False),  # straight on a heading stays
+        (0.6, 0.2, False),  # read five times a second
+    ],
+)
+def test_a_reading_that_stays_while_the_gyros_turn_is_stuck_until_it_changes(turn, every, stuck):
+    air, found = AirData(0.5), []
+    for time in np.arange(0.0, 12.0, 0.02):
+        read = time if every is None else every * np.floor(time / every)
+        read = 4.0 if every is None and 4.0 < time < 8.0 else read
+        velocity = np.array([20.0 * np.cos(turn * time), 20.0 * np.sin(turn * time), 0.0])
+        air.see_state(Measurement(time, np.zeros(3), velocity, turn * read, 0.0, turn))
+        found.append(air.stuck)
+    headings, velocities = np.array(found).T
+    assert not velocities.any()
+    assert not headings[:275].any()
+    assert headings[350:399].all() == stuck == headings.any()
+    assert not headings[402:].any()
+
+
 def test_reset_forgets():
     air = AirData(0.5)
     air.see(10.0, 20.0)

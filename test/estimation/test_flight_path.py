@@ -196,3 +196,18 @@ def test_without_a_ground_velocity_pitch_and_height_tell_the_climb():
             worst = max(worst, abs(error))
     assert worst < 0.6
     assert abs(error) < 0.05
+
+
+def test_while_the_heading_is_stuck_the_bank_alone_turns_the_flight():
+    """And where it then points is for others to judge."""
+    path, turn_rate = FlightPath(), 0.1
+    bank, past = bank_from_turn_rate(turn_rate, AIRSPEED), None
+    for k in range(4000):
+        time = k * STEP
+        path.heading_stuck = 22.0 < time < 50.0
+        heading = turn_rate * (20.0 if 20.0 < time < 50.0 else time)
+        seen = path.of(body(time, bank, heading=heading), AIRSPEED)
+        past = past or seen.heading
+        off = math.remainder(seen.heading - past - turn_rate * time, 2.0 * math.pi)
+        assert abs(off) < (0.6 if 20.0 < time < 65.0 else 0.05)
+        assert seen.turn_rate == pytest.approx(turn_rate, abs=0.015)

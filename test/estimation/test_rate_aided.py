@@ -14,6 +14,8 @@
 
 """A quantity from itself and its biased rate."""
 
+import math
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -74,6 +76,13 @@ def test_the_bias_of_the_rate_is_found(bias):
     assert np.abs(errors[-100:]).max() < 1e-4
 
 
+def test_a_rate_that_nobody_tells_is_found_from_the_angle():
+    aided = Heading()
+    for k in range(400):
+        aided.update(STEP, math.remainder(0.2 * max(k * STEP - 5.0, 0.0), math.tau), 0.0, 0.0)
+    assert -aided.parts.bias[0] == pytest.approx(0.2, abs=1e-3)
+
+
 def test_noise_is_smoothed_by_the_rate_though_nobody_tells_how_much_there_is():
     aided, errors = filtered(count=4000, noise=0.02, bias=0.035)
     assert np.sqrt(np.mean(errors[2000:] ** 2)) < 0.2 * 0.02
@@ -87,7 +96,7 @@ def test_a_rate_that_lags_at_first_has_no_bias_where_it_can_have_none():
         aided = Heading(biased)
         for k in range(100):
             time = k * STEP
-            angle, rate = -0.1 * min(2.0 * time, 1.0), -0.2 * (0.25 < time < 0.5)
+            angle, rate = -0.1 * min(2.0 * time, 1.0), -0.2 * (0.25 < time < 0.5) + 1e-6
             aided.update(STEP, angle, rate, 0.0)
         found[biased] = abs(aided.parts.value[0] - angle), abs(aided.parts.bias[0])
     assert found[False] == pytest.approx((0.0, 0.0), abs=1e-4)

@@ -25,7 +25,6 @@ from uav_tracking_mpc.estimation.sensor_check import (
     AIRSPEED,
     COMPASS_CHECK,
     CONTRARY_TIME,
-    FOLLOWER,
     HEADING,
     JUMP,
     JUMP_TIME,
@@ -36,13 +35,14 @@ from uav_tracking_mpc.estimation.sensor_check import (
     WINDOW,
     air_checked,
     compass_checked,
-    followed,
     initial_air_check,
     position_checked,
+    repeated,
     velocity_checked,
     way_checked,
 )
 from uav_tracking_mpc.estimation.sensor_health import STATES
+from uav_tracking_mpc.estimation.wind_filter import FOLLOWER, followed
 
 STEP, AIRSPEED_FLOWN, TURN = 0.05, 22.0, 0.073
 
@@ -347,13 +347,40 @@ def test_positions_that_repeat_themselves_contradict_nothing():
     assert not any(contradicted(2.0 * EXPECTED, 10.0, fresh=False)[0])
 
 
-def compass_verdicts(headings, turn, step=STEP, alone=1.0, deviation=0.0):
+def compass_verdicts(headings, turn, step=STEP, alone=1.0, deviation=0.0, stuck=None):
     """Headings that are gone by, and whether they have jumped."""
+    stuck = np.zeros(len(headings)) if stuck is None else stuck
     memory = np.zeros(COMPASS_CHECK.size)
     COMPASS_CHECK.parts(memory).heading[:] = headings[0]
-    check = Evaluated(compass_checked, COMPASS_CHECK, memory, [1, 1, 1, 1, 1])
-    found = [check(step, heading, turn, alone, deviation) for heading in headings]
+    check = Evaluated(compass_checked, COMPASS_CHECK, memory, [1, 1, 1, 1, 1, 1])
+    found = [
+        check(step, heading, turn, alone, stands, deviation)
+        for heading, stands in zip(headings, stuck, strict=True)
+    ]
     return [float(heading[0]) for heading, _ in found], [bool(jumped[0]) for _, jumped in found]
+
+
+def test_a_heading_that_is_stuck_without_an_airspeed_goes_on_as_the_gyros_turn():
+    times = STEP * np.arange(200)
+    true, stuck = 0.3 * times, times > 5.0
+    gone_by, named = compass_verdicts(np.minimum(true, 1.5), 0.3, stuck=stuck)
+    assert gone_by == pytest.approx(true, abs=1e-9)
+    assert named[110:] == [True] * 90
+
+
+@pytest.mark.parametrize(
+    ("before", "stuck", "after"),
+    [
+        ("used", 0.0, "used"),
+        ("used", 1.0, "stuck"),
+        ("stuck", 1.0, "stuck"),
+        ("stuck", 0.0, "jumped"),  # it must agree first
+        ("off", 1.0, "off"),
+    ],
+)
+def test_what_no_longer_repeats_itself_must_agree_first(before, stuck, after):
+    code = float(ca.DM(repeated(ca.DM(STATES.index(before)), ca.DM(stuck))))
+    assert STATES[int(code)] == after
 
 
 def test_a_heading_that_jumps_without_a_turn_is_taken_back():

@@ -31,6 +31,37 @@ from uav_tracking_mpc.estimation.measurement import Measurement, MeasurementErro
 
 SLOW = 0.1  # m/s over ground, below which the body's axis tells where the vehicle goes
 GUSTS = 5.0  # m/s, by which an airspeed may differ from what ground velocity and wind tell
+# rad and s, for which an aircraft turns, by its gyros, while a sensor that is not stuck may repeat
+# itself: as one does that is read less often than states are sent
+STUCK_TURN, STUCK_TIME = 0.2, 1.5
+
+
+class Repetition:
+    """Whether a reading stays the same to the last bit while the aircraft turns.
+
+    Attributes:
+        stuck: Whether it does.
+    """
+
+    def __init__(self) -> None:
+        self._reading: object = None
+        self._time = self._turned = 0.0
+        self.stuck = False
+
+    def see(self, reading: object, elapsed: float, turn_rate: float) -> None:
+        """Take in a reading.
+
+        Args:
+            reading: Anything that can be compared.
+            elapsed: Since the one before in [s].
+            turn_rate: Of the aircraft in [rad/s].
+        """
+        same = reading == self._reading
+        self._reading = reading
+        self._time = same * (self._time + elapsed)
+        self._turned = same * (self._turned + elapsed * turn_rate)
+        turned = self._time > STUCK_TIME and abs(self._turned) > STUCK_TURN
+        self.stuck = same and (self.stuck or turned)
 
 
 class AirData:
@@ -51,6 +82,7 @@ class AirData:
         nose_rate: How the nose turns in [rad/s], where it is the bank that tells how the path does.
         estimated: Airspeed that was estimated last in [m/s].
         velocity_failed: Whether the ground velocity is: the path then goes by pitch and height.
+        stuck: Whether the heading is stuck, and whether the ground velocity is.
     """
 
     def __init__(self, timeout: float) -> None:
@@ -72,6 +104,8 @@ class AirData:
         self._latest = self._before = -math.inf  # stamps of the two newest measurements
         self.missing = self.awaited = self._told = self._doubted = False
         self._path.reset()
+        self._heading, self._velocity = Repetition(), Repetition()
+        self.stuck = False, False
         self._first: float | None = None  # stamp of the first measurement; -inf after an airspeed
         self.wind = np.zeros(3)
         self.wind_known = self.failed = self.velocity_failed = False
@@ -104,6 +138,10 @@ class AirData:
         """
         airspeed, stamp = measurement.airspeed, measurement.stamp
         if stamp != self._latest:
+            elapsed = min(stamp - self._latest, self.timeout)
+            self._heading.see(measurement.heading, elapsed, measurement.turn_rate)
+            self._velocity.see(measurement.ground_velocity.tolist(), elapsed, measurement.turn_rate)
+            self.stuck = self._heading.stuck, self._velocity.stuck
             self._before, self._latest = self._latest, stamp
         near = any(abs(each - self._stamp) <= self.timeout for each in (stamp, self._before))
         if airspeed is None and near:
@@ -112,7 +150,7 @@ class AirData:
         if airspeed is not None or self._first is None:
             self._first = measurement.stamp if airspeed is None else -math.inf
         self.awaited = self.missing and measurement.stamp - self._first < self.timeout
-        self._path.velocity_failed = self.velocity_failed
+        self._path.velocity_failed, self._path.heading_stuck = self.velocity_failed, self.stuck[0]
         if airspeed is None:
             plausible = self.estimated if self.velocity_failed else self._expected(measurement)
         else:

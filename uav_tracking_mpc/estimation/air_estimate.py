@@ -39,8 +39,8 @@ from uav_tracking_mpc.estimation.measurement import Measurement
 from uav_tracking_mpc.estimation.rate_aided import RATE_AIDED
 from uav_tracking_mpc.estimation.sensor_check import (
     AIR_CHECK,
+    CODE,
     COMPASS_CHECK,
-    FOLLOWER,
     POSITION_CHECK,
     VELOCITY_CHECK,
     WAY_CHECK,
@@ -49,9 +49,11 @@ from uav_tracking_mpc.estimation.sensor_health import (
     AIRSPEED,
     HEADING,
     JUMPED,
+    OFF,
     POSITION,
     SILENT,
     STATES,
+    STUCK,
     USED,
     VELOCITY,
     SensorHealth,
@@ -72,7 +74,8 @@ LEVEL_WIND, LEVEL_GUST = (DIAGONAL[each.start : each.stop - 1].tolist() for each
 
 SEEN = Layout(
     elapsed=1, position=3, placed=1, ground=3, heading=1, path_angle=1, airspeed=1, measured=1,
-    rates=3, biased=3, turn=1, turn_told=1, noise=3, position_noise=3, velocity_noise=3, scales=3,
+    rates=3, biased=3, turn=1, turn_told=1, stuck=2,
+    noise=3, position_noise=3, velocity_noise=3, scales=3,
 )  # fmt: skip
 MEMORY = Layout(
     **dict.fromkeys(LANES, LANE.size),
@@ -81,7 +84,7 @@ MEMORY = Layout(
     aided=RATE_AIDED.size,
     air=AIR_CHECK.size,
     compass=COMPASS_CHECK.size,
-    follower=FOLLOWER.size,
+    follower=wind_filter.FOLLOWER.size,
     velocity=VELOCITY_CHECK.size,
     way=WAY_CHECK.size,
     place=POSITION_CHECK.size,
@@ -200,6 +203,7 @@ class AirEstimate:
         ground: float,
         missing: bool,
         nose_rate: float | None = None,
+        stuck: tuple[bool, bool] = (False, False),
     ) -> AircraftInAir:
         """Take in a measurement.
 
@@ -210,6 +214,7 @@ class AirEstimate:
             ground: Height of the ground in ``map`` in [m], for the length of the gusts.
             missing: Whether there is no airspeed.
             nose_rate: How the nose turns by the gyros in [rad/s], where psi' is not by them.
+            stuck: Whether the heading is stuck, and whether the ground velocity is.
 
         Raises:
             ValueError: There has been no position since the flight began.
@@ -222,7 +227,7 @@ class AirEstimate:
         seen.heading[0] = measurement.heading if missing else vehicle[3]
         seen.path_angle[0] = measurement.path_angle if missing else vehicle[4]
         seen.airspeed[0], seen.measured[0] = vehicle[5], not missing
-        seen.rates[:] = rates
+        seen.rates[:], seen.stuck[:] = rates, stuck
         told, bias = (rates[0], self._rate_bias[0]) if nose_rate is None else (nose_rate, 0.0)
         seen.turn_told[0], seen.turn[0], seen.biased[:2] = told, told - bias, nose_rate is None
         seen.noise[:] = noise.heading, noise.path_angle, noise.airspeed
@@ -251,7 +256,7 @@ class AirEstimate:
         COMPASS_CHECK.parts(known.compass).heading[:] = seen.heading
         way = WAY_CHECK.parts(known.way)
         way.begin[:], way.before[:] = seen.position, seen.ground
-        follower = FOLLOWER.parts(known.follower)
+        follower = wind_filter.FOLLOWER.parts(known.follower)
         follower.place[:], follower.velocity[:] = seen.position, seen.ground
         POSITION_CHECK.parts(known.place).last[:], known.ground[:] = np.nan, seen.ground
 
@@ -305,12 +310,17 @@ def _step() -> ca.Function:
     way, contrary = sensor_check.way_checked(
         WAY_CHECK.parts(known.way), dt, seen.position, fresh, seen.ground, position_noise
     )
+    contrary = ca.logic_or(contrary, seen.stuck[1])
     odd, changed = ca.logic_or(odd, contrary), ca.logic_and(changed, ca.logic_not(contrary))
-    refused = AIR_CHECK.parts(known.air).reasons[sensor_check.AIRSPEED] > 0.0
+    sensors = AIR_CHECK.parts(known.air)
+    refused = sensors.reasons[sensor_check.AIRSPEED] > 0.0
+    reason = sensors.reasons[sensor_check.HEADING]
+    reason = ca.if_else(seen.stuck[0], CODE[USED], reason)  # whatever else it was
+    sensors.reasons[sensor_check.HEADING] = sensor_check.repeated(reason, seen.stuck[0])
     no_airspeed_used = ca.logic_or(ca.logic_not(seen.measured), refused)
     turning = seen.rates[0] * ca.vertcat(-main.air[1], main.air[0], 0.0)
-    follower, by_positions = sensor_check.followed(
-        FOLLOWER.parts(known.follower), dt, seen.position, fresh, turning
+    follower, by_positions = wind_filter.followed(
+        wind_filter.FOLLOWER.parts(known.follower), dt, seen.position, fresh, turning
     )
     # Without an airspeed the expected velocity would confirm itself: positions replace it.
     instead = ca.if_else(no_airspeed_used, by_positions, expected)
@@ -325,6 +335,7 @@ def _step() -> ca.Function:
         seen.heading,
         seen.turn,
         ca.logic_and(no_airspeed_used, turn_told),
+        seen.stuck[0],
         ca.fmax(ca.sqrt(variance), seen.noise[0]),
     )
     level = ca.fmax(ca.cos(seen.path_angle), LEAST_LEVEL)
@@ -334,7 +345,7 @@ def _step() -> ca.Function:
     wind_deviations = ca.sqrt(ca.fmax(level_variances, 0.0))
     blind = lanes[NO_AIRSPEED].state
     air, out, turned, along = sensor_check.air_checked(
-        AIR_CHECK.parts(known.air),
+        sensors,
         dt,
         heading,
         seen.airspeed,
@@ -393,7 +404,7 @@ def _step() -> ca.Function:
         ca.fmax(variances[wind_filter.POSITION] * share, wind_filter.POSITION_NOISE**2),
         *[ca.fmax(variances[k], wind_filter.VELOCITY_NOISE**2) for k in (0, 0, 1)],
     )
-    noise[3:] += odd * ca.if_else(no_airspeed_used, sensor_check.FOLLOWED_DEVIATION, BLIND) ** 2
+    noise[3:] += odd * ca.if_else(no_airspeed_used, wind_filter.FOLLOWED_DEVIATION, BLIND) ** 2
     read = ca.vertcat(position, ground)
     after = [wind_filter.corrected(lane, read, noise) for lane in ahead]
 
@@ -425,7 +436,7 @@ def _step() -> ca.Function:
         trend=ca.vertcat(state[T], 0.0),
         gust=gust,
         times=ahead[MAIN].times,
-        states=ca.vertcat(reasons, code, odd * sensor_check.CODE["off"]),
+        states=ca.vertcat(reasons, code, odd * ca.if_else(seen.stuck[1], CODE[STUCK], CODE[OFF])),
         snapped=snapped,
         changed=changed,
         without=blind.state[W],

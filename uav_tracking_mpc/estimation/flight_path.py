@@ -96,26 +96,27 @@ class FlightDirection:
         self._bank_rate = self._steady = self._share = self._rest = 0.0  # r_b, r_s, k, b
         self._time = -math.inf
 
-    def see(self, time: float, nose: float, bank_rate: float) -> None:
+    def see(self, time: float, nose: float | None, bank_rate: float) -> None:
         """Take in an attitude.
 
         Args:
             time: Of the attitude in [s].
-            nose: Direction that the nose tells, counter-clockwise from East, in [rad].
+            nose: Direction that the nose tells, counter-clockwise from East, in [rad]; None where
+                it tells none: the bank alone then counts.
             bank_rate: r_b in [rad/s].
         """
         step, before = time - self._time, self._bank_rate
         self._time, self._bank_rate = time, bank_rate
         if 0.0 < step <= LONGEST_STEP:
             self.heading += step * (0.5 * (before + bank_rate) + self.surplus)
-            swing = math.remainder(nose - self.heading, 2.0 * math.pi)
+            swing = 0.0 if nose is None else math.remainder(nose - self.heading, 2.0 * math.pi)
             self.heading += 2.0 * FREQUENCY * step * swing
             self._steady += (1.0 - math.exp(-SLIP_FREQUENCY * step)) * (bank_rate - self._steady)
             learnt = FREQUENCY**2 * step * swing / (self._steady**2 + STEEP_TURN**2)
             self._share = _within(self._share + learnt * self._steady, SHARE_LIMIT)
             self._rest = _within(self._rest + learnt * STEEP_TURN**2, SURPLUS_LIMIT)
             self.surplus = _within(self._share * self._steady + self._rest, SURPLUS_LIMIT)
-        elif step != 0.0:
+        elif step != 0.0 and nose is not None:
             self.heading = nose
         self.rate = bank_rate + self.surplus
 
@@ -199,6 +200,7 @@ class FlightPath:
     Attributes:
         climb_frequency: Up to which changes of the climb count, in [rad/s].
         velocity_failed: Whether the ground velocity is known to be wrong, and with it the climb.
+        heading_stuck: Whether the heading is: the turn then goes by the bank alone.
     """
 
     def __init__(self) -> None:
@@ -208,7 +210,7 @@ class FlightPath:
     def reset(self) -> None:
         """Forget the aircraft."""
         self._direction, self._climb, self._pitched = FlightDirection(), Climb(), ClimbByPitch()
-        self.velocity_failed = False
+        self.velocity_failed = self.heading_stuck = False
         self._contradiction, self._time, self._nose = 0.0, -math.inf, 0.0
         self._by_bank = self._by_nose = 0.0  # rad/s, smoothed
 
@@ -251,8 +253,8 @@ class FlightPath:
         nose = measurement.heading + past_nose(bank, pitch, path_angle)
         by_bank = turn_rate_from_bank(bank, airspeed)
         step, turned = time - self._time, math.remainder(nose - self._nose, 2.0 * math.pi)
-        self._time, self._nose = time, nose
-        if 0.0 < step <= LONGEST_STEP:
+        self._time = time
+        if 0.0 < step <= LONGEST_STEP and not self.heading_stuck:
             if abs(turned - step * by_bank) > NOSE_JUMP:
                 direction.heading += turned  # for others to judge; it tells nothing of the turn
             else:
@@ -261,7 +263,8 @@ class FlightPath:
                 self._by_nose += share * (turned / step - self._by_nose)
                 against = self._by_bank * (self._by_bank - 2.0 * self._by_nose)
                 self._contradiction += step / TRIAL * (against - self._contradiction)
-        direction.see(time, nose, by_bank)
+        direction.see(time, None if self.heading_stuck else nose, by_bank)
+        self._nose = direction.heading if self.heading_stuck else nose
         if self.contradicted:
             return measurement
         return dataclasses.replace(

@@ -94,8 +94,8 @@ class Measurement:
         ground_velocity: In ``map``, shape (3,), in [m/s].
         heading: psi, counter-clockwise from East, of the axis in [rad].
         path_angle: chi, the elevation of the axis, in [rad].
-        turn_rate: psi' in [rad/s].
-        path_angle_rate: chi' in [rad/s].
+        turn_rate: psi' in [rad/s]; 0 where it is not known: it is then found from the heading.
+        path_angle_rate: chi' in [rad/s]; 0 likewise.
         airspeed: v in [m/s]; None where the source has no air data.
         noise: What is known of the sensors' noise.
         bank: Of the body, right wing down, in [rad]; None where the source tells none.

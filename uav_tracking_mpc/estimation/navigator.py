@@ -255,7 +255,8 @@ class Navigator:
         """What is measured, without noise and biases as far as they are known."""
         rates = np.array([measurement.turn_rate, measurement.path_angle_rate, self._acceleration])
         if self._estimating:
-            known = measurement, vehicle, rates, ground, self.air.missing, self.air.nose_rate
+            air = self.air
+            known = measurement, vehicle, rates, ground, air.missing, air.nose_rate, air.stuck
             found = self.air_estimate.update(*known)
             self.air.wind, self.air.wind_known = self.air_estimate.wind_without_airspeed
             states = self.air_estimate.health.states

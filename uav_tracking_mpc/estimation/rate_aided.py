@@ -40,6 +40,8 @@ RATE_BIAS = np.array([0.05, 0.05, 0.5])
 LEAST_NOISE = np.array([1e-3, 1e-3, 0.05])
 ANGLES = 2  # of the quantities, the first ones, wrap
 BIAS_WALK = 1e-3  # of the bias, variance per s as a share of that of the rate's noise
+# rad^2/s^3 of a rate that nobody tells, and so is exactly 0: it is what the bias is then for
+UNTOLD_WALK = np.array([0.001, 0.001, 0.0])
 DEVIATIONS = 3.0  # -, standard deviations of an innovation, that tells of the bias
 METERS = NoiseMeters([Signal(1, noise) for noise in LEAST_NOISE])
 RATE_AIDED = Layout(
@@ -98,7 +100,8 @@ def smoothed(
     spread = ca.DM(RATE_NOISE) ** 2 * elapsed
     xx = known.xx + elapsed * (elapsed * bb - 2.0 * xb) + spread
     xb = xb - elapsed * bb
-    bb = bb + BIAS_WALK * spread
+    untold = (rates == 0.0) * ca.DM(UNTOLD_WALK)
+    bb = bb + BIAS_WALK * spread + biased * untold * elapsed
     innovation = measured - value
     for axis in range(ANGLES):
         innovation[axis] = ca.remainder(innovation[axis], math.tau)

@@ -65,10 +65,6 @@ CONTRARY, CONTRARY_DEVIATIONS, CONTRARY_TIME = 3.0, 6.0, 3.0
 ALIKE = 0.5  # -, cosine between differences of successive windows: those of jumps go anywhere
 WAY_CHECK = Layout(time=1, begin=3, way=3, before=3, error=3, contrary=1)
 
-# What positions alone tell of the ground velocity: up to which frequency, and how exactly
-FOLLOWED, FOLLOWED_DEVIATION = 1.0, 1.0  # rad/s, m/s
-FOLLOWER = Layout(place=3, velocity=3)
-
 # Positions that are elsewhere by more than this and so many standard deviations of their noise are
 # left out for a time. If they stay there, what is told of the aircraft's place goes there gently.
 JUMP, JUMP_DEVIATIONS, JUMP_TIME, FADE_TIME = 2.0, 6.0, 2.0, 10.0  # m, -, s, s
@@ -209,27 +205,6 @@ def way_checked(
     return WAY_CHECK.joined(after), after.contrary >= CONTRARY_TIME
 
 
-def followed(
-    known: SimpleNamespace, elapsed: ca.SX, position: ca.SX, fresh: ca.SX, acceleration: ca.SX
-) -> tuple[ca.SX, ca.SX]:
-    """What is known after a position, and the velocity over ground by positions, in [m/s].
-
-    Args:
-        known: By :data:`FOLLOWER`.
-        elapsed: Since the measurement before in [s].
-        position: As measured, shape (3,), in [m].
-        fresh: 1 where one is measured that is not the one before, else 0.
-        acceleration: By which the velocity turns, shape (3,), in [m/s^2].
-    """
-    velocity = known.velocity + elapsed * acceleration
-    place = known.place + 0.5 * elapsed * (known.velocity + velocity)
-    error = fresh * (position - place)
-    step = ca.fmin(elapsed, 0.5 / FOLLOWED)  # else it would not come to rest
-    velocity += FOLLOWED**2 * step * error
-    after = SimpleNamespace(place=place + 2.0 * FOLLOWED * step * error, velocity=velocity)
-    return FOLLOWER.joined(after), velocity
-
-
 def is_fresh(known: SimpleNamespace, position: ca.SX, present: ca.SX) -> ca.SX:
     """Whether a position in [m] is measured that is not the last one in ``known``."""
     return present * (ca.sumsqr(position - known.last) > 0.0)
@@ -278,6 +253,7 @@ def compass_checked(
     heading: ca.SX,
     turn: ca.SX,
     alone: ca.SX,
+    stuck: ca.SX,
     deviation: ca.SX,
 ) -> tuple[ca.SX, ca.SX, ca.SX]:
     """What is known after a heading, the heading without its jumps, and whether it has jumped.
@@ -290,11 +266,13 @@ def compass_checked(
         heading: As measured in [rad].
         turn: By the gyros in [rad/s].
         alone: Whether no airspeed is used, and the gyros tell the turn.
+        stuck: Whether it stays the same though it turns.
         deviation: Standard deviation of the heading's noise in [rad].
     """
     jump = ca.remainder(heading - known.heading - elapsed * turn, math.tau)
     most = SNAP + SNAP_RATE * elapsed + SNAP_DEVIATIONS * deviation
-    snapped = ca.remainder(known.snapped + (ca.fabs(jump) > most) * jump, math.tau)
+    jumps = ca.logic_or(ca.fabs(jump) > most, stuck)
+    snapped = ca.remainder(known.snapped + jumps * jump, math.tau)
     snapped = ca.if_else(alone, snapped, 0.0)
     after = SimpleNamespace(heading=heading, snapped=snapped)
     return COMPASS_CHECK.joined(after), heading - snapped, ca.fabs(snapped) > AGREEING * SNAP
@@ -399,6 +377,13 @@ def air_checked(
     return AIR_CHECK.joined(known), out, ca.atan2(way[1], way[0]), ca.fmax(along, 0.0)
 
 
+def repeated(state: ca.SX, stuck: ca.SX) -> ca.SX:
+    """State after a reading that may be stuck; one that no longer is must agree first."""
+    freed = ca.logic_and(state == CODE[STUCK], ca.logic_not(stuck))
+    state = ca.if_else(ca.logic_and(state == CODE[USED], stuck), CODE[STUCK], state)
+    return ca.if_else(freed, CODE[JUMPED], state)
+
+
 def _stuck(
     known: SimpleNamespace,
     elapsed: ca.SX,
@@ -409,7 +394,7 @@ def _stuck(
 ) -> ca.SX:
     """State of an airspeed that may stay the same, compared with how the aircraft is accelerated.
 
-    Once it changes again it must agree first. ``known`` takes what is known after it.
+    ``known`` takes what is known after it.
     """
     changed = ca.logic_not(reading == known.reading)
     known.stood = ca.if_else(changed, 0.0, known.stood + elapsed)
@@ -418,9 +403,8 @@ def _stuck(
     known.reading = reading
     gained = ca.fmin(ca.fabs(known.gained), ca.fabs(along - known.speed)) > STUCK_CHANGE
     stands = ca.logic_and(known.stood > STUCK_FOR, gained)
-    freed = ca.logic_and(changed, reason == CODE[STUCK])
-    reason = ca.if_else(ca.logic_and(stands, reason == CODE[USED]), CODE[STUCK], reason)
-    return ca.if_else(freed, CODE[JUMPED], reason)
+    stays = ca.logic_and(ca.logic_not(changed), reason == CODE[STUCK])
+    return repeated(reason, ca.logic_or(stands, stays))
 
 
 def _compared(

@@ -97,6 +97,10 @@ BY_SENSORS = (
 )
 QUICK = Layout(slow=3, averaged=3, squares=2, products=2, by_sensors=2)
 
+# What positions alone tell of the ground velocity: up to which frequency, and how exactly
+FOLLOWED, FOLLOWED_DEVIATION = 1.0, 1.0  # rad/s, m/s
+FOLLOWER = Layout(place=3, velocity=3)
+
 
 def initial_lane() -> NDArray[np.float64]:
     """What a filter knows before anything is measured, shape (LANE.size,)."""
@@ -273,6 +277,27 @@ def corrected(lane: SimpleNamespace, measured: ca.SX, noise: ca.SX) -> ca.SX:
     lane = SimpleNamespace(**vars(lane))
     lane.state, lane.triangle = after, ca.vertcat(*triangle)
     return LANE.joined(lane)
+
+
+def followed(
+    known: SimpleNamespace, elapsed: ca.SX, position: ca.SX, fresh: ca.SX, acceleration: ca.SX
+) -> tuple[ca.SX, ca.SX]:
+    """What is known after a position, and the velocity over ground by positions, in [m/s].
+
+    Args:
+        known: By :data:`FOLLOWER`.
+        elapsed: Since the measurement before in [s].
+        position: As measured, shape (3,), in [m].
+        fresh: 1 where one is measured that is not the one before, else 0.
+        acceleration: By which the velocity turns, shape (3,), in [m/s^2].
+    """
+    velocity = known.velocity + elapsed * acceleration
+    place = known.place + 0.5 * elapsed * (known.velocity + velocity)
+    error = fresh * (position - place)
+    step = ca.fmin(elapsed, 0.5 / FOLLOWED)  # else it would not come to rest
+    velocity += FOLLOWED**2 * step * error
+    after = SimpleNamespace(place=place + 2.0 * FOLLOWED * step * error, velocity=velocity)
+    return FOLLOWER.joined(after), velocity
 
 
 def _averaged(

@@ -225,6 +225,12 @@ class SimulatorParameters(HoldParameters, FrameParameters):
         "Of the positions: frozen at the one measured last, or silent; then no state is published.",
         choices=("none", "frozen", "silent"),
     )
+    heading_fault: str = parameter(
+        "none", "Of the heading: stuck at the one measured last.", choices=("none", "stuck")
+    )
+    velocity_fault: str = parameter(
+        "none", "Of the ground velocity: stuck at the one measured last.", choices=("none", "stuck")
+    )
     velocity_gain: float = parameter(
         1.0, "Share of the ground velocity that is measured; -1 turns its sign.", "", -2.0, 2.0
     )

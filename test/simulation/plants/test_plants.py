@@ -239,6 +239,23 @@ def test_a_measured_airspeed_is_never_negative_and_none_stays_none():
     assert sensor.measure(replace(TRUTH, airspeed=None)).airspeed is None
 
 
+def test_what_is_stuck_keeps_what_it_measured_last_until_it_is_repaired():
+    stuck = dict.fromkeys(("airspeed_fault", "heading_fault", "velocity_fault"), "stuck")
+    sensor = sensors(**stuck, position_fault="frozen")
+    sensor.measure(TRUTH)
+    later = replace(
+        TRUTH, position=TRUTH.position + 1.0, heading=1.0, airspeed=30.0, ground_velocity=np.ones(3)
+    )
+    seen = sensor.measure(later)
+    np.testing.assert_array_equal(seen.state(seen.airspeed), TRUTH.state(TRUTH.airspeed))
+    np.testing.assert_array_equal(seen.ground_velocity, TRUTH.ground_velocity)
+    sensor.change(SimulatorParameters(heading_fault="stuck"))
+    seen = sensor.measure(later)
+    assert (seen.heading, seen.airspeed) == (TRUTH.heading, 30.0)
+    sensor.change(SimulatorParameters())
+    assert sensor.measure(later) is later
+
+
 def test_biases_are_added_to_what_they_name_alone():
     biases = {"heading_bias": 0.1, "airspeed_bias": 2.0, "turn_rate_bias": -0.03}
     measured = sensors(velocity_bias=(1.0, -2.0, 0.5), **biases).measure(TRUTH)

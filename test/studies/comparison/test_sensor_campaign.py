@@ -61,10 +61,16 @@ def test_gusts_along_a_rigid_aircraft_are_no_fault_of_its_airspeed(seed):
 
 @pytest.mark.parametrize(
     ("seed", "name"),
-    [(1013, "reversed"), (1018, "off"), pytest.param(1004, "reversed", marks=LONG)],
+    [
+        (1013, "reversed"),
+        (1018, "off"),
+        (1003, "held"),
+        (1003, "still"),
+        pytest.param(1004, "reversed", marks=LONG),
+    ],
 )
 def test_a_rigid_aircraft_flies_on_whatever_fails(seed, name):
-    """Ground velocities of the wrong sign, and an airspeed 6 m/s too high in moderate gusts.
+    """A heading and a velocity that are stuck; velocities of the wrong sign; an airspeed too high.
 
     The climb is no more known then; and nobody knows for 20 s which of the two is wrong.
     """
@@ -135,7 +141,7 @@ def test_a_ground_velocity_that_positions_contradict_is_flown_without(plant, wro
     """It is believed at first, and with it a wind that does not blow."""
     log = flown_two_minutes(plant, wrong, "uav_simulator.gust_intensity=7.7")
     named = [each for each in log.sensors if each.sensor == "ground velocity"]
-    assert [each.state for each in named] == ["off"]
+    assert {each.state for each in named} <= {"off", "stuck"}  # as one that stays at 0 is
     assert 60.0 <= named[0].time < 63.5
     assert {each.sensor for each in log.sensors} <= {"ground velocity", "position"}
     assert np.abs(log.error[log.time > 90.0, 0]).max() < 2.0
@@ -158,7 +164,9 @@ def test_an_aircraft_without_an_airspeed_bears_one_more_failure(plant, wrong, se
     """The gyros tell that a heading jumps, and positions alone how the aircraft moves."""
     log = flown_two_minutes(plant, wrong, "uav_simulator.airspeed_fault=silent")
     named = [each for each in log.sensors if each.sensor == sensor]
-    assert [each.state for each in named] == ["jumped" if sensor == "heading" else "off"]
+    assert {each.state for each in named} <= (
+        {"jumped"} if sensor == "heading" else {"off", "stuck"}
+    )
     assert 60.0 <= named[0].time < 63.5
     assert np.abs(log.error[log.time > 100.0, 0]).max() < 1.5
     airspeeds = log.vehicle[log.time > 60.0, 5]

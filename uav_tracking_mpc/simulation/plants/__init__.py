@@ -32,7 +32,7 @@ import dataclasses
 import math
 from abc import ABC, abstractmethod
 from collections import deque
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -52,7 +52,7 @@ from uav_tracking_mpc.simulation.plan_follower import PlanFollower
 ERRORS = (
     *("position_noise", "velocity_noise", "attitude_noise", "airspeed_noise"),
     *("velocity_bias", "heading_bias", "airspeed_bias", "turn_rate_bias", "position_bias"),
-    *("airspeed_fault", "position_fault", "velocity_gain"),
+    *("airspeed_fault", "position_fault", "heading_fault", "velocity_fault", "velocity_gain"),
 )
 TIME_ROUNDING = 1e-9  # s, rounding by which a measurement may be too young
 
@@ -70,8 +70,7 @@ class VehicleSensors:
 
     def __init__(self, parameters: SimulatorParameters, seed: np.random.SeedSequence) -> None:
         self._held: deque[Measurement] = deque()
-        self._left: tuple[float, float] | None = None  # airspeed [m/s], height [m] as it got stuck
-        self._place: NDArray[np.float64] | None = None  # at which the position is frozen
+        self._kept: dict[str, Any] = {}  # readings at which sensors are stuck, by their names
         self._random = np.random.default_rng(seed)
         self.change(parameters)
 
@@ -89,13 +88,11 @@ class VehicleSensors:
             [*parameters.position_bias, heading, 0.0, airspeed, *parameters.velocity_bias]
         )
         self._parameters, self._told = parameters, _told(parameters)
-        if parameters.airspeed_fault not in ("stuck", "blocked"):
-            self._left = None
-        if parameters.position_fault != "frozen":
-            self._place = None
-        faulty = parameters.airspeed_fault != "none", parameters.position_fault != "none"
+        faults = {name: getattr(parameters, f"{name}_fault") for name in FAILING}
+        self._kept = {name: kept for name, kept in self._kept.items() if faults[name] in KEEPING}
         errors = *self._deviations, *self._biases, parameters.turn_rate_bias
-        self._wrong = any(errors) or any(faulty) or parameters.velocity_gain != 1.0
+        faulty = any(fault != "none" for fault in faults.values())
+        self._wrong = any(errors) or faulty or parameters.velocity_gain != 1.0
 
     def measure(self, truth: Measurement) -> Measurement:
         """What is measured; every call draws anew.
@@ -124,35 +121,34 @@ class VehicleSensors:
         position, attitude, ground_velocity = errors.reshape(3, 3)
         heading, path_angle, airspeed = attitude.tolist()
         right_angle, known = 0.5 * math.pi, self._parameters
-        place = truth.position + position
-        if known.position_fault == "frozen":
-            self._place = place = place if self._place is None else self._place
-        elif known.position_fault == "silent":
-            place = np.full(3, math.nan)
+        silent = known.position_fault == "silent"
+        place = np.full(3, math.nan) if silent else truth.position + position
+        velocity = known.velocity_gain * truth.ground_velocity + ground_velocity
         return dataclasses.replace(
             truth,
-            position=place,
-            ground_velocity=known.velocity_gain * truth.ground_velocity + ground_velocity,
-            heading=float(wrap_angle(truth.heading + heading)),
+            position=self._stuck("position", place),
+            ground_velocity=self._stuck("velocity", velocity),
+            heading=self._stuck("heading", float(wrap_angle(truth.heading + heading))),
             path_angle=min(max(truth.path_angle + path_angle, -right_angle), right_angle),
             turn_rate=truth.turn_rate + known.turn_rate_bias,
             airspeed=self._airspeed(truth, airspeed),
             noise=self._told,
         )
 
+    def _stuck(self, name: str, reading: Any) -> Any:
+        """The reading, or that at which the sensor got stuck."""
+        failing = getattr(self._parameters, f"{name}_fault") in KEEPING
+        return self._kept.setdefault(name, reading) if failing else reading
+
     def _airspeed(self, truth: Measurement, error: float) -> float | None:
         """Reading of the airspeed sensor, as its fault lets it through."""
         fault = self._parameters.airspeed_fault
         if truth.airspeed is None or fault == "silent":
             return None
-        height, reading = float(truth.position[2]), max(truth.airspeed + error, 0.0)
-        if fault == "none":
-            return reading
-        if self._left is None:
-            self._left = reading, height
-        airspeed, sealed = self._left
-        if fault == "stuck":
-            return airspeed
+        height = float(truth.position[2])
+        airspeed, sealed = self._stuck("airspeed", (max(truth.airspeed + error, 0.0), height))
+        if fault != "blocked":
+            return float(airspeed)
         # The static pressure falls by rho g per metre, that in the blocked tube does not.
         return math.sqrt(max(airspeed**2 + 2.0 * GRAVITY * (height - sealed), 0.0))
 
@@ -168,6 +164,8 @@ def _told(parameters: SimulatorParameters) -> SensorNoise:
     )
 
 
+FAILING = ("airspeed", "position", "heading", "velocity")
+KEEPING = ("stuck", "frozen", "blocked")  # faults by which a sensor keeps what it measured last
 PACE = ("speed", "command_delay")  # of the parameters, what is not about the plant
 AIR = ("wind", "gust_intensity")  # of the parameters, what a plant makes its air of
 
